@@ -208,9 +208,10 @@ typedef struct {
   const mg_real *scale;              /* [length of x] size of each state, against which its error is measured */
 
   mg_real gravity[3]; /* m/s^2, world axes */
-  mg_real length;     /* characteristic length, m; settings refer to it as "length" */
-  mg_real mass;       /* characteristic mass, kg */
-  mg_real time;       /* characteristic time, s; settings refer to it as "time" */
+  mg_real length; /* characteristic length, m; settings refer to it as "length". "pair length": the smaller radius of
+                     the two balls of a pair, at least this */
+  mg_real mass;   /* characteristic mass, kg */
+  mg_real time;   /* characteristic time, s; settings refer to it as "time" */
 } mg_system;
 
 /* Law of restitution; the coefficient e is the ratio of what is restored to what was there before. */
@@ -287,7 +288,7 @@ typedef struct {
   mg_real joint_rank_tolerance;   /* a joint row depends on other joint rows if no more than this part of its diagonal
                                      entry of J M^-1 J^T is independent of them; it then gets no force */
   mg_real penetration_limit;      /* a run ends where bodies penetrate deeper than this times length */
-  mg_real appear_depth;           /* a contact may appear in a run with d >= -appear_depth * length */
+  mg_real appear_depth;           /* a contact may appear in a run with d >= -appear_depth * pair length */
   mg_real step_min;               /* a step below step_min * time ends the run */
   mg_real margin_warn;            /* a contact that starts at a zero of its margin has no bound on it up to here */
   mg_real margin_refuse;          /* a closed contact whose margin falls below this ends the run */
@@ -296,12 +297,12 @@ typedef struct {
   mg_real appear_tilt_sine; /* a closest point on a vertex or edge is accepted if no watched condition of it, the
                                sine of a tilt, is below -appear_tilt_sine */
   mg_real search_margin;    /* a search drops closest points with a margin below this */
-  mg_real search_merge_distance; /* closest points nearer to each other than search_merge_distance * length are one */
-  mg_real search_gap;            /* contacts that appear in a run are followed from gaps below search_gap * length */
-  mg_real search_movement;      /* MG_SEARCH_MOVED: a pair is searched after it has moved by search_movement * length */
-  mg_real flat_angle;           /* rad: faces within this angle of parallel lie flat on each other */
-  mg_real imaginary_edge;       /* rad: a face turns about a tangent of its curved rim, fixed in the body, up to this
-                                   tilt (section 5.3 of the paper); 0: it rolls on the rim at once */
+  mg_real search_merge_distance; /* closest points nearer than search_merge_distance * pair length are one */
+  mg_real search_gap;      /* contacts that appear in a run are followed from gaps below search_gap * pair length */
+  mg_real search_movement; /* MG_SEARCH_MOVED: a pair is searched after it has moved by search_movement * pair length */
+  mg_real flat_angle;      /* rad: faces within this angle of parallel lie flat on each other */
+  mg_real imaginary_edge;  /* rad: a face turns about a tangent of its curved rim, fixed in the body, up to this
+                              tilt (section 5.3 of the paper); 0: it rolls on the rim at once */
   mg_real boundary_coincidence; /* boundaries of two faces nearer than boundary_coincidence * length coincide */
   mg_real feature_border;       /* a condition fails where it is below -feature_border (lengths: times length) */
   mg_real time_resolution;      /* functions of time are sampled every time_resolution * time */

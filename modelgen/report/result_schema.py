@@ -173,6 +173,8 @@ _PROPERTIES = {
     "penetration_max": entry(
         NUMBER, "deepest penetration of a pair of bodies with a contact, at an accepted step, m"
     ),
+    "penetration_t": entry(NUMBER, "time of the deepest penetration, s"),
+    "penetration_pair": entry("string", "the pair that penetrates deepest, or empty"),
     "joint_error_max": entry(
         NUMBER, "largest deviation from the equations of the joints at the start and at accepted steps, m"
     ),

@@ -191,7 +191,7 @@ def _trajectory(
     wall: float,
 ) -> Trajectory:
     run, shared = session.run, session.shared
-    failed = run.failed_contact
+    failed, deepest = run.failed_contact, run.penetration_contact
     return Trajectory(
         scene=session.instance["name"],
         **recording.columns(),
@@ -212,6 +212,8 @@ def _trajectory(
         energy_drift=session.energy_drift(run),
         gap_max=float(run.gap_max),
         penetration_max=float(run.penetration_max),
+        penetration_t=float(run.penetration_t),
+        penetration_pair=session.contacts[deepest].partition("#")[0] if deepest >= 0 else "",
         joint_error_max=float(run.joint_error_max),
         complementarity_max=float(run.complementarity_max),
         margin_min=float(min(run.margin_min, 1.0)),

@@ -170,6 +170,8 @@ class Trajectory:
     kinds: tuple[str, ...]
     instructions: dict[str, int]
     accuracy: str
+    penetration_t: float = 0.0  # s, of `penetration_max`
+    penetration_pair: str = ""  # the pair that penetrates so deep, "" where none does
     undeclared: tuple[Passage, ...] = ()  # pairs that no contact lists and that overlapped, by time
     warnings: tuple[str, ...] = ()
     fallback_step: float = 0.0  # s, longest step of time-stepping by which an event-driven run went on; or 0
@@ -251,6 +253,8 @@ class Trajectory:
             "energy_drift": self.energy_drift,
             "gap_max": self.gap_max,
             "penetration_max": self.penetration_max,
+            "penetration_t": self.penetration_t,
+            "penetration_pair": self.penetration_pair,
             "joint_error_max": self.joint_error_max,
             "complementarity_max": self.complementarity_max,
             "margin_min": self.margin_min,

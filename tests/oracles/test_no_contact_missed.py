@@ -7,12 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from modelgen import Accuracy
+from modelgen import Accuracy, simulate
 from modelgen.rotations import rotation_of
 from modelgen.runtime.trajectory import Outcome, Trajectory
 from modelgen.scene import python_scenes as make
+from tests.benchmarks.cliff_scenes import links_and_dust
 from tests.benchmarks.non_convex_scenes import judge
 from tests.oracles.pieces import TABLE, ran
+from tests.running import library_of
 
 Array = np.ndarray[Any, Any]
 
@@ -169,6 +171,18 @@ def test_a_stone_never_leaves_a_hollow(name: str, seed: int) -> None:
     sphere /= np.linalg.norm(sphere, axis=1)[:, None]
     for p, q in zip(path.p[:, 1], path.quaternion[:, 1], strict=True):
         assert outside(p + (sphere * axes) @ rotation_of(tuple(map(float, q))).T).max() < 1e-9
+
+
+@pytest.mark.parametrize("decade", range(1, 5))
+def test_searches_of_large_bodies_do_not_depend_on_a_small_one(decade: int) -> None:
+    """A ball far away, by decades of its radius, sets the characteristic length, but no search of others."""
+    alone, beside = (
+        simulate(library_of(links_and_dust(radius)), until=1.0, samples=20, estimate=False)
+        for radius in (0.0, 0.6 * 10.0**-decade)
+    )
+    assert beside.outcome is Outcome.DONE
+    assert np.abs(beside.p[:, 2] - alone.p[:, 2]).max() < 1e-7
+    assert beside.steps < 2 * alone.steps  # one for each 0.05 radii of the ball: 1.7 to 1700 times as many
 
 
 @pytest.mark.cases(5)

@@ -196,8 +196,8 @@ MG_INTERNAL void mg_insert_minimum(const mg_context *c, mg_minima *kept, const m
    features of the other; -MG_MAX if no faces are known. An extremum below it is not a minimum of the distance. */
 MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair);
 
-/* Gaps at which a contact may appear during a run. */
-MG_INTERNAL mg_search_limits mg_appearance_limits(const mg_context *c);
+/* Gaps at which a contact of a pair may appear during a run. */
+MG_INTERNAL mg_search_limits mg_appearance_limits(const mg_context *c, int pair);
 
 /* Adds the minima of a feature pair with gaps within the limits and not below `least` to those kept. A search that had
    to be given up is reported. */

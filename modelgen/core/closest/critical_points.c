@@ -307,7 +307,7 @@ static mg_real mg_least_distance(const mg_cell_view *a, const mg_cell_view *b) {
    of the search; -MG_MAX if it cannot be given. */
 static mg_real mg_bound_open_gap(mg_critical_search *s, const int *root) {
   mg_context *c = s->c;
-  const mg_real coarse = c->settings->search_gap * c->system->length / MG_OPEN_CELLS;
+  const mg_real coarse = mg_search_reach(c, c->system->feature_pair_owner[s->feature_pair]) / MG_OPEN_CELLS;
   mg_real least = MG_MAX;
   int count = 1;
   c->search.cell_pairs[0] = root[0], c->search.cell_pairs[1] = root[1];
@@ -339,7 +339,7 @@ MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const
   s.has_cells = !mg_has_nearest_point(c, feature_pair, 1 - s.first);
   mg_limit_coordinates(c, feature_pair, s.first, s.allowed);
   mg_limit_coordinates(c, feature_pair, 1 - s.first, s.allowed + 1);
-  s.smallest = c->settings->search_merge_distance * c->system->length / 4;
+  s.smallest = c->settings->search_merge_distance * mg_pair_length(c, c->system->feature_pair_owner[feature_pair]) / 4;
   s.curves = (mg_feature_dimension(c, feature_pair, s.first) == 1) |
              (mg_feature_dimension(c, feature_pair, 1 - s.first) == 1) << 1;
   mg_real own[9], others[9];

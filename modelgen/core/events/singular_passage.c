@@ -86,7 +86,7 @@ static int mg_find_point_after_passage(mg_context *c, int contact, mg_real *eta)
   for (int k = 0; k < n; k++) trial_eta[k] = eta[k];
   if (!n) {
     mg_place_contact(c, contact, trial_eta, next);
-    return mg_placement_margin(c) > c->settings->search_margin && fabs(c->search.placement[0]) <= touching;
+    return mg_placement_margin(c, contact) > c->settings->search_margin && fabs(c->search.placement[0]) <= touching;
   }
   if (mg_newton_on_feature_pair(c, contact, trial_eta) >= 0 && mg_accept_minimum(c, feature_pair, trial_eta, &found))
     mg_insert_minimum(c, &kept, &found);
@@ -111,7 +111,7 @@ static mg_real mg_point_distance(const mg_real *a, const mg_real *b) {
 static int mg_has_swapped_contact_points(const mg_context *c, int contact) {
   const mg_singular_passage *v = &c->events.passage;
   const mg_real *from = v->point + 3 * contact, *to = v->landing_point + 3 * contact;
-  const mg_real one = c->settings->search_merge_distance * c->system->length;
+  const mg_real one = c->settings->search_merge_distance * c->contacts.length[contact];
   for (int i = mg_pair_first_contact(c, c->system->contact_pair[contact]); i < contact; i++) {
     if (!c->run->closed[i] || mg_point_distance(v->landing_point + 3 * i, to) > one) continue;
     const mg_real *other = v->point + 3 * i, apart = (mg_real)0.75 * mg_point_distance(other, from);
@@ -130,7 +130,8 @@ static mg_real mg_place_points_after_passage(mg_context *c, mg_real t, mg_real *
     if (!c->run->closed[i]) continue;
     if (!mg_find_point_after_passage(c, i, mg_contact_eta(c, x, i))) return MG_MAX;
     for (int k = 0; k < 3; k++) c->events.passage.landing_point[3 * i + k] = c->search.placement[11 + k];
-    if (!(mg_placement_margin(c) >= c->events.passage.margin)) c->events.passage.margin = mg_placement_margin(c);
+    const mg_real margin = mg_placement_margin(c, i);
+    if (!(margin >= c->events.passage.margin)) c->events.passage.margin = margin;
     if (mg_has_swapped_contact_points(c, i)) return MG_MAX;
     const mg_real distance =
         mg_point_distance(c->events.passage.landing_point + 3 * i, c->events.passage.point + 3 * i);

@@ -334,6 +334,7 @@ typedef struct {
   int *o, *f;                                    /* [per row] bodies o and f; of joint rows bodies a and b */
   int *n_eta;                                    /* [per contact] length of eta; 0 on no feature pair */
   int *parameters;                               /* [per contact] offset into parameters */
+  mg_real *length;                               /* [per contact] length of its pair, m */
   mg_real point_parameters[MG_POINT_PARAMETERS]; /* parameters of the support point looked at last */
 } mg_contact_view;
 

@@ -22,7 +22,7 @@ static int mg_take_accurate_step(mg_context *c, mg_real *h) {
     if (finite && error <= 1) {
       const mg_real next = *h * mg_step_growth(error, most);
       if (c->settings->method == MG_RK4) return MG_DONE;
-      if (mg_has_slip_onset(c)) run->h = c->step.slip_limit;
+      if (mg_has_slip_onset(c)) run->h = next < c->step.slip_limit ? next : c->step.slip_limit;
       else if (next > run->h || *h >= run->h || most < 6) run->h = next;
       return MG_DONE;
     }
@@ -208,7 +208,7 @@ static int mg_advance_step(mg_context *c, mg_real h, mg_record *record, mg_event
     outcome = mg_time_step(c, h, record, events);
     if (!outcome) outcome = mg_count_fallback_step(c, events, first_event, c->run->t - t);
   } else {
-    outcome = mg_event_driven_step(c, h, record, events);
+    outcome = mg_cross_integrable_peak(c, mg_event_driven_step(c, h, record, events), events);
     if (!outcome && mg_has_costly_events(c, events, first_event, c->run->rhs_evals - evaluations)) outcome = MG_CHATTER;
   }
   outcome = mg_explain_failed_outcome(c, outcome);

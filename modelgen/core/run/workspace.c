@@ -90,8 +90,8 @@ static long mg_search_int_memory_size(const mg_system *s) {
 MG_API long mg_work_size(const mg_system *s) {
   const long b = s->n_body, m = s->n_contact, r = mg_row_count(s), k = mg_held_row_capacity(s), n = s->closed_capacity,
              x = mg_state_count(s);
-  return 49 * b + 45 * r + mg_spring_count(s) + 8 * m + s->n_joint_row + 4 * m + s->n_eta + k * k + 3 * k + n * n + n +
-         mg_lcp_work_size((int)k) + mg_count_reals(mg_max_patch_arcs(s), sizeof(mg_arc)) + mg_hull_memory_max(s) +
+  return 49 * b + 45 * r + mg_spring_count(s) + 9 * m + 1 + s->n_joint_row + 4 * m + s->n_eta + k * k + 3 * k + n * n +
+         n + mg_lcp_work_size((int)k) + mg_count_reals(mg_max_patch_arcs(s), sizeof(mg_arc)) + mg_hull_memory_max(s) +
          (MG_STAGES + 12) * x + 32 + 2 * s->n_eta + mg_search_memory_size(s) + mg_event_margin_size(s) +
          m * mg_rolling_start_size() + mg_friction_memory_size(s) + mg_time_sample_size(s) + 2L * s->n_pair +
          6L * s->n_joint;
@@ -173,6 +173,7 @@ static void mg_set_arrays(mg_context *c, mg_real *work, int *iwork) {
   mg_set_cell_arrays(c, &work, &iwork);
   c->patches.arcs = mg_take_memory(&work, mg_max_patch_arcs(s), sizeof(mg_arc)),
   c->patches.hull_memory = mg_take_reals(&work, mg_hull_memory_max(s)); /* pointers first */
+  c->contacts.length = mg_take_reals(&work, m + 1);
   c->bodies.pose = mg_take_reals(&work, 12 * b), c->bodies.twist = mg_take_reals(&work, 6 * b);
   c->bodies.acceleration = mg_take_reals(&work, 6 * b), c->bodies.wrench = mg_take_reals(&work, 6 * b);
   c->rows.J = mg_take_reals(&work, 12 * r), c->rows.MJ = mg_take_reals(&work, 12 * r);

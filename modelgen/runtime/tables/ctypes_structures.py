@@ -396,6 +396,11 @@ def _loads_and_joints(instance: Mapping[str, Any], starts: Mapping[str, list[int
     }
 
 
+def _ball(ball: Mapping[str, Any]) -> tuple[float, ...]:
+    """Centre and radius, -1 where it is unbounded."""
+    return (*ball["centre"], -1.0 if ball["radius"] is None else ball["radius"])
+
+
 def _reals(instance: Mapping[str, Any]) -> dict[str, list[float]]:
     pairs, limits = instance["pairs"], instance["limits"]
     of_contacts = [pairs[c["pair"]]["restitution"] for c in instance["contacts"]]
@@ -407,15 +412,8 @@ def _reals(instance: Mapping[str, Any]) -> dict[str, list[float]]:
             *point_restitutions(instance),
         ],
         "pair_normal": [value for p in (*pairs, *limits) for value in p.get("normal") or (0.0, 0.0, 0.0)],
-        "pair_ball": [
-            *(
-                value
-                for p in pairs
-                for ball in p["bounding_balls"]
-                for value in (*ball["centre"], -1.0 if ball["radius"] is None else ball["radius"])
-            ),
-            *([0.0, 0.0, 0.0, -1.0] * (2 * len(limits))),
-        ],
+        "pair_ball": [value for p in pairs for ball in p["bounding_balls"] for value in _ball(ball)]
+        + [value for _ in limits for value in 2 * _ball({"centre": (0.0, 0.0, 0.0), "radius": None})],
     }
 
 
