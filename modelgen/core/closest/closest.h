@@ -202,8 +202,9 @@ MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, const m
                                         mg_minima *kept);
 
 /* Adds the minima of some feature pairs of one pair of bodies, not below `least`, to those found: all within
-   search_gap, and the nearest one. The gaps that count grow until one is found. `effort` as in mg_search_limits. */
-MG_INTERNAL void mg_search_nearest(mg_context *c, int first, int end, mg_real least, long effort, mg_minima *found);
+   search_gap, and the nearest one. The gaps that count grow until one is found. `effort` as in mg_search_limits.
+   Returns how many searches within search_gap were given up. */
+MG_INTERNAL long mg_search_nearest(mg_context *c, int first, int end, mg_real least, long effort, mg_minima *found);
 
 /* Finds the minima of all pairs at the start and assigns the contacts to them. Returns an outcome. */
 MG_INTERNAL int mg_search_start_pairs(mg_context *c);
