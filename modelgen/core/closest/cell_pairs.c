@@ -351,6 +351,13 @@ static int mg_is_beside(const mg_cell_view *surface, const mg_cell_view *other, 
   return 0;
 }
 
+/* True if points of two cells are farther than `reach` from each other. |v| given. */
+static int mg_are_cells_distant(const mg_cell_view *a, const mg_cell_view *b, const mg_real *v, mg_real distance,
+                                mg_real reach) {
+  if (distance - a->radius - b->radius > reach) return 1;
+  return distance > reach && distance * (distance - reach) > mg_extent_along(a, v) + mg_extent_along(b, v);
+}
+
 /* True if the directions or the distance of the cells rule out a critical pair within the limits. */
 static int mg_are_cells_apart(const mg_cell_view *a, const mg_cell_view *b, const mg_real *v,
                               const mg_search_limits *limits) {
@@ -363,7 +370,7 @@ static int mg_are_cells_apart(const mg_cell_view *a, const mg_cell_view *b, cons
     if (r >= 0 ? near - r > limits->gap || far - r < -limits->depth
                : -r - far > limits->gap || -r - near < -limits->depth)
       return 1;
-  } else if (distance - both > fmax(limits->gap, limits->depth)) return 1;
+  } else if (mg_are_cells_distant(a, b, v, distance, fmax(limits->gap, limits->depth))) return 1;
   const mg_real cosine = mg_dot3(a->direction, b->direction), spread = a->spread + b->spread;
   const int surfaces = (a->kind == MG_VIEW_SURFACE) + (b->kind == MG_VIEW_SURFACE || b->kind == MG_VIEW_PLANE);
   if (b->kind != MG_VIEW_POINT && surfaces == 2 && mg_sum_size(a->direction, b->direction) > spread) return 1;
