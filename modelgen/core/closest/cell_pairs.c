@@ -162,9 +162,10 @@ static mg_real mg_sum_size(const mg_real *a, const mg_real *b) {
 
 /* Gaps of interest where b is a vertex or the centre of a sphere, as distances of that point; of a cavity all. */
 static mg_search_limits mg_limits_of_point(const mg_cell_view *b, const mg_search_limits *limits) {
-  const mg_search_limits all = {MG_MAX, MG_MAX, limits->effort},
-                         moved = {limits->gap + b->sphere_radius, limits->depth - b->sphere_radius, limits->effort};
-  return b->sphere_radius < 0 ? all : moved;
+  mg_search_limits moved = *limits;
+  if (b->sphere_radius < 0) moved.gap = moved.depth = MG_MAX;
+  else moved.gap += b->sphere_radius, moved.depth -= b->sphere_radius;
+  return moved;
 }
 
 /* Distance d of critical points along the normal N of A: d N.n = n.(b - a), where N.n is 1 - |N - n|^2/2. Sets the

@@ -150,7 +150,7 @@ MG_INTERNAL void mg_keep_minimum_at(mg_context *c, int feature_pair, mg_real *et
 
 MG_INTERNAL mg_search_limits mg_appearance_limits(const mg_context *c) {
   const mg_search_limits limits = {c->settings->search_gap * c->system->length,
-                                   c->settings->appear_depth * c->system->length, MG_EFFORT};
+                                   c->settings->appear_depth * c->system->length, MG_EFFORT, MG_MAX};
   return limits;
 }
 
@@ -179,7 +179,7 @@ MG_INTERNAL long mg_search_nearest(mg_context *c, int first, int end, mg_real le
   const mg_real near = c->settings->search_gap * c->system->length;
   const long before = c->run->incomplete_searches;
   long incomplete = 0;
-  mg_search_limits limits = {near, near, effort};
+  mg_search_limits limits = {near, near, effort, near};
   for (;;) {
     for (int each = first; each < end; each++) mg_search_feature_pair(c, each, &limits, least, found);
     if (limits.gap <= near) incomplete = c->run->incomplete_searches - before;
