@@ -4,7 +4,8 @@
 
 FOLDER is a checkout of the other version, such as the last one that sampled the shapes (the parent of the
 commit "Search closest points by trees of cells"). Each version starts a run of two free bodies at the same
-random poses; both spend nearly all of a start on its search. `first` is the first start of a session, in
+random poses, of which those at which the bodies overlap or have no closest points are left out; nearly all of
+a start is its search. `first` is the first start of a session, in
 which the cells or samples of the shapes are made; `later` are starts at the next poses, which find them. The
 times are CPU times, the least of several rounds in turn with the other version; ratios are to that version.
 """
@@ -31,7 +32,8 @@ SHAPES = {
     "torus": 'kind = "torus", major = 1.0, minor = 0.3',
     "wavy torus": f'kind = "chart", x = "(1 + {WAVY}*cos(v))*cos(u)", y = "(1 + {WAVY}*cos(v))*sin(u)", '
     f'z = "{WAVY}*sin(v)", domain = [[0.0, {TURN}], [0.0, {TURN}]], periodic = [true, true]',
-    "waist": 'kind = "revolution", r = "sin(t)*(1.2 + 0.5*cos(2*t))", z = "-1.2*cos(t)", domain = [0.0, 3.141592653589793]',
+    "waist": 'kind = "revolution", r = "sin(t)*(1.2 + 0.5*cos(2*t))", z = "-1.2*cos(t)", '
+    "domain = [0.0, 3.141592653589793]",
     "egg": 'kind = "ellipsoid", semi_axes = [1.0, 0.7, 0.4]',
     "hollow": 'kind = "ellipsoid", semi_axes = [3.0, 2.4, 2.0], cavity = true',
     "knot": 'kind = "curve", x = "(2 + cos(3*t))*cos(2*t)*0.4", y = "(2 + cos(3*t))*sin(2*t)*0.4", '
@@ -80,7 +82,8 @@ def measured(n: int) -> dict[str, Any]:
         first = [_start(Session(library, Accuracy()), pose) for pose in at]
         session = Session(library, Accuracy())
         later = [min(_start(session, pose) for _ in range(REPEATS)) for pose in at]
-        found[f"{o}, {f}"] = {"first": first, "later": later}
+        codes = [_start(session, pose) and int(session.start_code) for pose in at]
+        found[f"{o}, {f}"] = {"first": first, "later": later, "refused": codes}
     return found
 
 
@@ -126,14 +129,19 @@ def main() -> None:
     rounds = [[run(folder, given.poses) for folder in folders] for _ in range(ROUNDS)]
     here, there = (least([each[k] for each in rounds]) for k in range(2))
     print("median of each, µs, and ratios\n")
-    print("| pair | first | there | ratio | later | there | ratio |\n| --- | --- | --- | --- | --- | --- | --- |")
+    print("| pair | poses | first | there | ratio | later | there | ratio |\n" + "| --- " * 8 + "|")
     ratios: dict[str, list[float]] = {"first": [], "later": []}
     for pair in here:
-        cells = []
+        allowed = np.array(rounds[0][0][pair]["refused"]) == 0
+        cells = [f"{allowed.sum()}"]
         for kind, all_ratios in ratios.items():
-            ours, theirs = here[pair][kind], there[pair][kind]
+            ours, theirs = here[pair][kind][allowed], there[pair][kind][allowed]
             all_ratios += (ours / theirs).tolist()
-            cells += [f"{median(ours) * 1e6:.0f}", f"{median(theirs) * 1e6:.0f}", f"{median(ours / theirs):.2f}"]
+            cells += [
+                f"{median(ours) * 1e6:.0f}",
+                f"{median(theirs) * 1e6:.0f}",
+                f"{median(ours / theirs):.2f}",
+            ]
         print(f"| {pair} | {' | '.join(cells)} |")
     whole = {kind: median(each) for kind, each in ratios.items()}
     print(f"\nmedian ratio of all: first {whole['first']:.2f}, later {whole['later']:.2f}")

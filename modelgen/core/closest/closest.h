@@ -229,7 +229,8 @@ MG_INTERNAL int mg_is_minimum_leaving_feature_pair(mg_context *c, const mg_minim
 /* True if the feature pair is a crossing of two edges of solids that are not both straight. */
 MG_INTERNAL int mg_is_curved_edge_crossing(const mg_context *c, int feature_pair);
 
-/* Margin at which a contact ends at a fold. */
+/* Margin at which a contact ends at a fold: less where it is small for long, as at crossing edges and where features
+   are almost coaxial. */
 MG_INTERNAL mg_real mg_fold_margin_limit(const mg_context *c, int contact);
 
 /* True if a closed contact is too near to where its extremum is lost, unless it starts from there. */

@@ -235,6 +235,7 @@ MG_INTERNAL int mg_is_minimum_accepted(const mg_context *c, const mg_minimum *fo
   const int own = mg_has_own_feature_pairs(c, c->system->feature_pair_owner[found->feature_pair]);
   const int flat =
       mg_is_feature_pair_of_tilted_faces(c, found->feature_pair); /* its margin is small near flat, not near a fold */
+  if (mg_has_centre_curves(c, found->feature_pair)) return found->margin >= c->settings->search_margin;
   return found->margin >= (own || flat ? c->settings->margin_refuse : c->settings->appear_margin);
 }
 
