@@ -40,13 +40,19 @@ def inputs_at(
     """
     random = np.random.default_rng(seed)
     known = _random(formula, derivation, seed, random)
-    own = given.get(formula.name, given)
+    own = own_inputs(formula, given)
     function, found = formula.function, {}
     for k, name in enumerate(function.name_in()):
         size = function.numel_in(k)
         values = np.asarray(known.get(name, random.normal(size=size)), dtype=float).ravel()
         found[name] = _read(own[name], name, size) if name in own and size else values[:size].tolist()
     return found
+
+
+def own_inputs(formula: Formula, given: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The inputs of a formula among those given, by input, or by formula and input."""
+    own: Mapping[str, Any] = given.get(formula.name, given)
+    return own
 
 
 def _read(value: Any, name: str, size: int) -> list[float]:

@@ -11,10 +11,11 @@
 typedef struct {
   mg_real gap, depth; /* -depth <= d <= gap, m */
   long effort;        /* most pairs of cells looked at for one feature pair */
+  mg_real all_within; /* m: once a minimum is found, only gaps up to |d| of the nearest one, or up to this, count */
 } mg_search_limits;
 
 /* All gaps. */
-static const mg_search_limits mg_all_gaps = {MG_MAX, MG_MAX, MG_EFFORT};
+static const mg_search_limits mg_all_gaps = {MG_MAX, MG_MAX, MG_EFFORT, MG_MAX};
 
 /* convex_separation.c */
 
@@ -205,8 +206,9 @@ MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, const m
                                         mg_minima *kept);
 
 /* Adds the minima of some feature pairs of one pair of bodies, not below `least`, to those found: all within
-   search_gap, and the nearest one. The gaps that count grow until one is found. `effort` as in mg_search_limits. */
-MG_INTERNAL void mg_search_nearest(mg_context *c, int first, int end, mg_real least, long effort, mg_minima *found);
+   search_gap, and the nearest one. The gaps that count grow until one is found. `effort` as in mg_search_limits.
+   Returns how many searches within search_gap were given up. */
+MG_INTERNAL long mg_search_nearest(mg_context *c, int first, int end, mg_real least, long effort, mg_minima *found);
 
 /* Finds the minima of all pairs at the start and assigns the contacts to them. Returns an outcome. */
 MG_INTERNAL int mg_search_start_pairs(mg_context *c);
@@ -230,7 +232,8 @@ MG_INTERNAL int mg_is_minimum_leaving_feature_pair(mg_context *c, const mg_minim
 /* True if the feature pair is a crossing of two edges of solids that are not both straight. */
 MG_INTERNAL int mg_is_curved_edge_crossing(const mg_context *c, int feature_pair);
 
-/* Margin at which a contact ends at a fold. */
+/* Margin at which a contact ends at a fold: less where it is small for long, as at crossing edges and where features
+   are almost coaxial. */
 MG_INTERNAL mg_real mg_fold_margin_limit(const mg_context *c, int contact);
 
 /* True if a closed contact is too near to where its extremum is lost, unless it starts from there. */

@@ -151,7 +151,7 @@ MG_INTERNAL void mg_keep_minimum_at(mg_context *c, int feature_pair, mg_real *et
 
 MG_INTERNAL mg_search_limits mg_appearance_limits(const mg_context *c, int pair) {
   const mg_search_limits limits = {mg_search_reach(c, pair), c->settings->appear_depth * mg_pair_length(c, pair),
-                                   MG_EFFORT};
+                                   MG_EFFORT, MG_MAX};
   return limits;
 }
 
@@ -176,14 +176,17 @@ static int mg_is_start_gap_allowed(const mg_context *c, mg_real d) {
   return d >= -c->settings->start_gap * c->system->length;
 }
 
-MG_INTERNAL void mg_search_nearest(mg_context *c, int first, int end, mg_real least, long effort, mg_minima *found) {
+MG_INTERNAL long mg_search_nearest(mg_context *c, int first, int end, mg_real least, long effort, mg_minima *found) {
   const int pair = c->system->feature_pair_owner[first];
   const mg_real near = mg_search_reach(c, pair), length = mg_pair_length(c, pair);
-  mg_search_limits limits = {near, near, effort};
+  const long before = c->run->incomplete_searches;
+  long incomplete = 0;
+  mg_search_limits limits = {near, near, effort, near};
   for (;;) {
     for (int each = first; each < end; each++) mg_search_feature_pair(c, each, &limits, least, found);
+    if (limits.gap <= near) incomplete = c->run->incomplete_searches - before;
     const mg_real nearest = fmin(found->count ? fabs(found->list[0].d) : MG_MAX, c->search.open_gap);
-    if (nearest <= limits.gap || !(limits.gap < MG_MAX)) return;
+    if (nearest <= limits.gap || !(limits.gap < MG_MAX)) return incomplete;
     limits.gap = limits.depth = limits.gap < 1000 * length ? fmax(8 * limits.gap, length / 8) : MG_MAX;
   }
 }
@@ -195,13 +198,21 @@ static int mg_refuse_start(const mg_context *c) {
   return MG_MARGIN;
 }
 
+/* Searches feature pairs at the start as mg_search_nearest does. A run follows what is within search_gap: that farther
+   closest points may have been missed is reported only if there are none. */
+static void mg_search_at_start(mg_context *c, int first, int end, mg_real least, mg_minima *found) {
+  const long before = c->run->incomplete_searches,
+             incomplete = mg_search_nearest(c, first, end, least, MG_EFFORT, found);
+  if (found->count) c->run->incomplete_searches = before + incomplete;
+}
+
 /* Start of a pair whose contacts have feature pairs of their own. Returns an outcome. */
 static int mg_start_own_feature_pairs(mg_context *c, int pair) {
   const mg_system *s = c->system;
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
     const int feature_pair = s->contact_feature_pair[i];
     mg_minima found = {0};
-    mg_search_nearest(c, feature_pair, feature_pair + 1, -MG_MAX, MG_EFFORT, &found);
+    mg_search_at_start(c, feature_pair, feature_pair + 1, -MG_MAX, &found);
     c->run->failed_contact = i;
     if (!found.count && mg_is_unconditional_feature_pair(c, feature_pair)) return mg_refuse_start(c);
     if (found.count && found.list[0].undecided) return MG_NO_OUTSIDE;
@@ -217,7 +228,7 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
   const int first = mg_pair_first_contact(c, pair), end = mg_pair_first_contact(c, pair + 1);
   const mg_real least = mg_separating_plane_gap(c, pair) - c->settings->start_gap * s->length;
   mg_minima found = {0};
-  mg_search_nearest(c, s->pair_feature_pair[pair], s->pair_feature_pair[pair + 1], least, MG_EFFORT, &found);
+  mg_search_at_start(c, s->pair_feature_pair[pair], s->pair_feature_pair[pair + 1], least, &found);
   c->run->failed_contact = first;
   const int feature_pair = s->pair_feature_pair[pair];
   if (!found.count && mg_is_unconditional_feature_pair(c, feature_pair) &&

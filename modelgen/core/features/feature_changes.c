@@ -236,6 +236,7 @@ MG_INTERNAL int mg_is_minimum_accepted(const mg_context *c, const mg_minimum *fo
   const int own = mg_has_own_feature_pairs(c, c->system->feature_pair_owner[found->feature_pair]);
   const int flat =
       mg_is_feature_pair_of_tilted_faces(c, found->feature_pair); /* its margin is small near flat, not near a fold */
+  if (mg_has_centre_curves(c, found->feature_pair)) return found->margin >= c->settings->search_margin;
   return found->margin >= (own || flat ? c->settings->margin_refuse : c->settings->appear_margin);
 }
 
@@ -373,10 +374,20 @@ static int mg_is_search_needless(const mg_context *c, int pair) {
   return 0;
 }
 
+/* Least margin of the closed contacts of a pair, 1 at most. */
+static mg_real mg_least_closed_margin(const mg_context *c, int pair) {
+  mg_real least = 1;
+  for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
+    if (c->run->closed[i] && c->run->margin[i] < least) least = fmax(c->run->margin[i], (mg_real)0);
+  return least;
+}
+
 /* Movement of a pair, m, after which it is searched again: at most the gap of closest points that no contact follows,
-   so that they are seen before they are deep. */
+   so that they are seen before they are deep. Beside a closed contact the gap is less by the factor of its margin, and
+   so is the gap of closest points that become a minimum there. */
 static mg_real mg_movement_until_search(const mg_context *c, int pair) {
-  const mg_real least = c->settings->appear_depth / MG_SEARCHES_IN_DEPTH, most = c->settings->search_movement;
+  const mg_real least = c->settings->appear_depth / MG_SEARCHES_IN_DEPTH,
+                most = c->settings->search_movement * mg_least_closed_margin(c, pair);
   const mg_real length = mg_pair_length(c, pair);
   return fmin(most * length, fmax(c->run->unfollowed_gap[pair], least * length));
 }

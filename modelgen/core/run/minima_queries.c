@@ -9,7 +9,7 @@ static int mg_search_query(mg_context *c, const mg_minima_queries *q, mg_minima 
                                                                        c->system->pair_feature_pair[pair + 1] == q->end;
   const mg_real least =
       is_whole ? mg_separating_plane_gap(c, pair) - c->settings->start_gap * c->system->length : -MG_MAX;
-  const mg_search_limits limits = {q->gap, q->depth, q->effort};
+  const mg_search_limits limits = {q->gap, q->depth, q->effort, MG_MAX};
   if (q->is_nearest) {
     mg_search_nearest(c, q->first, q->end, least, q->effort, found);
     return 0;
