@@ -225,6 +225,11 @@ _PROPERTIES = {
     ),
     "joints": entry("object", "each joint at the last sample", additionalProperties=_JOINT),
     "patches": entry("object", "each pair of faces that rest on each other", additionalProperties=_PATCH),
+    "sensors": entry(
+        "object",
+        "each component of a sensor at the last sample, null where it is not known",
+        additionalProperties={"type": ["number", "null"]},
+    ),
     "final": entry("object", "each body at the last sample", additionalProperties=_STATE),
     "kinds": entry("array", "names of the kinds the model uses", items={"type": "string"}),
     "instructions": entry(

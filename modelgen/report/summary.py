@@ -48,6 +48,9 @@ def print_summary(summary: dict[str, Any], console: Console) -> None:
             line += f", friction ({_vector(patch['friction'])}), torque {patch['torque']:.6g}"
         console.print(line, markup=False, soft_wrap=True)
     _print_joints(summary["joints"], _largest(summary["final"], "p"), console)
+    shown = [f"{name} {value:.6g}" for name, value in summary["sensors"].items() if value is not None]
+    if shown:
+        console.print(f"sensors: {', '.join(shown)}", markup=False, soft_wrap=True)
     for key in ("out", "plot"):
         if summary[key] is not None:
             print_written(summary[key], console)

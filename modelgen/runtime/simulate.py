@@ -11,6 +11,7 @@ import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
+from modelgen.notation import component_names
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_keywords, check_span, is_number, with_parameters
 from modelgen.runtime.error_estimate import estimate_of, nudge
@@ -201,6 +202,7 @@ def _trajectory(
         patch_names=tuple(patch["name"] for patch in session.instance["patches"]),
         joint_names=session.joints,
         coordinate_names=coordinate_names(session),
+        sensor_names=component_names(session.instance["sensors"]["names"]),
         events=tuple(_in_order(ending.events)),
         outcome=ending.outcome,
         outcome_contact=session.contacts[failed] if failed >= 0 else "",
