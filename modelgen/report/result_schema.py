@@ -141,6 +141,9 @@ _PROPERTIES = {
     "parameters": entry(
         "object", "the scene's parameters, their values in this run", additionalProperties={"type": NUMBER}
     ),
+    "inputs": entry(
+        "object", "the scene's inputs, their values in this run", additionalProperties={"type": NUMBER}
+    ),
     "t_end": entry(NUMBER, "time that the run reached, s"),
     "outcome": entry("string", "done, interrupted, or what stopped the run"),
     "advice": entry("string", "what the outcome means and what to do about it"),

@@ -182,6 +182,7 @@ class Trajectory:
     doubts: tuple[str, ...] = ()  # reasons why it cannot be trusted, in words
     stopped: bool = False  # by Ctrl-C, maybe as it came to its end: then its outcome is DONE
     parameters: Mapping[str, float] = field(default_factory=dict)  # of the scene, the values of this run
+    inputs: Mapping[str, float] = field(default_factory=dict)  # of the scene, the values of this run
 
     @property
     def position_error(self) -> Array:
@@ -238,6 +239,7 @@ class Trajectory:
         return {
             "scene": self.scene,
             "parameters": dict(self.parameters),
+            "inputs": dict(self.inputs),
             "t_end": self.t_end,
             "outcome": self.outcome.name.lower(),
             "advice": self.outcome.value,
