@@ -217,7 +217,10 @@ def instance_of(model: Model, known: tuple[Model, dict[str, Any]] | None = None)
         "n_eta": model.n_eta,
         "scales": asdict(model.scales),
         "inputs": [asdict(each) for each in scene.inputs],
-        "sensors": {"names": sensor_names(scene.sensors), "parameters": sensor_parameters(model)},
+        "sensors": {
+            "names": [list(each) for each in sensor_names(scene.sensors)],
+            "parameters": list(sensor_parameters(model)),
+        },
         "initial_q": list(model.initial_q),
         "initial_u": list(model.initial_u),
         "gravity": list(scene.gravity),
