@@ -138,7 +138,10 @@ static int mg_has_slip_coupling(const mg_context *c, const int *list, int n) {
 
 MG_INTERNAL void mg_solve_island_with_friction(mg_context *c, int n, mg_real *amount) {
   const int unsymmetric = mg_has_slip_coupling(c, c->islands.rows, n);
-  if (unsymmetric) mg_couple_slip_to_normal_columns(c, c->islands.rows, n);
+  if (unsymmetric) {
+    mg_keep_symmetric_rows(c, n);
+    mg_couple_slip_to_normal_columns(c, c->islands.rows, n);
+  }
   for (int j = 0; j < n && c->run->forces_redundant; j++)
     for (int r = 0; r < n; r++) c->lcp.b[r] += c->lcp.A[r + n * j] * c->run->reference_force[c->islands.rows[j]];
   if (unsymmetric) mg_solve_unsymmetric_rows(c, c->islands.rows, n, c->lcp.z);
