@@ -25,7 +25,7 @@ MG_INTERNAL void mg_sample_event_margins(mg_context *c, int sample) {
   const mg_system *s = c->system;
   const mg_event_margin *now = mg_event_margins_of_sample(c, MG_MARGIN_SAMPLES);
   mg_event_margin *taken = mg_event_margins_of_sample(c, sample), *constraints = taken + s->n_contact;
-  for (int i = 0; i < c->layout.support_begin; i++) {
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
     taken[i].lower =
         c->run->closed[i] && c->run->active[i] ? c->solution.force[i] + mg_acceleration_tolerance(c) * s->mass : MG_MAX;
     taken[i].upper = taken[i].lower;

@@ -87,7 +87,7 @@ static int mg_is_nonfinite_ahead(const mg_context *c, int function, mg_real ahea
 /* First function of time that is not finite now or ahead, or has a pole here, or -1. Leaves the poses at the
    run's state. */
 static int mg_first_unbounded_function(mg_context *c, mg_real ahead) {
-  if (!mg_all_finite(c->layout.n_states, c->run->x)) return -1;
+  if (!mg_are_states_finite(c, c->run->x)) return -1;
   mg_update_poses(c, c->run->t, c->run->x);
   for (int i = 0; i < c->system->n_load + c->system->n_body + c->system->n_joint; i++)
     if (mg_is_nonfinite_ahead(c, i, ahead) || mg_has_pole(c, i)) return i;

@@ -11,6 +11,7 @@ import numpy as np
 
 from modelgen.codegen.manifest import Manifest
 from modelgen.runtime.accuracy import RESOLVED, Accuracy
+from modelgen.runtime.tables.bounding_balls import BallTables
 from modelgen.runtime.tables.features import FeatureTables, append, cell_capacity
 from modelgen.runtime.tables.friction_rows import FrictionTables
 from modelgen.runtime.tables.joint_limits import add_limits
@@ -29,11 +30,13 @@ SYSTEM_INTEGERS = (
     *("n_body", "n_contact", "n_load", "n_pair", "n_feature_pair"),
     *("n_q", "n_u", "n_eta", "closed_capacity", "n_joint", "n_joint_row"),
     *("n_patch", "n_patch_slot", "n_cell_tree", "n_cell", "n_friction", "n_friction_row"),
+    "n_ball",
 )
 SYSTEM_INDICES = (
     *("body_kind", "body_q", "body_u", "body_parameters"),
     *("contact_pair", "contact_eta", "contact_feature_pair"),
-    *("pair_contact", "pair_feature_pair", "pair_search"),
+    *("pair_contact", "pair_feature_pair", "pair_search", "pair_is_candidate", "pair_balls"),
+    *("ball_body", "ball_partner_begin", "ball_partner", "ball_pair"),
     *(
         "feature_pair_kind",
         "feature_pair_o",
@@ -67,7 +70,7 @@ SYSTEM_REALS = (
         "friction_direction",
         "patch_friction",
         "pair_normal",
-        "pair_ball",
+        "ball",
         "scale",
     ),
 )
@@ -132,6 +135,8 @@ RUN_ARRAYS = (
         "point",
         "moved_since_search",
         "unfollowed_gap",
+        "is_far",
+        "ball_at",
         "closed",
         "active",
         "friction_mode",
@@ -308,9 +313,10 @@ def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) 
     integers = _bodies_and_contacts(instance, starts) | sides.integers | _loads_and_joints(instance, starts)
     add_limits(integers, instance["limits"], starts["limits"])
     add_patches(integers, sides.numbers, parameters, instance)
-    constraints = FrictionTables(instance)
-    integers |= constraints.integers
-    reals = _reals(instance) | {"parameters": parameters, "numbers": sides.numbers} | constraints.reals
+    constraints, balls = FrictionTables(instance), BallTables(instance)
+    integers |= constraints.integers | balls.integers
+    numbers = {"parameters": parameters, "numbers": sides.numbers}
+    reals = _reals(instance) | numbers | constraints.reals | balls.reals
     arrays = {name: np.array(values or [0], dtype=np.intc) for name, values in integers.items()}
     arrays |= {name: np.array(values or [0.0], dtype=tables.dtype) for name, values in reals.items()}
     arrays["scale"] = scale
@@ -318,7 +324,7 @@ def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) 
     rows = _room(manifest), len(instance["joints"]), _row_count(manifest)
     patches = len(instance["patches"]), slot_count(instance)
     trees = max(integers["feature_tree"], default=-1) + 1
-    counts = *rows, *patches, trees, cell_capacity(trees), constraints.count, constraints.rows
+    counts = *rows, *patches, trees, cell_capacity(trees), constraints.count, constraints.rows, balls.count
     system = tables.System(kernels, *_sizes(instance, integers), *states, *counts)
     for name, array in arrays.items():
         setattr(system, name, address(array))
@@ -384,12 +390,6 @@ def _reals(instance: Mapping[str, Any]) -> dict[str, list[float]]:
             *point_restitutions(instance),
         ],
         "pair_normal": [value for p in (*pairs, *limits) for value in p.get("normal") or (0.0, 0.0, 0.0)],
-        "pair_ball": [
-            value
-            for p in pairs
-            for ball in p["bounding_balls"]
-            for value in (*ball["centre"], -1.0 if ball["radius"] is None else ball["radius"])
-        ],
     }
 
 
