@@ -72,16 +72,16 @@ static void mg_bound_cell(mg_context *c, int feature_pair, int side, mg_cell *ce
 
 /* A new cell; 0 if there is no room. */
 static int mg_new_cell(mg_context *c, int feature_pair, int side, const mg_real *box) {
-  if (c->search.n_cells >= c->system->n_cell) return 0;
-  mg_cell *cell = c->search.cells + c->search.n_cells;
+  if (*c->search.n_cells >= c->system->n_cell) return 0;
+  mg_cell *cell = c->search.cells + *c->search.n_cells;
   for (int k = 0; k < 4; k++) cell->box[k] = box[k];
   cell->halves = 0;
   mg_bound_cell(c, feature_pair, side, cell);
-  return c->search.n_cells++;
+  return (*c->search.n_cells)++;
 }
 
 MG_INTERNAL void mg_forget_cells(mg_context *c) {
-  c->search.n_cells = 1;
+  *c->search.n_cells = 1;
   for (int tree = 0; tree < c->system->n_cell_tree; tree++) c->search.tree_root[tree] = 0;
 }
 
@@ -101,7 +101,7 @@ MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side) {
 
 MG_INTERNAL int mg_divide_cell(mg_context *c, int feature_pair, int side, int cell) {
   if (c->search.cells[cell].halves) return c->search.cells[cell].halves;
-  if (c->search.n_cells + 2 > c->system->n_cell) return 0;
+  if (*c->search.n_cells + 2 > c->system->n_cell) return 0;
   const int along = c->search.cells[cell].direction_to_divide;
   mg_real box[4];
   for (int k = 0; k < 4; k++) box[k] = c->search.cells[cell].box[k];

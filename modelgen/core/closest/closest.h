@@ -11,10 +11,11 @@
 typedef struct {
   mg_real gap, depth; /* -depth <= d <= gap, m */
   long effort;        /* most pairs of cells looked at for one feature pair */
+  mg_real near;       /* m: of minima with |d| > near only the nearest one is sought; MG_MAX: all */
 } mg_search_limits;
 
 /* All gaps. */
-static const mg_search_limits mg_all_gaps = {MG_MAX, MG_MAX, MG_EFFORT};
+static const mg_search_limits mg_all_gaps = {MG_MAX, MG_MAX, MG_EFFORT, MG_MAX};
 
 /* convex_separation.c */
 

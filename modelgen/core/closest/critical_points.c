@@ -254,9 +254,17 @@ static void mg_remember_likeliest(mg_critical_search *s, int a, int b, const mg_
   if (merit < s->best_merit) s->best_merit = merit, s->best[0] = a, s->best[1] = b;
 }
 
+/* Narrows the gaps of interest to the nearest minimum found so far, but not below limits.near. */
+static void mg_narrow_limits(mg_critical_search *s) {
+  if (!s->kept->count) return;
+  const mg_real most = fmax(s->limits.near, fabs(s->kept->list[0].d));
+  s->limits.gap = fmin(s->limits.gap, most), s->limits.depth = fmin(s->limits.depth, most);
+}
+
 /* Treats one pair of cells; returns the length of the list of open pairs. */
 static int mg_treat_cells(mg_critical_search *s, int a, int b, int count, int *is_complete) {
   mg_cell_view A, B;
+  mg_narrow_limits(s);
   if (mg_is_cell_beyond(s->c, a, s->allowed) || (s->has_cells && mg_is_cell_beyond(s->c, b, s->allowed + 1)))
     return count;
   mg_view_first(s, a, &A), mg_view_other(s, b, &B);
@@ -351,7 +359,7 @@ MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const
   mg_point_in_shape_axes(c, feature_pair, s.first, origin, s.origin);
   if (!s.has_cells) mg_set_closed_view(&s);
   if (s.other.kind == MG_VIEW_PLANE && !s.has_cells && mg_is_flat_against_plane(&s)) return 1;
-  if (c->search.n_cells > c->system->n_cell / 4 * 3) mg_forget_cells(c);
+  if (*c->search.n_cells > c->system->n_cell / 4 * 3) mg_forget_cells(c);
   root[0] = mg_root_cell(c, feature_pair, s.first);
   if (s.has_cells) root[1] = mg_root_cell(c, feature_pair, 1 - s.first);
   if (!root[0] || (s.has_cells && !root[1])) return 0;

@@ -150,7 +150,7 @@ MG_INTERNAL void mg_keep_minimum_at(mg_context *c, int feature_pair, mg_real *et
 
 MG_INTERNAL mg_search_limits mg_appearance_limits(const mg_context *c) {
   const mg_search_limits limits = {c->settings->search_gap * c->system->length,
-                                   c->settings->appear_depth * c->system->length, MG_EFFORT};
+                                   c->settings->appear_depth * c->system->length, MG_EFFORT, MG_MAX};
   return limits;
 }
 
@@ -177,7 +177,7 @@ static int mg_is_start_gap_allowed(const mg_context *c, mg_real d) {
 
 MG_INTERNAL void mg_search_nearest(mg_context *c, int first, int end, mg_real least, long effort, mg_minima *found) {
   const mg_real near = c->settings->search_gap * c->system->length;
-  mg_search_limits limits = {near, near, effort};
+  mg_search_limits limits = {near, near, effort, near};
   for (;;) {
     for (int each = first; each < end; each++) mg_search_feature_pair(c, each, &limits, least, found);
     const mg_real nearest = fmin(found->count ? fabs(found->list[0].d) : MG_MAX, c->search.open_gap);

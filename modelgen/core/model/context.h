@@ -1,8 +1,8 @@
 /* The context of one call: the caller's structures and the scratch memory, by subject.
 
    Every public function makes an mg_context on its stack (run/workspace.c) and passes it down. Its arrays are parts of
-   the caller's `work` and `iwork`. Scratch is valid within one call, except c->joints, which also lasts from one call
-   of mg_advance to the next.
+   the caller's `work` and `iwork`. Scratch is valid within one call, except c->joints and the trees of cells in
+   c->search, which also last from one call of mg_advance to the next.
 
    Rows are the scalar equations of all constraints, in this order: the normal row of each contact, one of a spare
    contact (which tries feature pairs out), rows of joints, friction rows, springs. The number of a contact is the
@@ -247,7 +247,7 @@ typedef struct {
   mg_sample *samples;             /* [MG_SAMPLES] samples of a feature */
   mg_real *face_gap;              /* [MG_SAMPLES] least gap of a flat face of one solid to the features of another, m */
   mg_cell *cells;                 /* [system->n_cell] cells of all trees; cell 0 is not used */
-  int n_cells;                    /* cells in use, cell 0 included */
+  int *n_cells;                   /* [1] cells in use, cell 0 included */
   int *tree_root;                 /* [per cell tree] its first cell, or 0 */
   mg_real *tree_bound;            /* [per cell tree] where a coordinate has no bound: that of its first cell */
   mg_taylor_model *bounds_memory; /* memory of bounds programs */

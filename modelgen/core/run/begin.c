@@ -86,6 +86,7 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
   mg_context c;
   mg_real kinetic;
   mg_open_context(&c, system, settings, run, work, iwork);
+  mg_forget_cells(&c);
   mg_reset_report(run);
   mg_start_after_kink(&c);
   for (int i = 0; i < system->n_friction; i++)

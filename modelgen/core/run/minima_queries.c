@@ -9,7 +9,7 @@ static int mg_search_query(mg_context *c, const mg_minima_queries *q, mg_minima 
                                                                        c->system->pair_feature_pair[pair + 1] == q->end;
   const mg_real least =
       is_whole ? mg_separating_plane_gap(c, pair) - c->settings->start_gap * c->system->length : -MG_MAX;
-  const mg_search_limits limits = {q->gap, q->depth, q->effort};
+  const mg_search_limits limits = {q->gap, q->depth, q->effort, MG_MAX};
   if (q->is_nearest) {
     mg_search_nearest(c, q->first, q->end, least, q->effort, found);
     return 0;
@@ -57,6 +57,7 @@ MG_API void mg_find_minima(const mg_system *system, const mg_settings *settings,
   mg_context c;
   const mg_minima_queries *q = queries;
   mg_open_context(&c, system, settings, run, work, iwork);
+  mg_forget_cells(&c);
   mg_update_poses(&c, run->t, run->x);
   for (long i = 0; i < q->n; i++) {
     mg_minima found = {0};

@@ -83,7 +83,7 @@ static long mg_search_memory_size(const mg_system *s) {
 
 /* The same, in int. */
 static long mg_search_int_memory_size(const mg_system *s) {
-  return s->n_pair + (s->n_cell_tree ? s->n_cell_tree + 2L * MG_CELL_PAIRS : 0);
+  return s->n_pair + 1 + (s->n_cell_tree ? s->n_cell_tree + 2L * MG_CELL_PAIRS : 0);
 }
 
 /* Memory of the lists of what takes part, in int. */
@@ -203,7 +203,8 @@ static void mg_set_arrays(mg_context *c, mg_real *work, int *iwork) {
   c->search.cells = mg_take_memory(&work, s->n_cell, sizeof(mg_cell)),
   c->search.bounds_memory = mg_take_memory(&work, mg_bounds_memory_max(s), sizeof(mg_taylor_model));
   c->search.face_gap = mg_take_reals(&work, MG_SAMPLES), c->search.tree_bound = mg_take_reals(&work, s->n_cell_tree),
-  c->search.tree_root = mg_take_ints(&iwork, s->n_cell_tree), c->search.is_searched = mg_take_ints(&iwork, s->n_pair),
+  c->search.tree_root = mg_take_ints(&iwork, s->n_cell_tree), c->search.n_cells = mg_take_ints(&iwork, 1),
+  c->search.is_searched = mg_take_ints(&iwork, s->n_pair),
   c->search.cell_pairs = mg_take_ints(&iwork, s->n_cell_tree ? 2L * MG_CELL_PAIRS : 0);
   c->step.rolling_starts = (mg_rolling_start *)(void *)mg_take_reals(&work, m * mg_rolling_start_size());
   c->bodies.motion = mg_take_ints(&iwork, b);
@@ -280,7 +281,6 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
   for (int slot = 0; slot < system->n_patch_slot; slot++) c->patches.barred[slot] = -1, c->patches.trial[slot] = 0;
   for (int pair = 0; pair < system->n_pair; pair++) c->search.is_searched[pair] = 0;
   mg_init_listing(c);
-  mg_forget_cells(c);
   mg_init_joint_rows(c);
   mg_init_spring_rows(c);
   mg_set_incidence(c);
