@@ -2,6 +2,7 @@
    gaps whose minimum lies inside the step are marked. Reads gaps, gap velocities and accelerations; writes only
    those marks. */
 #include "events/events.h"
+#include "model/model.h"
 #include "forces/forces.h"
 
 MG_INTERNAL mg_real mg_penetration_step_limit(const mg_context *c) {

@@ -1,6 +1,7 @@
 /* The active set of closed contacts without friction: which of them carry force, by a complementarity problem in the
    gap accelerations. Writes run->active, forces and slopes. */
 #include "forces/forces.h"
+#include "model/model.h"
 #include "solve/lcp/solvers.h"
 
 MG_INTERNAL mg_real mg_acceleration_tolerance(const mg_context *c) {

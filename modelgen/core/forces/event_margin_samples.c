@@ -3,6 +3,7 @@
    samples, above the intersection of the lines through each of them and its outer neighbour; where that bound is
    negative the function is evaluated there, and so on. Writes samples of event margins and event marks. */
 #include "forces/forces.h"
+#include "model/model.h"
 #include "base/base.h"
 
 static const mg_real mg_margin_time[MG_MARGIN_SAMPLES] = {

@@ -2,6 +2,7 @@
    coefficients. Reads coefficients and modes; writes the cones, bound kinds and row lists of the friction
    workspace, and sets the mode of groups that had none. */
 #include "forces/forces.h"
+#include "model/model.h"
 #include "solve/friction/solvers.h"
 
 MG_INTERNAL void mg_set_friction_bound_kinds(mg_context *c) {

@@ -6,6 +6,7 @@
    of steps in which contacts close or open is at most chatter_work, plus MG_WORK_RATIO times that of time-stepping over
    the time between, plus that of one step. Writes run->event_work. */
 #include "timestep/timestep.h"
+#include "model/model.h"
 #include "forces/forces.h"
 
 enum {
