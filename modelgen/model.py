@@ -179,6 +179,7 @@ class PairEntry:
     bounding_balls: tuple[
         tuple[Vector, float], ...
     ] = ()  # around its shapes, m, axes of the bodies o, f of its first feature pair
+    candidate: bool = False  # followed only while its shapes are near to each other
 
 
 @dataclass(frozen=True, slots=True)

@@ -197,7 +197,7 @@ def _touching(
     all_feature_pairs: list[FeaturePairEntry] = []
     all_contacts: list[ContactEntry] = []
     for index, (name, pair) in enumerate(zip(contact_names(scene), scene.contacts, strict=True)):
-        where = f"{scene.source}: contact[{index}]"
+        where = f"{scene.source}: contact{'s' if pair.candidate else f'[{index}]'}"
         a, b = (wholes.of(partner, f"{where}.between") for partner in pair.between)
         first = len(all_feature_pairs)
         feature_pairs = feature_pairs_of(
@@ -221,7 +221,14 @@ def _touching(
         balls = tuple(each.ball for each in ((b, a) if feature_pairs[0].swapped else (a, b)))
         entries.append(
             PairEntry(
-                name, *ranges, _search(way, feature_pairs), pair.restitution, normal, constraints, balls
+                name,
+                *ranges,
+                _search(way, feature_pairs),
+                pair.restitution,
+                normal,
+                constraints,
+                balls,
+                pair.candidate,
             )
         )
         shown.append(

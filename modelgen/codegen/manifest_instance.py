@@ -261,6 +261,7 @@ def _pair(entry: PairEntry) -> dict[str, Any]:
         "feature_pairs": list(entry.feature_pairs),
         "contacts": list(entry.contacts),
         "search": entry.search,
+        **({"candidate": True} if entry.candidate else {}),
         "restitution": entry.restitution.value,
         **({"law": entry.restitution.law} if entry.restitution.law != "newton" else {}),
         "normal": entry.normal and list(entry.normal),

@@ -7,6 +7,7 @@ from typing import Any
 
 from modelgen.scene import contacts_and_loads, joints
 from modelgen.scene.constants import with_constants
+from modelgen.scene.contact_groups import group_pairs
 from modelgen.scene.patterns import repeated
 from modelgen.scene.remarks import remark_on_gravity
 from modelgen.scene.run_settings import RUN, check_run
@@ -39,11 +40,12 @@ def scene_from_bodies(name: str, bodies: tuple[Body, ...], values: Mapping[str, 
     observe = contacts_and_loads.observed(
         values["observe"], known, (each.name for each in joined), place.key("observe")
     )
+    listed = contacts_and_loads.contacts(values["contact"], known)
     return Scene(
         name=name,
         source=place.source,
         bodies=bodies,
-        contacts=contacts_and_loads.contacts(values["contact"], known),
+        contacts=(*listed, *group_pairs(values["contacts"], listed, known, joined, place.key("contacts"))),
         loads=contacts_and_loads.loads(values, known),
         joints=joined,
         gravity=values["gravity"],

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-FEW_PAIRS = 400  # up to so many, all pairs are followed all the time
+FEW_PAIRS = 400  # up to so many, all pairs that contacts list are followed all the time
 
 Ball = tuple[int, float, float, float, float]  # body; centre, m, in its axes; radius, m, -1 where unbounded
 
@@ -29,7 +29,10 @@ class BallTables:
         is_large = int(len(pairs) + len(limits) > FEW_PAIRS)
         self.count = len(index)
         self.integers = {
-            "pair_is_candidate": [*([is_large] * len(pairs)), *([0] * len(limits))],
+            "pair_is_candidate": [
+                *(is_large or int(pair.get("candidate", False)) for pair in pairs),
+                *([0] * len(limits)),
+            ],
             "pair_balls": [*(ball for both in of_pairs for ball in both), *([-1, -1] * len(limits))],
             "ball_body": [ball[0] for ball in index],
             "ball_partner_begin": begin,
