@@ -47,6 +47,10 @@ def _members(texts: Sequence[str], bodies: Bodies, place: Place) -> list[Partner
         for name in named(text, bodies, place.item(index)):
             body, _, shape = name.partition("/")
             shapes = _shapes_of(body, bodies, place.item(index))
+            if shape and shape not in shapes:
+                allowed = f"shapes of {body!r}: " + ", ".join(shapes)
+                found = f"no shape {shape!r} of body {body!r}"
+                raise place.item(index).error(found, allowed, nearest(shape, shapes))
             chosen |= {(body, each) for each in shapes if not shape or each == shape}
     everything = [(body.name, shape.name) for body in bodies.values() for shape in body.shapes]
     return [each for each in everything if each in chosen or not texts]

@@ -33,8 +33,18 @@ SHAPES = (
 def dropped(bodies: int = BODIES, seed: int = 0) -> list[Body]:
     """Bodies above the floor of a box of five planes, in layers."""
     rng = np.random.default_rng(seed)
-    turned = {"east": [0.0, -90.0, 0.0], "west": [0.0, 90.0, 0.0], "north": [90.0, 0.0, 0.0], "south": [-90.0, 0.0, 0.0]}
-    at = {"east": [HALF, 0.0, 0.0], "west": [-HALF, 0.0, 0.0], "north": [0.0, HALF, 0.0], "south": [0.0, -HALF, 0.0]}
+    turned = {
+        "east": [0.0, -90.0, 0.0],
+        "west": [0.0, 90.0, 0.0],
+        "north": [90.0, 0.0, 0.0],
+        "south": [-90.0, 0.0, 0.0],
+    }
+    at = {
+        "east": [HALF, 0.0, 0.0],
+        "west": [-HALF, 0.0, 0.0],
+        "north": [0.0, HALF, 0.0],
+        "south": [0.0, -HALF, 0.0],
+    }
     walls = [make.fixed("floor", make.plane())]
     walls += [
         make.fixed(name, make.plane(), position=at[name], rpy=[float(a) for a in np.radians(turned[name])])
@@ -66,7 +76,11 @@ def listing(bodies: list[Body], pairs: list[tuple[str, str]]) -> Scene:
 
 def met(path: Trajectory, scene: Scene) -> list[tuple[str, str]]:
     """The pairs that carried force at an event or a sample."""
-    names = {event.contact.partition("#")[0].partition(":")[0] for event in path.events if event.kind in ("impact", "touch-down")}
+    names = {
+        event.contact.partition("#")[0].partition(":")[0]
+        for event in path.events
+        if event.kind in ("impact", "touch-down")
+    }
     pairs = [(pair.between[0][0], pair.between[1][0]) for pair in scene.contacts]
     return [pair for pair in pairs if "-".join(pair) in names or "-".join(reversed(pair)) in names]
 
@@ -88,7 +102,10 @@ def main() -> None:
         for scene in (whole, listing(bodies, pairs)):
             if scene is not whole:
                 path, spent = run(scene, folder)
-            print(f"| {len(scene.contacts)} | {len(pairs)} | {spent:.2f} | {path.penetration_max:.1e} | {path.energy_drift:.1e} | {path.outcome.name}", flush=True)
+            print(
+                f"| {len(scene.contacts)} | {len(pairs)} | {spent:.2f} | {path.penetration_max:.1e} | {path.energy_drift:.1e} | {path.outcome.name}",
+                flush=True,
+            )
 
 
 if __name__ == "__main__":

@@ -64,7 +64,12 @@ def quadruped(points: int) -> Scene:
                 thigh, mass=0.8, position=[x + ahead / 2, y, top - down / 2], rpy=[0.0, -BEND, 0.0], **rod
             ),
             make.dynamic(
-                shank, foot, mass=0.4, position=[x + ahead / 2, y, top - 1.5 * down], rpy=[0.0, BEND, 0.0], **rod
+                shank,
+                foot,
+                mass=0.4,
+                position=[x + ahead / 2, y, top - 1.5 * down],
+                rpy=[0.0, BEND, 0.0],
+                **rod,
             ),
         ]
         sign = "-" if PHASE[leg] else ""
@@ -94,7 +99,12 @@ def row(points: int, folder: str) -> str:
     spent = process_time() - built
     landings = sum(event.kind in ("touch-down", "impact") for event in path.events)
     cells = (
-        *(f"{points} x {points}", f"{(points - 3) ** 2}", f"{modelled - begun:.2f}", f"{built - modelled:.2f}"),
+        *(
+            f"{points} x {points}",
+            f"{(points - 3) ** 2}",
+            f"{modelled - begun:.2f}",
+            f"{built - modelled:.2f}",
+        ),
         *(f"{spent / path.t_end:.2f}", f"{path.steps}", f"{path.rhs_evals}", f"{landings}"),
         *(f"{path.penetration_max:.1e}", f"{path.energy_drift:.1e}"),
     )
