@@ -1,8 +1,8 @@
 """The heaps of `tests.benchmarks.heaps` in MuJoCo: the cost of a contact, and how deep bodies penetrate.
 
-Run with `python -m tests.benchmarks.heaps_mujoco` for 40 to 640 bodies, or with their numbers as arguments; needs the extra
-`peers`. The bowl is a height field of squares of 15 mm, whose triangles are within 30 um of it. Contacts are
-without friction, as stiff as the step permits (`solref` of two steps).
+Run with `python -m tests.benchmarks.heaps_mujoco` for 40 to 640 bodies, or with their numbers as arguments;
+needs the extra `peers`. The bowl is a height field of squares of 15 mm, whose triangles are within 0.06 mm of
+it. Contacts are without friction, as stiff as the step permits (`solref` of two steps).
 """
 
 from __future__ import annotations

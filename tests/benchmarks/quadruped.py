@@ -1,7 +1,7 @@
 """A four-footed robot that trots over rough ground: what a step on a height field of many cells costs.
 
-Run with `python -m tests.benchmarks.quadruped`, or with the numbers of grid points along a side as arguments. Hips
-turn by a prescribed motion, knees are springs with dampers, feet are spheres with friction.
+Run with `python -m tests.benchmarks.quadruped`, or with the numbers of grid points along a side. Hips turn
+by a prescribed motion, knees are springs with dampers, feet are spheres with friction.
 """
 
 from __future__ import annotations

@@ -43,8 +43,13 @@ def gas(seed: int, bodies: int = 27) -> Scene:
         for end, sign in zip(BOX, (1, -1), strict=True):
             at = [end if k == axis else 0.0 for k in range(3)]
             flip = 180.0 if sign < 0 else 0.0
-            rpy = [float(np.radians(a)) for a in (turn[0] + (flip if axis else 0), turn[1] + (0 if axis else flip), 0.0)]
-            walls.append(make.fixed(f"{'xyz'[axis]}{'lh'[int(sign < 0)]}", make.plane(), position=at, rpy=rpy))
+            rpy = [
+                float(np.radians(a))
+                for a in (turn[0] + (flip if axis else 0), turn[1] + (0 if axis else flip), 0.0)
+            ]
+            walls.append(
+                make.fixed(f"{'xyz'[axis]}{'lh'[int(sign < 0)]}", make.plane(), position=at, rpy=rpy)
+            )
     return make.scene(
         "gas", [*walls, *spheres], gravity=[0.0, 0.0, 0.0], contacts={"between": "all", "restitution": 1.0}
     )
@@ -92,22 +97,32 @@ def test_no_collision_of_a_gas_is_missed(seed: int) -> None:
     scene = gas(seed)
     expected = collisions(scene, COLLISIONS)
     assert sum(all(name[0] == "s" for name in pair) for _, pair in expected) > 5
-    path = simulate(library_of(scene), until=expected[-1][0] + 1e-6, samples=4, estimate=False, accuracy="tight")
+    path = simulate(
+        library_of(scene), until=expected[-1][0] + 1e-6, samples=4, estimate=False, accuracy="tight"
+    )
     found = impacts(path)
     assert [pair for _, pair in found] == [pair for _, pair in expected]
-    # An error of a direction of flight grows by at most the free path over the radius in a collision: 1e2 here.
+    # An error of a direction grows by up to the free path over the radius in a collision: 1e2 here, rarely.
     np.testing.assert_allclose([t for t, _ in found], [t for t, _ in expected], atol=1e-6)
 
 
 def test_far_pairs_have_no_gap_and_near_ones_have() -> None:
     balls = [
-        make.dynamic(name, make.sphere(0.1), mass=1.0, inertia=[1.0] * 3, position=[x, 0.0, 0.0], velocity=[v, 0.0, 0.0])
+        make.dynamic(
+            name,
+            make.sphere(0.1),
+            mass=1.0,
+            inertia=[1.0] * 3,
+            position=[x, 0.0, 0.0],
+            velocity=[v, 0.0, 0.0],
+        )
         for name, x, v in (("left", 0.0, 1.0), ("right", 5.0, -1.0))
     ]
     scene = make.scene("two", balls, gravity=[0.0] * 3, contacts={"between": "all", "restitution": 1.0})
     path = simulate(library_of(scene), until=3.0, samples=30, estimate=False)
     gap = path.gap[:, 0]
-    assert np.isnan(gap[0]) and np.isnan(gap[-1]) == (path.p[-1, 1, 0] - path.p[-1, 0, 0] > 1)
+    assert np.isnan(gap[0])
+    assert np.isnan(gap[-1])
     known = ~np.isnan(gap)
     distance = np.linalg.norm(path.p[:, 1] - path.p[:, 0], axis=1) - 0.2
     assert known[distance < 0.01].all()
@@ -118,17 +133,28 @@ def test_far_pairs_have_no_gap_and_near_ones_have() -> None:
 
 @pytest.mark.parametrize("scheme", ["stewart-trinkle", "moreau"])
 def test_time_stepping_follows_what_impulses_throw_together(scheme: str) -> None:
-    """A fast ball strikes a resting one, which within the same step reaches a third: none is passed through."""
+    """A fast ball strikes a resting one, which in the same step reaches a third: none is passed through."""
     at, velocity = (0.0, 0.35, 0.6), (40.0, 0.0, 0.0)
     balls = [
         make.dynamic(
-            f"b{k}", make.sphere(0.1), mass=1.0, inertia=[1.0] * 3, position=[x, 0.0, 0.0], velocity=[v, 0.0, 0.0]
+            f"b{k}",
+            make.sphere(0.1),
+            mass=1.0,
+            inertia=[1.0] * 3,
+            position=[x, 0.0, 0.0],
+            velocity=[v, 0.0, 0.0],
         )
         for k, (x, v) in enumerate(zip(at, velocity, strict=True))
     ]
     scene = make.scene("row", balls, gravity=[0.0] * 3, contacts={"between": "all"})
     path = simulate(
-        library_of(scene), until=0.1, samples=10, estimate=False, method="time-stepping", step=0.01, scheme=scheme
+        library_of(scene),
+        until=0.1,
+        samples=10,
+        estimate=False,
+        method="time-stepping",
+        step=0.01,
+        scheme=scheme,
     )
     assert (np.diff(path.p[:, :, 0], axis=1) > 0.2 - (0.4 if scheme == "moreau" else 1e-8)).all()
     assert path.v[-1, :, 0].sum() == pytest.approx(40.0)
@@ -137,7 +163,9 @@ def test_time_stepping_follows_what_impulses_throw_together(scheme: str) -> None
 def test_a_box_of_boxes_comes_near_and_rests() -> None:
     """Solids with edges are searched when they come near; the stack rests at heights that geometry tells."""
     boxes = [
-        make.dynamic(f"box{k}", make.box(0.2, 0.2, 0.1), density=500.0, position=[0.01 * k, 0.0, 0.06 + 0.6 * k])
+        make.dynamic(
+            f"box{k}", make.box(0.2, 0.2, 0.1), density=500.0, position=[0.01 * k, 0.0, 0.06 + 0.6 * k]
+        )
         for k in range(2)
     ]
     bodies = [make.fixed("floor", make.plane()), *boxes]

@@ -1,4 +1,4 @@
-"""Tables of the broad phase: the balls around shapes, and the pairs of shapes that each two of them belong to."""
+"""Tables of the broad phase: the balls around shapes, and the pairs of shapes that each two of them have."""
 
 from __future__ import annotations
 
