@@ -52,6 +52,7 @@ class Session:
         self.slip_direction, self.tilt_direction = reals["slip_direction"], reals["tilt_direction"]
         self.patch_slip_direction = reals["patch_slip_direction"]
         self.moved_since_search, self.unfollowed_gap = reals["moved_since_search"], reals["unfollowed_gap"]
+        self.ball_at, self.is_far = reals["ball_at"], integers["is_far"]
         self.closed, self.active = integers["closed"], integers["active"]
         self.friction_mode, self.patch_mode = integers["friction_mode"], integers["patch_mode"]
         self.rolling_start, self.feature_pair = integers["rolling_start"], integers["feature_pair"]
