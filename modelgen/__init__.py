@@ -2,6 +2,7 @@
 
 The verbs are read -> require -> derive -> emit -> build -> simulate, with one value between two of them.
 Their modules load when a verb is first asked for.
+`start` begins a run that its caller drives, step by step, in place of `simulate`.
 `measure` finds what accuracy of a scene costs, `tune` picks a setting from that.
 `normal_rates` gives the rates of the contact normals at the samples of a trajectory.
 `record_of` joins a trajectory and its library to what `save` writes, `load` reads and `draw` draws.
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
     from modelgen.runtime.closest_points import closest_points as closest_points
     from modelgen.runtime.distance_minima import distance_minima as distance_minima
     from modelgen.runtime.simulate import simulate as simulate
+    from modelgen.runtime.simulation import start as start
+    from modelgen.runtime.simulations import start_many as start_many
     from modelgen.scene.read import read as read
 
 __version__ = "0.1.0"
@@ -53,6 +56,8 @@ __all__ = [
     "save",
     "simulate",
     "simulate_batch",
+    "start",
+    "start_many",
     "tune",
 ]
 
@@ -63,6 +68,8 @@ _HOMES = {
     "emit": "modelgen.codegen.emit",
     "build": "modelgen.codegen.build",
     "simulate": "modelgen.runtime.simulate",
+    "start": "modelgen.runtime.simulation",
+    "start_many": "modelgen.runtime.simulations",
     "closest_points": "modelgen.runtime.closest_points",
     "distance_minima": "modelgen.runtime.distance_minima",
     "simulate_batch": "modelgen.runtime.batch",

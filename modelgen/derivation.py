@@ -13,15 +13,17 @@ from modelgen.contact.separation import aim_kernel, has_separation, seek_kernel
 from modelgen.dynamics import loads
 from modelgen.dynamics.bodies import body_kernels
 from modelgen.dynamics.closed_form import MAX_CONTACTS, right_hand_side, why_not_closed
+from modelgen.dynamics.sensors import sensor_kernel
 from modelgen.errors import ModelgenError, expect
 from modelgen.geometry.curves import curve_kernel, is_curve
 from modelgen.geometry.points import is_point, point_kernel
 from modelgen.geometry.surface_kernel import surface_kernel
 from modelgen.joint import joint_springs
+from modelgen.joint.joint_actuators import actuator_kernel
 from modelgen.joint.joint_limits import CITATION, limit_kernels
 from modelgen.joint.joint_rows import coordinates_kernel, row_count, rows_kernel
 from modelgen.joint.joint_table import FORMS as FORMS_OF_JOINTS
-from modelgen.model import Model, ShapeKind
+from modelgen.model import LoadKind, Model, ShapeKind
 
 Role = Literal[
     "pose",
@@ -40,6 +42,7 @@ Role = Literal[
     "angle",
     "rows",
     "coordinates",
+    "sensors",
     "rhs",
 ]
 
@@ -59,8 +62,10 @@ CITATIONS: dict[str, str] = {
     "curve": "point of a curve and its derivative, Section 2",
     "point": "a point by itself",
     "joint_spring": "Hooke's law with viscous damping along the coordinate of a joint",
+    "actuator": "virtual work of a force along the coordinate of a joint",
     "rows": "joints Theta with J and Gamma1 (2.3), (2.6)",
     "coordinates": "relative coordinates of the frames of a joint",
+    "sensors": "kinematics of points of bodies and joints; sums over the contacts of a pair",
     "rhs": "Newton-Euler equations with J a + gamma = 0, Section 3",
 }
 
@@ -118,7 +123,7 @@ def derive(model: Model) -> Derivation:
     expect("derive", model, Model)
     formulas = (
         *(*_of_bodies(model), *_of_loads(model), *_of_shapes(model), *_of_contacts(model)),
-        *(*_of_limits(model), *_of_joints(model)),
+        *(*_of_limits(model), *_of_joints(model), *_of_sensors(model)),
     )
     if why_not_closed(model):
         return Derivation(model, formulas)
@@ -143,12 +148,18 @@ def _of_bodies(model: Model) -> list[Formula]:
 def _of_loads(model: Model) -> list[Formula]:
     found: list[Formula] = []
     for index, kind in enumerate(model.load_kinds):
-        wrench = (joint_springs.spring_kernel if kind.joint else loads.load_kernel)(kind)
+        wrench = _wrench_kernel(kind)(kind)
         found.append(_formula(wrench, "wrench", index, CITATIONS[kind.kind]))
         if kind.is_spring:
             deflection = (joint_springs if kind.joint else loads).deflection_kernel(kind)
             found.append(_formula(deflection, "deflection", index, CITATIONS[kind.kind]))
     return found
+
+
+def _wrench_kernel(kind: LoadKind) -> Callable[[LoadKind], ca.Function]:
+    if kind.kind == "actuator":
+        return actuator_kernel
+    return joint_springs.spring_kernel if kind.joint else loads.load_kernel
 
 
 def _of_shapes(model: Model) -> list[Formula]:
@@ -193,3 +204,9 @@ def _of_joints(model: Model) -> list[Formula]:
         if FORMS_OF_JOINTS[kind.kind].coordinates:
             found.append(_formula(coordinates_kernel(kind), "coordinates", index, CITATIONS["coordinates"]))
     return found
+
+
+def _of_sensors(model: Model) -> list[Formula]:
+    if not model.scene.sensors:
+        return []
+    return [_formula(sensor_kernel(model), "sensors", 0, CITATIONS["sensors"])]

@@ -44,11 +44,20 @@ class ShapeKind:
 
 
 @dataclass(frozen=True, slots=True)
+class InputKind:
+    """An input of the scene as the kernels take it."""
+
+    name: str  # in expressions
+    hold: Literal["zero", "linear"]
+
+
+@dataclass(frozen=True, slots=True)
 class BodyKind:
     name: str  # C identifier
     motion: BodyMotion
     inertia: InertiaKind = "none"
     path: Path | None = None
+    inputs: tuple[InputKind, ...] = ()  # of the scene, if the path depends on one
     loaded: bool = False  # a load acts on it; otherwise its wrench has size 0
     folded: tuple[float, ...] | None = None  # mass and inertia when numbers are folded
 
@@ -77,12 +86,15 @@ class ContactKind:
 @dataclass(frozen=True, slots=True)
 class LoadKind:
     name: str  # C identifier
-    kind: Literal["force", "torque", "spring", "joint_spring"]
+    kind: Literal["force", "torque", "spring", "joint_spring", "actuator"]
     motions: tuple[BodyMotion, ...]  # one body, or two for a spring
     expressions: tuple[str, ...] = ()  # texts, for the identity of the kind
     load: ForceLoad | TorqueLoad | None = None  # whose expressions it compiles; without its body and point
     arms: tuple[bool, ...] = ()  # per body: its point is off the centre of mass and is a parameter
-    joint: str = ""  # the kind of joint whose coordinate a joint_spring acts on
+    joint: str = ""  # the kind of joint whose coordinate a joint_spring or an actuator acts on
+    law: Expression | None = None  # of an actuator
+    limited: bool = False  # an actuator whose force has limits, which are parameters
+    inputs: tuple[InputKind, ...] = ()  # of the scene, if the load depends on one
 
     @property
     def is_spring(self) -> bool:
@@ -96,7 +108,8 @@ class JointKind:
 
     name: str  # C identifier
     kind: str  # name in `joint.kinds.FORMS`
-    motion: Expression | None = None  # of t: what its first coordinate is held at
+    motion: Expression | None = None  # of t and inputs: what its first coordinate is held at
+    inputs: tuple[InputKind, ...] = ()  # of the scene, if the motion depends on one
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,6 +193,7 @@ class PairEntry:
         tuple[Vector, float], ...
     ] = ()  # around its shapes, m, axes of the bodies o, f of its first feature pair
     candidate: bool = False  # followed only while its shapes are near to each other
+    shapes: tuple[str, ...] = ()  # their names in their bodies, in the order of the balls
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,19 @@ from tests.shipped import CURVE_ON_SURFACE, Shipped
 ON_A_FACE = ("plane_point_explicit", "plane_point_explicit_spin")  # of the points that hold a face
 
 WITH_FRICTION: Mapping[str, Shipped] = {
+    "balancing_wheel": Shipped(
+        kinds=(
+            "fixed",
+            "free_diagonal_loaded",
+            "plane_torus_support_slip",
+            "revolute_actuator",
+            "planar",
+            "revolute",
+        ),
+        forms=("support", "implicit", "block", "paper", "differentiated", "mixed"),
+        reference="runtime/test_driven_runs.py::"
+        "test_a_balancing_wheel_under_sampled_feedback_follows_lagranges_equations",
+    ),
     "block_on_incline": Shipped(
         kinds=("fixed", "free_diagonal_loaded", "plane_point_explicit_slip", *ON_A_FACE, "force"),
         forms=("explicit", "support"),

@@ -9,16 +9,18 @@ load. States on which no observed quantity depends are left out. May import `geo
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import accumulate
 
 from modelgen.assembly.characteristic_scales import scales_of
 from modelgen.assembly.contact_count import Following, confined, following
 from modelgen.assembly.contact_form_choice import Owner, contact_names, find_body, find_shape
+from modelgen.assembly.contact_inputs import contact_inputs, contact_inputs_of
 from modelgen.assembly.contact_warnings import soundness
 from modelgen.assembly.coplanar_faces import Shown, Unions
 from modelgen.assembly.feature_pairs import Whole, feature_pairs_of
 from modelgen.assembly.friction_constraints import friction_constraints_of
+from modelgen.assembly.input_kinds import input_kinds
 from modelgen.assembly.joints import Joined, joined
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.loads import load_kind, load_parameters
@@ -32,7 +34,7 @@ from modelgen.assembly.masses import (
 )
 from modelgen.assembly.observed_influence import influencing
 from modelgen.assembly.patches import Faces, patches_of
-from modelgen.assembly.pruning import bodies_of, check_observed, motion_of, pairs_by_body
+from modelgen.assembly.pruning import bodies_of, check_observed, motion_of, pairs_by_body, watched
 from modelgen.contact.form_table import eta_layout
 from modelgen.errors import SceneError, expect
 from modelgen.model import (
@@ -48,6 +50,7 @@ from modelgen.model import (
     Model,
     PairEntry,
     PatchEntry,
+    Scales,
     Search,
     ShapeKind,
 )
@@ -84,8 +87,11 @@ class Touching:
     pairs: tuple[PairEntry, ...]
     feature_pairs: tuple[FeaturePairEntry, ...]
     contacts: tuple[ContactEntry, ...]
-    faces: tuple[FaceEntry, ...] = ()
-    patches: tuple[PatchEntry, ...] = ()
+    faces: tuple[FaceEntry, ...]
+    patches: tuple[PatchEntry, ...]
+    shape_kinds: tuple[ShapeKind, ...]
+    contact_kinds: tuple[ContactKind, ...]
+    warnings: tuple[str, ...]  # on the shapes
 
     @property
     def n_eta(self) -> int:
@@ -93,8 +99,11 @@ class Touching:
         return sum(entry.room for entry in self.contacts)
 
 
-def require(scene: Scene) -> Model:
+def require(scene: Scene, scales: Scales | None = None, known: Model | None = None) -> Model:
     """The Model of a scene: distinct kinds, offsets, parameters, scales and initial state.
+
+    `scales` are those at the nominal values of the scene's parameters, where they are known; `known` is a
+    model of the scene with other values, whose contacts are taken over where they follow from none.
 
     Raises SceneError where the scene names what does not exist, forces a form that does not suit its pair,
     or leaves the mass or inertia of a moving body open; ModelgenError if it is given something else.
@@ -102,26 +111,33 @@ def require(scene: Scene) -> Model:
     expect("require", scene, Scene)
     names = contact_names(scene)
     check_observed(scene, names)
-    part, dropped = influencing(scene, names)
-    return _model(part, scene, dropped)
+    part, dropped = influencing(replace(scene, observe=watched(scene)), names)
+    if scales is None and scene.nominal is not None:
+        scales = _scales_at(replace(scene.nominal, observe=watched(scene)))
+    pieces = _pieces(part)
+    touching = None if known is None else _taken_over(part, pieces, known)
+    return _model(part, pieces, touching or _touching(part, pieces), scene, dropped, scales)
 
 
-def _model(scene: Scene, whole: Scene, dropped: Sequence[str]) -> Model:
+def _model(
+    scene: Scene,
+    pieces: Sequence[Piece],
+    touching: Touching,
+    whole: Scene,
+    dropped: Sequence[str],
+    scales: Scales | None,
+) -> Model:
     """The model of the observed part of a scene; `whole` is the scene as written."""
-    pairs = pairs_by_body(scene)
-    pieces = tuple(_piece(scene, index, pairs[body.name]) for index, body in enumerate(scene.bodies))
-    warnings = (*scene.remarks, *soundness(scene))
-    body_kinds, shape_kinds = KindList[BodyKind](), KindList[ShapeKind]()
-    touching = _touching(scene, pieces, shape_kinds, contact_kinds := KindList[ContactKind]())
-    scales = scales_of(scene, [(piece.body, piece.mass) for piece in pieces if piece.mass])
+    body_kinds = KindList[BodyKind]()
+    scales = scales or _scales(scene, pieces)
     load_kinds, loads, joints = _acting(scene, pieces, scales.length, touching.n_eta)
     return Model(
         scene=scene,
         whole=whole,
         bodies=_body_entries(scene, pieces, body_kinds),
-        shape_kinds=shape_kinds.kinds,
+        shape_kinds=touching.shape_kinds,
         body_kinds=body_kinds.kinds,
-        contact_kinds=contact_kinds.kinds,
+        contact_kinds=touching.contact_kinds,
         load_kinds=load_kinds,
         joint_kinds=joints.joint_kinds,
         limit_kinds=joints.limit_kinds,
@@ -140,13 +156,28 @@ def _model(scene: Scene, whole: Scene, dropped: Sequence[str]) -> Model:
         initial_q=tuple(value for piece in pieces for value in _initial_q(piece)),
         initial_u=tuple(value for piece in pieces for value in _initial_u(piece)),
         left_out=(*_left_out(pieces), *_unobserved(dropped)),
-        warnings=warnings,
+        warnings=(*scene.remarks, *touching.warnings),
     )
+
+
+def _scales_at(scene: Scene) -> Scales:
+    """The scales of a scene of which nothing else is needed."""
+    part, _ = influencing(scene, contact_names(scene))
+    return _scales(part, _pieces(part))
+
+
+def _scales(scene: Scene, pieces: Sequence[Piece]) -> Scales:
+    return scales_of(scene, [(piece.body, piece.mass) for piece in pieces if piece.mass])
 
 
 def eta_size(kind: ContactKind) -> int:
     """Number of entries of eta of one contact of this kind."""
     return sum(ETA_SIZE[layout] for layout in eta_layout(kind))
+
+
+def _pieces(scene: Scene) -> tuple[Piece, ...]:
+    pairs = pairs_by_body(scene)
+    return tuple(_piece(scene, index, pairs[body.name]) for index, body in enumerate(scene.bodies))
 
 
 def _piece(scene: Scene, index: int, pairs: Sequence[ContactPair]) -> Piece:
@@ -156,7 +187,10 @@ def _piece(scene: Scene, index: int, pairs: Sequence[ContactPair]) -> Piece:
     motion = motion_of(scene, body, mass, pairs)
     if motion == "free" and mass is not None and mass.inertia is None:
         raise SceneError(where, "no inertia", "a body that can turn needs one", "add inertia, or a density")
-    sprung = any(body.name in joint.between for joint in scene.joints if joint.is_sprung)
+    driving = {actuator.joint for actuator in scene.actuators}
+    sprung = any(
+        body.name in joint.between for joint in scene.joints if joint.is_sprung or joint.name in driving
+    )
     loaded = sprung or any(body.name in bodies_of(load) for load in scene.loads)
     return Piece(body, motion, mass, loaded)
 
@@ -165,33 +199,43 @@ def _body_entries(scene: Scene, pieces: Sequence[Piece], kinds: KindList[BodyKin
     starts_q = accumulate((Q_SIZE[piece.motion] for piece in pieces), initial=0)
     starts_u = accumulate((U_SIZE[piece.motion] for piece in pieces), initial=0)
     return tuple(
-        _body_entry(p, q, u, scene.fold, kinds) for p, q, u in zip(pieces, starts_q, starts_u, strict=False)
+        _body_entry(p, q, u, scene, kinds) for p, q, u in zip(pieces, starts_q, starts_u, strict=False)
     )
 
 
-def _body_entry(piece: Piece, q: int, u: int, fold: bool, kinds: KindList[BodyKind]) -> BodyEntry:
+def _body_entry(piece: Piece, q: int, u: int, scene: Scene, kinds: KindList[BodyKind]) -> BodyEntry:
     name, mass, turns = piece.body.name, piece.mass, piece.motion == "free"
     if mass is None or not piece.moves:
-        kind = kinds.index(BodyKind(piece.motion, piece.motion, path=piece.body.path))
+        path = piece.body.path
+        used = input_kinds(scene.inputs, (*path.position, *path.rotation_vector) if path else ())
+        kind = kinds.index(BodyKind(piece.motion, piece.motion, path=path, inputs=used))
         return BodyEntry(name, kind, q, u, pose_numbers(piece.body.pose), (0.0,) * 10)
     turning = mass.inertia if turns else None
     inertia = "none" if turning is None else inertia_kind(turning)
     numbers = (mass.mass, *(() if turning is None else inertia_numbers(turning)))
     base = "_".join([piece.motion, *([inertia] if turns else []), *(["loaded"] if piece.loaded else [])])
     kind = kinds.index(
-        BodyKind(base, piece.motion, inertia, loaded=piece.loaded, folded=numbers if fold else None)
+        BodyKind(base, piece.motion, inertia, loaded=piece.loaded, folded=numbers if scene.fold else None)
     )
     inverse = inverse_numbers(mass, turns)
-    return BodyEntry(name, kind, q, u, () if fold else numbers, inverse, mass.centre)
+    return BodyEntry(name, kind, q, u, () if scene.fold else numbers, inverse, mass.centre)
 
 
-def _touching(
-    scene: Scene,
-    pieces: Sequence[Piece],
-    shapes: KindList[ShapeKind],
-    kinds: KindList[ContactKind],
-) -> Touching:
+def _taken_over(scene: Scene, pieces: Sequence[Piece], known: Model) -> Touching | None:
+    """The contacts of another model of the scene, where they are the same in this one."""
+    motions, centres = [piece.motion for piece in pieces], [piece.centre for piece in pieces]
+    if contact_inputs(scene, motions, centres) != contact_inputs_of(known):
+        return None
+    return Touching(
+        known.pairs, known.feature_pairs, known.contacts, known.faces, known.patches,
+        known.shape_kinds, known.contact_kinds, known.warnings[len(known.scene.remarks) :],
+    )  # fmt: skip
+
+
+def _touching(scene: Scene, pieces: Sequence[Piece]) -> Touching:
     """The pairs that may touch, their feature pairs, and the contacts that follow them."""
+    warnings = soundness(scene)
+    shapes, kinds = KindList[ShapeKind](), KindList[ContactKind]()
     faces, shown, wholes = Faces(shapes), [], Wholes(scene, pieces)
     entries: list[PairEntry] = []
     all_feature_pairs: list[FeaturePairEntry] = []
@@ -218,7 +262,7 @@ def _touching(
             (len(all_contacts), len(all_contacts) + len(contacts)),
         )
         constraints = friction_constraints_of(pair, a.owner.body)
-        balls = tuple(each.ball for each in ((b, a) if feature_pairs[0].swapped else (a, b)))
+        wholes_of_pair = (b, a) if feature_pairs[0].swapped else (a, b)
         entries.append(
             PairEntry(
                 name,
@@ -227,8 +271,9 @@ def _touching(
                 pair.restitution,
                 normal,
                 constraints,
-                balls,
+                tuple(each.ball for each in wholes_of_pair),
                 pair.candidate,
+                tuple(each.shape.name for each in wholes_of_pair),
             )
         )
         shown.append(
@@ -239,8 +284,9 @@ def _touching(
     unions = Unions(faces.entries, [p.body.pose if p.motion == "fixed" else None for p in pieces])
     patches = unions.patches(shown)
     return Touching(
-        tuple(entries), tuple(all_feature_pairs), tuple(all_contacts), tuple(unions.faces), patches
-    )
+        tuple(entries), tuple(all_feature_pairs), tuple(all_contacts), tuple(unions.faces), patches,
+        shapes.kinds, kinds.kinds, warnings,
+    )  # fmt: skip
 
 
 def _search(way: Following, feature_pairs: Sequence[FeaturePairEntry]) -> Search:
@@ -288,7 +334,7 @@ class Wholes:
             body = find_body(self.scene, partner[0], where)
             piece = self.pieces[body]
             shape = find_shape(piece.body, partner[1], where)
-            at_world = piece.body.pose.is_identity and not piece.body.repeated
+            at_world = piece.body.pose.is_identity and not (piece.body.repeated or piece.body.placed)
             owner = Owner(body, piece.motion, at_world, piece.centre, self.scene.fold)
             self._known[partner] = Whole(owner, shape)
         return self._known[partner]
@@ -310,7 +356,7 @@ def _load_entries(scene: Scene, pieces: Sequence[Piece], kinds: KindList[LoadKin
         where = f"{scene.source}: load[{index}]"
         bodies = tuple(find_body(scene, name, where) for name in bodies_of(load))
         centres = [pieces[body].centre for body in bodies]
-        kind = load_kind(load, tuple(pieces[body].motion for body in bodies), centres)
+        kind = load_kind(load, tuple(pieces[body].motion for body in bodies), centres, scene.inputs)
         entries.append(LoadEntry(kinds.index(kind), bodies, load_parameters(load, kind, centres)))
     return tuple(entries)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,6 +11,7 @@ from modelgen.assembly.masses import pose_numbers
 from modelgen.contact.form_table import FORMS, choose_form, order, refuse_points
 from modelgen.errors import SceneError, nearest
 from modelgen.model import BodyMotion, ContactKind, Rows, ShapeKind, Side
+from modelgen.scene.contacts_and_loads import pair_names
 from modelgen.scene.scene_types import IDENTITY_QUATERNION, Body, ContactPair, Scene, Shape, Vector
 
 SUFFIX: Mapping[Rows, tuple[str, ...]] = {1: (), 3: ("slip",), 6: ("spin",)}
@@ -39,7 +39,7 @@ class Partner:
     @cached_property
     def side(self) -> Side:
         moved = self.shape.pose.position != self.owner.centre or not self._is_straight
-        placed = moved or self.shape.repeated
+        placed = moved or self.shape.repeated or self.shape.placed
         return Side(
             self.kind,
             self.owner.motion,
@@ -70,10 +70,7 @@ def shape_kind(shape: Shape, fold: bool) -> ShapeKind:
 
 def contact_names(scene: Scene) -> tuple[str, ...]:
     """`a-b`, or `a/shape-b/shape` where two bodies touch with several shapes."""
-    plain = [f"{a[0]}-{b[0]}" for a, b in (pair.between for pair in scene.contacts)]
-    full = ["-".join("/".join(partner) for partner in pair.between) for pair in scene.contacts]
-    count = Counter(plain)
-    return tuple(p if count[p] == 1 else f for p, f in zip(plain, full, strict=True))
+    return pair_names(scene.contacts)
 
 
 def find_shape(body: Body, name: str, where: str) -> Shape:

@@ -201,7 +201,8 @@ def _joined(feature: Feature, all_of_it: tuple[Feature, ...]) -> frozenset[str]:
 
 def _placed(whole: Whole, feature: Feature, shapes: KindList[ShapeKind]) -> tuple[Feature, Partner]:
     pose = compose(whole.shape.pose, feature.shape.pose) if feature.name else whole.shape.pose
-    shape = replace(feature.shape, pose=pose, name=whole.shape.name)
+    placed = whole.shape.placed and feature.shape.kind != "point"
+    shape = replace(feature.shape, pose=pose, name=whole.shape.name, placed=placed)
     if shape.kind == "point":
         at = to_outer(pose, [value for _, value in shape.parameters]) - whole.owner.centre
         numbers = tuple(zip("xyz", map(float, at), strict=True))

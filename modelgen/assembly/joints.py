@@ -7,13 +7,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from modelgen.assembly.contact_form_choice import find_body
+from modelgen.assembly.input_kinds import input_kinds
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.masses import pose_numbers
 from modelgen.joint.joint_limits import is_turn
 from modelgen.joint.joint_rows import row_count
 from modelgen.model import JointEntry, JointKind, LimitEntry, LimitKind, LoadEntry, LoadKind
-from modelgen.scene.scene_types import Joint, Scene, Vector
+from modelgen.scene.scene_types import Input, Joint, Scene, Vector
 
+UNLIMITED = 1e30  # N or N m, in place of a limit that is not given
 _ENDS = ((0, "min"), (0, "max"), (1, "y_min"), (1, "y_max"))  # coordinates and names of the bounds
 
 
@@ -41,7 +43,7 @@ def joined(
         row = joints[-1].row + joints[-1].rows if joints else 0
         a, b = (find_body(scene, name, f"{scene.source}: joint[{index}]") for name in joint.between)
         numbers = _parameters(joint, (centres[a], centres[b]), length)
-        kind = kinds.index(_kind(joint))
+        kind = kinds.index(_kind(joint, scene.inputs))
         rows = row_count(kinds.kinds[kind])
         joints.append(JointEntry(joint.name, kind, a, b, row, rows, joint.frames, numbers))
         first = limits[-1].eta + limits[-1].room if limits else eta
@@ -49,11 +51,36 @@ def joined(
         if joint.is_sprung:
             spring = loads.index(LoadKind(f"{joint.kind}_spring", "joint_spring", (), joint=joint.kind))
             springs.append(LoadEntry(spring, (a, b), (*numbers, joint.stiffness, joint.damping, joint.rest)))
+    springs += _actuators(scene, joints, loads)
     return Joined(kinds.kinds, limit_kinds.kinds, tuple(joints), tuple(limits), tuple(springs))
 
 
-def _kind(joint: Joint) -> JointKind:
-    return JointKind(joint.kind if joint.motion is None else f"{joint.kind}_moved", joint.kind, joint.motion)
+def _actuators(scene: Scene, joints: Sequence[JointEntry], loads: KindList[LoadKind]) -> list[LoadEntry]:
+    """The loads of the actuators: parameters of the joint, gain, and limits where there are some."""
+    named = {entry.name: (entry, joint) for entry, joint in zip(joints, scene.joints, strict=True)}
+    found = []
+    for actuator in scene.actuators:
+        if actuator.joint not in named:
+            continue  # of a part of the scene that is left out
+        entry, joint = named[actuator.joint]
+        limited = actuator.limits != (None, None)
+        used = input_kinds(scene.inputs, (actuator.force,))
+        kind = LoadKind(
+            f"{joint.kind}_actuator", "actuator", (), (actuator.force.text,), joint=joint.kind,
+            law=actuator.force, limited=limited, inputs=used,
+        )  # fmt: skip
+        low, high = actuator.limits
+        ends = (-UNLIMITED if low is None else low, UNLIMITED if high is None else high) if limited else ()
+        numbers = (*entry.parameters, actuator.gain, *ends)
+        found.append(LoadEntry(loads.index(kind), (entry.a, entry.b), numbers))
+    return found
+
+
+def _kind(joint: Joint, inputs: Sequence[Input]) -> JointKind:
+    if joint.motion is None:
+        return JointKind(joint.kind, joint.kind)
+    used = input_kinds(inputs, (joint.motion,))
+    return JointKind(f"{joint.kind}_moved", joint.kind, joint.motion, used)
 
 
 def _parameters(joint: Joint, centres: tuple[Vector, Vector], length: float) -> tuple[float, ...]:

@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from modelgen.assembly.input_kinds import input_kinds
 from modelgen.assembly.pruning import points_of
 from modelgen.model import BodyMotion, LoadKind
-from modelgen.scene.scene_types import ForceLoad, Load, SpringLoad, TorqueLoad, Vector
+from modelgen.scene.scene_types import ForceLoad, Input, Load, SpringLoad, TorqueLoad, Vector
 
 _ZERO = (0.0, 0.0, 0.0)
 
 
-def load_kind(load: Load, motions: tuple[BodyMotion, ...], centres: Sequence[Vector]) -> LoadKind:
+def load_kind(
+    load: Load, motions: tuple[BodyMotion, ...], centres: Sequence[Vector], inputs: Sequence[Input]
+) -> LoadKind:
     """The structure of a load on bodies of these motions with these centres of mass."""
     points = points_of(load)
     arms = tuple(
@@ -24,10 +27,13 @@ def load_kind(load: Load, motions: tuple[BodyMotion, ...], centres: Sequence[Vec
             return LoadKind("spring", "spring", motions, arms=arms)
         case ForceLoad():
             texts = (load.frame, *(component.text for component in load.components))
-            return LoadKind("force", "force", motions, texts, replace(load, body="", point=_ZERO), arms)
+            bare = replace(load, body="", point=_ZERO)
+            used = input_kinds(inputs, load.components)
+            return LoadKind("force", "force", motions, texts, bare, arms, inputs=used)
         case TorqueLoad():
             texts = (load.frame, *(component.text for component in load.components))
-            return LoadKind("torque", "torque", motions, texts, replace(load, body=""))
+            used = input_kinds(inputs, load.components)
+            return LoadKind("torque", "torque", motions, texts, replace(load, body=""), inputs=used)
 
 
 def load_parameters(load: Load, kind: LoadKind, centres: Sequence[Vector]) -> tuple[float, ...]:

@@ -124,7 +124,8 @@ def _support_points(
     """The kind of contact of three points of f on the plane of o, that of the first with friction, and the
     parameters of each."""
     o, f = order
-    plane = _partner(o.whole, Shape("plane", pose=_pose(o.whole, o.region), name="plane"), shapes)
+    face = Shape("plane", pose=_pose(o.whole, o.region), name="plane", placed=o.whole.shape.placed)
+    plane = _partner(o.whole, face, shapes)
     free = replace(pair, form="auto")
     parameters, kind, friction_kind = [], -1, -1
     for k in range(SUPPORT_POINTS):

@@ -67,6 +67,24 @@ def check_observed(scene: Scene, contacts: Iterable[str]) -> None:
             )
 
 
+def watched(scene: Scene) -> tuple[str, ...]:
+    """What must be computed: the observed names and, beside them, what sensors measure; empty: everything."""
+    if not scene.observe:
+        return ()
+    words = list(scene.observe)
+    for sensor in scene.sensors:
+        if sensor.measurand is None:
+            continue
+        name, quantity, base = sensor.measurand.name, sensor.measurand.quantity, sensor.measurand.relative_to
+        if sensor.measurand.owner == "body":
+            turning = sensor.measurand.point is not None or quantity in ("orientation", "angular_velocity")
+            words += [f"{name}.position", *([f"{name}.orientation"] if turning else [])]
+            words += [f"{base}.position", f"{base}.orientation"] if base else []
+        else:
+            words.append(f"{name}.{'coordinates' if quantity in ('coordinate', 'rate') else quantity}")
+    return tuple(dict.fromkeys(words))
+
+
 def pairs_by_body(scene: Scene) -> Mapping[str, tuple[ContactPair, ...]]:
     """The contact pairs of each body, by its name."""
     found: dict[str, list[ContactPair]] = {body.name: [] for body in scene.bodies}

@@ -116,8 +116,7 @@ def nudged(library: Library) -> Library:
     exact = np.array(instance["gravity"]) + nudge
     step = np.nextafter(instance["gravity"], inf)
     instance["gravity"] = np.where(exact == instance["gravity"], step, exact).tolist()
-    manifest = replace(library.manifest, instance=instance)
-    return Library(manifest, library.record, library.path.parent)
+    return library.with_instance(instance)
 
 
 def _horizon(t: Array, apart: Array, growth: Array) -> tuple[float | None, int, str]:

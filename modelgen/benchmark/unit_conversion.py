@@ -80,6 +80,7 @@ def in_units(scene: Scene, units: Units) -> Scene:
         joints=tuple(_joint(joint, units) for joint in scene.joints),
         gravity=_times(scene.gravity, units.speed / units.time),
         run=_run(scene.run, units),
+        nominal=scene.nominal and in_units(scene.nominal, units),
     )
 
 

@@ -36,10 +36,12 @@ from modelgen.cli.options import (
     Style,
     Tolerance,
     Until,
+    Values,
     Verify,
     read_configuration,
     read_main,
     read_option,
+    read_values,
 )
 from modelgen.cli.output import (
     FAILED,
@@ -136,6 +138,7 @@ def simulate(
     solver: Solver = None,
     fallback: Fallback = None,
     estimate: Estimated = None,
+    values: Values = None,
     form: Form = None,
     out: OutRun = None,
     plot: OutPicture = None,
@@ -148,7 +151,7 @@ def simulate(
     settings = run_settings(
         until, accuracy, tolerance, samples,
         method=method, step=step, scheme=scheme, solver=solver, fallback=fallback, estimate=estimate,
-    )  # fmt: skip
+    ) | {"parameters": read_values(values)}  # fmt: skip
     trajectory, library = run_scene(scene, form, settings)
     written = write_run(trajectory, library, out, plot)
     summary = trajectory.summary() | written

@@ -14,9 +14,9 @@ from modelgen.errors import ModelgenError, nearest
 FOLDER = Path(__file__).parent.parent / "manual"
 TOPICS = (
     *("first_steps", "scenes", "keys", "shapes", "joints", "contact_and_friction", "impacts"),
-    *("planar_contact", "accuracy", "time_stepping", "forms_and_formulas", "python_api", "casadi", "c"),
-    *("command_line", "limits", "troubleshooting", "development", "design_notes", "measurements"),
-    *("glossary", "changelog"),
+    *("planar_contact", "accuracy", "time_stepping", "forms_and_formulas", "python_api", "driven_runs"),
+    *("casadi", "c", "command_line", "limits", "troubleshooting", "development", "design_notes"),
+    *("measurements", "glossary", "changelog"),
 )
 
 Topic = Annotated[str | None, typer.Argument(metavar="TOPIC", help="a page; without it the list of pages")]

@@ -12,7 +12,7 @@ import typer
 
 from modelgen.errors import ModelgenError, SceneError
 from modelgen.scene.run_settings import ACCURACIES, FORMS, METHODS, REALS, RUN, SCHEMES, SOLVERS
-from modelgen.scene.scalar_types import Choice, Real, Type, Whole
+from modelgen.scene.scalar_types import NUMBER, Choice, Real, Type, Whole
 from modelgen.scene.source_location import Place
 
 STYLES = ("text", "latex", "html")
@@ -59,6 +59,12 @@ Solver = Annotated[
 Fallback = Annotated[
     bool | None, typer.Option(help="time-stepping for a while where an event-driven run would end")
 ]
+Values = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", help="value of a parameter of the scene, in SI units; repeat it", metavar="NAME=NUMBER"
+    ),
+]
 Estimated = Annotated[
     bool | None,
     typer.Option("--estimate/--no-estimate", help="tell the error of the run by a second, finer run"),
@@ -104,6 +110,23 @@ def read_option(name: str, text: str | None) -> Any:
     except SceneError as error:
         remedy = error.remedy or f"leave --{name} out for the default"
         raise ModelgenError(error.where, error.found, error.allowed, remedy) from None
+
+
+def read_values(texts: list[str] | None) -> dict[str, float]:
+    """The values of `--set NAME=NUMBER`. Raises ModelgenError where it is not written so, or a name comes
+    twice."""
+    found: dict[str, float] = {}
+    for text in texts or ():
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not equals or not name:
+            raise ModelgenError(f"--set {text}", "no NAME=NUMBER", "", "write --set mass=1.2")
+        if name in found:
+            raise ModelgenError(f"--set {text}", f"a second value of {name!r}", "", "leave one out")
+        try:
+            found[name] = NUMBER.read(_number(value), Place(f"--set {name}"))
+        except SceneError as error:
+            raise ModelgenError(error.where, error.found, error.allowed, error.remedy) from None
+    return found
 
 
 def read_main(name: str | None) -> str | None:

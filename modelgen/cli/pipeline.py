@@ -6,7 +6,6 @@ import os
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +14,7 @@ from modelgen.cli.known_scene import recall, remember, scene_key
 from modelgen.cli.options import read_option
 from modelgen.cli.progress import progress
 from modelgen.errors import ModelgenError
+from modelgen.scene.assemble import with_form
 from modelgen.scene.scene_name import scene_name
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ def read_scene(path: Path, form: str | None) -> Scene:
     name = read_option("form", form)
     if name is None:
         return scene
-    return replace(scene, contacts=tuple(replace(contact, form=name) for contact in scene.contacts))
+    return with_form(scene, name)
 
 
 def derive_scene(scene: Scene) -> Derivation:

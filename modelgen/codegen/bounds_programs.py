@@ -72,7 +72,7 @@ def programs_text(kinds: Sequence[ShapeKind], searched: Sequence[bool]) -> str:
     for kind, wanted in zip(kinds, searched, strict=True):
         function = shape_bounds(kind) if wanted else None
         if function is None:
-            rows.append(f"  {{0, 0, 0, 0}}, /* {kind.name} */")
+            rows.append(f"  {{0, 0, 0, 0, 0}}, /* {kind.name} */")
             continue
         instructions, constants = bounds_program(function)
         name = f"mg_{kind.name}_bounds"
@@ -82,11 +82,10 @@ def programs_text(kinds: Sequence[ShapeKind], searched: Sequence[bool]) -> str:
             f"static const mg_instruction {name}[] = {{", *lines, "};",
             f"static const mg_real {name}_constants[] = {{{numbers}}};\n",
         ]  # fmt: skip
-        rows.append(
-            f"  {{{len(instructions)}, {function.sz_w()}, {name}, {name}_constants}}, /* {kind.name} */"
-        )
+        sizes = len(instructions), function.sz_w(), function.numel_in(1)
+        rows.append(f"  {{{', '.join(map(str, sizes))}, {name}, {name}_constants}}, /* {kind.name} */")
     table = [
         "static const mg_bounds_program mg_shape_bounds[] = {",
-        *(rows or ["  {0, 0, 0, 0}, /* none */"]),
+        *(rows or ["  {0, 0, 0, 0, 0}, /* none */"]),
     ]
     return "\n".join([*parts, *table, "};\n"])

@@ -109,7 +109,7 @@ def cpu_target() -> str:
 
 def compile_object(compiler: Compiler, flags: tuple[str, ...], source: Path, target: Path, log: Path) -> None:
     """Compile `source` to the object `target`; a failure raises LibraryError, with the output in `log`."""
-    _run([*compiler.command, *flags, "-c", "-o", str(target), source.name], source.parent, log)
+    run_compiler([*compiler.command, *flags, "-c", "-o", str(target), source.name], source.parent, log)
 
 
 def compile_library(
@@ -120,10 +120,11 @@ def compile_library(
     A failure raises LibraryError and leaves the compiler's output in `log`.
     """
     named = ["-o", str(target), source.name, str(runtime)]
-    _run([*compiler.command, *flags, *SHARED, *named, *LIBRARIES], source.parent, log)
+    run_compiler([*compiler.command, *flags, *SHARED, *named, *LIBRARIES], source.parent, log)
 
 
-def _run(command: list[str], folder: Path, log: Path) -> None:
+def run_compiler(command: list[str], folder: Path, log: Path) -> None:
+    """Run a compiler's command in a folder; a failure raises LibraryError, with the output in `log`."""
     answer = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     if answer.returncode == 0:
         return

@@ -12,7 +12,7 @@ import casadi as ca
 from modelgen.codegen.amalgamation import HEADER, SOURCE, abi, header_text
 from modelgen.codegen.kernel_table import table_text
 from modelgen.codegen.manifest import Json, Manifest
-from modelgen.codegen.manifest_instance import instance_of, kinds_of
+from modelgen.codegen.manifest_instance import instance_of, kinds_of, parameters_of
 from modelgen.codegen.unused_inputs import unused_inputs
 from modelgen.derivation import Derivation, Formula
 from modelgen.errors import expect
@@ -87,7 +87,7 @@ def emit(derivation: Derivation) -> Package:
         functions={formula.name: _entry(formula) for formula in compiled},
         composed={formula.name: _entry(formula) for formula in derivation.formulas if formula.role == "rhs"},
         kinds=kinds_of(derivation.model),
-        instance=instance_of(derivation.model),
+        instance=instance_of(derivation.model) | parameters_of(derivation.model.whole),
     )
     return Package(derivation.model.scene.name, files, manifest)
 

@@ -14,12 +14,14 @@ from modelgen.codegen.manifest_instance import J_SIZE
 from modelgen.codegen.time_dependence import hides
 from modelgen.contact.form_table import eta_layout
 from modelgen.derivation import Derivation, Formula
+from modelgen.dynamics.sensors import need_rates, sensor_names
 from modelgen.geometry.coordinate_domains import dimension_of
 from modelgen.geometry.curves import may_bend
+from modelgen.joint.joint_actuators import law_of
 from modelgen.joint.joint_limits import is_turn
 from modelgen.joint.joint_rows import row_count
 from modelgen.joint.joint_table import FORMS
-from modelgen.model import ContactKind, JointKind, Model
+from modelgen.model import ContactKind, JointKind, LoadKind, Model
 
 HEAD = """#ifndef MG_HASH
 #define MG_HASH ""
@@ -54,9 +56,9 @@ DISPATCHERS = (
         ("energy",), "body_energy", ("q", "u", "gravity", "parameters"),
         ("kinetic", "potential", "momentum", "spin"),
     ),
-    Dispatcher(("path",), "body_path", ("t", "parameters"), ("pose", "twist", "accel")),
+    Dispatcher(("path",), "body_path", ("t", "parameters", "inputs"), ("pose", "twist", "accel")),
     Dispatcher(
-        ("wrench",), "load_wrench", ("t", "pose_a", "twist_a", "pose_b", "twist_b", "parameters"),
+        ("wrench",), "load_wrench", ("t", "pose_a", "twist_a", "pose_b", "twist_b", "parameters", "inputs"),
         ("wrench_a", "wrench_b"),
     ),
     Dispatcher(
@@ -71,7 +73,7 @@ DISPATCHERS = (
         ("eta_next", "d", "residual", "margin", "normal", "point_o", "point_f"),
     ),
     Dispatcher(
-        ("rows",), "joint_rows", ("t", "pose_a", "twist_a", "pose_b", "twist_b", "parameters"),
+        ("rows",), "joint_rows", ("t", "pose_a", "twist_a", "pose_b", "twist_b", "parameters", "inputs"),
         ("value", "J", "gamma1", "bias"),
     ),
     Dispatcher(
@@ -82,6 +84,10 @@ DISPATCHERS = (
     ),
     Dispatcher(
         ("aim",), "contact_aim", ("pose_o", "pose_f", "eta", "parameters"), ("normal", "rounding")
+    ),
+    Dispatcher(
+        ("sensors",), "sense", ("t", "pose", "twist", "pairs", "joints", "parameters", "inputs"),
+        ("sensors",),
     ),
     Dispatcher(
         ("seek",), "contact_seek", ("pose_o", "pose_f", "normal", "parameters"),
@@ -97,6 +103,9 @@ def table_text(derivation: Derivation, internal: Mapping[str, str]) -> str:
         formulas = [formula for formula in derivation.formulas if formula.role in dispatcher.roles]
         parts.append(_dispatcher(dispatcher, formulas, internal))
     fields = ["  .abi = MG_ABI,", "  .real_size = sizeof(mg_real),", "  .hash = MG_HASH,"]
+    sensors = derivation.model.scene.sensors
+    fields.append(f"  .n_sensor = {sum(size for _, size in sensor_names(sensors))},")
+    fields.append(f"  .sensors_need_forces = {int(need_rates(sensors))},")
     fields += [f"  .{group}_kinds = mg_{group}_kinds," for group in KIND_GROUPS]
     fields.append("  .shape_bounds = mg_shape_bounds,")
     fields += [f"  .{dispatcher.function} = {dispatcher.function}," for dispatcher in DISPATCHERS]
@@ -145,7 +154,7 @@ def _tables(derivation: Derivation) -> list[str]:
     loads = [
         _row(
             sizes["wrench", formula.kind],
-            *_hidden(formula.function, model.load_kinds[formula.kind].kind),
+            *_hidden(formula.function, model.load_kinds[formula.kind]),
             int(model.load_kinds[formula.kind].is_spring),
         )
         for formula in derivation.formulas
@@ -174,10 +183,13 @@ def _searched(derivation: Derivation) -> list[bool]:
     return [kind in shapes for kind in model.shape_kinds]
 
 
-def _hidden(wrench: ca.Function, kind: str) -> tuple[int, int]:
+def _hidden(wrench: ca.Function, kind: LoadKind) -> tuple[int, int]:
     """Whether a load may oscillate between samples of a step with time, and with the state of its bodies;
     springs do not."""
-    given = kind in ("force", "torque")
+    if kind.kind == "actuator":
+        law = law_of(kind)
+        return int(hides(law, "t")), int(hides(law, "state"))
+    given = kind.kind in ("force", "torque")
     return int(hides(wrench, "t")), int(given and hides(wrench, "pose_a", "twist_a"))
 
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Mapping
+from copy import copy
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from modelgen.codegen.manifest import INSTANCE, STRUCTURE, BuildRecord, Manifest, record_name
+from modelgen.codegen.manifest import INSTANCE, STRUCTURE, BuildRecord, Json, Manifest, record_name
 from modelgen.errors import LibraryError, nearest, path_of
 
 Array = np.ndarray[Any, Any]
@@ -90,6 +92,12 @@ class Library:
                     f"its manifest and record say {allowed}",
                     "it is stale: build again",
                 )
+
+    def with_instance(self, instance: Json) -> Library:
+        """The same functions with other numbers, for an instance over the same kinds."""
+        other = copy(self)
+        other.manifest = replace(self.manifest, instance=instance)
+        return other
 
     def kernel(self, name: str) -> Kernel:
         """The kernel of that name; LibraryError if the manifest has none."""

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from math import isfinite
 from typing import Any
 
 from modelgen.assembly import Q_SIZE, U_SIZE
+from modelgen.assembly.contact_inputs import contact_inputs_of
 from modelgen.assembly.masses import pose_numbers
 from modelgen.codegen.manifest_planar_contacts import face_table, patch_table
 from modelgen.codegen.manifest_unlisted import unlisted_of
 from modelgen.contact.form_table import FORMS, eta_layout
 from modelgen.contact.separation import has_separation
+from modelgen.dynamics.sensors import sensor_names, sensor_parameters
 from modelgen.geometry.coordinate_domains import domain_of
 from modelgen.geometry.curves import curve_of, is_curve
 from modelgen.geometry.extent import bounding_ball
@@ -35,7 +37,8 @@ from modelgen.model import (
     Side,
 )
 from modelgen.notation import ETA_SIZE
-from modelgen.scene.scene_types import Shape
+from modelgen.scene.reading_again import SceneReader
+from modelgen.scene.scene_types import Scene, Shape
 
 J_SIZE = {"fixed": 0, "driven": 6, "point": 3, "free": 6}
 _INERTIA_NAMES = {
@@ -72,6 +75,7 @@ def _body_kind(kind: BodyKind) -> dict[str, Any]:
         "n_u": U_SIZE[kind.motion],
         "parameters": [] if kind.folded is not None else list(names),
         **_folded(kind),
+        **_inputs(kind),
     }
 
 
@@ -118,6 +122,7 @@ def _load_kind(kind: LoadKind) -> dict[str, Any]:
         "expressions": list(kind.expressions),
         "joint": kind.joint,
         "n_parameters": _load_size(kind),
+        **_inputs(kind),
     }
 
 
@@ -136,7 +141,13 @@ def _joint_kind(kind: JointKind) -> dict[str, Any]:
         "coordinates": [{"name": each.name, "measure": each.measure} for each in form.coordinates],
         "motion": None if kind.motion is None else kind.motion.text,
         "parameters": parameters_of_joint(kind),
+        **_inputs(kind),
     }
+
+
+def _inputs(kind: BodyKind | LoadKind | JointKind) -> dict[str, list[dict[str, str]]]:
+    """Names and holds of the inputs that the kernel of the kind takes."""
+    return {"inputs": [asdict(each) for each in kind.inputs]} if kind.inputs else {}
 
 
 def _limit_kind(kind: LimitKind) -> dict[str, Any]:
@@ -154,7 +165,8 @@ def parameters_of_joint(kind: JointKind | LimitKind | LoadKind) -> list[str]:
     """Names of the parameters of the kernels of a kind of joint, of its limits or of its springs, in
     order."""
     if isinstance(kind, LoadKind):
-        return [*_joint_parameters(kind.joint), *_SPRING_NAMES]
+        own = _SPRING_NAMES if kind.is_spring else ("gain", *(("least", "largest") if kind.limited else ()))
+        return [*_joint_parameters(kind.joint), *own]
     bound = ["bound"] if isinstance(kind, LimitKind) else []
     return [*_joint_parameters(kind.kind), *bound]
 
@@ -182,18 +194,18 @@ def _finite(value: float) -> float | None:
     return float(value) if isfinite(value) else None
 
 
-def instance_of(model: Model) -> dict[str, Any]:
-    """The scene as tables that refer to the kinds by number."""
-    scene, shapes = model.scene, _Shapes(model)
+def instance_of(model: Model, known: tuple[Model, dict[str, Any]] | None = None) -> dict[str, Any]:
+    """The scene as tables that refer to the kinds by number.
+
+    `known`: another model with its instance, whose tables of contacts are taken over where the model has
+    the same entries.
+    """
+    scene = model.scene
     return {
         "name": scene.name,
         "source": scene.source,
         "bodies": [_body(model, entry) for entry in model.bodies],
-        "pairs": [_pair(entry) for entry in model.pairs],
-        "feature_pairs": [_feature_pair(model, entry, shapes) for entry in model.feature_pairs],
-        "contacts": [asdict(entry) for entry in model.contacts],
-        "faces": [face_table(model, entry) for entry in model.faces],
-        "patches": [patch_table(entry) for entry in model.patches],
+        **(_contacts(model) if known is None else _contacts_like(model, *known)),
         "loads": [
             {"kind": load.kind, "bodies": list(load.bodies), "parameters": list(load.parameters)}
             for load in model.loads
@@ -204,15 +216,71 @@ def instance_of(model: Model) -> dict[str, Any]:
         "n_u": model.n_u,
         "n_eta": model.n_eta,
         "scales": asdict(model.scales),
+        "inputs": [asdict(each) for each in scene.inputs],
+        "sensors": {
+            "names": sensor_names(scene.sensors),
+            "parameters": sensor_parameters(model),
+            **_measured_pairs(model),
+        },
         "initial_q": list(model.initial_q),
         "initial_u": list(model.initial_u),
         "gravity": list(scene.gravity),
         "observe": list(scene.observe),
         "left_out": list(model.left_out),
         "warnings": list(model.warnings),
-        "unlisted": unlisted_of(model),
         "run": scene.run.said(),
     }
+
+
+CONTACTS = ("pairs", "feature_pairs", "contacts", "faces", "patches", "unlisted")
+
+
+def _contacts(model: Model) -> dict[str, Any]:
+    """The tables that follow from shapes, their places about the centres of mass, and contact pairs."""
+    shapes = _Shapes(model)
+    return {
+        "pairs": [_pair(entry) for entry in model.pairs],
+        "feature_pairs": [_feature_pair(model, entry, shapes) for entry in model.feature_pairs],
+        "contacts": [asdict(entry) for entry in model.contacts],
+        "faces": [face_table(model, entry) for entry in model.faces],
+        "patches": [patch_table(entry) for entry in model.patches],
+        "unlisted": unlisted_of(model),
+    }
+
+
+def _contacts_like(model: Model, other: Model, known: dict[str, Any]) -> dict[str, Any]:
+    """The same, taken over from another model where that has the same contacts and joined bodies."""
+    joined = [[(joint.a, joint.b) for joint in each.joints] for each in (model, other)]
+    if joined[0] == joined[1] and contact_inputs_of(model) == contact_inputs_of(other):
+        return {key: known[key] for key in CONTACTS}
+    return _contacts(model)
+
+
+def parameters_of(scene: Scene) -> dict[str, Any]:
+    """The parameters of a scene that has some, and the tables that it can be read from again, for its
+    instance.
+
+    The latter are None of a scene that was changed since it was read.
+    """
+    if not scene.parameters:
+        return {}
+    origin = scene.origin
+    if origin is not None:
+        values = {each.name: each.value for each in scene.parameters}
+        again = SceneReader(scene.name, scene.source, origin).scene(values)
+        origin = origin if again == replace(scene, nominal=None) else None
+    return {
+        "parameters": [asdict(each) for each in scene.parameters],
+        "origin": origin and {"tables": origin.tables, "form": origin.form},
+    }
+
+
+def _measured_pairs(model: Model) -> dict[str, list[int]]:
+    """The pairs that sensors measure."""
+    measured = (each.measurand for each in model.scene.sensors)
+    names = {each.name for each in measured if each is not None and each.owner == "pair"}
+    pairs = [index for index, entry in enumerate(model.pairs) if entry.name in names]
+    return {"pairs": pairs} if pairs else {}
 
 
 def _body(model: Model, entry: BodyEntry) -> dict[str, Any]:
@@ -266,7 +334,8 @@ def _pair(entry: PairEntry) -> dict[str, Any]:
         **({"law": entry.restitution.law} if entry.restitution.law != "newton" else {}),
         "normal": entry.normal and list(entry.normal),
         "bounding_balls": [
-            {"centre": list(centre), "radius": _finite(radius)} for centre, radius in entry.bounding_balls
+            {"shape": shape, "centre": list(centre), "radius": _finite(radius)}
+            for shape, (centre, radius) in zip(entry.shapes, entry.bounding_balls, strict=True)
         ],
         **({"friction": [asdict(constraint) for constraint in entry.friction]} if entry.friction else {}),
     }

@@ -86,6 +86,8 @@ typedef struct {
   int abi;                              /* MG_ABI of the header with which the table was compiled */
   int real_size;                        /* sizeof(mg_real) with which the table was compiled */
   const char *hash;                     /* content hash of the library */
+  int n_sensor;                         /* components of all sensors of the scene */
+  int sensors_need_forces;              /* 1: sensors show gaps or forces, or torques of joints */
   const mg_body_kind *body_kinds;       /* by number of the kind */
   const mg_contact_kind *contact_kinds; /* by number of the kind */
   const mg_joint_kind *joint_kinds;     /* by number of the kind */
@@ -110,13 +112,15 @@ typedef struct {
   void (*body_energy)(int kind, const mg_real *q, const mg_real *u, const mg_real *gravity, const mg_real *parameters,
                       mg_real *kinetic, mg_real *potential, mg_real *momentum, mg_real *spin);
 
-  /* Pose, twist and rate of the twist (6) of a driven body at time t. */
-  void (*body_path)(int kind, const mg_real *t, const mg_real *parameters, mg_real *pose, mg_real *twist,
-                    mg_real *accel);
+  /* Pose, twist and rate of the twist (6) of a driven body at time t. `inputs`, here and below: the settings of all
+     inputs (3 each: value, its rate, 1/s, and the time at which the input had that value, s). */
+  void (*body_path)(int kind, const mg_real *t, const mg_real *parameters, const mg_real *inputs, mg_real *pose,
+                    mg_real *twist, mg_real *accel);
 
   /* Wrenches of a load on its bodies a and b; of a load on one body, only on a. */
   void (*load_wrench)(int kind, const mg_real *t, const mg_real *pose_a, const mg_real *twist_a, const mg_real *pose_b,
-                      const mg_real *twist_b, const mg_real *parameters, mg_real *wrench_a, mg_real *wrench_b);
+                      const mg_real *twist_b, const mg_real *parameters, const mg_real *inputs, mg_real *wrench_a,
+                      mg_real *wrench_b);
 
   /* Of a spring: how far its length, or the coordinate of its joint, is from rest, m or rad; J (12) of the rate of this
      deflection, the columns of a, then of b. Its force along J is -stiffness deflection - damping J u. */
@@ -127,8 +131,8 @@ typedef struct {
      gamma [n_rows], Gamma1; bias [n_rows], partial derivative by time. value_dot = J u + bias, value_ddot = J u_dot +
      gamma. */
   void (*joint_rows)(int kind, const mg_real *t, const mg_real *pose_a, const mg_real *twist_a, const mg_real *pose_b,
-                     const mg_real *twist_b, const mg_real *parameters, mg_real *value, mg_real *J, mg_real *gamma,
-                     mg_real *bias);
+                     const mg_real *twist_b, const mg_real *parameters, const mg_real *inputs, mg_real *value,
+                     mg_real *J, mg_real *gamma, mg_real *bias);
 
   /* Coordinates of a joint [n_coordinates], m or rad. */
   void (*joint_coordinates)(int kind, const mg_real *pose_a, const mg_real *pose_b, const mg_real *parameters,
@@ -163,6 +167,11 @@ typedef struct {
   void (*contact_seek)(int kind, const mg_real *pose_o, const mg_real *pose_f, const mg_real *normal,
                        const mg_real *parameters, mg_real *d, mg_real *slope, mg_real *hessian, mg_real *tangents,
                        mg_real *eta);
+
+  /* What the sensors of the scene show [n_sensor], from time, poses and twists of all bodies, per pair its least gap
+     and the sum of its normal forces, and per joint its wrench on the second body. kind is 0. */
+  void (*sense)(int kind, const mg_real *t, const mg_real *pose, const mg_real *twist, const mg_real *pairs,
+                const mg_real *joints, const mg_real *parameters, const mg_real *inputs, mg_real *sensors);
 } mg_kernels;
 
 /* Table of the generated library. */

@@ -12,11 +12,14 @@
    and allocates mg_work_size mg_real and mg_iwork_size int of scratch memory. It calls mg_begin once, then mg_advance
    as long as that returns MG_CONTINUE (after which it calls again) or MG_LIST_FULL (after which it empties the lists
    and calls again). MG_DONE says that t_stop has been reached. Any other code ends the run; run->failed_contact and
-   run->failed_joint then say where. mg_batch does this for many runs of one system.
+   run->failed_joint then say where. mg_batch does this for many runs of one system, mg_begin_many and mg_advance_many
+   for many runs of systems that may differ.
 
    Memory. The caller owns every structure and every array and keeps them until the call returns; the library allocates
-   nothing. Arrays of an mg_system and an mg_settings are read only. The scratch memory belongs to one run from mg_begin
-   on: mg_advance finds there what the previous call left.
+   nothing. Arrays of an mg_system and an mg_settings are read only. The state of a run is its mg_run alone. The scratch
+   memory belongs to no run: runs, also of other systems, may take turns on it where it is long enough. It keeps bounds
+   of shapes from one search to the next, which are made anew where the shapes are others; no result depends on what it
+   holds.
 
    Threads. There is no global or static state, and nothing is printed or read. Calls in different threads are
    independent if they share nothing but an mg_system and an mg_settings.
@@ -112,6 +115,10 @@ typedef struct {
   int n_friction;            /* friction constraints of all contacts */
   int n_friction_row;        /* rows of all contacts other than their normal rows */
   int n_ball;                /* balls around shapes */
+  int n_input;               /* inputs: numbers of loads and prescribed motions that the caller sets during a run */
+  int sensor_parameters;     /* offset into parameters of those of the sensors */
+  int n_parameters;          /* length of parameters */
+  int n_numbers;             /* length of numbers */
 
   const int *body_kind;       /* [n_body] body kind of the library */
   const int *body_q;          /* [n_body] offset into q */
@@ -188,14 +195,18 @@ typedef struct {
   const int *friction_row;  /* [n_friction] its first row, counted from the contact's first friction row */
   const int *friction_body; /* [n_friction] body in whose axes friction_direction is, or -1: isotropic */
 
-  const mg_real *mass_inverse;     /* [10 n_body] 1/m, 1/kg, and inverse inertia by columns, body axes, 1/(kg m^2);
-                                      zeros for bodies that forces do not move */
-  const mg_real *restitution;      /* [n_contact] coefficient of restitution of impact_law, 0..1 */
-  const mg_real *parameters;       /* parameters of bodies, contacts, loads, joints and shapes, as kernels take them */
-  const mg_real *numbers;          /* numbers of features, conditions, patches and arcs */
-  const mg_real *friction_static;  /* [2 n_friction] static coefficients along the direction and across it; 1 for
-                                      slip, m for spin and rolling */
-  const mg_real *friction_kinetic; /* [2 n_friction] the same, kinetic */
+  const int *input_is_linear; /* [n_input] 1: the input follows a line, whose rate is set; 0: its value is set */
+
+  const mg_real *input_range;  /* [2 n_input] least and largest value that a controller may set */
+  const mg_real *mass_inverse; /* [10 n_body] 1/m, 1/kg, and inverse inertia by columns, body axes, 1/(kg m^2);
+                                  zeros for bodies that forces do not move */
+  const mg_real *restitution;  /* [n_contact] coefficient of restitution of impact_law, 0..1 */
+  const mg_real
+      *parameters; /* [n_parameters] parameters of bodies, contacts, loads, joints and shapes, as kernels take them */
+  const mg_real *numbers;            /* [n_numbers] numbers of features, conditions, patches and arcs */
+  const mg_real *friction_static;    /* [2 n_friction] static coefficients along the direction and across it; 1 for
+                                        slip, m for spin and rolling */
+  const mg_real *friction_kinetic;   /* [2 n_friction] the same, kinetic */
   const mg_real *friction_direction; /* [3 n_friction] principal direction of anisotropic friction, axes of
                                         friction_body */
   const mg_real *patch_friction;     /* [2 n_patch] static and kinetic coefficient; 0 without friction */
@@ -205,9 +216,10 @@ typedef struct {
   const mg_real *scale;              /* [length of x] size of each state, against which its error is measured */
 
   mg_real gravity[3]; /* m/s^2, world axes */
-  mg_real length;     /* characteristic length, m; settings refer to it as "length" */
-  mg_real mass;       /* characteristic mass, kg */
-  mg_real time;       /* characteristic time, s; settings refer to it as "time" */
+  mg_real length; /* characteristic length, m; settings refer to it as "length". "pair length": the smaller radius of
+                     the two balls of a pair, at least this */
+  mg_real mass;   /* characteristic mass, kg */
+  mg_real time;   /* characteristic time, s; settings refer to it as "time" */
 } mg_system;
 
 /* Law of restitution; the coefficient e is the ratio of what is restored to what was there before. */
@@ -284,7 +296,7 @@ typedef struct {
   mg_real joint_rank_tolerance;   /* a joint row depends on other joint rows if no more than this part of its diagonal
                                      entry of J M^-1 J^T is independent of them; it then gets no force */
   mg_real penetration_limit;      /* a run ends where bodies penetrate deeper than this times length */
-  mg_real appear_depth;           /* a contact may appear in a run with d >= -appear_depth * length */
+  mg_real appear_depth;           /* a contact may appear in a run with d >= -appear_depth * pair length */
   mg_real step_min;               /* a step below step_min * time ends the run */
   mg_real margin_warn;            /* a contact that starts at a zero of its margin has no bound on it up to here */
   mg_real margin_refuse;          /* a closed contact whose margin falls below this ends the run */
@@ -293,12 +305,12 @@ typedef struct {
   mg_real appear_tilt_sine; /* a closest point on a vertex or edge is accepted if no watched condition of it, the
                                sine of a tilt, is below -appear_tilt_sine */
   mg_real search_margin;    /* a search drops closest points with a margin below this */
-  mg_real search_merge_distance; /* closest points nearer to each other than search_merge_distance * length are one */
-  mg_real search_gap;            /* contacts that appear in a run are followed from gaps below search_gap * length */
-  mg_real search_movement;      /* MG_SEARCH_MOVED: a pair is searched after it has moved by search_movement * length */
-  mg_real flat_angle;           /* rad: faces within this angle of parallel lie flat on each other */
-  mg_real imaginary_edge;       /* rad: a face turns about a tangent of its curved rim, fixed in the body, up to this
-                                   tilt (section 5.3 of the paper); 0: it rolls on the rim at once */
+  mg_real search_merge_distance; /* closest points nearer than search_merge_distance * pair length are one */
+  mg_real search_gap;      /* contacts that appear in a run are followed from gaps below search_gap * pair length */
+  mg_real search_movement; /* MG_SEARCH_MOVED: a pair is searched after it has moved by search_movement * pair length */
+  mg_real flat_angle;      /* rad: faces within this angle of parallel lie flat on each other */
+  mg_real imaginary_edge;  /* rad: a face turns about a tangent of its curved rim, fixed in the body, up to this
+                              tilt (section 5.3 of the paper); 0: it rolls on the rim at once */
   mg_real boundary_coincidence; /* boundaries of two faces nearer than boundary_coincidence * length coincide */
   mg_real feature_border;       /* a condition fails where it is below -feature_border (lengths: times length) */
   mg_real time_resolution;      /* functions of time are sampled every time_resolution * time */
@@ -369,7 +381,7 @@ enum {
 };
 
 /* One run: its state, its active set and what it reports. Before mg_begin the caller sets t, h (0: chosen by the
-   program), x (eta: 0 or a guess), feature_pair (-1) and the pointers; it fills the other arrays with zeros. */
+   program), x (eta: 0 or a guess), feature_pair (-1), input and the pointers; it fills the other arrays with zeros. */
 typedef struct {
   mg_real t;         /* time, s */
   mg_real h;         /* next step to try, s */
@@ -396,6 +408,16 @@ typedef struct {
   int *rolling_start;            /* [n_contact] MG_START_NONE .. MG_ON_STRAIGHT_EDGE */
   mg_real *tilt_direction;       /* [3 n_contact] of a contact that starts from flat: direction in which its body tilts,
                                     along the plane and out of the hull, unit vector */
+  mg_real *input; /* [3 n_input] setting of each input: value; its rate, 1/s, used where the scene lets the input
+                     change along a line; time at which it has that value, s. The caller writes settings before
+                     mg_begin and between two calls of mg_advance, at whose start they take effect */
+  mg_real *applied_input; /* [3 n_input] settings that have taken effect */
+  mg_real *search_bound;  /* [n_cell_tree] bound up to which the unbounded coordinates of the features of a tree
+                             have been searched for closest points */
+  mg_real *joint_independence_max; /* [n_joint] largest product of the independence of its rows so far, 0..1 */
+  mg_real *joint_response;         /* [12 n_joint_row] M^-1 J^T at the last accepted step */
+  int *joint_row_independent;      /* [n_joint_row] 1: independent of the rows before it at the last accepted step */
+  int *joint_row_ever_independent; /* [n_joint_row] 1: the same at any accepted step so far */
 
   long steps;                /* accepted steps */
   long rejected;             /* rejected steps */
@@ -406,7 +428,6 @@ typedef struct {
   long progress_tries;       /* steps and rejected when progress was last checked */
   long progress_rejected;    /* rejected when progress was last checked */
   long fallbacks;            /* how often the run has fallen back on time-stepping */
-  long fallback_steps_left;  /* steps left of the present fallback */
   long fallback_transitions; /* contacts closed and opened in the present fallback, since its last prolongation */
   long chatters;             /* how often the run went on by time-stepping because its events cost too much */
   long loose_solutions;      /* time-stepping: problems solved to stepping_residual only */
@@ -438,6 +459,7 @@ typedef struct {
   mg_real fallback_end;        /* end of the last fallback, s */
   mg_real fallback_time;       /* duration of all fallbacks, s */
   mg_real fallback_step;       /* step of the present fallback, s */
+  mg_real fallback_left;       /* time left of the present fallback, s; 0: none */
   mg_real event_work;          /* work of events beyond what time-stepping would have cost, evaluations of a contact */
   mg_real event_work_t;        /* t when event_work was last updated, s */
   mg_real chatter_first;       /* start of the first fallback by MG_CHATTER, s */
@@ -592,7 +614,9 @@ MG_API long mg_iwork_size(const mg_system *system);
 MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run *run, mg_events *events, mg_real *work,
                     int *iwork);
 
-/* Advances a run until t_stop, for at most max_steps attempted steps, and appends samples and events.
+/* Advances a run until t_stop, for at most max_steps attempted steps, and appends samples and events. Inputs that have
+   changed take effect first: contacts with bodies whose prescribed velocity jumps are struck or released, and the
+   contact modes under the new loads are chosen.
    Returns an outcome, MG_DONE at t_stop. The list of events needs room for 4 n_contact + 2 entries at every step. */
 MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t_stop, long max_steps,
                       mg_record *record, mg_events *events, mg_real *work, int *iwork);
@@ -601,6 +625,67 @@ MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_r
    often as needed; no samples are taken. */
 MG_API void mg_batch(const mg_system *system, const mg_settings *settings, int n, mg_run *runs, mg_real t_stop,
                      int *outcome, mg_events *events, mg_real *work, int *iwork);
+
+/* A controller: shown the sensors [n_sensor] at time t, it writes commands [n_input]: the value of an input, or its
+   rate if it follows a line. `command` holds the present ones when it is called. */
+typedef void (*mg_control)(void *data, mg_real t, const mg_real *sensors, mg_real *command);
+
+/* When a controller is called. The caller fills all but `calls`, which is 0 at first. */
+typedef struct {
+  mg_control call;
+  void *data;       /* passed on to it */
+  mg_real period;   /* s, between two calls */
+  mg_real start;    /* time of its first call, s */
+  long calls;       /* calls so far */
+  mg_real *sensors; /* [n_sensor] memory for what it is shown */
+  mg_real *command; /* [n_input] memory for its commands */
+} mg_controller;
+
+/* As mg_advance, with a controller called at its instants from run->t on, t_stop excluded. A value beyond the range of
+   its input is set to the nearest end; a command that is not finite ends the run with MG_NOT_FINITE. */
+MG_API int mg_advance_controlled(const mg_system *system, const mg_settings *settings, mg_run *run,
+                                 mg_controller *controller, mg_real t_stop, long max_steps, mg_record *record,
+                                 mg_events *events, mg_real *work, int *iwork);
+/* Begins n lanes: runs that have nothing in common but the settings and the scratch memory. Arrays have one entry for
+   each lane: its system, which lanes may share; its run; its outcome, as mg_begin returns it; its list of events. */
+MG_API void mg_begin_many(int n, const mg_system *const *systems, const mg_settings *settings, mg_run *runs,
+                          int *outcome, mg_events *events, mg_real *work, int *iwork);
+
+/* Advances n lanes that have begun, each to its own t_stop [n]. Lanes whose outcome is a failure, MG_PENETRATION or
+   higher, are left as they are. Of the others the outcome becomes MG_DONE, MG_LIST_FULL (empty the list and call
+   again), or that which ended the run; it does not depend on other lanes. Threads may each take a part of the lanes, on
+   scratch memory of their own, which is as long as that of the largest system. */
+MG_API void mg_advance_many(int n, const mg_system *const *systems, const mg_settings *settings, mg_run *runs,
+                            const mg_real *t_stop, int *outcome, mg_events *events, mg_real *work, int *iwork);
+
+/* Writes what the sensors of n lanes show at their states into sensors [n * kernels->n_sensor], lane after lane. */
+MG_API void mg_sense_many(int n, const mg_system *const *systems, const mg_settings *settings, mg_run *runs,
+                          mg_real *sensors, mg_real *work, int *iwork);
+
+/* What mg_load found. */
+enum {
+  MG_LOADED = 0,              /* the run has been loaded; with any other code it is as it was */
+  MG_LOAD_NO_CHECKPOINT = 1,  /* the bytes are no checkpoint, or one of a machine with another order of bytes */
+  MG_LOAD_OTHER_ABI = 2,      /* saved with another MG_ABI */
+  MG_LOAD_OTHER_REAL = 3,     /* saved with another mg_real */
+  MG_LOAD_OTHER_LIBRARY = 4,  /* saved with a library of another content hash */
+  MG_LOAD_OTHER_SIZES = 5,    /* saved of a system of other sizes: numbers of bodies, contacts, .. */
+  MG_LOAD_OTHER_TABLES = 6,   /* saved of a system with other tables: indices, parameters, masses, friction, .. */
+  MG_LOAD_OTHER_SETTINGS = 7, /* saved with other settings */
+  MG_LOAD_DAMAGED = 8         /* bytes are missing, or are not those that were saved */
+};
+
+/* Length in bytes of a checkpoint of a run of this system. */
+MG_API long mg_save_size(const mg_system *system);
+
+/* Saves the state of a run between two calls, mg_save_size bytes. A run into which it is loaded goes on bit for bit as
+   this one. System and settings are not saved; their digests are, so that mg_load can compare them. */
+MG_API void mg_save(const mg_system *system, const mg_settings *settings, const mg_run *run, unsigned char *bytes);
+
+/* Loads `length` bytes that mg_save wrote into a run, whose pointers are set and which need not have begun. Returns
+   MG_LOADED or what differs. */
+MG_API int mg_load(const mg_system *system, const mg_settings *settings, mg_run *run, const unsigned char *bytes,
+                   long length);
 
 /* Takes n steps of RK4 of settings->step with a fixed active set: no events, no projection, no diagnostics. */
 MG_API void mg_smooth(const mg_system *system, const mg_settings *settings, mg_run *run, long n, mg_real *work,
@@ -619,6 +704,10 @@ MG_API void mg_joint_ranks(const mg_system *system, const mg_settings *settings,
 /* After MG_NOT_FINITE: returns the first function of time that is not finite or has a pole where the run ended, or -1.
    Loads are numbered first, then bodies (their prescribed paths), then joints (their prescribed motions). */
 MG_API int mg_unbounded(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real *work, int *iwork);
+
+/* Writes what the sensors of the scene show at the run's state into sensors [kernels->n_sensor]. */
+MG_API void mg_sense(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real *sensors, mg_real *work,
+                     int *iwork);
 
 /* Writes the poses of all bodies at the run's state into pose [12 n_body]. */
 MG_API void mg_pose_all(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real *pose, mg_real *work,

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from modelgen.dynamics.inputs import input_argument, input_values
 from modelgen.dynamics.symbolic_rotations import exponential
 from modelgen.geometry.casadi_expressions import lower
 from modelgen.geometry.frames import cross, dot, frame_of, zeros
@@ -163,22 +164,24 @@ def _energy(kind: BodyKind) -> ca.Function:
 def _path(kind: BodyKind) -> ca.Function:
     """(t, parameters(12): pose at rest) -> (pose(12), twist(6), accel(6) = [v_dot world; w_dot body axes]).
 
-    p = path(t) + p_0, R = exp(rotation vector(t)) R_0.
+    p = path(t) + p_0, R = exp(rotation vector(t)) R_0. A path that depends on inputs also takes `inputs`,
+    their settings.
     """
-    t, parameters = ca.SX.sym("t"), ca.SX.sym("parameters", 12)
+    t, parameters, settings = ca.SX.sym("t"), ca.SX.sym("parameters", 12), input_argument(kind.inputs)
+    values = {"t": t} | input_values(kind.inputs, t, settings)
     start, path = frame_of(parameters), kind.path
     if path is None:
         position, turn = zeros(3), ca.SX.eye(3)
     else:
-        position = ca.vertcat(*(lower(component, {"t": t}) for component in path.position))
-        turn = exponential(ca.vertcat(*(lower(component, {"t": t}) for component in path.rotation_vector)))
+        position = ca.vertcat(*(lower(component, values) for component in path.position))
+        turn = exponential(ca.vertcat(*(lower(component, values) for component in path.rotation_vector)))
     spin_world = _spin_of(turn, t)
     velocity, to_body = ca.jacobian(position, t), ca.mtimes(turn, start.rotation).T
     twist = ca.vertcat(velocity, ca.mtimes(to_body, spin_world))
     accel = ca.vertcat(ca.jacobian(velocity, t), ca.mtimes(to_body, ca.jacobian(spin_world, t)))
     pose = ca.vertcat(position + start.position, ca.vec(to_body.T))
     outputs = {"pose": pose, "twist": twist, "accel": accel}
-    return kernel(f"mg_{kind.name}_path", {"t": t, "parameters": parameters}, outputs)
+    return kernel(f"mg_{kind.name}_path", {"t": t, "parameters": parameters} | settings, outputs)
 
 
 def _spin_of(turn: ca.SX, t: ca.SX) -> ca.SX:

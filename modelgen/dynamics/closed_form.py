@@ -15,6 +15,7 @@ from itertools import accumulate, pairwise
 import casadi as ca
 
 from modelgen.dynamics.bodies import kernel, mass_and_inertia
+from modelgen.dynamics.inputs import SETTING_SIZE
 from modelgen.geometry.frames import dot, zeros
 from modelgen.model import BodyEntry, BodyKind, FeaturePairEntry, Model
 
@@ -33,6 +34,12 @@ class Symbols:
     eta: ca.SX
     gravity: ca.SX
     parameters: ca.SX
+    inputs: ca.SX  # settings of the inputs of the scene, if it has any
+
+    @property
+    def arguments(self) -> dict[str, ca.SX]:
+        """By name, without what is empty for all scenes of a kind."""
+        return {name: symbol for name, symbol in vars(self).items() if name != "inputs" or symbol.numel()}
 
 
 @dataclass(frozen=True)
@@ -124,7 +131,7 @@ def right_hand_side(model: Model, functions: Functions) -> ca.Function:
         "eta_dot": _eta_dot(model, written.touches),
         "force": force,
     }
-    return kernel("mg_rhs", vars(written.symbols), outputs)
+    return kernel("mg_rhs", written.symbols.arguments, outputs)
 
 
 def pushed(model: Model, functions: Functions) -> ca.Function:
@@ -135,7 +142,7 @@ def pushed(model: Model, functions: Functions) -> ca.Function:
     outputs = {
         "qdot": written.qdot, "udot": written.udot(force), "eta_dot": _eta_dot(model, written.touches)
     }  # fmt: skip
-    return kernel("pushed", {**vars(written.symbols), "force": force}, outputs)
+    return kernel("pushed", {**written.symbols.arguments, "force": force}, outputs)
 
 
 def _written(model: Model, functions: Functions) -> Written:
@@ -148,6 +155,7 @@ def _written(model: Model, functions: Functions) -> Written:
         ca.SX.sym("eta", model.n_eta),
         ca.SX.sym("gravity", 3),
         ca.SX.sym("parameters", sum(sizes)),
+        ca.SX.sym("inputs", SETTING_SIZE * len(model.scene.inputs)),
     )
     parameters = [symbols.parameters[a:b] for a, b in pairwise(accumulate(sizes, initial=0))]
     n, m = len(model.bodies), len(model.feature_pairs)
@@ -183,7 +191,8 @@ def _bodies(
         partners = [(bodies[index].pose, bodies[index].twist) for index in load.bodies]
         known = [argument for pair in partners for argument in pair]
         pads = [ca.SX(0, 1)] * (4 - len(known))
-        arguments = _fit(function, [symbols.t, *known, *pads, given])
+        settings = [symbols.inputs] if model.load_kinds[load.kind].inputs else []
+        arguments = _fit(function, [symbols.t, *known, *pads, given, *settings])
         for index, wrench in zip(load.bodies, function.call(arguments), strict=False):
             wrenches[index] += wrench
     return [
@@ -199,7 +208,9 @@ def _placed(
     if kind.motion == "fixed":
         return Moving(kind, parameters, parameters, zeros(6), none, zeros(6))
     if kind.motion == "driven":
-        pose, twist, accel = functions[f"mg_{kind.name}_path"].call([symbols.t, parameters])
+        path = functions[f"mg_{kind.name}_path"]
+        settings = [symbols.inputs] if kind.inputs else []
+        pose, twist, accel = path.call([symbols.t, parameters, *settings])
         return Moving(kind, parameters, pose, twist, none, accel)
     q, u = _state(kind, entry, symbols)
     if kind.motion == "point":

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from modelgen.dynamics.bodies import kernel
+from modelgen.dynamics.inputs import input_argument, input_values
 from modelgen.dynamics.symbolic_rotations import quaternion
 from modelgen.geometry.casadi_expressions import lower
 from modelgen.geometry.frames import cross, dot, frame_of, zeros
@@ -41,16 +42,21 @@ class Point:
 
 
 def load_kernel(kind: LoadKind) -> ca.Function:
-    """`mg_<kind>_wrench`: (t, pose_a, twist_a, pose_b, twist_b, parameters) -> (wrench_a(6), wrench_b(6))."""
+    """`mg_<kind>_wrench`: (t, pose_a, twist_a, pose_b, twist_b, parameters) -> (wrench_a(6), wrench_b(6)).
+
+    A load that depends on inputs also takes `inputs`, their settings.
+    """
     t = ca.SX.sym("t")
     spring = kind.kind == "spring"
     numbers, points = _points(kind)
     a, b = points[0], points[1] if spring else Point(ca.SX(0, 1), ca.SX(0, 1), zeros(3), ca.SX.eye(3))
-    wrench_a, wrench_b = _spring(a, b, numbers[-3:]) if spring else (_given(kind, t, a), ca.SX(0, 1))
+    settings = input_argument(kind.inputs)
+    values = {"t": t} | input_values(kind.inputs, t, settings)
+    wrench_a, wrench_b = _spring(a, b, numbers[-3:]) if spring else (_given(kind, values, a), ca.SX(0, 1))
     inputs = {"t": t, "pose_a": a.pose, "twist_a": a.twist, "pose_b": b.pose, "twist_b": b.twist}
     return kernel(
         f"mg_{kind.name}_wrench",
-        inputs | {"parameters": numbers},
+        inputs | {"parameters": numbers} | settings,
         {"wrench_a": wrench_a, "wrench_b": wrench_b},
     )
 
@@ -89,11 +95,12 @@ def _point(name: str, motion: BodyMotion, arm: ca.SX) -> Point:
     return Point(pose, twist, arm, ca.SX.eye(3) if motion == "point" else frame_of(pose).rotation)
 
 
-def _given(kind: LoadKind, t: ca.SX, point: Point) -> ca.SX:
-    """The wrench of a force or torque that the scene gives as expressions of t and the body's state."""
+def _given(kind: LoadKind, values: dict[str, ca.SX], point: Point) -> ca.SX:
+    """The wrench of a force or torque that the scene gives as expressions of t, inputs and the body's state;
+    `values` are time and inputs by name."""
     load = kind.load
     assert load is not None
-    symbols = _state_symbols(t, point, kind.motions[0])
+    symbols = values | _state_symbols(point, kind.motions[0])
     vector = ca.vertcat(*(lower(component, symbols) for component in load.components))
     match load:
         case ForceLoad(frame=frame):
@@ -102,15 +109,15 @@ def _given(kind: LoadKind, t: ca.SX, point: Point) -> ca.SX:
             return ca.vertcat(zeros(3), vector if frame == "body" else ca.mtimes(point.rotation.T, vector))
 
 
-def _state_symbols(t: ca.SX, point: Point, motion: BodyMotion) -> dict[str, ca.SX]:
-    """Symbols that expressions may use: t, and the state of the centre of mass in world axes."""
+def _state_symbols(point: Point, motion: BodyMotion) -> dict[str, ca.SX]:
+    """The state of the centre of mass in world axes, by the names of expressions."""
     velocity = point.twist[0:3] if motion != "fixed" else zeros(3)
     turns = motion in ("driven", "free")
     spin = ca.mtimes(point.rotation, point.twist[3:6]) if turns else zeros(3)
     columns = {"xyz": point.pose[0:3], "v": velocity, "w": spin, "q": quaternion(point.rotation)}
     symbols = {axis: columns["xyz"][i] for i, axis in enumerate("xyz")}
     symbols |= {f"{letter}{axis}": columns[letter][i] for letter in "vw" for i, axis in enumerate("xyz")}
-    return symbols | {f"q{axis}": columns["q"][i] for i, axis in enumerate("wxyz")} | {"t": t}
+    return symbols | {f"q{axis}": columns["q"][i] for i, axis in enumerate("wxyz")}
 
 
 def _spring(a: Point, b: Point, numbers: ca.SX) -> tuple[ca.SX, ca.SX]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
 import casadi as ca
@@ -39,6 +39,7 @@ class Worst:
     ratio: float
 
 
+@lru_cache(maxsize=256)
 def check_regular(shape: Shape) -> tuple[str, ...]:
     """Warnings on a chart, curve, spline or solid of the user's own; SceneError where no contact could run.
 

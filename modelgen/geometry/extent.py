@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import lru_cache
 from itertools import product
 from math import hypot, inf, isfinite, sqrt
 
@@ -16,6 +17,7 @@ from modelgen.scene.pose_arithmetic import to_outer
 from modelgen.scene.scene_types import Shape, Vector
 
 
+@lru_cache(maxsize=512)
 def bounding_radius(shape: Shape) -> float:
     """Radius (m) about the shape's origin; infinite for what has no bound."""
     numbers = [value for _, value in shape.parameters]

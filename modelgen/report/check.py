@@ -17,7 +17,8 @@ from modelgen.report.resting_faces import patch_names, print_patches
 from modelgen.runtime.warnings import hints
 
 DECIDED = ("decision", "of", "taken", "instructions", "saved", "C text", "saved bytes", "states")
-SHOWN = 3  # contacts named in a row; the rest is counted
+PARAMETERS = ("name", "value", "nominal", "range", "unit", "used by", "what it is")
+SHOWN = 3  # contacts, or places, named in a row; the rest is counted
 
 
 def check_facts(derivation: Derivation) -> dict[str, Any]:
@@ -34,6 +35,7 @@ def check_facts(derivation: Derivation) -> dict[str, Any]:
         "patches": patches,
         "patches_at_start": level,
         "joints": joints,
+        "parameters": [asdict(each) for each in model.whole.parameters],
         "left_out": list(model.left_out),
         "scales": asdict(model.scales),
         "states": {"q": model.n_q, "u": model.n_u, "eta": model.n_eta},
@@ -56,6 +58,7 @@ def print_check(facts: dict[str, Any], console: Console) -> None:
     print_patches(console, facts["patches"], facts["patches_at_start"])
     columns = ("name", "kind", "between", "rows", "coordinates", "limits")
     _print_table(console, "joints", columns, [_joined_up(joint) for joint in facts["joints"]])
+    _print_table(console, "parameters", PARAMETERS, [_as_row(each) for each in facts["parameters"]])
     counts = [{"function": name, "instructions": n} for name, n in facts["instructions"].items()]
     _print_table(console, "functions", ("function", "instructions"), counts)
     _print_table(console, "decisions", DECIDED, [_decided(each) for each in facts.get("savings", ())])
@@ -63,6 +66,22 @@ def print_check(facts: dict[str, Any], console: Console) -> None:
         console.print(f"left out: {sentence}", markup=False, soft_wrap=True)
     for hint in facts["hints"]:
         console.print(f"hint: {hint}", markup=False, soft_wrap=True)
+
+
+def _as_row(parameter: dict[str, Any]) -> dict[str, Any]:
+    """A parameter as texts; a range without an end is open there."""
+    low, high = ("" if end is None else f"{end:g}" for end in (parameter["minimum"], parameter["maximum"]))
+    uses = parameter["uses"]
+    more = f" and {len(uses) - SHOWN} more" if len(uses) > SHOWN else ""
+    return {
+        "name": parameter["name"],
+        "value": f"{parameter['value']:.9g}",
+        "nominal": f"{parameter['nominal']:.9g}",
+        "range": f"{low}..{high}" if low or high else "-",
+        "unit": parameter["unit"] or "-",
+        "used by": ", ".join(uses[:SHOWN]) + more,
+        "what it is": parameter["doc"] or "-",
+    }
 
 
 def _decided(saving: dict[str, Any]) -> dict[str, Any]:

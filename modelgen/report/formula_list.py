@@ -23,8 +23,9 @@ from modelgen.joint.joint_table import FORMS as FORMS_OF_JOINTS
 from modelgen.model import Model
 from modelgen.notation import notation
 from modelgen.report import mathml
+from modelgen.report.closest_inputs import ClosestInputs
 from modelgen.report.formula_text import symbol_latex
-from modelgen.verification.formula_inputs import inputs_at, substituted
+from modelgen.verification.formula_inputs import Numbers, inputs_at, own_inputs, substituted
 from modelgen.verification.sympy_translation import LONGEST, Line, definition, leading_to
 from modelgen.verification.verify import claimed, is_of_joint, is_of_limit, joint_kind, verified
 
@@ -36,6 +37,14 @@ class View:
     seed: int = 0
     given: Mapping[str, Any] = field(default_factory=dict)
     n: int = 0
+    closest: ClosestInputs | None = None  # searches the closest points of a given configuration
+
+    def inputs(self, formula: Formula, derivation: Derivation) -> Numbers:
+        """The value of each input of a formula."""
+        found = inputs_at(formula, derivation, self.seed, self.given)
+        return (
+            self.closest.completed(formula, found, own_inputs(formula, self.given)) if self.closest else found
+        )
 
     def verdict(self, formula: Formula, derivation: Derivation) -> dict[str, Any]:
         """The status; `unchecked` are outputs that no finding is about."""
@@ -107,7 +116,7 @@ def formula_facts(
         function, steps = _written_out(formula, derivation.model)
         if whole or name in function.name_out():
             names = _parameter_names(formula, derivation.model, manifest)
-            inputs = inputs_at(formula, derivation, view.seed, view.given)
+            inputs = view.inputs(formula, derivation)
             lines = definition(function, names, steps, NARROW if style == "html" else LONGEST)
             numbers = dict(zip(lines, substituted(lines, inputs, names), strict=True))
             facts = _facts(formula, derivation.model, manifest, numbers, None if whole else name, style)

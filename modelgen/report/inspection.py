@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from modelgen.derivation import Derivation
+from modelgen.report.closest_inputs import ClosestInputs
 from modelgen.report.formula_list import OF_A_JOINT, OF_A_PAIR, Format, View, formula_facts
 from modelgen.report.formula_text import STYLES
 from modelgen.report.html_page import page
@@ -31,10 +32,11 @@ def inspected(
     seed, given, asked = view
     n = asked or (PAGE if style == "html" else 0)
     derivation = derive(scene or kind_scene(source))
+    closest = ClosestInputs(derivation, derive, "" if scene else source) if given else None
     roles = () if scene else OF_A_JOINT if derivation.model.joints else OF_A_PAIR
     facts = {
         "source": source,
-        "formulas": formula_facts(derivation, formula, style, roles, View(seed, given, n)),
+        "formulas": formula_facts(derivation, formula, style, roles, View(seed, given, n, closest)),
     }
     if style != "html":
         return facts

@@ -21,6 +21,7 @@ A number may be written as an expression of constants, such as `"pi/2"`. `modelg
 JSON Schema, for validation and for completion in editors. [Scenes](scenes.md) explains the tables.
 """
 TABLES = (
+    ("parameter", "[[parameter]]"),
     ("pattern", "[[pattern]]"),
     ("contact", "[[contact]]"),
     ("contacts", "[contacts]"),

@@ -14,6 +14,7 @@ from modelgen.scene.shape_catalogue import SHAPES
 
 MOTION = parse_expression("0.2*sin(3*t)", ("t",))
 TEETH = (17.0, 40.0)
+NONE: Mapping[str, float] = {}
 SPRUNG = ("revolute", "prismatic", "cylindrical", "universal", "screw")
 LIMITED: Mapping[str, dict[str, Any]] = {  # bounds of the first coordinate, and of the second
     **{kind: {"limits": (-1.0, 1.0)} for kind in SPRUNG},
@@ -58,10 +59,11 @@ def _optional(name: str, moved: bool) -> dict[str, Any]:
     return {**limits, "stiffness": 40.0, "damping": 0.7, "rest": 0.3} if name in SPRUNG else limits
 
 
-def pair_scene(kind: str) -> Scene:
+def pair_scene(kind: str, lengths: Mapping[str, Mapping[str, float]] | None = None) -> Scene:
     """A scene with one contact of the kind "shape-shape" or "shape-shape:form", both bodies free.
 
-    The lengths in it are arbitrary: they are parameters of the formulas.
+    Lengths in it are parameters of the formulas: those of the shapes of bodies `o` and `f` by name, and
+    arbitrary ones where none are given.
     """
     pair, _, form = kind.partition(":")
     shapes = pair.split("-")
@@ -76,18 +78,29 @@ def pair_scene(kind: str) -> Scene:
         raise ModelgenError(
             "inspect", f"no form {form!r}", f"forms: {', '.join(FORMS)}", nearest(form, FORMS)
         )
-    bodies = tuple(_sample_body(name, shape) for name, shape in zip("of", shapes, strict=True))
+    known = lengths or {}
+    bodies = tuple(
+        _sample_body(name, shape, lengths=known.get(name, {}))
+        for name, shape in zip("of", shapes, strict=True)
+    )
     between = (("o", "shape"), ("f", "shape"))
     return Scene(kind, "inspect", bodies, (ContactPair(between, form=form or "auto"),))
 
 
-def _sample_body(name: str, shape: str | None, position: Vector = (0.0, 0.0, 0.0)) -> Body:
+def _sample_body(
+    name: str, shape: str | None, position: Vector = (0.0, 0.0, 0.0), lengths: Mapping[str, float] = NONE
+) -> Body:
     inertia = ((3.0, 0.0, 0.0), (0.0, 4.0, 0.0), (0.0, 0.0, 5.0))
-    return Body(name, "dynamic", _sample_shape(shape), mass=1.0, inertia=inertia, pose=Pose(position))
+    shapes = _sample_shape(shape, lengths)
+    return Body(name, "dynamic", shapes, mass=1.0, inertia=inertia, pose=Pose(position))
 
 
-def _sample_shape(shape: str | None) -> tuple[Shape, ...]:
+def _sample_shape(shape: str | None, lengths: Mapping[str, float]) -> tuple[Shape, ...]:
     if shape is None:
         return ()
     names = SHAPES[shape].parameters
-    return (Shape(shape, tuple((each, float(len(names) + 1 - i)) for i, each in enumerate(names))),)
+    return (
+        Shape(
+            shape, tuple((each, lengths.get(each, float(len(names) + 1 - i))) for i, each in enumerate(names))
+        ),
+    )

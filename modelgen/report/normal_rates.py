@@ -35,6 +35,10 @@ def normal_rates(derivation: Derivation, path: Trajectory) -> Array:
     if (path.body_names, path.contact_names[: len(model.contacts)]) != names:
         found = f"a run of {path.scene!r}, which has other bodies or contacts than {model.scene.name!r}"
         raise ModelgenError("normal_rates", found, "both of one scene", "derive the scene of the run")
+    if dict(path.parameters) != {each.name: each.value for each in model.whole.parameters}:
+        found = "a run with other values of the scene's parameters than the derivation"
+        remedy = "write the values of the run into the scene, and derive that"
+        raise ModelgenError("normal_rates", found, "both of the same values", remedy)
     rates = np.full(path.normals.shape, np.nan)
     poses, twists = _poses_and_twists(path)
     for k, contact in enumerate(model.contacts):

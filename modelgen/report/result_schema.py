@@ -138,6 +138,9 @@ _CONTACT = record(
 )
 _PROPERTIES = {
     "scene": entry("string", "name of the scene"),
+    "parameters": entry(
+        "object", "the scene's parameters, their values in this run", additionalProperties={"type": NUMBER}
+    ),
     "t_end": entry(NUMBER, "time that the run reached, s"),
     "outcome": entry("string", "done, interrupted, or what stopped the run"),
     "advice": entry("string", "what the outcome means and what to do about it"),
@@ -170,6 +173,8 @@ _PROPERTIES = {
     "penetration_max": entry(
         NUMBER, "deepest penetration of a pair of bodies with a contact, at an accepted step, m"
     ),
+    "penetration_t": entry(NUMBER, "time of the deepest penetration, s"),
+    "penetration_pair": entry("string", "the pair that penetrates deepest, or empty"),
     "joint_error_max": entry(
         NUMBER, "largest deviation from the equations of the joints at the start and at accepted steps, m"
     ),

@@ -9,6 +9,7 @@ import numpy as np
 
 from modelgen.report.resting_face_outlines import face_outlines
 from modelgen.report.surface_grids import contact_meshes, feature_pair_of
+from modelgen.runtime.arguments import with_parameters
 
 if TYPE_CHECKING:
     from modelgen.codegen.library import Library
@@ -98,6 +99,7 @@ def rotate_inverse(quaternion: Array, x: Array) -> Array:
 
 def record_of(trajectory: Trajectory, library: Library) -> Record:
     """The record of a run and of the library that made it: what `save` and `draw` take."""
+    library = with_parameters(library, trajectory.parameters)
     instance = library.manifest.instance
     feature_pairs = [feature_pair_of(instance, k) for k in range(len(instance["contacts"]))]
     bare = Record(

@@ -18,6 +18,9 @@ def print_summary(summary: dict[str, Any], console: Console) -> None:
         markup=False,
         soft_wrap=True,
     )
+    if summary["parameters"]:
+        told = ", ".join(f"{name} = {value:.9g}" for name, value in summary["parameters"].items())
+        console.print(f"parameters: {told}", markup=False, highlight=False, soft_wrap=True)
     console.print(
         f"{summary['steps']} steps, {summary['rejected']} rejected, {summary['rhs_evals']} evaluations, "
         f"{summary['wall_s']:.3g} s",

@@ -67,7 +67,8 @@ CHOICES = ("impacts", "newton", "project", "use_gamma")  # keys of a scene's [ru
 class Accuracy:
     """All tolerances of a run and its choices of method. Make one with `fast`, `balanced`, `tight` or `of`.
 
-    L, T and M are the characteristic length, time and mass of the model, which `check` prints. Tolerances are
+    L, T and M are the characteristic length, time and mass of the model, which `check` prints. P is the
+    length of a pair of shapes: the smaller radius of the balls around them, at least L. Tolerances are
     dimensionless unless a unit is given.
 
     Attributes:
@@ -121,7 +122,7 @@ class Accuracy:
         joint_rank_tolerance: the same of a joint row, as at a dead centre.
         penetration_limit: a run ends where bodies penetrate deeper than this times L; in time-stepping,
             deeper than that and than they move in two steps.
-        appear_depth: deepest penetration, in L, of a contact that is found during a run.
+        appear_depth: deepest penetration, in P, of a contact that is found during a run.
         event_scan_parts: number of parts of a step that are searched for the first event.
         appear_margin: least margin of a contact that is found during a run.
         appear_tilt_sine: sine of the largest angle by which an adjacent edge or face may point beyond the
@@ -129,9 +130,9 @@ class Accuracy:
         lcp_iterations: bound on the active-set changes of one complementarity problem.
         events_at_once_max: bound on the transitions at one time.
         search_margin: a search for closest points drops results with a smaller margin.
-        search_merge_distance: closest points nearer to each other than this times L are one.
-        search_gap: a search follows contacts with gaps up to this times L.
-        search_movement: a pair that can touch more than once is searched again after moving by this times L.
+        search_merge_distance: closest points nearer to each other than this times P are one.
+        search_gap: a search follows contacts with gaps up to this times P.
+        search_movement: a pair that can touch more than once is searched again after moving by this times P.
         flat_angle: rad; a rim closer to a plane than this angle stands on three of its points.
         imaginary_edge: rad; if positive, a face turns over a smooth rim about a tangent fixed in the body up
             to this angle (section 5.3), before it rolls on the rim.

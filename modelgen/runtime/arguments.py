@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from numbers import Real
 from typing import Any
 
 import numpy as np
 
+from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, nearest
 
 
@@ -43,6 +44,18 @@ def check_keywords(verb: str, given: Iterable[str], known: Iterable[str]) -> Non
             if "'tolerance'" in remedy:
                 remedy = "write accuracy=Accuracy.of(...) for a tolerance"
             raise SimulationError(verb, f"unknown keyword {key!r}", "allowed are " + ", ".join(names), remedy)
+
+
+def with_parameters(library: Library, values: object) -> Library:
+    """The library with these values of its parameters; raises SimulationError (see `library_with`)."""
+    if not values:
+        return library
+    if not isinstance(values, Mapping):
+        found, remedy = f"a {type(values).__name__}", 'write parameters={"name": 1.0}'
+        raise SimulationError("parameters", found, "names with their values are allowed", remedy)
+    from modelgen.codegen.parameter_values import library_with  # reads the scene again, with CasADi
+
+    return library_with(library, values)
 
 
 def rows_of(where: str, values: Any, size: int) -> np.ndarray[Any, Any]:

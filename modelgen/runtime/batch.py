@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,10 +11,11 @@ import numpy as np
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.arguments import check_span
+from modelgen.runtime.arguments import check_span, with_parameters
+from modelgen.runtime.lanes import lanes_of
 from modelgen.runtime.session import Session
 from modelgen.runtime.start import REFUSED, refusal
-from modelgen.runtime.tables.ctypes_structures import RUN_ARRAYS, Array, address
+from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Outcome
 
 
@@ -30,7 +32,13 @@ class Batch:
 
 
 def simulate_batch(
-    library: Library, q: Array, u: Array, *, until: float, accuracy: Accuracy | str | None = None
+    library: Library,
+    q: Array,
+    u: Array,
+    *,
+    until: float,
+    accuracy: Accuracy | str | None = None,
+    parameters: Mapping[str, float] | None = None,
 ) -> Batch:
     """Run one scene from n starts.
 
@@ -40,20 +48,21 @@ def simulate_batch(
         u: (n, n_u) velocities (m/s, world; rad/s, body axes).
         until: end time, s.
         accuracy: as for `simulate`; `balanced` when None.
+        parameters: as for `simulate`, the same in all runs.
 
     Raises:
         SimulationError: the shapes do not fit, or a start interpenetrates; names the run and the contact.
     """
     expect("simulate_batch", library, Library)
     check_span("until", until, "give the end of the runs")
+    library = with_parameters(library, parameters)
     session = Session(library, Accuracy.balanced() if accuracy is None else Accuracy.taken(accuracy))
     n_q, n_u = session.instance["n_q"], session.instance["n_u"]
     starts = np.concatenate(_as_many(_checked("q", q, n_q), _checked("u", u, n_u)), axis=1)
     n = len(starts)
-    x = np.zeros((n, session.n_x), dtype=session.tables.dtype)
-    for row, start in zip(x, starts, strict=True):
-        row[: n_q + n_u] = start
-    runs, kept = _runs(session, x)
+    runs, kept = lanes_of(session, n)
+    x = kept["x"]
+    x[:, : n_q + n_u] = starts
     codes = np.zeros(n, dtype=np.intc)
     session.batch(runs, until, codes)
     _refuse(session, codes, runs, kept)
@@ -86,20 +95,6 @@ def _as_many(q: Array, u: Array) -> tuple[Array, Array]:
         found = f"{len(u)} rows, with {len(q)} of q"
         raise SimulationError("u", found, "as many rows as q", "give one row a run")
     return q, u
-
-
-def _runs(session: Session, x: Array) -> tuple[ctypes.Array[ctypes.Structure], dict[str, Array]]:
-    """An mg_run for each row of x, and the arrays that they point to."""
-    n, m = len(x), session.n_contact + 1
-    runs = (session.tables.Run * n)()
-    columns: dict[str, Array] = {"x": x, "feature_pair": np.full((n, m), -1, dtype=np.intc)}
-    for name in RUN_ARRAYS:
-        like = getattr(session, name)
-        columns.setdefault(name, np.zeros((n, len(like)), dtype=like.dtype))
-    for index, run in enumerate(runs):
-        for name, array in columns.items():
-            setattr(run, name, address(array[index]))
-    return runs, columns
 
 
 def _refuse(

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.notation import ETA_SIZE
+from modelgen.runtime import checkpoint
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.tables.ctypes_structures import (
     EVENT_ARRAYS,
@@ -20,6 +21,7 @@ from modelgen.runtime.tables.ctypes_structures import (
     settings_of,
 )
 from modelgen.runtime.tables.library_tables import EVENT_PREFIX, library_tables
+from modelgen.runtime.tables.own_numbers import OwnNumbers
 from modelgen.runtime.tables.planar_contacts import SUPPORT_POINTS
 from modelgen.runtime.trajectory import EVENT_KINDS, Event
 
@@ -29,14 +31,17 @@ CONTINUE, FULL = 1, 2
 class Session:
     """The state of a run in the core's memory. Arrays are views: they change as the run advances."""
 
-    def __init__(self, library: Library, accuracy: Accuracy) -> None:
+    def __init__(self, library: Library, accuracy: Accuracy, own: OwnNumbers | None = None) -> None:
+        """`own`: numbers that take the place of those of the library."""
         shared = library_tables(library)
+        self.own = own
         self.shared = shared
         self.library = library
         self.accuracy = accuracy
         self.redundant_joints: list[str] = []
         self.instance: Mapping[str, Any] = library.manifest.instance
-        self.tables, self.system = shared.tables, shared.system
+        self.tables = shared.tables
+        self.system = own.system if own else shared.system
         self.feature_pair_names = shared.feature_pair_names  # limits have no features
         self.contacts, self.joints = shared.contact_names, shared.joint_names
         self.n_shown, self.n_patch_slot = len(self.contacts), shared.n_patch_slot
@@ -47,20 +52,19 @@ class Session:
         integers, integer_at = shared.integers.zeros(INTEGER)
         arrays, at = reals | integers, real_at | integer_at
         self._placed = {at[name]: array for name, array in arrays.items()}
+        self.run_arrays = {name: arrays[name] for name in RUN_ARRAYS}
         self.x, self.force, self.margin = reals["x"], reals["force"], reals["margin"]
-        self.point, self.reference_force = reals["point"], reals["reference_force"]
-        self.slip_direction, self.tilt_direction = reals["slip_direction"], reals["tilt_direction"]
-        self.patch_slip_direction = reals["patch_slip_direction"]
-        self.moved_since_search, self.unfollowed_gap = reals["moved_since_search"], reals["unfollowed_gap"]
-        self.ball_at, self.is_far = reals["ball_at"], integers["is_far"]
+        self.tilt_direction, self.rolling_start = reals["tilt_direction"], integers["rolling_start"]
         self.closed, self.active = integers["closed"], integers["active"]
-        self.friction_mode, self.patch_mode = integers["friction_mode"], integers["patch_mode"]
-        self.rolling_start, self.feature_pair = integers["rolling_start"], integers["feature_pair"]
+        self.friction_mode, self.feature_pair = integers["friction_mode"], integers["feature_pair"]
+        self.input, self.applied_input = reals["input"], reals["applied_input"]
         self.x[:], self.feature_pair[:] = shared.start, -1
+        self.input[0 : 3 * len(self.instance["inputs"]) : 3] = [i["default"] for i in self.instance["inputs"]]
         self.run = self.tables.Run(0.0, 0.0, *(at[name] for name in RUN_ARRAYS))
         of_events = [EVENT_PREFIX + name for name in EVENT_ARRAYS]
         self._event_columns = [arrays[name] for name in of_events]
         self.events = self.tables.Events(shared.n_event, 0, *(at[name] for name in of_events))
+        self.sensed = self._reals(sum(size for _, size in self.instance["sensors"]["names"]) + 1)
         self.work = self._reals(shared.work_size)
         self.iwork = np.zeros(shared.iwork_size, dtype=INTEGER)
         self._head = (ctypes.byref(self.system), ctypes.byref(self.settings), ctypes.byref(self.run))
@@ -76,7 +80,8 @@ class Session:
 
     def arrays(self) -> dict[int, Array]:
         """All arrays that the structures point to, by address."""
-        return {address(array): array for array in self.shared.arrays} | self._placed
+        own = self.own.arrays.values() if self.own else ()
+        return {address(array): array for array in (*self.shared.arrays, *own)} | self._placed
 
     def poses(self) -> Array:
         """The poses of all bodies at the state, (nb, 12): p, then R column-major."""
@@ -86,11 +91,16 @@ class Session:
 
     def drain_events(self) -> list[Event]:
         """The events since the last call, removed from the core's list."""
-        columns = [a[: self.events.count].tolist() for a in self._event_columns]
+        told = self.named(self._event_columns, self.events.count)
         self.events.count = 0
+        return told
+
+    def named(self, columns: Sequence[Array], count: int) -> list[Event]:
+        """The first events of an mg_events, given by its columns."""
+        given = [column[:count].tolist() for column in columns]
         return [
             Event(float(t), EVENT_KINDS[kind], *self._named(contact, feature_pair), speed=float(speed))
-            for t, kind, contact, feature_pair, speed in zip(*columns, strict=True)
+            for t, kind, contact, feature_pair, speed in zip(*given, strict=True)
         ]
 
     def _named(self, contact: int, feature_pair: int) -> tuple[str, str]:
@@ -109,6 +119,24 @@ class Session:
             self.library.cdll.mg_begin(*self._head, ctypes.byref(self.events), *self._scratch)
         )
         return self.start_code
+
+    def sense(self) -> None:
+        """Writes what the sensors show at the state into `sensed`."""
+        self.library.cdll.mg_sense(*self._head, ctypes.c_void_p(address(self.sensed)), *self._scratch)
+
+    def save(self) -> bytes:
+        """The whole state of the run. A session of the same library and settings into which it is loaded goes
+        on bit for bit as this one would. Events that were not drained are not part of it."""
+        return checkpoint.save(self.library.cdll, self._head, self.shared.checkpoint_size)
+
+    def load(self, state: bytes) -> None:
+        """Go to a saved state; the session need not have begun. Its undrained events are dropped.
+
+        Raises SimulationError where the bytes are not what `save` returned for the same library and
+        settings; it says what differs. The run then is as it was.
+        """
+        checkpoint.load(self.library.cdll, self._head, state)
+        self.events.count = self.start_code = 0
 
     def ranks(self) -> list[int]:
         """How many rows of each joint are independent of those of the joints before it."""
@@ -147,16 +175,13 @@ class Session:
 
     def advance(self, t_stop: float, max_steps: int, record: Any) -> int:
         """Runs to t_stop or for max_steps accepted steps; returns the core's code."""
-        return int(
-            self.library.cdll.mg_advance(
-                *self._head,
-                self.tables.real(t_stop),
-                ctypes.c_long(max_steps),
-                ctypes.byref(record),
-                ctypes.byref(self.events),
-                *self._scratch,
-            )
-        )
+        head, tail = self.advance_arguments(max_steps, record)
+        return int(self.library.cdll.mg_advance(*head, self.tables.real(t_stop), *tail))
+
+    def advance_arguments(self, max_steps: int, record: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        """The arguments of mg_advance before and after t_stop, made once for many calls."""
+        rest = ctypes.byref(record), ctypes.byref(self.events)
+        return self._head, (ctypes.c_long(max_steps), *rest, *self._scratch)
 
     def smooth(self, n: int) -> None:
         """Takes n RK4 steps without events, projection or energy ledger."""

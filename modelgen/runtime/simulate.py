@@ -12,7 +12,7 @@ import numpy as np
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.arguments import check_keywords, check_span, is_number
+from modelgen.runtime.arguments import check_keywords, check_span, is_number, with_parameters
 from modelgen.runtime.error_estimate import estimate_of, nudge
 from modelgen.runtime.error_statement import Estimate
 from modelgen.runtime.joint_results import coordinate_names
@@ -28,7 +28,15 @@ from modelgen.runtime.warnings.nonfinite import unbounded
 from modelgen.runtime.warnings.passages import passage_warnings
 from modelgen.runtime.warnings.time_stepping import fallback_step
 
-KEYWORDS = ("until", "accuracy", "samples", "estimate", "on_progress", *STEPPING)  # of `simulate`
+KEYWORDS = (
+    "until",
+    "accuracy",
+    "samples",
+    "estimate",
+    "parameters",
+    "on_progress",
+    *STEPPING,
+)  # of `simulate`
 CHUNK_S = 0.2  # wall time between two looks at the keyboard, s
 
 Report = Callable[[float], None] | None  # told the share that is done
@@ -41,6 +49,7 @@ def simulate(
     accuracy: Accuracy | str | None = None,
     samples: int | None = None,
     estimate: bool | None = None,
+    parameters: Mapping[str, float] | None = None,
     on_progress: Callable[[float], None] | None = None,
     **stepping: Unpack[Stepping],
 ) -> Trajectory:
@@ -53,6 +62,7 @@ def simulate(
         samples: output intervals, at least 1; the scene's own when None.
         estimate: whether a companion run, of 1.2 to 1.4 times the cost as a rule, follows, from which the
             error is estimated; the scene's own, or True, when None.
+        parameters: values of parameters of the scene by name, in SI units; others keep the scene's own.
         on_progress: called with the share of the work done, about five times a second.
         stepping: method, step, scheme, solver, fallback, in place of the accuracy's or scene's (`Accuracy`).
 
@@ -61,10 +71,12 @@ def simulate(
         Ctrl-C and failures keep what was computed, with one more sample at the end, and say so.
 
     Raises:
-        ModelgenError: what is given is no library, or the start, or a setting, is refused (SimulationError).
+        ModelgenError: what is given is no library, or the start, a setting, or the value of a parameter, is
+            refused (SimulationError).
     """
     expect("simulate", library, Library)
     check_keywords("simulate", stepping, KEYWORDS)
+    library = with_parameters(library, parameters)
     instance = library.manifest.instance
     end, intervals = _extent(instance, until, samples)
     chosen = accuracy_of(instance, accuracy, stepping)
@@ -179,7 +191,7 @@ def _trajectory(
     wall: float,
 ) -> Trajectory:
     run, shared = session.run, session.shared
-    failed = run.failed_contact
+    failed, deepest = run.failed_contact, run.penetration_contact
     return Trajectory(
         scene=session.instance["name"],
         **recording.columns(),
@@ -200,6 +212,8 @@ def _trajectory(
         energy_drift=session.energy_drift(run),
         gap_max=float(run.gap_max),
         penetration_max=float(run.penetration_max),
+        penetration_t=float(run.penetration_t),
+        penetration_pair=session.contacts[deepest].partition("#")[0] if deepest >= 0 else "",
         joint_error_max=float(run.joint_error_max),
         complementarity_max=float(run.complementarity_max),
         margin_min=float(min(run.margin_min, 1.0)),
@@ -213,4 +227,5 @@ def _trajectory(
         fallback_step=fallback_step(session),
         outcome_function=unbounded(session, ending.outcome),
         stopped=ending.interrupted,
+        parameters={each["name"]: each["value"] for each in session.instance.get("parameters", ())},
     )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any, Literal, get_args
 
@@ -169,6 +170,8 @@ class Trajectory:
     kinds: tuple[str, ...]
     instructions: dict[str, int]
     accuracy: str
+    penetration_t: float = 0.0  # s, of `penetration_max`
+    penetration_pair: str = ""  # the pair that penetrates so deep, "" where none does
     undeclared: tuple[Passage, ...] = ()  # pairs that no contact lists and that overlapped, by time
     warnings: tuple[str, ...] = ()
     fallback_step: float = 0.0  # s, longest step of time-stepping by which an event-driven run went on; or 0
@@ -176,6 +179,7 @@ class Trajectory:
     outcome_function: str = ""  # "torque[0] on 'cart'", "path of 'table'": what is not finite
     doubts: tuple[str, ...] = ()  # reasons why it cannot be trusted, in words
     stopped: bool = False  # by Ctrl-C, maybe as it came to its end: then its outcome is DONE
+    parameters: Mapping[str, float] = field(default_factory=dict)  # of the scene, the values of this run
 
     @property
     def position_error(self) -> Array:
@@ -231,6 +235,7 @@ class Trajectory:
         last = len(self.t) - 1
         return {
             "scene": self.scene,
+            "parameters": dict(self.parameters),
             "t_end": self.t_end,
             "outcome": self.outcome.name.lower(),
             "advice": self.outcome.value,
@@ -248,6 +253,8 @@ class Trajectory:
             "energy_drift": self.energy_drift,
             "gap_max": self.gap_max,
             "penetration_max": self.penetration_max,
+            "penetration_t": self.penetration_t,
+            "penetration_pair": self.penetration_pair,
             "joint_error_max": self.joint_error_max,
             "complementarity_max": self.complementarity_max,
             "margin_min": self.margin_min,

@@ -40,7 +40,8 @@ def _doubts(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) -
     if not path.gap_max <= gap_limit:
         yield f"the gap of a closed contact reached {path.gap_max:.2g} m, above {gap_limit:.2g} m"
     if not path.penetration_max <= gap_limit:
-        yield f"bodies penetrated by {path.penetration_max:.2g} m, above {gap_limit:.2g} m"
+        where = f"bodies penetrated by {path.penetration_max:.2g} m ({path.penetration_pair}, "
+        yield f"{where}t = {path.penetration_t:.6g} s), above {gap_limit:.2g} m"
     joint_limit = accuracy.start_joint_gap * instance["scales"]["length"]
     if not path.joint_error_max <= joint_limit:
         yield f"a joint was apart by {path.joint_error_max:.2g} m, above {joint_limit:.2g} m"

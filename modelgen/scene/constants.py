@@ -1,4 +1,4 @@
-"""Named constants of a scene: numbers that its expressions may use by name."""
+"""Names that the expressions of a scene may use for numbers: its parameters and its constants."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import replace
 from modelgen.scene.expression import CONSTANTS, Expression
 from modelgen.scene.expression_functions import FUNCTIONS
 from modelgen.scene.list_types import NamedNumbers
-from modelgen.scene.scalar_types import NUMBER, ExpressionText
+from modelgen.scene.scalar_types import NUMBER, ExpressionText, Text
 from modelgen.scene.source_location import Place
 
 VARIABLES = ("t", "u", "v", "x", "y", "z", "vx", "vy", "vz", "wx", "wy", "wz", "qw", "qx", "qy", "qz")
@@ -17,24 +17,30 @@ NAMED = NamedNumbers(
     rf"^(?!({'|'.join(RESERVED)})$)[A-Za-z](?!.*__)[A-Za-z0-9_]{{0,31}}$",
     f"a letter, then letters, digits, single _ are allowed, but not {' '.join(RESERVED)}",
 )
+NAME_OF_CONSTANT = Text(NAMED.pattern, NAMED.allowed)
 _TEXT = ExpressionText("expression of other constants")
 
 
-def with_constants(place: Place, written: object) -> Place:
-    """The place of a scene, whose expressions may use the constants in its table; raises SceneError."""
-    if not isinstance(written, Mapping) or "constants" not in written:
-        return place
-    return replace(place, constants=constants_of(written["constants"], place.key("constants")))
+def with_constants(place: Place, written: object, parameters: Mapping[str, float]) -> Place:
+    """The place of a scene, whose expressions may use its parameters and the constants in its table.
+
+    Raises SceneError.
+    """
+    constants = dict(parameters)
+    following = {name: frozenset((name,)) for name in parameters}
+    if isinstance(written, Mapping) and "constants" in written:
+        at = place.key("constants")
+        parsed = _parsed(written["constants"], replace(at, constants=constants))
+        for name in parsed:
+            _find(name, parsed, constants, (), at)
+        following |= _following(parsed, following)
+    return replace(place, constants=constants, following=following)
 
 
-def constants_of(written: object, place: Place) -> Mapping[str, float]:
-    """The constants in the table of a scene, whatever their order; raises SceneError."""
+def _parsed(written: object, place: Place) -> Mapping[str, Expression]:
+    """The constants in the table of a scene as expressions of each other, whatever their order."""
     texts = {name: _TEXT.read(each, place.key(name)) for name, each in NAMED.named(written, place).items()}
-    parsed = {name: place.key(name).expression(text, tuple(texts)) for name, text in texts.items()}
-    known: dict[str, float] = {}
-    for name in parsed:
-        _find(name, parsed, known, (), place)
-    return known
+    return {name: place.key(name).expression(text, tuple(texts)) for name, text in texts.items()}
 
 
 def _find(
@@ -53,3 +59,18 @@ def _find(
     for other in sorted(parsed[name].names):
         _find(other, parsed, known, (*above, name), place)
     known[name] = NUMBER.read(place.key(name).value(parsed[name], known), place.key(name))
+
+
+def _following(
+    parsed: Mapping[str, Expression], parameters: Mapping[str, frozenset[str]]
+) -> dict[str, frozenset[str]]:
+    """The parameters that each constant follows from, of those that follow from any."""
+    found: dict[str, frozenset[str]] = {}
+
+    def of(name: str) -> frozenset[str]:
+        if name not in found:
+            others = (of(other) for other in parsed[name].names)
+            found[name] = (parsed[name].constants & parameters.keys()).union(*others)
+        return found[name]
+
+    return {name: of(name) for name in parsed if of(name)}

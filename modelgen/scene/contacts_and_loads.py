@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations, product
 from math import hypot
 from typing import Any
@@ -34,6 +35,14 @@ def contacts(read: Iterable[tuple[Place, Mapping[str, Any]]], bodies: Bodies) ->
     return tuple(pairs.values())
 
 
+def pair_names(pairs: Sequence[ContactPair]) -> tuple[str, ...]:
+    """`a-b`, or `a/shape-b/shape` where two bodies touch with several shapes."""
+    plain = ["-".join(body for body, _ in pair.between) for pair in pairs]
+    full = ["-".join("/".join(partner) for partner in pair.between) for pair in pairs]
+    count = Counter(plain)
+    return tuple(p if count[p] == 1 else f for p, f in zip(plain, full, strict=True))
+
+
 def loads(values: Mapping[str, Any], bodies: Bodies) -> tuple[Load, ...]:
     """Forces, torques and springs, in this order; raises SceneError."""
     return (
@@ -45,14 +54,18 @@ def loads(values: Mapping[str, Any], bodies: Bodies) -> tuple[Load, ...]:
 
 def _force(values: Mapping[str, Any], bodies: Bodies, place: Place) -> ForceLoad:
     _check_dynamic(values["body"], bodies, place.key("body"))
-    components = triple(values["force"], LOAD_NAMES, place.key("force"))
+    components = triple(values["force"], _load_names(place), place.key("force"))
     return ForceLoad(values["body"], components, values["point"], values["frame"])
 
 
 def _torque(values: Mapping[str, Any], bodies: Bodies, place: Place) -> TorqueLoad:
     _check_dynamic(values["body"], bodies, place.key("body"))
-    components = triple(values["torque"], LOAD_NAMES, place.key("torque"))
+    components = triple(values["torque"], _load_names(place), place.key("torque"))
     return TorqueLoad(values["body"], components, values["frame"])
+
+
+def _load_names(place: Place) -> tuple[str, ...]:
+    return (*LOAD_NAMES, *(each.name for each in place.inputs))
 
 
 def _spring(values: Mapping[str, Any], bodies: Bodies, place: Place) -> SpringLoad:

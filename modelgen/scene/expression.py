@@ -11,6 +11,7 @@ import re
 import warnings
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from math import e as euler
 from math import isfinite, pi
 
@@ -111,6 +112,26 @@ class Cubic:
             inner = Binary("+", slope, Binary("*", inner, s))
         return Binary("*", inner, s)
 
+    def value(self, x: float, values: Mapping[str, float]) -> float:
+        """The value of `tree` at x, operation by operation the same."""
+        axis, last, order = self.axis, self.pieces - 1, self.order
+        terms = []
+        for i in range(self.pieces):
+            s = x - values[f"k_{i}"]
+            if i > 0:
+                s = max(s, 0.0)
+            if i < last:
+                s = min(s, values[f"k_{i + 1}"] - values[f"k_{i}"])
+            slope, square, cube = (values[f"{axis}{k}_{i}"] for k in (1, 2, 3))
+            if order == 2:
+                terms.append(6.0 * cube * s)
+            elif order == 1:
+                terms.append((2.0 * square + 3.0 * cube * s) * s)
+            else:
+                terms.append((slope + (square + cube * s) * s) * s)
+        lead = (f"{axis}0", f"{axis}1_0", f"{axis}2_0")[order]
+        return (2.0 * values[lead] if order == 2 else values[lead]) + _sum_in_halves(terms)
+
     def numbers(
         self, value: float, slopes: Iterable[float], squares: Iterable[float], cubes: Iterable[float]
     ) -> dict[str, float]:
@@ -133,6 +154,14 @@ def _halves(terms: Sequence[Node]) -> Node:
     return Binary("+", _halves(terms[:half]), _halves(terms[half:]))
 
 
+def _sum_in_halves(terms: Sequence[float]) -> float:
+    """The sum in the order of `_halves`."""
+    if len(terms) == 1:
+        return terms[0]
+    half = len(terms) // 2
+    return _sum_in_halves(terms[:half]) + _sum_in_halves(terms[half:])
+
+
 Node = Number | Name | Unary | Binary | Call | Cubic
 
 
@@ -146,11 +175,15 @@ Valued = tuple[Node, float | None]  # a node and, where it has no names, its val
 
 @dataclass(frozen=True, slots=True)
 class Expression:
-    """A parsed expression: `text` as written, `tree` of frozen nodes, `names` that occur in it."""
+    """A parsed expression: `text` as written, `tree` of frozen nodes, `names` that occur in it.
+
+    `constants` are the names for whose numbers stand in the tree.
+    """
 
     text: str
     tree: Node = field(hash=False)
     names: frozenset[str] = field(hash=False)
+    constants: frozenset[str] = field(default=frozenset(), compare=False)
 
 
 def parse_expression(
@@ -164,9 +197,7 @@ def parse_expression(
     flat = re.sub(r"\s", " ", text)
     indent = len(flat) - len(flat.lstrip())
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            tree = ast.parse(flat.strip(), mode="eval").body
+        tree = _syntax(flat.strip())
     except SyntaxError as error:
         column = error.offset - 1 if error.offset else len(flat.strip())  # no offset: the end came too early
         found, remedy = _what_is_wrong(flat.strip(), frozenset(names))
@@ -175,7 +206,15 @@ def parse_expression(
         raise _error(text, "it is nested too deeply", None) from None
     walker = _Walker(text, frozenset(names), CONSTANTS | dict(constants or {}), indent)
     node, _ = walker.visit(tree, 1)
-    return Expression(text, node, frozenset(walker.used))
+    return Expression(text, node, frozenset(walker.used), frozenset(walker.replaced))
+
+
+@lru_cache(maxsize=1024)
+def _syntax(text: str) -> ast.expr:
+    """Python's syntax tree of a text, which nothing changes."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        return ast.parse(text, mode="eval").body
 
 
 def _what_is_wrong(text: str, names: Collection[str]) -> tuple[str, str]:
@@ -230,8 +269,8 @@ def _value(node: Node, values: Mapping[str, float]) -> float:
             return evaluate_binary(op, _value(a, values), _value(b, values))
         case Call(fn, args):
             return evaluate_call(fn, tuple(_value(arg, values) for arg in args))
-        case Cubic():
-            return _value(node.tree(), values)
+        case Cubic(x):
+            return node.value(_value(x, values), values)
 
 
 def _check_characters(text: str) -> None:
@@ -274,6 +313,7 @@ class _Walker:
         self.constants = constants
         self.indent = indent
         self.used: set[str] = set()
+        self.replaced: set[str] = set()
 
     def visit(self, node: ast.expr, depth: int) -> Valued:
         if depth > MAX_DEPTH:
@@ -314,6 +354,7 @@ class _Walker:
             return Name(node.id), None
         if node.id in self.constants:
             value = self.constants[node.id]
+            self.replaced.add(node.id)
             return number(value), value
         known = sorted(self.names) + [name for name in self.constants if name not in self.names]
         if node.id in FUNCTIONS:

@@ -51,7 +51,10 @@ _SPRUNG = (
     Field("damping", NOT_NEGATIVE, "along the coordinate, N s/m or N m s/rad", default=0.0),
     Field("rest", NUMBER, "coordinate at which the spring has no force, m or rad", default=0.0),
 )
-_MOTION = Field("motion", ExpressionText("expression of t"), "the coordinate as an expression of t, rad or m")
+_MOTION = Field(
+    "motion", ExpressionText("expression of t and linear inputs"),
+    "the coordinate as an expression of t and linear inputs, rad or m",
+)  # fmt: skip
 _LEAD = Field("lead", Real(), "displacement a turn, m; negative: left-handed", required=True)
 _DISTANCE = Field("distance", POSITIVE, "between the origins of the frames, m, unless its motion is given")
 _TEETH = Field("teeth", Sequence(Whole(-10000, 10000), 2), "n_a turn_a + n_b turn_b = 0", required=True)
@@ -69,6 +72,7 @@ _JOINT_KEYS: Mapping[str, tuple[Field, ...]] = {
     "rope": _LIMITS,
     "gear": (_TEETH,),
 }
+SPRUNG_KINDS = tuple(kind for kind, keys in _JOINT_KEYS.items() if set(_SPRUNG) <= set(keys))
 _FRAME_OR_FRAMES = tuple((key, "frames") for key in ("position", *ORIENTATIONS))
 
 JOINT = Tagged(

@@ -10,11 +10,12 @@ import numpy as np
 
 from modelgen.errors import nearest
 from modelgen.scene.checked_expressions import finite
+from modelgen.scene.expression import Expression
+from modelgen.scene.motions import check_motion, motion_names, motion_start
 from modelgen.scene.pose_arithmetic import frame
 from modelgen.scene.pose_input import read_pose
 from modelgen.scene.quaternions import conjugate, product, rows_of, turned
 from modelgen.scene.remarks import remark_on_angles
-from modelgen.scene.scene_format import PATH_NAMES
 from modelgen.scene.scene_types import Body, Joint, Pose
 from modelgen.scene.source_location import Place
 
@@ -61,7 +62,7 @@ def pose_at_start(body: Body, place: Place) -> Pose:
     """Pose of the body's axes in the world at t = 0; of a driven body its pose and its path."""
     if body.path is None:
         return body.pose
-    start = dict.fromkeys(PATH_NAMES, 0.0)
+    start = motion_start(place)
     x, y, z = (finite(each, start, place) for each in body.path.position)
     vector = [finite(each, start, place) for each in body.path.rotation_vector]
     angle = hypot(*vector)
@@ -83,7 +84,7 @@ def _joint(values: Mapping[str, Any], bodies: Mapping[str, Body], place: Place) 
         values["between"],
         frames,
         _numbers(values, (first, second), frames, place),
-        motion=None if motion is None else place.key("motion").expression(motion, PATH_NAMES),
+        motion=None if motion is None else _motion(motion, place.key("motion")),
         **{key: values[key] for key in _OPTIONAL if key in values},
     )
     _check_limits(joint, place)
@@ -91,6 +92,12 @@ def _joint(values: Mapping[str, Any], bodies: Mapping[str, Body], place: Place) 
     if joint.kind in TURNING:
         remark_on_angles(joint.limits, place.key("limits"))
     return joint
+
+
+def _motion(text: str, place: Place) -> Expression:
+    motion = place.expression(text, motion_names(place))
+    check_motion(motion, place)
+    return motion
 
 
 def _frames(values: Mapping[str, Any], first: Pose, second: Pose, place: Place) -> tuple[Pose, Pose]:

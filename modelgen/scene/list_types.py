@@ -158,7 +158,7 @@ class Several:
             return ((place, self.item.read(value, place)),)
         if not isinstance(value, list | tuple):
             raise place.error(describe(value), "a list of tables is allowed", self._remedy(value, place))
-        places = [self._place(each, place.item(index)) for index, each in enumerate(value)]
+        places = [self.place(each, place.item(index)) for index, each in enumerate(value)]
         return tuple((at, self.item.read(each, at)) for at, each in zip(places, value, strict=True))
 
     def schema(self) -> Schema:
@@ -174,7 +174,8 @@ class Several:
             return f'write {{ {item.tag} = "{value}", ... }}'
         return ""
 
-    def _place(self, value: object, place: Place) -> Place:
+    def place(self, value: object, place: Place) -> Place:
+        """The place of an item, with its name where it has one."""
         name = value.get("name") if isinstance(value, Mapping) else None
         return place.named(f"{self.label} {name[:40]!r}") if self.label and isinstance(name, str) else place
 

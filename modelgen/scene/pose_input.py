@@ -37,6 +37,7 @@ POSE_FIELDS = (
     Field("rpy", VECTOR, "orientation [roll, pitch, yaw], rad: R = Rz(yaw) Ry(pitch) Rx(roll)"),
     Field("rotation", Sequence(VECTOR, 3), "orientation as a rotation matrix, a list of rows"),
 )
+POSE_KEYS = tuple(each.key for each in POSE_FIELDS)
 
 
 def read_pose(values: Mapping[str, Any], place: Place) -> Pose:

@@ -13,8 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from modelgen.scene.assemble import scene_from_bodies
-from modelgen.scene.constants import with_constants
+from modelgen.scene.assemble import place_of, scene_from_bodies, scene_from_tables
 from modelgen.scene.scene_format import BODY, SCENE, SCENE_NAME, SHAPE
 from modelgen.scene.scene_types import Body, Scene, Shape
 from modelgen.scene.shapes_and_bodies import body_of, read_body, read_shape
@@ -240,12 +239,28 @@ def planar(name: str, *shapes: Shape, **keys: object) -> Body:
 
 
 def scene(name: str, bodies: Sequence[Body], **keys: object) -> Scene:
-    """The scene of these bodies; other keys as at the top of a scene file. Raises SceneError."""
-    place = with_constants(Place(SOURCE, name), keys)
-    SCENE_NAME.read(name, place)
+    """The scene of these bodies; other keys as at the top of a scene file. Raises SceneError.
+
+    Bodies of a scene with parameters (`parameter=[{"name": ..., "value": ...}]`) are tables: `body=[...]`.
+    """
+    SCENE_NAME.read(name, Place(SOURCE, name))
+    if "parameter" in keys:
+        return _with_parameters(name, bodies, keys)
+    place = place_of(Place(SOURCE, name), keys, {})
     values = SCENE.read({"body": [], **keys}, place)
     written = tuple(read_body(each, at) for at, each in values["body"])
     return scene_from_bodies(name, (*bodies, *written), values, place)
+
+
+def _with_parameters(name: str, bodies: Sequence[Body], keys: Mapping[str, object]) -> Scene:
+    """A scene that is read again for other values of its parameters: all of it is tables."""
+    if bodies:
+        found = "bodies made by functions, in a scene with parameters"
+        allowed = "such a scene is read again for each value, from the tables of its bodies"
+        raise Place(SOURCE, name).error(
+            found, allowed, 'write scene(name, [], body=[{"name": ..., ...}], ...)'
+        )
+    return scene_from_tables(name, {"body": [], **keys}, SOURCE)
 
 
 def _body(name: str, motion: str, shapes: tuple[Shape, ...], keys: Mapping[str, object]) -> Body:

@@ -90,6 +90,12 @@ class Whole:
         found: object = value
         if isinstance(value, str) and (number := place.number(value)).is_integer():
             found = int(number)
+            if place.follows():
+                raise place.error(
+                    f"the whole number {found} that follows from a parameter",
+                    "counts decide what is compiled",
+                    "write a number, or a constant without parameters",
+                )
         if isinstance(found, bool) or not isinstance(found, int) or not self.minimum <= found <= self.maximum:
             allowed = f"a whole number from {self.minimum} to {self.maximum} is allowed"
             raise place.error(describe(value), allowed)

@@ -4,18 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from modelgen.scene.actuators import ACTUATORS
 from modelgen.scene.constants import NAMED
 from modelgen.scene.custom_solid import own_fields
 from modelgen.scene.friction import FRICTION_FIELDS
 from modelgen.scene.inertia import Inertia
+from modelgen.scene.inputs import INPUTS
 from modelgen.scene.joint_format import JOINT, NAME, NOT_NEGATIVE, ORIENTATION
 from modelgen.scene.list_types import Defined, Field, Sequence, Several, Table, Tagged
+from modelgen.scene.parameters import PARAMETERS
 from modelgen.scene.patterns import PATTERN
 from modelgen.scene.pose_input import ORIENTATIONS, POSE_FIELDS, VECTOR
 from modelgen.scene.restitution import RestitutionValue
 from modelgen.scene.run_settings import FORMS, RUN
 from modelgen.scene.scalar_types import NUMBER, POSITIVE, Choice, ExpressionText, Switch, Text, Whole
 from modelgen.scene.scene_types import Restitution
+from modelgen.scene.sensor_format import SENSORS
 from modelgen.scene.shape_catalogue import CHART_FIELDS, CURVE_FIELDS, SHAPES
 from modelgen.scene.shapes_beside_catalogue import FREE_SHAPES
 from modelgen.scene.solids_with_edges import SOLIDS
@@ -23,7 +27,6 @@ from modelgen.scene.solids_with_edges import SOLIDS
 FRAMES = ("world", "body")
 QUANTITIES = ("position", "orientation", "velocity", "angular_velocity")
 
-PATH_NAMES = ("t",)
 LOAD_NAMES = ("t", "x", "y", "z", "vx", "vy", "vz", "wx", "wy", "wz", "qw", "qx", "qy", "qz")
 
 ZERO = (0.0, 0.0, 0.0)
@@ -88,11 +91,11 @@ SHAPE = Defined("shape", _tagged(_SHAPES))
 _PATH = Table(
     (
         Field(
-            "position", _formulas("expression of t, m"),
+            "position", _formulas("expression of t and linear inputs, m"),
             "world, added to the body's position, m", default=STILL,
         ),
         Field(
-            "rotation_vector", _formulas("expression of t, rad"),
+            "rotation_vector", _formulas("expression of t and linear inputs, rad"),
             "world, applied after the body's orientation, rad", default=STILL,
         ),
     )
@@ -198,7 +201,8 @@ CONTACTS = Table(
 _FRAME = Field("frame", Choice(FRAMES), "axes of the components", default="world")
 _LOADED = Field("body", NAME, "name of a dynamic body", required=True)
 _LOAD_DOC = (
-    f"expression of {' '.join(LOAD_NAMES)}: of the centre of mass, in world axes whatever `frame` says"
+    f"expression of {' '.join(LOAD_NAMES)}: of the centre of mass, in world axes whatever `frame` says; "
+    "and of inputs"
 )
 
 FORCE = Table(
@@ -234,8 +238,12 @@ SCENE = Table(
         Field("force", Several(FORCE), "forces as expressions of t and the body's state", default=()),
         Field("torque", Several(TORQUE), "torques as expressions of t and the body's state", default=()),
         Field("spring", Several(SPRING), "springs with dampers between two points", default=()),
+        Field("actuator", ACTUATORS, "forces along the coordinates of joints", default=()),
         Field("pattern", Several(PATTERN), "bodies and shapes repeated about an axis", default=()),
         Field("constants", NAMED, "named numbers that expressions may use", default=()),
+        Field("parameter", PARAMETERS, "named numbers that runs may change", default=()),
+        Field("input", INPUTS, "numbers that expressions may use and that are set during a run", default=()),
+        Field("sensor", SENSORS, "what is measured during a run, by name", default=()),
         Field(
             "gravity",
             Sequence(NUMBER, 3, "[0.0, 0.0, -9.81]"),

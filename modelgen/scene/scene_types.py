@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
 from math import inf
 from typing import Any, Literal
 
@@ -74,6 +75,7 @@ class Shape:
     spline: Spline | None = None  # of a B-spline, a height field or a polyline
     outline: Outline | None = None  # of pieces
     repeated: bool = False  # one of several copies, which differ in numbers alone
+    placed: bool = False  # its place about the centre of mass follows from a parameter
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,6 +135,7 @@ class Body:
     angular_velocity: Vector = (0.0, 0.0, 0.0)  # rad/s, world
     normal: Vector | None = None  # unit, world: of the plane that a planar body, which is dynamic, moves in
     repeated: bool = False  # one of several copies, which differ in numbers alone
+    placed: bool = False  # its pose follows from a parameter
     path: Path | None = None  # driven bodies only: p = path + pose.position, R = exp(rotation_vector) R_pose
 
 
@@ -169,6 +172,43 @@ class ContactPair:
     rolling_resistance: float = 0.0  # m: the torque against rolling is at most this times the normal force
     spinning_resistance: float = 0.0  # m: the same about the normal
     candidate: bool = False  # of a group: followed only while its shapes are near to each other
+
+
+@dataclass(frozen=True, slots=True)
+class Input:
+    """A number that expressions use by name and that the caller of a run sets while it runs."""
+
+    name: str
+    default: float = 0.0  # until it is set
+    minimum: float | None = None
+    maximum: float | None = None
+    hold: Literal["zero", "linear"] = "zero"  # between settings: the value stays, or changes at a given rate
+    unit: str = ""
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Least and largest value, infinite where there is no bound."""
+        return -inf if self.minimum is None else self.minimum, inf if self.maximum is None else self.maximum
+
+
+@dataclass(frozen=True, slots=True)
+class Measurand:
+    """A quantity of a body, of a pair that may touch, or of a joint."""
+
+    owner: Literal["body", "pair", "joint"]
+    name: str  # of the owner
+    quantity: str
+    point: Vector | None = None  # of a body, axes and origin as written, m; None: its centre of mass
+    relative_to: str | None = None  # body in whose axes it is measured; None: the world
+
+
+@dataclass(frozen=True, slots=True)
+class Sensor:
+    """A result of a run under a name: a quantity, or an expression of t, inputs and other sensors."""
+
+    name: str
+    measurand: Measurand | None = None
+    value: Expression | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -224,6 +264,16 @@ class Joint:
         return self.stiffness > 0 or self.damping > 0
 
 
+@dataclass(frozen=True, slots=True)
+class Actuator:
+    """A force along the first coordinate of a joint: gain times an expression, within limits."""
+
+    joint: str
+    force: Expression  # of t, coordinate, rate and inputs; N or N m
+    gain: float = 1.0
+    limits: tuple[float | None, float | None] = (None, None)  # N or N m
+
+
 Load = ForceLoad | TorqueLoad | SpringLoad
 
 
@@ -252,7 +302,30 @@ class RunSettings:
 
     def said(self) -> dict[str, Any]:
         """The settings as a table; of what may be left open, only what the scene says."""
-        return {key: value for key, value in asdict(self).items() if key == "tolerance" or value is not None}
+        table = {each.name: getattr(self, each.name) for each in fields(self)}
+        return {key: value for key, value in table.items() if key == "tolerance" or value is not None}
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A named number of a scene that runs may change."""
+
+    name: str
+    value: float
+    nominal: float  # at which the characteristic length, mass and time are taken
+    minimum: float | None = None
+    maximum: float | None = None
+    unit: str = ""
+    doc: str = ""
+    uses: tuple[str, ...] = ()  # places of the scene whose numbers follow from it
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """The plain tables that a scene was read from, and the form that was forced on its contacts."""
+
+    tables: Mapping[str, Any]
+    form: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -263,8 +336,14 @@ class Scene:
     contacts: tuple[ContactPair, ...]
     loads: tuple[Load, ...] = ()
     joints: tuple[Joint, ...] = ()
+    actuators: tuple[Actuator, ...] = ()
+    inputs: tuple[Input, ...] = ()
+    sensors: tuple[Sensor, ...] = ()
     gravity: Vector = (0.0, 0.0, -9.81)  # m/s^2
     observe: tuple[str, ...] = ()  # names such as "ball.position"; empty: everything
     fold: bool = False  # numbers become constants of the generated code
     run: RunSettings = field(default_factory=RunSettings)
     remarks: tuple[str, ...] = ()  # on what is allowed but seldom meant, in words
+    parameters: tuple[Parameter, ...] = ()
+    nominal: Scene | None = None  # at the nominal values of the parameters; None: they are those of the scene
+    origin: Origin | None = field(default=None, compare=False, repr=False)  # of a scene with parameters

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from math import hypot
 from typing import Any
 
 from modelgen.scene.checked_expressions import finite, triple
 from modelgen.scene.custom_solid import read_solid
-from modelgen.scene.pose_input import read_pose
+from modelgen.scene.motions import check_motion, motion_names, motion_start
+from modelgen.scene.pose_input import POSE_KEYS, read_pose
 from modelgen.scene.remarks import remark_on_density
-from modelgen.scene.scene_format import PATH_NAMES, ZERO
+from modelgen.scene.scene_format import ZERO
 from modelgen.scene.scene_types import Body, Path, Shape, Vector
 from modelgen.scene.shape_catalogue import SHAPES
 from modelgen.scene.shapes_beside_catalogue import FREE_SHAPES
@@ -23,11 +25,13 @@ from modelgen.scene.user_chart import read_chart, read_curve
 def read_shape(values: Mapping[str, Any], place: Place) -> Shape:
     """The shape from the values of its table; raises SceneError."""
     kind = values["kind"]
+    values = _with_followed(values, place)
     common = {
         "kind": kind,
         "cavity": values.get("cavity", False),
         "pose": read_pose(values, place),
         "name": values["name"] or kind,
+        "placed": place.follows(*POSE_KEYS),
     }
     if kind == "chart":
         return Shape(parameters=values["parameters"], chart=read_chart(values, place), **common)
@@ -42,11 +46,30 @@ def read_shape(values: Mapping[str, Any], place: Place) -> Shape:
     return Shape(parameters=SHAPES[kind].numbers(values, place), **common)
 
 
+def _with_followed(values: Mapping[str, Any], place: Place) -> Mapping[str, Any]:
+    """The values of a shape; of one with expressions, its parameters with those of the scene in them."""
+    if "parameters" not in values:
+        return values
+    own = dict(values["parameters"])
+    for key in "xyrz":
+        if isinstance(values.get(key), str):
+            own |= place.key(key).followed_in(values[key], own)
+    return {**values, "parameters": tuple(own.items())}
+
+
 def body_of(values: Mapping[str, Any], shapes: tuple[Shape, ...], place: Place) -> Body:
     """The body from the values of its table and its shapes; raises SceneError."""
     _check_unique("shape", (each.name for each in shapes), place.key("shape"))
     motion = values["motion"]
-    common = {"name": values["name"], "motion": motion, "shapes": shapes, "pose": read_pose(values, place)}
+    if place.follows("center_of_mass"):
+        shapes = tuple(replace(shape, placed=True) for shape in shapes)
+    common = {
+        "name": values["name"],
+        "motion": motion,
+        "shapes": shapes,
+        "pose": read_pose(values, place),
+        "placed": place.follows(*POSE_KEYS),
+    }
     if motion == "planar":
         common |= {"motion": "dynamic", "normal": _unit(values["normal"], place.key("normal"))}
     if motion == "driven":
@@ -137,9 +160,12 @@ def _is_closed(shape: Shape) -> bool:
 
 
 def _path(values: Mapping[str, Any], place: Place) -> Path:
-    position = triple(values["position"], PATH_NAMES, place.key("position"))
-    rotation = triple(values["rotation_vector"], PATH_NAMES, place.key("rotation_vector"))
-    for key, expressions in (("position", position), ("rotation_vector", rotation)):
-        for index, expression in enumerate(expressions):
-            finite(expression, {"t": 0.0}, place.key(key).item(index))
+    found = []
+    for key in ("position", "rotation_vector"):
+        at = place.key(key)
+        found.append(triple(values[key], motion_names(at), at))
+        for index, expression in enumerate(found[-1]):
+            check_motion(expression, at.item(index))
+            finite(expression, motion_start(at), at.item(index))
+    position, rotation = found
     return Path(position, rotation)

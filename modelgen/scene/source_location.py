@@ -2,11 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field, replace
+import re
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from modelgen.errors import ExpressionError, SceneError
 from modelgen.scene.expression import Expression, evaluate, parse_expression
+from modelgen.scene.scene_types import Input
+
+
+class Use(NamedTuple):
+    """A value of the scene that follows from a parameter."""
+
+    parameter: str
+    path: str
+    label: str
+
+    def __str__(self) -> str:
+        return f"{self.path} ({self.label})" if self.label else self.path
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,19 +32,29 @@ class Place:
     label: str = ""  # such as "body 'egg'"
     remarks: list[str] = field(default_factory=list, compare=False, repr=False)  # shared by all of a source
     constants: Mapping[str, float] = field(default_factory=dict, compare=False)  # of the scene, by name
+    following: Mapping[str, frozenset[str]] = field(
+        default_factory=dict, compare=False
+    )  # the parameters that a constant follows from, one itself among them
+    uses: list[Use] = field(default_factory=list, compare=False, repr=False)  # shared by all of a source
+    inputs: tuple[Input, ...] = field(default=(), compare=False)  # of the scene
 
     def __str__(self) -> str:
         where = ": ".join(part for part in (self.source, self.path) if part)
         return f"{where} ({self.label})" if self.label else where
 
     def key(self, key: str) -> Place:
-        return replace(self, path=f"{self.path}.{key}" if self.path else key)
+        return self._at(f"{self.path}.{key}" if self.path else key, self.label)
 
     def item(self, index: int) -> Place:
-        return replace(self, path=f"{self.path}[{index}]")
+        return self._at(f"{self.path}[{index}]", self.label)
 
     def named(self, label: str) -> Place:
-        return replace(self, label=label)
+        return self._at(self.path, label)
+
+    def _at(self, path: str, label: str) -> Place:
+        return Place(
+            *(self.source, path, label, self.remarks, self.constants, self.following, self.uses, self.inputs)
+        )
 
     def error(self, found: str, allowed: str = "", remedy: str = "") -> SceneError:
         return SceneError(str(self), found, allowed, remedy)
@@ -43,12 +67,53 @@ class Place:
     def expression(self, text: str, names: Collection[str]) -> Expression:
         """The expression `text` over `names`; a refusal names this place."""
         try:
-            return parse_expression(text, names, self.constants)
+            expression = parse_expression(text, names, self.constants)
         except ExpressionError as error:
             raise self.error(f"in {error.where}: {error.found}", error.allowed, error.remedy) from None
+        followed = self._followed(expression)
+        if followed and names:
+            raise self.error(
+                f"in {describe(text)}: the parameter {followed[0]!r} in an expression of {' '.join(names)}",
+                "parameters are allowed in numbers and shapes; such an expression is compiled",
+                f'name an [[input]] with default = "{followed[0]}", and use that',
+            )
+        self.note(followed)
+        return expression
+
+    def followed_in(self, text: str, names: Collection[str]) -> dict[str, float]:
+        """The constants in an expression over `names` that follow from parameters, with their values;
+        they are noted."""
+        words = dict.fromkeys(re.findall(r"[A-Za-z_]\w*", text)) if self.following else {}
+        found = {w: self.constants[w] for w in words if w in self.following and w not in names}
+        self.note(sorted({each for name in found for each in self.following[name]}))
+        return found
+
+    def _followed(self, expression: Expression) -> list[str]:
+        """The parameters that an expression follows from."""
+        if not self.following:
+            return []
+        return sorted({each for name in expression.constants for each in self.following.get(name, ())})
+
+    def note(self, parameters: Iterable[str]) -> None:
+        """Keep that the value at this place follows from these parameters."""
+        self.uses.extend(Use(name, self.path, self.label) for name in parameters)
+
+    def follows(self, *keys: str) -> bool:
+        """Whether a value at this place, or below one of these keys of it, follows from a parameter."""
+        if not self.uses:
+            return False
+        paths = [self.key(key).path for key in keys] or [self.path]
+        return any(
+            use.path == path or use.path.startswith((f"{path}.", f"{path}["))
+            for use in self.uses
+            for path in paths
+        )
 
     def number(self, text: str) -> float:
         """The value of an expression without names but those of constants, such as `pi/2`."""
+        if text in self.constants:
+            self.note(sorted(self.following.get(text, ())))
+            return self.constants[text]
         try:
             return self.value(self.expression(text, ()), {})
         except SceneError as error:

@@ -13,6 +13,7 @@ from modelgen.model import BodyKind
 from modelgen.scene.expression import evaluate
 from modelgen.verification.extremal_motion import columns, repeated
 from modelgen.verification.findings import Finding, compared
+from modelgen.verification.input_settings import drawn_settings, with_settings
 
 Array = np.ndarray[Any, Any]
 GRAVITY = (0.3, -0.5, -9.0)  # m/s^2, off every axis
@@ -125,15 +126,17 @@ def _path(function: ca.Function, kind: BodyKind, n: int, random: np.random.Gener
     start = np.concatenate(
         [random.normal(size=(3, n)), Rotation.random(n, random).as_matrix().reshape(n, 9).T]
     )
-    t, numbers = ca.SX.sym("t"), ca.SX.sym("parameters", 12)
-    values = function(t, numbers)
-    rates = ca.Function("rates", [t, numbers], [ca.jacobian(value, t) for value in values[:2]])
-    pose, twist, accel = columns(function, times, start)
-    pose_dot, twist_dot = columns(rates, times, start)
+    settings = drawn_settings(kind.inputs, n, random)
+    given = (times, start, settings)[: function.n_in()]
+    symbols = function.sx_in()
+    values = function.call(symbols)
+    rates = ca.Function("rates", symbols, [ca.jacobian(value, symbols[0]) for value in values[:2]])
+    pose, twist, accel = columns(function, *given)
+    pose_dot, twist_dot = columns(rates, *given)
     R, turning = (x[3:].T.reshape(n, 3, 3).transpose(0, 2, 1) for x in (pose, pose_dot))
     spin = np.einsum("nji,njk->nik", R, turning)
     velocity = np.stack([*pose_dot[:3], spin[:, 2, 1], spin[:, 0, 2], spin[:, 1, 0]])
-    wanted = np.array([_posed(kind, float(times[0, k]), start[:, k]) for k in range(n)]).T
+    wanted = np.array([_posed(kind, float(times[0, k]), start[:, k], settings[:, k]) for k in range(n)]).T
     return [
         compared("pose", "SciPy's rotation of the rotation vector", pose, wanted),
         compared("twist", "time derivative of the pose", twist, velocity),
@@ -141,10 +144,12 @@ def _path(function: ca.Function, kind: BodyKind, n: int, random: np.random.Gener
     ]
 
 
-def _posed(kind: BodyKind, t: float, start: Array) -> Array:
+def _posed(kind: BodyKind, t: float, start: Array, settings: Array) -> Array:
     shift, vector = np.zeros(3), np.zeros(3)
     if kind.path is not None:
-        shift = np.array([evaluate(component, {"t": t}) for component in kind.path.position])
-        vector = np.array([evaluate(component, {"t": t}) for component in kind.path.rotation_vector])
+        shift, vector = (
+            np.array([evaluate(with_settings(each, kind.inputs, settings), {"t": t}) for each in components])
+            for components in (kind.path.position, kind.path.rotation_vector)
+        )
     turned = Rotation.from_rotvec(vector).as_matrix() @ start[3:].reshape(3, 3, order="F")
     return np.concatenate([shift + start[:3], turned.T.ravel()])

@@ -13,6 +13,7 @@ from modelgen.model import Model
 from modelgen.verification.bodies import GRAVITY, states
 from modelgen.verification.contact_sides import feature_of
 from modelgen.verification.contacts import moving_inputs, sample
+from modelgen.verification.sensors import sensor_inputs
 from modelgen.verification.sympy_evaluation import value_of
 from modelgen.verification.sympy_translation import Line, component
 from modelgen.verification.verify import (
@@ -39,13 +40,19 @@ def inputs_at(
     """
     random = np.random.default_rng(seed)
     known = _random(formula, derivation, seed, random)
-    own = given.get(formula.name, given)
+    own = own_inputs(formula, given)
     function, found = formula.function, {}
     for k, name in enumerate(function.name_in()):
         size = function.numel_in(k)
         values = np.asarray(known.get(name, random.normal(size=size)), dtype=float).ravel()
         found[name] = _read(own[name], name, size) if name in own and size else values[:size].tolist()
     return found
+
+
+def own_inputs(formula: Formula, given: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The inputs of a formula among those given, by input, or by formula and input."""
+    own: Mapping[str, Any] = given.get(formula.name, given)
+    return own
 
 
 def _read(value: Any, name: str, size: int) -> list[float]:
@@ -84,8 +91,10 @@ def _random(
     from modelgen.verification.right_hand_side import random_state
 
     if role == "rhs":
-        names = ("t", "q", "u", "eta", "gravity", "parameters")
-        return dict(zip(names, random_state(model, random), strict=True))
+        of_state = ("t", "q", "u", "eta", "gravity", "parameters", "inputs")
+        return dict(zip(of_state, random_state(model, random), strict=False))
+    if role == "sensors":
+        return sensor_inputs(model, random)
     load = next(load for load in model.loads if load.kind == formula.kind)
     pose = np.concatenate([random.normal(size=3), np.eye(3).ravel()])
     return {

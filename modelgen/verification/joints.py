@@ -13,7 +13,9 @@ from scipy.spatial.transform import Rotation
 
 from modelgen.joint.joint_limits import is_turn
 from modelgen.model import JointKind, LimitKind, LoadKind
+from modelgen.scene.expression import evaluate
 from modelgen.verification.findings import Finding, compared
+from modelgen.verification.input_settings import drawn_settings, with_settings
 from modelgen.verification.joint_reference import COORDINATES, differenced, frames_at, rows_of
 
 Array = np.ndarray[Any, Any]
@@ -125,13 +127,26 @@ def check_rows(function: ca.Function, kind: JointKind, drawn: Sequence[Drawn]) -
     return [*findings, *_gathered(held, [_on_the_joint(function, kind, at) for at in drawn])]
 
 
-def _off_the_joint(function: ca.Function, kind: JointKind, at: Drawn) -> Both:
-    def rows(motions: Motions) -> tuple[Array, Array, Array]:
-        return differenced(
-            lambda h: rows_of(kind.kind, kind.motion, frames_at(motions, at.parameters, at.t, h))
-        )
+def _called(function: ca.Function, *values: Any) -> list[Any]:
+    return list(function.call([ca.DM(each) for each in values]))
 
-    value, flat, gamma, bias = (np.asarray(x).ravel() for x in function(at.t, *at.moving, at.parameters))
+
+def _settings(kind: JointKind | LoadKind, at: Drawn) -> list[Array]:
+    """The last argument of the rows, if their motion depends on inputs."""
+    random = np.random.default_rng(int(1e6 * at.t))
+    return [drawn_settings(kind.inputs, 1, random).ravel()] if kind.inputs else []
+
+
+def _off_the_joint(function: ca.Function, kind: JointKind, at: Drawn) -> Both:
+    settings, motion = _settings(kind, at), kind.motion
+    if settings and motion is not None:
+        motion = with_settings(motion, kind.inputs, settings[0])
+
+    def rows(motions: Motions) -> tuple[Array, Array, Array]:
+        return differenced(lambda h: rows_of(kind.kind, motion, frames_at(motions, at.parameters, at.t, h)))
+
+    found = function(at.t, *at.moving, at.parameters, *settings)
+    value, flat, gamma, bias = (np.asarray(x).ravel() for x in found)
     J = flat.reshape(-1, 12)
     wanted, first, second = rows(at.motions)
     still = tuple((pose, np.zeros(6), np.zeros(6)) for pose, _, _ in at.motions)
@@ -144,7 +159,9 @@ def _off_the_joint(function: ca.Function, kind: JointKind, at: Drawn) -> Both:
 def _on_the_joint(function: ca.Function, kind: JointKind, at: Drawn) -> Both:
     """Beside ones, so that zero is told against the length; without the row of a given motion."""
     pose_a, twist_a, _, twist_b = at.moving
-    value = np.asarray(function(at.t, pose_a, twist_a, at.together, twist_b, at.parameters)[0]).ravel()
+    given: tuple[Any, ...] = (at.t, pose_a, twist_a, at.together, twist_b, at.parameters)
+    given = (*given, *_settings(kind, at))
+    value = np.asarray(_called(function, *given)[0]).ravel()
     kept = value[: len(value) - (kind.motion is not None)]
     return {"value": (1.0 + kept / at.parameters[24], np.ones_like(kept))}
 
@@ -240,7 +257,8 @@ def _limit_place(function: ca.Function, kind: LimitKind, at: Drawn, off: Array) 
 
 
 def check_spring(role: str, function: ca.Function, kind: LoadKind, drawn: Sequence[Drawn]) -> list[Finding]:
-    """Virtual work: the wrench is -(k (c - rest) + damping c_dot) dc along each of twelve directions, J."""
+    """Virtual work of a spring, -(k (c - rest) + damping c_dot), or of an actuator: the wrench is that force
+    times dc along each of twelve directions, J."""
     if role == "deflection":
         routes = {"deflection": MOTION, "J": POWER}
         return _gathered(routes, [_deflected(function, kind, at) for at in drawn])
@@ -264,12 +282,23 @@ def _slopes(kind: LoadKind, at: Drawn) -> Array:
     return np.array([_slope(kind.joint, at, k) for k in range(12)])
 
 
+def _force(kind: LoadKind, at: Drawn, settings: list[Array]) -> float:
+    """Along the first coordinate: of a spring -(k (c - rest) + damping c_dot), of an actuator as it says."""
+    value, rate, _ = first_coordinate(kind.joint, at)
+    if kind.law is None:
+        stiffness, damping, _ = at.parameters[-3:]
+        return float(-(stiffness * _off(kind, at) + damping * rate))
+    law = with_settings(kind.law, kind.inputs, settings[0]) if settings else kind.law
+    gain, *ends = at.parameters[-3:] if kind.limited else at.parameters[-1:]
+    force = gain * evaluate(law, {"t": at.t, "coordinate": float(value), "rate": float(rate)})
+    return float(np.clip(force, *ends)) if ends else float(force)
+
+
 def _pushed(function: ca.Function, kind: LoadKind, at: Drawn) -> Both:
-    stiffness, damping, _ = at.parameters[-3:]
-    _, rate, _ = first_coordinate(kind.joint, at)
-    off, slopes = _off(kind, at), _slopes(kind, at)
-    wanted = -(stiffness * off + damping * rate) * slopes
-    on_a, on_b = (np.asarray(x).ravel() for x in function(at.t, *at.moving, at.parameters))
+    settings = _settings(kind, at)
+    wanted = _force(kind, at, settings) * _slopes(kind, at)
+    found = _called(function, at.t, *at.moving, at.parameters, *settings)
+    on_a, on_b = (np.asarray(x).ravel() for x in found)
     return {"wrench_a": (on_a, wanted[:6]), "wrench_b": (on_b, wanted[6:])}
 
 

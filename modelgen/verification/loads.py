@@ -13,6 +13,7 @@ from modelgen.scene.expression import evaluate
 from modelgen.scene.scene_types import ForceLoad
 from modelgen.verification.extremal_motion import columns
 from modelgen.verification.findings import Finding, compared
+from modelgen.verification.input_settings import drawn_settings, with_settings
 
 Array = np.ndarray[Any, Any]
 
@@ -33,13 +34,17 @@ def check_load(role: str, function: ca.Function, kind: LoadKind, n: int, seed: i
         return [compared(name, routes[name], f, w) for name, f, w in zip(routes, found, wanted, strict=True)]
     t = random.uniform(0.1, 1.0, (1, n))
     both = [*sides, (np.zeros((12, n)), np.zeros((6, n)))][:2]
-    found = columns(function, t, *both[0], *both[1], numbers)
+    settings = drawn_settings(kind.inputs, n, random)
+    found = columns(function, t, *both[0], *both[1], numbers, *([settings] if kind.inputs else []))
     if kind.kind == "spring":
         wanted = columns(_spring(), *sides[0], *sides[1], *arms, turned[0])
         route = "derivatives of the energy k (L - L_0)^2/2 and of the dissipation c L_dot^2/2"
         return [compared(f"wrench_{s}", route, f, w) for s, f, w in zip("ab", found, wanted, strict=True)]
     power = np.array(
-        [_given(kind, t[0, k], both[0][0][:, k], both[0][1][:, k], arms[0][:, k]) for k in range(n)]
+        [
+            _given(kind, t[0, k], both[0][0][:, k], both[0][1][:, k], arms[0][:, k], settings[:, k])
+            for k in range(n)
+        ]
     ).T
     return [compared("wrench_a", "virtual power of the load at its point", found[0], power)]
 
@@ -93,7 +98,7 @@ def _spring() -> ca.Function:
     return ca.Function("spring", arguments, [ca.densify(wrench) for wrench in still])
 
 
-def _given(kind: LoadKind, t: float, pose: Array, twist: Array, arm: Array) -> Array:
+def _given(kind: LoadKind, t: float, pose: Array, twist: Array, arm: Array, settings: Array) -> Array:
     """The wrench whose power on every twist is that of the force at its point, or of the torque."""
     load, R = kind.load, pose[3:].reshape(3, 3, order="F")
     assert load is not None
@@ -105,7 +110,9 @@ def _given(kind: LoadKind, t: float, pose: Array, twist: Array, arm: Array) -> A
         f"w{a}": spin[i] for i, a in enumerate("xyz")
     }
     known |= {f"q{a}": quaternion[i] for i, a in enumerate("wxyz")}
-    vector = np.array([evaluate(component, known) for component in load.components])
+    vector = np.array(
+        [evaluate(with_settings(each, kind.inputs, settings), known) for each in load.components]
+    )
     world = vector if load.frame == "world" else R @ vector
     unit = np.eye(6)
     if isinstance(load, ForceLoad):

@@ -48,7 +48,7 @@ def _rest(name: str, route: str, residuals: list[Array]) -> Finding:
 
 
 def random_state(model: Model, random: np.random.Generator) -> list[Array]:
-    """t, q with unit quaternions, u, eta, gravity, parameters of the scene."""
+    """t, q with unit quaternions, u, eta, gravity, parameters of the scene; settings of inputs, if any."""
     q = np.array(model.initial_q) + 0.1 * model.scales.length * random.normal(size=model.n_q)
     for body in model.bodies:
         if model.body_kinds[body.kind].motion == "free":
@@ -58,15 +58,16 @@ def random_state(model: Model, random: np.random.Generator) -> list[Array]:
     parameters = [value for block in blocks for entry in block for value in entry.parameters]
     eta = model.scales.length * random.normal(size=model.n_eta)
     u = random.normal(size=model.n_u)
-    return [np.array([0.3]), q, u, eta, np.array(model.scene.gravity), np.array(parameters)]
+    state = [np.array([0.3]), q, u, eta, np.array(model.scene.gravity), np.array(parameters)]
+    return [*state, random.normal(size=3 * len(model.scene.inputs))] if model.scene.inputs else state
 
 
 def _residuals(
     derivation: Derivation, state: list[Array], qdot: Array, udot: Array, eta_dot: Array, force: Array
 ) -> tuple[Array, Array]:
     """J u_dot + gamma of each feature pair; M (u_dot - a) - J^T lambda of each body without loads."""
-    model, (t, q, u, eta, gravity, _) = derivation.model, state
-    poses, twists, accels = _kinematics(derivation, t, q, u, udot)
+    model, (t, q, u, eta, gravity, _, *settings) = derivation.model, state
+    poses, twists, accels = _kinematics(derivation, t, q, u, udot, settings)
     left = {k: np.zeros(0) for k, _ in enumerate(model.bodies)}
     for k, body in enumerate(model.bodies):
         kind = model.body_kinds[body.kind]
@@ -96,7 +97,9 @@ def _residuals(
     return np.array(gaps), np.concatenate([np.zeros(0), *left.values()])
 
 
-def _kinematics(derivation: Derivation, t: Array, q: Array, u: Array, udot: Array) -> tuple[list[Array], ...]:
+def _kinematics(
+    derivation: Derivation, t: Array, q: Array, u: Array, udot: Array, settings: list[Array]
+) -> tuple[list[Array], ...]:
     """Poses, twists and accelerations of all bodies."""
     model = derivation.model
     poses: list[Array] = []
@@ -107,9 +110,9 @@ def _kinematics(derivation: Derivation, t: Array, q: Array, u: Array, udot: Arra
         if kind.motion in ("fixed", "driven"):
             path = [np.array(body.parameters), np.zeros(6), np.zeros(6)]
             if kind.motion == "driven":
-                out = derivation.function(f"mg_{kind.name}_path").call(
-                    [ca.DM(t), ca.DM(list(body.parameters))]
-                )
+                given = [t, np.array(body.parameters), *(settings if kind.inputs else [])]
+                function = derivation.function(f"mg_{kind.name}_path")
+                out = function.call([ca.DM(value) for value in given])
                 path = [np.asarray(value).ravel() for value in out]
         else:
             size = 3 if kind.motion == "point" else 6

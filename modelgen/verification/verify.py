@@ -16,6 +16,7 @@ from modelgen.verification.loads import check_load
 from modelgen.verification.proofs import must_be_proved, prove
 from modelgen.verification.random_configurations import Partnership, partnership
 from modelgen.verification.right_hand_side import check_rhs
+from modelgen.verification.sensors import check_sensors
 from modelgen.verification.shapes import check_search, check_shape
 
 OF_BODIES = ("pose", "motion", "energy", "path")
@@ -78,6 +79,8 @@ def _compared(formula: Formula, derivation: Derivation, n: int, seed: int) -> li
         return check_search(role, function, partnership_of(model, formula.kind), n, seed)
     if role in OF_LOADS:
         return check_load(role, function, model.load_kinds[formula.kind], n, seed)
+    if role == "sensors":
+        return check_sensors(function, derivation, n, seed)
     return check_rhs(function, derivation, n, seed)
 
 

@@ -20,7 +20,7 @@ PIPELINE = (
     ("verification",),
     ("codegen",),
     ("runtime",),
-    ("linearisation",),
+    ("gym", "linearisation"),
     ("report",),
     ("benchmark",),
     ("cli",),
@@ -34,6 +34,8 @@ NUMERIC_SIDE = (
     "modelgen.codegen.manifest",
     "modelgen.codegen.library",
     "modelgen.codegen.amalgamation",
+    "modelgen.codegen.controllers",  # compiles what a run calls, loaded where one asks for it
+    "modelgen.codegen.parameter_values",  # reads a scene again, loaded where a run asks for it
 )
 
 ENTRY = "modelgen.__main__"

@@ -95,7 +95,7 @@ def test_a_demand_met_before_all_was_tried_says_so(root: Path) -> None:
 
 @pytest.mark.parametrize(("part", "words"), [(1.1, "µs over the budget, within the 20% band"), (0.9, "")])
 def test_a_setting_over_the_budget_says_so(part: float, words: str, root: Path) -> None:
-    tuned = tune(thrown(), error=0.5, knobs=["tolerance"], limit=SHORT, root=root)
+    tuned = tune(thrown(), error=0.5, knobs=["tolerance"], limit=5.0, root=root)
     text = StringIO()
     print_tuned(replace(tuned, budget=(tuned.point.cost_ns_per_s or 0.0) / part), Console(file=text))
     assert ("over the budget" in text.getvalue()) == bool(words)

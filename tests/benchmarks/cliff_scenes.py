@@ -13,29 +13,43 @@ PIVOT = TIP / cos(HALF_SPAN)  # m, where the tangents of the wheel below the pal
 PALLET_TIP, PALLET_BASE, PALLET_WIDTH = 0.044, 0.066, 0.006  # m, from the axis of the wheel; half its width
 
 
-def _pallet(name: str, side: int) -> Shape:
-    """A wedge that points to the axis of the wheel, in the axes of the anchor."""
+def wheel_corners() -> list[tuple[float, float]]:
+    """Corners of the escape wheel in its axes, m: tips and roots in turn."""
+    polar = ((TIP if k % 2 == 0 else ROOT, pi * k / TEETH) for k in range(2 * TEETH))
+    return [(r * cos(angle), r * sin(angle)) for r, angle in polar]
+
+
+def pallet_corners(side: int) -> list[tuple[float, float]]:
+    """Corners of a wedge that points to the axis of the wheel, in the axes of the anchor, m.
+
+    Args:
+        side: 1: the entry pallet, -1: the exit pallet.
+    """
     angle = pi / 2 - side * HALF_SPAN
     corners = [(PALLET_TIP, 0.0), (PALLET_BASE, -PALLET_WIDTH), (PALLET_BASE, PALLET_WIDTH)]
-    points = [[r * cos(angle) - t * sin(angle), r * sin(angle) + t * cos(angle) - PIVOT] for r, t in corners]
-    return make.extrusion(0.02, points=points, name=name)
+    return [(r * cos(angle) - t * sin(angle), r * sin(angle) + t * cos(angle) - PIVOT) for r, t in corners]
 
 
-def escapement(lean: float, restitution: float, torque: float) -> Scene:
-    """An escape wheel of pointed teeth that swings an anchor of two wedges, both on revolute joints, without
-    friction. The pallets are longer than the wheel, so that a tooth strikes with two corners at once, one of
-    which the joints make redundant.
+def _pallet(name: str, side: int) -> Shape:
+    return make.extrusion(0.02, points=[list(corner) for corner in pallet_corners(side)], name=name)
+
+
+def escapement(lean: float, restitution: float, torque: float, friction: float = 0.0) -> Scene:
+    """An escape wheel of pointed teeth that swings an anchor of two wedges, both on revolute joints.
+
+    The pallets are longer than the wheel, so that a tooth strikes with two corners at once, one of which the
+    joints make redundant.
 
     Args:
         lean: rad, of the anchor at the start.
         restitution: of the teeth.
         torque: N m, on the wheel.
+        friction: of the teeth; 0: there is none.
     """
-    corners = [(TIP if k % 2 == 0 else ROOT, pi * k / TEETH) for k in range(2 * TEETH)]
     axis = [0.0, 0.0, 1.0]
     wheel = make.dynamic(
         "wheel",
-        make.extrusion(0.01, points=[[r * cos(angle), r * sin(angle)] for r, angle in corners]),
+        make.extrusion(0.01, points=[list(corner) for corner in wheel_corners()]),
         mass=0.1,
         inertia=[6e-5, 6e-5, 1.2e-4],
         axis_angle={"axis": axis, "angle": -pi / TEETH / 2},
@@ -55,6 +69,7 @@ def escapement(lean: float, restitution: float, torque: float) -> Scene:
         gravity=[0.0, 0.0, 0.0],
         contact=[
             {"between": ["wheel", f"anchor/{pallet}"], "restitution": restitution}
+            | ({"friction": friction} if friction else {})
             for pallet in ("entry", "exit")
         ],
         joint=[
@@ -68,3 +83,30 @@ def escapement(lean: float, restitution: float, torque: float) -> Scene:
         ],
         torque=[{"body": "wheel", "torque": [0.0, 0.0, torque]}],
     )
+
+
+def links_and_dust(radius: float) -> Scene:
+    """A ring that swings and spins in a fixed ring, both of some 0.6 m, and a ball far from them.
+
+    Args:
+        radius: m, of the ball; 0: there is none.
+    """
+    link = make.torus(0.5, 0.1)
+    bodies = [
+        make.fixed("table", make.plane()),
+        make.fixed("hook", link, position=[0.0, 0.0, 2.0]),
+        make.dynamic(
+            "link",
+            link,
+            density=100.0,
+            position=[0.5, 0.0, 1.8],
+            axis_angle={"axis": [1.0, 0.0, 0.0], "angle": "pi/2"},
+            velocity=[0.0, 0.3, 0.0],
+            angular_velocity=[0.3, 0.1, 2.0],
+        ),
+    ]
+    contact = [{"between": ["hook", "link"], "restitution": 0.5}]
+    if radius:
+        bodies.append(make.dynamic("dust", make.sphere(radius), density=1000.0, position=[5.0, 0.0, radius]))
+        contact.append({"between": ["dust", "table"]})
+    return make.scene("links", bodies, contact=contact)

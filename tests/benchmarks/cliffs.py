@@ -14,7 +14,7 @@ from modelgen import read, simulate
 from modelgen.codegen.library import Library
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Scene
-from tests.benchmarks.cliff_scenes import escapement
+from tests.benchmarks.cliff_scenes import escapement, links_and_dust
 from tests.running import library_of
 
 COIN = Path(__file__).parents[2] / "scenes" / "coin.toml"
@@ -56,6 +56,8 @@ SCENES: dict[str, tuple[Callable[[], Scene], float, float]] = {  # and the windo
     "coin that creeps": (lambda: read(COIN), 3.95, 4.2),
     "can that rocks back": (rocking_can, 0.0, 0.5),
     "face about to tip": (spinning_box, 0.2, 0.3),
+    "links alone": (lambda: links_and_dust(0.0), 0.0, 1.0),
+    "links and dust": (lambda: links_and_dust(1e-3), 0.0, 1.0),
 }
 
 

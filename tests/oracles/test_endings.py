@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -172,10 +173,60 @@ def test_a_motion_that_is_not_finite_ends_the_run_by_its_name() -> None:
     assert path.t_end == pytest.approx(0.3, abs=1e-6)
 
 
-def test_loads_that_jump_or_have_an_impulse_do_not_end_the_run() -> None:
-    force = ["sign(t - 0.2)", "exp(-((t - 0.25)/1e-3)**2)", "1/sqrt(abs(t - 0.3))"]
+@pytest.mark.parametrize("instant", [0.3, 0.25, 0.123456789])
+def test_loads_that_jump_or_have_an_impulse_do_not_end_the_run(instant: float) -> None:
+    force = ["sign(t - 0.2)", "exp(-((t - 0.25)/1e-3)**2)", f"1/sqrt(abs(t - {instant}))"]
     scene = make.scene(
         "pushed", [TABLE, solid("ball", (0.1, 0.1, 0.1), position=[0, 0, 0.1])],
         contact=[{"between": ["ball", "table"], "friction": 0.6}], force=[{"body": "ball", "force": force}],
     )  # fmt: skip
-    assert simulate(library_of(scene), until=0.5, estimate=False).outcome is Outcome.DONE
+    path = simulate(library_of(scene), until=0.5, estimate=False)
+    assert path.outcome is Outcome.DONE
+    assert "fallback-start" not in {event.kind for event in path.events}
+
+
+@pytest.mark.cases(6)
+@pytest.mark.parametrize("power", [0.3, 0.5, 0.6])
+@pytest.mark.parametrize("instant", [0.3, 0.25, 0.123456789])
+@pytest.mark.parametrize(
+    ("side", "parts"),
+    [("1", (1, 1)), ("max(0, t - {0})/abs(t - {0})", (0, 1)), ("max(0, {0} - t)/abs(t - {0})", (1, 0))],
+)
+def test_an_infinite_load_that_is_integrable_gives_its_impulse(
+    power: float, instant: float, side: str, parts: tuple[int, int]
+) -> None:
+    """Against the integral of |t - t0|^-p on both sides, or on one.
+
+    The instant is known to half an ulp, e: the impulse is known to some e^(1 - p).
+    """
+    load = f"{side.format(instant)}*abs(t - {instant})**(-{power})"
+    push = [{"body": "ball", "force": [load, "0", "0"]}]
+    scene = make.scene("pushed", [TABLE, solid("ball", (0.1, 0.1, 0.1), position=[0, 0, 0.5])], force=push)
+    library = library_of(replace(scene, gravity=(0.0, 0.0, 0.0)))
+    path = simulate(library, until=0.5, samples=2, estimate=False)
+    impulse = sum(
+        part * span ** (1 - power) / (1 - power)
+        for part, span in zip(parts, (instant, 0.5 - instant), strict=True)
+    )
+    mass = 1 / library.manifest.instance["bodies"][1]["mass_inverse"][0]
+    assert path.outcome is Outcome.DONE
+    assert not path.events
+    known = 100 * np.finfo(float).eps ** (1 - power) / mass
+    assert path.v[-1, 1, 0] == pytest.approx(impulse / mass, abs=known + 1e-8)
+
+
+@pytest.mark.parametrize("instant", [0.3, 0.25])
+def test_a_body_is_lifted_at_once_by_an_infinite_load_that_is_integrable(instant: float) -> None:
+    load = f"max(0, t - {instant})/abs(t - {instant})**1.5"
+    scene = make.scene(
+        "lifted", [TABLE, solid("ball", (0.1, 0.1, 0.1), position=[0, 0, 0.1])],
+        contact=[{"between": ["ball", "table"]}],
+        force=[{"body": "ball", "force": ["0", "0", f"300*{load}"]}],
+    )  # fmt: skip
+    library = library_of(scene)
+    path = simulate(library, until=0.5, samples=2, estimate=False)
+    mass, span = 1 / library.manifest.instance["bodies"][1]["mass_inverse"][0], 0.5 - instant
+    assert [event.kind for event in path.events] == ["lift-off"]
+    assert path.events[0].t == pytest.approx(instant, abs=1e-12)
+    late = 600 / mass * 1e-7  # what the load gives within the tolerance of the time of an event, 1e-14 s
+    assert path.v[-1, 1, 2] == pytest.approx(600 / mass * span**0.5 - 9.81 * span, abs=4 * late)

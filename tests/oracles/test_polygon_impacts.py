@@ -10,10 +10,11 @@ import pytest
 from modelgen import simulate
 from modelgen.runtime.trajectory import Outcome
 from modelgen.scene import python_scenes as make
-from tests.benchmarks.cliff_scenes import escapement
+from tests.benchmarks.cliff_scenes import PIVOT, TEETH, escapement, pallet_corners, wheel_corners
 from tests.running import library_of
 
 CASES = [(0.15, 0.5, 0.005), (0.173, 0.2, 0.02), (0.183, 0.3, 0.02)]  # lean, restitution, torque
+ROOTS = [(0.1783, 0.0, 0.007517), (0.180654, 0.0, 0.006889), (0.153002, 0.3, 0.001194)]  # the same
 SHAPES = {
     "box": make.box(0.1, 0.14, 0.18),
     "cube": make.box(0.1, 0.1, 0.1),
@@ -44,6 +45,44 @@ def test_an_escapement_runs_as_its_estimate_says(case: tuple[float, float, float
     assert balanced.outcome is tight.outcome is Outcome.DONE
     off = np.abs(balanced.coordinates[-1] - tight.coordinates[-1]).max()
     assert off < 3 * (balanced.rotation_error[-1] + tight.rotation_error[-1])
+
+
+def turned(corners: list[tuple[float, float]], angle: float) -> np.ndarray:
+    return np.array(corners) @ [[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]]
+
+
+def depth_of_points(points: np.ndarray, polygon: np.ndarray) -> float:
+    """How deep points lie in a polygon, m; 0 where none does."""
+    a, along = polygon, np.roll(polygon, -1, axis=0) - polygon
+    span = points[:, None] - a
+    part = np.clip((span * along).sum(axis=2) / (along**2).sum(axis=1), 0, 1)
+    apart = np.linalg.norm(span - part[..., None] * along, axis=2).min(axis=1)
+    ahead = (a[:, 1] > points[:, None, 1]) != ((a + along)[:, 1] > points[:, None, 1])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        beyond = span[..., 0] < along[:, 0] * span[..., 1] / along[:, 1]
+    is_inside = (ahead & beyond).sum(axis=1) % 2 == 1
+    return float(np.where(is_inside, apart, 0.0).max())
+
+
+@pytest.mark.cases(8)
+@pytest.mark.parametrize("accuracy", ["fast", "balanced", "tight"])
+@pytest.mark.parametrize(
+    ("lean", "restitution", "torque", "friction"),
+    [(*case, friction) for case in ROOTS for friction in (0.0, 0.2)],
+)
+def test_a_pallet_that_slides_into_the_root_of_a_tooth_strikes_its_other_side(
+    lean: float, restitution: float, torque: float, friction: float, accuracy: str
+) -> None:
+    """By corners in polygons. In the last case a tooth begins beside the tip of a wedge, behind its side."""
+    library = library_of(escapement(lean, restitution, torque, friction))
+    path = simulate(library, until=0.4, accuracy=accuracy, samples=400, estimate=False)
+    assert path.outcome is Outcome.DONE
+    for wheel_turn, anchor_turn in path.coordinates:
+        wheel = turned(wheel_corners(), wheel_turn - np.pi / TEETH / 2)
+        for side in (1, -1):
+            pallet = turned(pallet_corners(side), anchor_turn + lean) + np.array([0, PIVOT])
+            assert depth_of_points(pallet, wheel) < 1e-7
+            assert depth_of_points(wheel, pallet) < 1e-7
 
 
 @pytest.mark.cases(6)

@@ -216,3 +216,5 @@ def test_closest_points_that_no_contact_can_follow_are_told(points: int) -> None
     assert path.outcome_contact == ("ring-bar" if points == 1 else "")
     sunk = [doubt for doubt in path.doubts if "penetrated by" in doubt]
     assert len(sunk) == (points == 1)
+    assert all(f"(ring-bar, t = {path.t_end:.6g} s)" in doubt for doubt in sunk)
+    assert not sunk or path.penetration_pair == "ring-bar"

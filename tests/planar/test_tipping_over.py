@@ -14,6 +14,7 @@ from modelgen import simulate
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Shape
+from tests.benchmarks.cliffs import spinning_box
 from tests.planar.scenes import INERTIA, MASS, G, standing, table
 from tests.running import library_of
 
@@ -150,3 +151,15 @@ def test_a_spinning_can_that_is_pushed_tips_at_one_time_wherever_samples_and_end
         path = simulate(library, until=until, accuracy="fast", samples=samples, estimate=False)
         tips = [event.t for event in path.events if event.kind == "tipping"]
         assert tips[0] == pytest.approx(PUSHED_TIPS, abs=1e-6)
+
+
+def test_two_accuracies_agree_where_pressure_reaches_the_edge_of_a_face_that_does_not_tip() -> None:
+    """The pressure that is used near the edge is continuous in the centre of pressure."""
+    library = library_of(spinning_box())
+    balanced, tight = (
+        simulate(library, until=0.3, samples=30, accuracy=name) for name in ("balanced", "tight")
+    )
+    assert [event.kind for event in tight.events] == ["face-contact"]
+    stated = balanced.spin_error[-1] + tight.spin_error[-1]
+    assert stated < 1e-6
+    assert np.abs(balanced.w[-1] - tight.w[-1]).max() < 2 * stated

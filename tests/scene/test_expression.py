@@ -11,7 +11,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from modelgen.errors import ExpressionError
-from modelgen.scene.expression import MAX_DEPTH, MAX_LENGTH, Number, evaluate, parse_expression
+from modelgen.scene.expression import (
+    MAX_DEPTH,
+    MAX_LENGTH,
+    Cubic,
+    Name,
+    Number,
+    evaluate,
+    parse_expression,
+)
+from modelgen.scene.expression_building import expression_of
 
 VALUES = {"u": 0.37, "v": -1.25, "k_1": 2.5}
 
@@ -233,3 +242,17 @@ def test_errors_and_expressions_survive_pickling() -> None:
         parse_expression("u^2", ["u"])
     copy = pickle.loads(pickle.dumps(caught.value))
     assert (str(copy), copy.position) == (str(caught.value), 1)
+
+
+@given(
+    st.integers(1, 9).flatmap(lambda n: st.lists(st.floats(-2, 2), min_size=4 * n + 2, max_size=4 * n + 2)),
+    st.floats(-3, 5),
+    st.sampled_from((0, 1, 2)),
+)
+def test_a_piecewise_cubic_has_the_value_of_its_sum(numbers: list[float], x: float, order: int) -> None:
+    pieces = (len(numbers) - 2) // 4
+    knots = {f"k_{i}": float(i) + abs(numbers[i]) / 4 for i in range(pieces + 1)}
+    columns = [numbers[pieces + 1 + k * pieces : pieces + 1 + (k + 1) * pieces] for k in range(3)]
+    cubic = Cubic(Name("t"), "x", pieces, order)
+    values = knots | cubic.numbers(numbers[-1], *columns)
+    assert cubic.value(x, values) == evaluate(expression_of(cubic.tree()), values | {"t": x})

@@ -174,6 +174,43 @@ def test_numbers_are_those_of_the_configuration(modelgen: Modelgen, shared_folde
     assert own["definition"][-1]["number"] == 4.0
 
 
+@pytest.mark.parametrize(("lengths", "d"), [({}, 2.0), ({"parameters": [3.0, 1.0, 2.5, 0.5]}, 4.5)])
+def test_the_contact_parameters_at_given_poses_are_those_of_the_closest_points(
+    lengths: dict[str, Any], d: float, modelgen: Modelgen, shared_folder: Path
+) -> None:
+    """Two flat rings one above the other, whose centre circles cross as seen from above."""
+    turn = [1, 0, 0, 0, 1, 0, 0, 0, 1]
+    poses = {"pose_o": [0, 0, 0, *turn], "pose_f": [0.5, 0.9, 6.0, *turn]}
+    (shared_folder / "rings.json").write_text(json.dumps({**poses, **lengths}), encoding="utf-8")
+    answer = modelgen("inspect", "torus-torus", "--formula", "place", "--at", "rings.json", "--json")
+    (place,) = answer.json["formulas"]
+    numbers = {line["name"]: line["number"] for line in place["definition"]}
+    assert numbers["d"] == pytest.approx(d, abs=1e-12)
+    assert max(abs(numbers["residual_1"]), abs(numbers["residual_2"])) < 1e-12
+
+
+def test_the_contact_parameters_of_a_given_state_are_those_of_the_closest_points(
+    modelgen: Modelgen, shared_folder: Path
+) -> None:
+    """An ellipsoid above another, with parallel axes: they are nearest at their poles."""
+    state = {"q": [0.0, 0.0, 2.0, 1.0, 0.0, 0.0, 0.0]}
+    (shared_folder / "state.json").write_text(json.dumps(state), encoding="utf-8")
+    answer = modelgen(
+        "inspect", "scenes/ellipsoid_on_ellipsoid.toml", "--formula", "rhs", "--at", "state.json", "--json"
+    )
+    (rhs,) = answer.json["formulas"]
+    assert rhs["at"]["eta"] == pytest.approx([0, 0, -0.03, 0, 0, 0.2], abs=1e-12)
+
+
+def test_poses_without_closest_points_are_refused(modelgen: Modelgen, shared_folder: Path) -> None:
+    turn = [1, 0, 0, 0, 1, 0, 0, 0, 1]
+    poses = {"pose_o": [0, 0, 0, *turn], "pose_f": [0, 0, 1, *turn], "parameters": [1, 1]}
+    (shared_folder / "same.json").write_text(json.dumps(poses), encoding="utf-8")
+    answer = modelgen("inspect", "circle-circle", "--formula", "place", "--at", "same.json")
+    assert answer.code == 2
+    assert "no closest points" in answer.err
+
+
 @pytest.mark.parametrize("text", ["[1, 2]", "{", '{"parameters": [1, "x"]}', '{"parameters": [1]}'])
 def test_numbers_that_are_none_are_refused(text: str, modelgen: Modelgen, shared_folder: Path) -> None:
     (shared_folder / "bad.json").write_text(text, encoding="utf-8")

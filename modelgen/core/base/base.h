@@ -45,6 +45,23 @@ typedef struct {
   int *order; /* [k] row of S in each row of P' S P */
 } mg_factor;
 
+/* A digest of numbers; C99 demands 64 bits of it. */
+typedef unsigned long long mg_digest;
+
+#define MG_DIGEST_START 0x9e3779b97f4a7c15ULL /* digest of nothing */
+
+/* digest.c */
+
+/* The digest with n numbers more. */
+MG_INTERNAL mg_digest mg_digest_ints(mg_digest digest, const int *values, long n);
+MG_INTERNAL mg_digest mg_digest_reals(mg_digest digest, const mg_real *values, long n);
+
+/* The same with the characters of a text. */
+MG_INTERNAL mg_digest mg_digest_text(mg_digest digest, const char *text);
+
+/* The same with n bytes. */
+MG_INTERNAL mg_digest mg_digest_bytes(mg_digest digest, const unsigned char *bytes, long n);
+
 /* vectors.c */
 
 /* True if all numbers are finite. */

@@ -60,6 +60,7 @@ typedef struct {
 typedef struct {
   int n_instruction;                  /* instructions; 0: there is no function */
   int n_memory;                       /* Taylor models of memory */
+  int n_parameters;                   /* parameters */
   const mg_instruction *instructions; /* [n_instruction] */
   const mg_real *constants;           /* constants */
 } mg_bounds_program;

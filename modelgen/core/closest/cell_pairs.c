@@ -160,13 +160,29 @@ static mg_real mg_sum_size(const mg_real *a, const mg_real *b) {
   return sqrt(mg_dot3(sum, sum));
 }
 
-/* Distance along the normal of A, and a bound of how far the gap of two points of the cells may differ from it. */
-static mg_real mg_gap_estimate(const mg_cell_view *a, const mg_cell_view *b, const mg_real *v, mg_real *error) {
-  const mg_real across =
-      fmin(a->spread * (a->radius + b->radius) + mg_extent_along(a, a->direction) + mg_extent_along(b, a->direction),
-           a->radius + b->radius);
-  *error = a->spread * sqrt(mg_dot3(v, v)) + across;
-  return mg_dot3(a->direction, v);
+/* Gaps of interest where b is a vertex or the centre of a sphere, as distances of that point; of a cavity all. */
+static mg_search_limits mg_limits_of_point(const mg_cell_view *b, const mg_search_limits *limits) {
+  mg_search_limits moved = *limits;
+  if (b->sphere_radius < 0) moved.gap = moved.depth = MG_MAX;
+  else moved.gap += b->sphere_radius, moved.depth -= b->sphere_radius;
+  return moved;
+}
+
+/* Distance d of critical points along the normal N of A: d N.n = n.(b - a), where N.n is 1 - |N - n|^2/2. Sets the
+   middle of its range within the limits, and half the width. Returns 0 if it has none. */
+static int mg_gap_estimate(const mg_cell_view *a, const mg_cell_view *b, const mg_real *v,
+                           const mg_search_limits *limits, mg_real *d, mg_real *error) {
+  const mg_real along = mg_dot3(a->direction, v),
+                across =
+                    fmin(mg_extent_along(a, a->direction) + mg_extent_along(b, a->direction), a->radius + b->radius),
+                cosine = 1 - a->spread * a->spread / 2;
+  mg_real low = along - across, high = along + across;
+  if (low < 0) low /= cosine;
+  if (high > 0) high /= cosine;
+  low = fmax(low, -limits->depth), high = fmin(high, limits->gap);
+  if (low > high) return 0;
+  *d = low + (high - low) / 2, *error = (high - low) / 2;
+  return 1;
 }
 
 /* True if the gap of two surfaces has no minimum where they are parallel at a distance d: the surface parallel to A
@@ -182,11 +198,12 @@ static int mg_is_saddle(const mg_real *WA, const mg_real *WB, mg_real d, mg_real
   return mg_smallest_eigenvalue(parallel) < -2 * error / least;
 }
 
-static int mg_judge_surfaces(const mg_cell_view *a, const mg_cell_view *b, const mg_real *v) {
+static int mg_judge_surfaces(const mg_cell_view *a, const mg_cell_view *b, const mg_real *v,
+                             const mg_search_limits *limits) {
   const mg_cell *A = a->cell, *B = b->cell;
-  mg_real t1[3], t2[3], WA[4], WB[4], WBWA[4], gap_error;
-  const mg_real d = mg_gap_estimate(a, b, v, &gap_error), widest = fabs(d) + gap_error,
-                tilt = mg_sum_size(a->direction, b->direction);
+  mg_real t1[3], t2[3], WA[4], WB[4], WBWA[4], d, gap_error;
+  if (!mg_gap_estimate(a, b, v, limits, &d, &gap_error)) return MG_CELLS_APART;
+  const mg_real widest = fabs(d) + gap_error, tilt = mg_sum_size(a->direction, b->direction);
   mg_plane_tangents(a->direction, t1, t2);
   mg_bend_along(a, t1, t2, WA), mg_bend_along(b, t1, t2, WB), mg_product2(WB, WA, WBWA);
   const mg_real across[2] = {mg_dot3(t1, v), mg_dot3(t2, v)}, stretch = 1 + widest * (A->bend_size + A->bend_error);
@@ -237,10 +254,12 @@ static int mg_judge_surface_plane(const mg_cell_view *surface, const mg_cell_vie
   return mg_judge_linear_part(&at);
 }
 
-static int mg_judge_surface_point(const mg_cell_view *a, const mg_cell_view *b, const mg_real *v) {
+static int mg_judge_surface_point(const mg_cell_view *a, const mg_cell_view *b, const mg_real *v,
+                                  const mg_search_limits *limits) {
   const mg_cell *A = a->cell;
-  mg_real t1[3], t2[3], gap_error;
-  const mg_real d = mg_gap_estimate(a, b, v, &gap_error);
+  const mg_search_limits of_point = mg_limits_of_point(b, limits);
+  mg_real t1[3], t2[3], d, gap_error;
+  if (!mg_gap_estimate(a, b, v, &of_point, &d, &gap_error)) return MG_CELLS_APART;
   mg_linear_part at = {2, {0}, {0}, a->radius, {0}, {0}, 0, {0}, {0}};
   mg_plane_tangents(a->direction, t1, t2);
   mg_bend_along(a, t1, t2, at.K);
@@ -256,10 +275,12 @@ static int mg_judge_surface_point(const mg_cell_view *a, const mg_cell_view *b, 
   return mg_judge_linear_part(&at);
 }
 
-static int mg_judge_surface_curve(const mg_cell_view *a, const mg_cell_view *b, const mg_real *v) {
+static int mg_judge_surface_curve(const mg_cell_view *a, const mg_cell_view *b, const mg_real *v,
+                                  const mg_search_limits *limits) {
   const mg_cell *A = a->cell, *B = b->cell;
-  mg_real t1[3], t2[3], W[4], curvature[3], gap_error;
-  const mg_real d = mg_gap_estimate(a, b, v, &gap_error), widest = fabs(d) + gap_error;
+  mg_real t1[3], t2[3], W[4], curvature[3], d, gap_error;
+  if (!mg_gap_estimate(a, b, v, limits, &d, &gap_error)) return MG_CELLS_APART;
+  const mg_real widest = fabs(d) + gap_error;
   mg_plane_tangents(a->direction, t1, t2);
   mg_bend_along(a, t1, t2, W), mg_curvature_vector(b, curvature);
   const mg_real N[4] = {1 + d * W[0], d * W[1], d * W[2], 1 + d * W[3]}, determinant = N[0] * N[3] - N[1] * N[2];
@@ -337,69 +358,100 @@ static int mg_judge_curves(const mg_cell_view *a, const mg_cell_view *b, const m
   return fabs(s[0]) > a->radius + s_error || fabs(s[1]) > b->radius + s_error ? MG_CELLS_APART : verdict;
 }
 
-/* True if the line between points of two cells cannot be normal to the surface of the first, seen along the tangents in
-   which the first extends. |v| given. */
-static int mg_is_beside(const mg_cell_view *surface, const mg_cell_view *other, const mg_real *v, mg_real distance) {
+/* True if the line between points of two cells, of the length `longest` at most, cannot be normal to the surface of the
+   first, seen along the tangents in which the first extends. */
+static int mg_is_beside(const mg_cell_view *surface, const mg_cell_view *other, const mg_real *v, mg_real longest) {
   for (int a = 0; a < 2; a++) {
     mg_real w[3];
     const mg_real along = mg_dot3(surface->slope[a], surface->direction);
     for (int k = 0; k < 3; k++) w[k] = surface->slope[a][k] - along * surface->direction[k];
     if (!mg_normalise3(w)) continue;
     const mg_real both = mg_extent_along(surface, w) + mg_extent_along(other, w);
-    if (fabs(mg_dot3(v, w)) > both + surface->spread * (distance + surface->radius + other->radius)) return 1;
+    if (fabs(mg_dot3(v, w)) > both + surface->spread * longest) return 1;
   }
   return 0;
 }
 
-/* True if the directions or the distance of the cells rule out a critical pair within the limits. */
+/* True if points of two cells are farther than `reach` from each other. |v| given. */
+static int mg_are_cells_distant(const mg_cell_view *a, const mg_cell_view *b, const mg_real *v, mg_real distance,
+                                mg_real reach) {
+  if (distance - a->radius - b->radius > reach) return 1;
+  return distance > reach && distance * (distance - reach) > mg_extent_along(a, v) + mg_extent_along(b, v);
+}
+
+/* True if the gap along the normal of a surface is beyond the limits. */
+static int mg_is_gap_beyond(const mg_cell_view *surface, const mg_cell_view *other, const mg_real *v,
+                            const mg_search_limits *limits) {
+  mg_real d, error;
+  if (surface->kind != MG_VIEW_SURFACE || surface->spread > 1) return 0;
+  return !mg_gap_estimate(surface, other, v, limits, &d, &error);
+}
+
+/* True if the distance of a cell from a plane or a point is beyond the limits. */
+static int mg_is_closed_view_distant(const mg_cell_view *a, const mg_cell_view *b, const mg_real *v, mg_real distance,
+                                     const mg_search_limits *limits) {
+  const mg_real near = distance - a->radius, far = distance + a->radius, r = b->sphere_radius;
+  if (b->kind == MG_VIEW_PLANE) {
+    const mg_real height = -mg_dot3(b->direction, v), extent = mg_extent_along(a, b->direction);
+    return height - extent > limits->gap || height + extent < -limits->depth;
+  }
+  return r >= 0 ? near - r > limits->gap || far - r < -limits->depth
+                : -r - far > limits->gap || -r - near < -limits->depth;
+}
+
+/* True if the directions of the cells differ too much for a critical pair: two surfaces face each other, a curve is
+   along a surface. */
+static int mg_are_directions_apart(const mg_cell_view *a, const mg_cell_view *b) {
+  const mg_real spread = a->spread + b->spread;
+  const int surfaces = (a->kind == MG_VIEW_SURFACE) + (b->kind == MG_VIEW_SURFACE || b->kind == MG_VIEW_PLANE);
+  if (b->kind == MG_VIEW_POINT || surfaces == 0) return 0;
+  return surfaces == 2 ? mg_sum_size(a->direction, b->direction) > spread
+                       : fabs(mg_dot3(a->direction, b->direction)) > spread;
+}
+
+/* True if the directions or the distance of the cells rule out a critical pair within the limits. The line between
+   critical points is no longer than the limits allow. */
 static int mg_are_cells_apart(const mg_cell_view *a, const mg_cell_view *b, const mg_real *v,
                               const mg_search_limits *limits) {
   const mg_real distance = sqrt(mg_dot3(v, v)), both = a->radius + b->radius;
-  if (b->kind == MG_VIEW_PLANE) {
-    const mg_real height = -mg_dot3(b->direction, v);
-    if (height - both > limits->gap || height + both < -limits->depth) return 1;
-  } else if (b->kind == MG_VIEW_POINT) {
-    const mg_real near = distance - both, far = distance + both, r = b->sphere_radius;
-    if (r >= 0 ? near - r > limits->gap || far - r < -limits->depth
-               : -r - far > limits->gap || -r - near < -limits->depth)
-      return 1;
-  } else if (distance - both > fmax(limits->gap, limits->depth)) return 1;
-  const mg_real cosine = mg_dot3(a->direction, b->direction), spread = a->spread + b->spread;
-  const int surfaces = (a->kind == MG_VIEW_SURFACE) + (b->kind == MG_VIEW_SURFACE || b->kind == MG_VIEW_PLANE);
-  if (b->kind != MG_VIEW_POINT && surfaces == 2 && mg_sum_size(a->direction, b->direction) > spread) return 1;
-  if (b->kind != MG_VIEW_POINT && surfaces == 1 && fabs(cosine) > spread) return 1;
-  if (b->kind == MG_VIEW_PLANE) return 0;
+  mg_real longest = distance + both;
+  if (mg_are_directions_apart(a, b)) return 1;
+  if (!b->cell) {
+    if (mg_is_closed_view_distant(a, b, v, distance, limits)) return 1;
+    if (b->kind == MG_VIEW_PLANE) return 0;
+  } else {
+    const mg_real reach = fmax(limits->gap, limits->depth);
+    if (mg_are_cells_distant(a, b, v, distance, reach)) return 1;
+    longest = fmin(longest, reach);
+  }
   for (int side = 0; side < 2; side++) {
     const mg_cell_view *at = side ? b : a;
     if (at->kind == MG_VIEW_POINT) continue;
-    const mg_real along = fabs(mg_dot3(v, at->direction)), slack = both + at->spread * distance;
+    const mg_real along = fabs(mg_dot3(v, at->direction)), slack = both + at->spread * longest;
     if (at->kind == MG_VIEW_CURVE ? along > slack : sqrt(fmax(distance * distance - along * along, (mg_real)0)) > slack)
       return 1;
-    if (at->kind == MG_VIEW_SURFACE && at->spread < 1 && mg_is_beside(at, side ? a : b, v, distance)) return 1;
+    if (at->kind == MG_VIEW_SURFACE && at->spread < 1 && mg_is_beside(at, side ? a : b, v, longest)) return 1;
   }
-  if (surfaces == 0 || b->kind == MG_VIEW_POINT) return 0;
-  const mg_real gap = mg_dot3(v, a->kind == MG_VIEW_SURFACE ? a->direction : b->direction) *
-                      (a->kind == MG_VIEW_SURFACE ? 1 : -1),
-                slack = both + (a->kind == MG_VIEW_SURFACE ? a->spread : b->spread) * distance;
-  return gap - slack > limits->gap || gap + slack < -limits->depth;
+  return 0;
 }
 
 MG_INTERNAL int mg_judge_cells(const mg_cell_view *a, const mg_cell_view *b, const mg_search_limits *limits) {
   const mg_real v[3] = {b->centre[0] - a->centre[0], b->centre[1] - a->centre[1], b->centre[2] - a->centre[2]};
   if (!(a->radius + b->radius < MG_MAX / 4)) return MG_CELLS_OPEN;
+  const mg_real back[3] = {-v[0], -v[1], -v[2]};
   if (mg_are_cells_apart(a, b, v, limits)) return MG_CELLS_APART;
+  if (b->cell && (mg_is_gap_beyond(a, b, v, limits) || mg_is_gap_beyond(b, a, back, limits))) return MG_CELLS_APART;
   if (a->spread + b->spread > 1) return MG_CELLS_OPEN;
   const int curve = a->kind == MG_VIEW_CURVE;
   switch (b->kind) {
     case MG_VIEW_PLANE:
       return curve ? mg_judge_curve_plane(a, b) : mg_judge_surface_plane(a, b);
     case MG_VIEW_POINT:
-      return curve ? mg_judge_curve_point(a, b, v) : mg_judge_surface_point(a, b, v);
+      return curve ? mg_judge_curve_point(a, b, v) : mg_judge_surface_point(a, b, v, limits);
     case MG_VIEW_CURVE:
-      return curve ? mg_judge_curves(a, b, v) : mg_judge_surface_curve(a, b, v);
+      return curve ? mg_judge_curves(a, b, v) : mg_judge_surface_curve(a, b, v, limits);
     default:
       break;
   }
-  const mg_real back[3] = {-v[0], -v[1], -v[2]};
-  return curve ? mg_judge_surface_curve(b, a, back) : mg_judge_surfaces(a, b, v);
+  return curve ? mg_judge_surface_curve(b, a, back, limits) : mg_judge_surfaces(a, b, v, limits);
 }

@@ -85,6 +85,31 @@ MG_INTERNAL void mg_forget_cells(mg_context *c) {
   for (int tree = 0; tree < c->system->n_cell_tree; tree++) c->search.tree_root[tree] = 0;
 }
 
+/* Digest of all from which cells are made: the bounds of the shapes, their parameters, domains and scales. */
+static mg_digest mg_digest_searched_shapes(const mg_context *c) {
+  const mg_system *s = c->system;
+  mg_digest digest = mg_digest_text(MG_DIGEST_START, c->kernels->hash);
+  const int sizes[2] = {s->n_cell_tree, s->n_cell};
+  digest = mg_digest_reals(mg_digest_ints(digest, sizes, 2), &s->length, 1);
+  for (int k = 0, tree = 0; k < 2 * s->n_feature_pair && tree < s->n_cell_tree; k++) {
+    if (s->feature_tree[k] != tree) continue;
+    const int kind = s->feature_shape[k];
+    const mg_real *numbers = mg_feature_numbers(c, k / 2, k % 2);
+    digest = mg_digest_reals(mg_digest_ints(digest, &kind, 1), s->parameters + s->feature_parameters[k],
+                             c->kernels->shape_bounds[kind].n_parameters);
+    digest = mg_digest_reals(digest, numbers + MG_FEATURE_DOMAIN, 4);
+    digest = mg_digest_reals(digest, numbers + MG_FEATURE_UV_SCALE, 2);
+    tree++;
+  }
+  return digest;
+}
+
+MG_INTERNAL void mg_keep_cells_of_same_shapes(mg_context *c) {
+  const mg_digest digest = c->system->n_cell_tree ? mg_digest_searched_shapes(c) : MG_DIGEST_START;
+  if (*c->search.cells_digest != digest) mg_forget_cells(c);
+  *c->search.cells_digest = digest;
+}
+
 MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side) {
   const mg_real *domain = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_DOMAIN;
   const int tree = c->system->feature_tree[2 * feature_pair + side];
@@ -92,10 +117,12 @@ MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side) {
   mg_sample_window(c, feature_pair, side, mg_search_radius(c, feature_pair), window);
   for (int k = 0; k < 4; k++)
     if (fabs(domain[k]) >= MG_MAX / 2) bound = fmax(bound, fabs(window[k]));
-  if (c->search.tree_root[tree] && bound <= c->search.tree_bound[tree]) return c->search.tree_root[tree];
+  if (!(bound <= c->run->search_bound[tree])) c->run->search_bound[tree] = 2 * bound;
+  bound = c->run->search_bound[tree];
+  if (c->search.tree_root[tree] && c->search.tree_bound[tree] == bound) return c->search.tree_root[tree];
   for (int k = 0; k < 4; k++)
-    if (fabs(domain[k]) >= MG_MAX / 2) window[k] = k % 2 ? 2 * bound : -2 * bound;
-  c->search.tree_bound[tree] = 2 * bound;
+    if (fabs(domain[k]) >= MG_MAX / 2) window[k] = k % 2 ? bound : -bound;
+  c->search.tree_bound[tree] = bound;
   return c->search.tree_root[tree] = mg_new_cell(c, feature_pair, side, window);
 }
 

@@ -11,7 +11,7 @@
 typedef struct {
   mg_real gap, depth; /* -depth <= d <= gap, m */
   long effort;        /* most pairs of cells looked at for one feature pair */
-  mg_real near;       /* m: of minima with |d| > near only the nearest one is sought; MG_MAX: all */
+  mg_real all_within; /* m: once a minimum is found, only gaps up to |d| of the nearest one, or up to this, count */
 } mg_search_limits;
 
 /* All gaps. */
@@ -72,6 +72,9 @@ MG_INTERNAL mg_real mg_search_radius(mg_context *c, int feature_pair);
 
 /* Forgets all cells. */
 MG_INTERNAL void mg_forget_cells(mg_context *c);
+
+/* Forgets the cells in the scratch memory that were not made of the shapes of this system. */
+MG_INTERNAL void mg_keep_cells_of_same_shapes(mg_context *c);
 
 /* First cell of a feature: its domain, cut where it is unbounded so that it contains all that can be near the other
    feature. Returns 0 if there is no room. */
@@ -194,8 +197,8 @@ MG_INTERNAL void mg_insert_minimum(const mg_context *c, mg_minima *kept, const m
    features of the other; -MG_MAX if no faces are known. An extremum below it is not a minimum of the distance. */
 MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair);
 
-/* Gaps at which a contact may appear during a run. */
-MG_INTERNAL mg_search_limits mg_appearance_limits(const mg_context *c);
+/* Gaps at which a contact of a pair may appear during a run. */
+MG_INTERNAL mg_search_limits mg_appearance_limits(const mg_context *c, int pair);
 
 /* Adds the minima of a feature pair with gaps within the limits and not below `least` to those kept. A search that had
    to be given up is reported. */
@@ -203,8 +206,9 @@ MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, const m
                                         mg_minima *kept);
 
 /* Adds the minima of some feature pairs of one pair of bodies, not below `least`, to those found: all within
-   search_gap, and the nearest one. The gaps that count grow until one is found. `effort` as in mg_search_limits. */
-MG_INTERNAL void mg_search_nearest(mg_context *c, int first, int end, mg_real least, long effort, mg_minima *found);
+   search_gap, and the nearest one. The gaps that count grow until one is found. `effort` as in mg_search_limits.
+   Returns how many searches within search_gap were given up. */
+MG_INTERNAL long mg_search_nearest(mg_context *c, int first, int end, mg_real least, long effort, mg_minima *found);
 
 /* Finds the minima of all pairs at the start and assigns the contacts to them. Returns an outcome. */
 MG_INTERNAL int mg_search_start_pairs(mg_context *c);
@@ -228,7 +232,8 @@ MG_INTERNAL int mg_is_minimum_leaving_feature_pair(mg_context *c, const mg_minim
 /* True if the feature pair is a crossing of two edges of solids that are not both straight. */
 MG_INTERNAL int mg_is_curved_edge_crossing(const mg_context *c, int feature_pair);
 
-/* Margin at which a contact ends at a fold. */
+/* Margin at which a contact ends at a fold: less where it is small for long, as at crossing edges and where features
+   are almost coaxial. */
 MG_INTERNAL mg_real mg_fold_margin_limit(const mg_context *c, int contact);
 
 /* True if a closed contact is too near to where its extremum is lost, unless it starts from there. */

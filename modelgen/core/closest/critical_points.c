@@ -195,6 +195,13 @@ static void mg_sample_cell(const mg_critical_search *s, int side, int cell, cons
   for (int k = 0; k < 3 && size > 0; k++) at->local[k] *= fabs(s->other.sphere_radius) / size;
 }
 
+/* Leaves gaps out of the limits that are larger than those of interest beside the nearest minimum kept. */
+static void mg_leave_out_farther_gaps(mg_critical_search *s) {
+  if (!s->kept->count) return;
+  const mg_real most = fmax(s->limits.all_within, fabs(s->kept->list[0].d));
+  s->limits.gap = fmin(s->limits.gap, most), s->limits.depth = fmin(s->limits.depth, most);
+}
+
 /* Converges from the middles of two cells and keeps what it finds. Returns 0 if it does not converge. */
 static int mg_converge_from_cells(mg_critical_search *s, int a, int b) {
   mg_context *c = s->c;
@@ -206,6 +213,7 @@ static int mg_converge_from_cells(mg_critical_search *s, int a, int b) {
   if (mg_converge_from_any_start(c, s->feature_pair, eta) < 0) return 0;
   mg_add_known_point(s, eta);
   mg_keep_minimum_at(c, s->feature_pair, eta, s->least, s->kept);
+  mg_leave_out_farther_gaps(s);
   return 1;
 }
 
@@ -230,17 +238,28 @@ static int mg_is_first_wider(const mg_critical_search *s, const mg_cell_view *a,
   return (a->radius - b->radius) / (size > 0 ? size : 1) + (a->spread - b->spread) / (spread > 0 ? spread : 1) >= 0;
 }
 
-/* Divides one of two cells and puts both pairs on the list. Returns the length of the list; unchanged if there is no
-   room. */
+/* Squared distance of the middles of two cells. */
+static mg_real mg_middles_apart(const mg_critical_search *s, int a, int b) {
+  mg_cell_view A, B;
+  mg_view_first(s, a, &A), mg_view_other(s, b, &B);
+  return mg_square_distance(A.centre, B.centre);
+}
+
+/* Divides one of two cells and puts both pairs on the list, the nearer one at the end, which is looked at first.
+   Returns the length of the list; unchanged if there is no room. */
 static int mg_divide_pair(mg_critical_search *s, int a, int b, int is_first_wider, int count) {
   mg_context *c = s->c;
   const int side = is_first_wider ? s->first : 1 - s->first;
   const int half = mg_divide_cell(c, s->feature_pair, side, is_first_wider ? a : b);
   if (!half || count + 2 > MG_CELL_PAIRS) return count;
-  for (int k = 0; k < 2; k++) {
-    int *pair = c->search.cell_pairs + 2 * (count + k);
-    pair[0] = is_first_wider ? half + k : a, pair[1] = is_first_wider ? b : half + k;
-  }
+  int *pair = c->search.cell_pairs + 2 * count;
+  for (int k = 0; k < 2; k++)
+    pair[2 * k] = is_first_wider ? half + k : a, pair[2 * k + 1] = is_first_wider ? b : half + k;
+  if (s->limits.all_within < MG_MAX && mg_middles_apart(s, pair[0], pair[1]) < mg_middles_apart(s, pair[2], pair[3]))
+    for (int k = 0; k < 2; k++) {
+      const int kept = pair[k];
+      pair[k] = pair[2 + k], pair[2 + k] = kept;
+    }
   return count + 2;
 }
 
@@ -254,17 +273,9 @@ static void mg_remember_likeliest(mg_critical_search *s, int a, int b, const mg_
   if (merit < s->best_merit) s->best_merit = merit, s->best[0] = a, s->best[1] = b;
 }
 
-/* Narrows the gaps of interest to the nearest minimum found so far, but not below limits.near. */
-static void mg_narrow_limits(mg_critical_search *s) {
-  if (!s->kept->count) return;
-  const mg_real most = fmax(s->limits.near, fabs(s->kept->list[0].d));
-  s->limits.gap = fmin(s->limits.gap, most), s->limits.depth = fmin(s->limits.depth, most);
-}
-
 /* Treats one pair of cells; returns the length of the list of open pairs. */
 static int mg_treat_cells(mg_critical_search *s, int a, int b, int count, int *is_complete) {
   mg_cell_view A, B;
-  mg_narrow_limits(s);
   if (mg_is_cell_beyond(s->c, a, s->allowed) || (s->has_cells && mg_is_cell_beyond(s->c, b, s->allowed + 1)))
     return count;
   mg_view_first(s, a, &A), mg_view_other(s, b, &B);
@@ -315,7 +326,7 @@ static mg_real mg_least_distance(const mg_cell_view *a, const mg_cell_view *b) {
    of the search; -MG_MAX if it cannot be given. */
 static mg_real mg_bound_open_gap(mg_critical_search *s, const int *root) {
   mg_context *c = s->c;
-  const mg_real coarse = c->settings->search_gap * c->system->length / MG_OPEN_CELLS;
+  const mg_real coarse = mg_search_reach(c, c->system->feature_pair_owner[s->feature_pair]) / MG_OPEN_CELLS;
   mg_real least = MG_MAX;
   int count = 1;
   c->search.cell_pairs[0] = root[0], c->search.cell_pairs[1] = root[1];
@@ -347,7 +358,7 @@ MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const
   s.has_cells = !mg_has_nearest_point(c, feature_pair, 1 - s.first);
   mg_limit_coordinates(c, feature_pair, s.first, s.allowed);
   mg_limit_coordinates(c, feature_pair, 1 - s.first, s.allowed + 1);
-  s.smallest = c->settings->search_merge_distance * c->system->length / 4;
+  s.smallest = c->settings->search_merge_distance * mg_pair_length(c, c->system->feature_pair_owner[feature_pair]) / 4;
   s.curves = (mg_feature_dimension(c, feature_pair, s.first) == 1) |
              (mg_feature_dimension(c, feature_pair, 1 - s.first) == 1) << 1;
   mg_real own[9], others[9];
@@ -364,6 +375,7 @@ MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const
   if (s.has_cells) root[1] = mg_root_cell(c, feature_pair, 1 - s.first);
   if (!root[0] || (s.has_cells && !root[1])) return 0;
   mg_add_followed_points(&s);
+  mg_leave_out_farther_gaps(&s);
   c->search.cell_pairs[0] = root[0], c->search.cell_pairs[1] = root[1];
   for (long looked = 0; count > 0; looked++) {
     const int *pair = c->search.cell_pairs + 2 * --count;

@@ -62,7 +62,7 @@ MG_INTERNAL int mg_is_minimum(const mg_real *placed) { return placed[3] > 0; }
 
 /* Limits of the change of each entry of eta in one step. */
 static void mg_eta_step_limit(const mg_context *c, int feature_pair, mg_real *reach) {
-  mg_eta_scale(c, feature_pair, reach);
+  mg_eta_scale(c, feature_pair, mg_pair_length(c, c->system->feature_pair_owner[feature_pair]), reach);
   for (int side = 0; side < 2; side++) {
     const int parametrisation = mg_parametrisation(c, feature_pair, side), n = mg_parametrisation_size[parametrisation];
     const int signs = parametrisation == MG_SIGN ? 1 : parametrisation == MG_SIGNED_CURVE ? 2 : 0;
@@ -86,14 +86,15 @@ static mg_shape_pair mg_shape_pair_of(const mg_context *c, int contact) {
 
 MG_INTERNAL int mg_is_placement_critical(const mg_context *c, int contact) {
   const mg_shape_pair p = mg_shape_pair_of(c, contact);
-  const mg_newton_goal goal = {c->system->length, c->settings->extremality_residual, 0};
+  const mg_newton_goal goal = {c->contacts.length[contact], c->settings->extremality_residual, 0};
   return mg_is_residual_small(&p, &goal, c->search.placement);
 }
 
 MG_INTERNAL int mg_converge_from_any_start(mg_context *c, int feature_pair, mg_real *eta) {
-  const mg_shape_pair p = mg_shape_pair_of(c, mg_use_spare_contact(c, feature_pair));
+  const int spare = mg_use_spare_contact(c, feature_pair);
+  const mg_shape_pair p = mg_shape_pair_of(c, spare);
   mg_real reach[MG_MAX_ETA];
-  const mg_newton_goal goal = {c->system->length, c->settings->extremality_residual, reach};
+  const mg_newton_goal goal = {c->contacts.length[spare], c->settings->extremality_residual, reach};
   mg_eta_step_limit(c, feature_pair, reach);
   if (p.kernels->contact_kinds[p.kind].is_convex)
     return mg_closest_convex(&p, &goal, 0, eta, c->search.placement) == MG_CLOSEST_NOT_FOUND ? -1 : 0;

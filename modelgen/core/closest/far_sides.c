@@ -5,7 +5,7 @@
 #include "base/base.h"
 #include "model/model.h"
 
-#define MG_SEGMENT_START ((mg_real)0.05) /* part of a segment at its start in which it is not tested */
+#define MG_SEGMENT_START ((mg_real)0.05) /* part of a segment at its start in which it is not tested against cells */
 #define MG_SEGMENT_CELLS 64              /* cells smaller than the segment by this factor are not divided */
 #define MG_SEGMENT_STACK 128             /* cells still to be treated */
 
@@ -19,11 +19,15 @@ static void mg_point_of_segment(const mg_segment *segment, mg_real part, mg_real
   for (int k = 0; k < 3; k++) x[k] = segment->start[k] + part * segment->along[k];
 }
 
-/* True if a point with an exterior normal is left by the segment, at `part` of it. */
+/* True if the segment leaves a plane or a sphere at `part` of it, where the exterior normal is given, and not within
+   the distance at which points are one from its start. */
 static int mg_is_left_at(const mg_context *c, int feature_pair, int side, const mg_segment *segment, mg_real part,
                          const mg_real *normal) {
+  const mg_real one =
+      c->settings->search_merge_distance * mg_pair_length(c, c->system->feature_pair_owner[feature_pair]);
   mg_real x[3];
-  if (!(part > MG_SEGMENT_START && part < 1) || !(mg_dot3(normal, segment->along) > 0)) return 0;
+  if (!(part < 1) || !(mg_dot3(normal, segment->along) > 0)) return 0;
+  if (!(part * sqrt(mg_dot3(segment->along, segment->along)) > one)) return 0;
   mg_point_of_segment(segment, part, x);
   return mg_is_within_border(c, feature_pair, side, x);
 }

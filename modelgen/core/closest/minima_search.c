@@ -47,7 +47,8 @@ MG_INTERNAL int mg_is_same_minimum(const mg_context *c, const mg_minimum *a, con
   const int sided = !(a->feature_pair == b->feature_pair && mg_has_normal_sign(c, a->feature_pair) &&
                       mg_has_no_outside(c, a->feature_pair));
   apart += (a->d - b->d) * (a->d - b->d);
-  return sqrt(apart) < c->settings->search_merge_distance * c->system->length &&
+  return sqrt(apart) <
+             c->settings->search_merge_distance * mg_pair_length(c, c->system->feature_pair_owner[a->feature_pair]) &&
          (!sided || sqrt(turned) < c->settings->search_merge_distance);
 }
 
@@ -63,10 +64,10 @@ MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta,
     if (is_wrong_side) mg_reverse_normal(c, feature_pair, eta), mg_place_contact(c, spare, eta, next);
   }
   found->undecided = mg_has_normal_sign(c, feature_pair) && has_no_outside && mg_is_side_undecided(c, feature_pair);
-  if (!(mg_placement_margin(c) > c->settings->search_margin)) return 0;
+  if (!(mg_placement_margin(c, spare) > c->settings->search_margin)) return 0;
   if (mg_most_violated_condition(c, feature_pair, eta, &which) < -c->settings->feature_border) return 0;
   if (mg_least_feature_pair_condition(c, feature_pair, eta, 1, &which) < -c->settings->appear_tilt_sine) return 0;
-  found->feature_pair = feature_pair, found->margin = mg_placement_margin(c);
+  found->feature_pair = feature_pair, found->margin = mg_placement_margin(c, spare);
   mg_record_minimum(c, found);
   if (found->d < -c->settings->start_gap * c->system->length && mg_is_between_far_sides(c, feature_pair)) return 0;
   for (int k = 0; k < 6; k++) found->eta[k] = eta[k];
@@ -74,7 +75,7 @@ MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta,
 }
 
 MG_INTERNAL void mg_report_unfollowed_minimum(const mg_context *c, const mg_minimum *found) {
-  if (found->d > c->settings->search_gap * c->system->length) return;
+  if (found->d > mg_search_reach(c, c->system->feature_pair_owner[found->feature_pair])) return;
   if (c->run->unfollowed_minima++) return;
   c->run->unfollowed_t = c->run->t;
   c->run->unfollowed_pair = c->system->feature_pair_owner[found->feature_pair];
@@ -148,9 +149,9 @@ MG_INTERNAL void mg_keep_minimum_at(mg_context *c, int feature_pair, mg_real *et
     mg_insert_minimum(c, kept, &found);
 }
 
-MG_INTERNAL mg_search_limits mg_appearance_limits(const mg_context *c) {
-  const mg_search_limits limits = {c->settings->search_gap * c->system->length,
-                                   c->settings->appear_depth * c->system->length, MG_EFFORT, MG_MAX};
+MG_INTERNAL mg_search_limits mg_appearance_limits(const mg_context *c, int pair) {
+  const mg_search_limits limits = {mg_search_reach(c, pair), c->settings->appear_depth * mg_pair_length(c, pair),
+                                   MG_EFFORT, MG_MAX};
   return limits;
 }
 
@@ -175,15 +176,18 @@ static int mg_is_start_gap_allowed(const mg_context *c, mg_real d) {
   return d >= -c->settings->start_gap * c->system->length;
 }
 
-MG_INTERNAL void mg_search_nearest(mg_context *c, int first, int end, mg_real least, long effort, mg_minima *found) {
-  const mg_real near = c->settings->search_gap * c->system->length;
+MG_INTERNAL long mg_search_nearest(mg_context *c, int first, int end, mg_real least, long effort, mg_minima *found) {
+  const int pair = c->system->feature_pair_owner[first];
+  const mg_real near = mg_search_reach(c, pair), length = mg_pair_length(c, pair);
+  const long before = c->run->incomplete_searches;
+  long incomplete = 0;
   mg_search_limits limits = {near, near, effort, near};
   for (;;) {
     for (int each = first; each < end; each++) mg_search_feature_pair(c, each, &limits, least, found);
+    if (limits.gap <= near) incomplete = c->run->incomplete_searches - before;
     const mg_real nearest = fmin(found->count ? fabs(found->list[0].d) : MG_MAX, c->search.open_gap);
-    if (nearest <= limits.gap || !(limits.gap < MG_MAX)) return;
-    limits.gap = limits.depth =
-        limits.gap < 1000 * c->system->length ? fmax(8 * limits.gap, c->system->length / 8) : MG_MAX;
+    if (nearest <= limits.gap || !(limits.gap < MG_MAX)) return incomplete;
+    limits.gap = limits.depth = limits.gap < 1000 * length ? fmax(8 * limits.gap, length / 8) : MG_MAX;
   }
 }
 
@@ -194,13 +198,21 @@ static int mg_refuse_start(const mg_context *c) {
   return MG_MARGIN;
 }
 
+/* Searches feature pairs at the start as mg_search_nearest does. A run follows what is within search_gap: that farther
+   closest points may have been missed is reported only if there are none. */
+static void mg_search_at_start(mg_context *c, int first, int end, mg_real least, mg_minima *found) {
+  const long before = c->run->incomplete_searches,
+             incomplete = mg_search_nearest(c, first, end, least, MG_EFFORT, found);
+  if (found->count) c->run->incomplete_searches = before + incomplete;
+}
+
 /* Start of a pair whose contacts have feature pairs of their own. Returns an outcome. */
 static int mg_start_own_feature_pairs(mg_context *c, int pair) {
   const mg_system *s = c->system;
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
     const int feature_pair = s->contact_feature_pair[i];
     mg_minima found = {0};
-    mg_search_nearest(c, feature_pair, feature_pair + 1, -MG_MAX, MG_EFFORT, &found);
+    mg_search_at_start(c, feature_pair, feature_pair + 1, -MG_MAX, &found);
     c->run->failed_contact = i;
     if (!found.count && mg_is_unconditional_feature_pair(c, feature_pair)) return mg_refuse_start(c);
     if (found.count && found.list[0].undecided) return MG_NO_OUTSIDE;
@@ -216,7 +228,7 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
   const int first = mg_pair_first_contact(c, pair), end = mg_pair_first_contact(c, pair + 1);
   const mg_real least = mg_separating_plane_gap(c, pair) - c->settings->start_gap * s->length;
   mg_minima found = {0};
-  mg_search_nearest(c, s->pair_feature_pair[pair], s->pair_feature_pair[pair + 1], least, MG_EFFORT, &found);
+  mg_search_at_start(c, s->pair_feature_pair[pair], s->pair_feature_pair[pair + 1], least, &found);
   c->run->failed_contact = first;
   const int feature_pair = s->pair_feature_pair[pair];
   if (!found.count && mg_is_unconditional_feature_pair(c, feature_pair) &&
@@ -225,7 +237,7 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
   int k = 0;
   for (int i = first; i < end; i++) {
     while (k > 0 && k < found.count && !mg_is_start_gap_allowed(c, found.list[k].d)) k++;
-    const int fits = k < found.count && (k == 0 || found.list[k].d <= c->settings->search_gap * s->length);
+    const int fits = k < found.count && (k == 0 || found.list[k].d <= mg_search_reach(c, pair));
     if (fits && found.list[k].undecided) return MG_NO_OUTSIDE;
     mg_set_feature_pair(c, i, fits ? found.list[k].feature_pair : -1, found.list[fits ? k : 0].eta);
     k++;

@@ -41,7 +41,9 @@ MG_INTERNAL int mg_is_curved_edge_crossing(const mg_context *c, int feature_pair
 }
 
 MG_INTERNAL mg_real mg_fold_margin_limit(const mg_context *c, int contact) {
-  const int crossing = c->run->closed[contact] && mg_is_curved_edge_crossing(c, c->run->feature_pair[contact]);
+  const int feature_pair = c->run->feature_pair[contact];
+  const int crossing =
+      c->run->closed[contact] && (mg_is_curved_edge_crossing(c, feature_pair) || mg_has_centre_curves(c, feature_pair));
   return crossing ? c->settings->search_margin : c->settings->margin_refuse;
 }
 

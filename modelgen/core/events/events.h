@@ -90,6 +90,10 @@ MG_INTERNAL int mg_find_velocity_jump(const mg_context *c, mg_real h, mg_real *b
 /* Advance the run over a velocity jump and choose the contact modes after it. */
 MG_INTERNAL int mg_cross_velocity_jump(mg_context *c, mg_real after, mg_events *events);
 
+/* Strike or release the contacts with bodies whose prescribed velocity has jumped at the run's time, and choose the
+   contact modes. Returns an outcome. */
+MG_INTERNAL int mg_settle_velocity_jump(mg_context *c, mg_events *events);
+
 /* singular_passage.c */
 
 /* Cross the singular places of closed contacts, then merge or split contacts and choose the modes; returns

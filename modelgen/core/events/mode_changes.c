@@ -150,11 +150,17 @@ static int mg_is_gap_closing(const mg_context *c, int contact) {
          (fabs(c->rows.d[contact]) <= c->settings->contact_gap * c->system->length && mg_is_approaching(c, contact));
 }
 
-/* Mark open contacts whose gap closes while they leave their feature pair: they change feature instead of striking. */
+/* True if another feature pair lies behind the border that a contact is about to pass. */
+static int mg_has_feature_pair_behind(const mg_context *c, int contact) {
+  return c->system->condition_feature_pair[c->events.broken_condition[contact]] >= 0;
+}
+
+/* Mark open contacts whose gap closes while they leave their feature pair: they change feature instead of striking. At
+   a concave edge no feature pair follows, and they strike. */
 static void mg_mark_exits_before_impact(mg_context *c) {
   for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     if (c->events.triggered[i] <= 1 && mg_is_on_feature_pair(c, i) && mg_is_gap_closing(c, i) &&
-        mg_is_about_to_leave_feature_pair(c, i))
+        mg_is_about_to_leave_feature_pair(c, i) && mg_has_feature_pair_behind(c, i))
       c->events.triggered[i] = MG_LEAVES_FEATURE;
 }
 

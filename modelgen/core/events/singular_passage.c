@@ -86,7 +86,7 @@ static int mg_find_point_after_passage(mg_context *c, int contact, mg_real *eta)
   for (int k = 0; k < n; k++) trial_eta[k] = eta[k];
   if (!n) {
     mg_place_contact(c, contact, trial_eta, next);
-    return mg_placement_margin(c) > c->settings->search_margin && fabs(c->search.placement[0]) <= touching;
+    return mg_placement_margin(c, contact) > c->settings->search_margin && fabs(c->search.placement[0]) <= touching;
   }
   if (mg_newton_on_feature_pair(c, contact, trial_eta) >= 0 && mg_accept_minimum(c, feature_pair, trial_eta, &found))
     mg_insert_minimum(c, &kept, &found);
@@ -111,7 +111,7 @@ static mg_real mg_point_distance(const mg_real *a, const mg_real *b) {
 static int mg_has_swapped_contact_points(const mg_context *c, int contact) {
   const mg_singular_passage *v = &c->events.passage;
   const mg_real *from = v->point + 3 * contact, *to = v->landing_point + 3 * contact;
-  const mg_real one = c->settings->search_merge_distance * c->system->length;
+  const mg_real one = c->settings->search_merge_distance * c->contacts.length[contact];
   for (int i = mg_pair_first_contact(c, c->system->contact_pair[contact]); i < contact; i++) {
     if (!c->run->closed[i] || mg_point_distance(v->landing_point + 3 * i, to) > one) continue;
     const mg_real *other = v->point + 3 * i, apart = (mg_real)0.75 * mg_point_distance(other, from);
@@ -130,7 +130,8 @@ static mg_real mg_place_points_after_passage(mg_context *c, mg_real t, mg_real *
     if (!c->run->closed[i]) continue;
     if (!mg_find_point_after_passage(c, i, mg_contact_eta(c, x, i))) return MG_MAX;
     for (int k = 0; k < 3; k++) c->events.passage.landing_point[3 * i + k] = c->search.placement[11 + k];
-    if (!(mg_placement_margin(c) >= c->events.passage.margin)) c->events.passage.margin = mg_placement_margin(c);
+    const mg_real margin = mg_placement_margin(c, i);
+    if (!(margin >= c->events.passage.margin)) c->events.passage.margin = margin;
     if (mg_has_swapped_contact_points(c, i)) return MG_MAX;
     const mg_real distance =
         mg_point_distance(c->events.passage.landing_point + 3 * i, c->events.passage.point + 3 * i);
@@ -225,16 +226,21 @@ static mg_real mg_try_passage_step(mg_context *c, mg_real tau) {
   return mg_are_states_finite(c, x) ? row_change * distance / s->length / 6 + part * part * part / 12 : MG_MAX;
 }
 
-/* Take the longest passage step whose estimated error is within the tolerance; returns its length in s, 0 if
-   there is none. */
+/* Take the longest passage step up to stop_time whose estimated error is within the tolerance; returns its length in
+   s, 0 if there is none. */
 static mg_real mg_choose_passage_step(mg_context *c) {
-  const mg_real least = c->settings->event_tolerance * c->system->time;
+  const mg_real least = c->settings->event_tolerance * c->system->time, left = c->step.stop_time - c->run->t;
   mg_store_passage_start(c);
-  for (mg_real tau = mg_longest_passage * c->system->time; tau >= least; tau /= MG_PASSAGE_STEP_CUT) {
-    if (c->run->t + tau <= c->step.stop_time && mg_try_passage_step(c, tau) <= c->settings->tolerance) return tau;
+  for (mg_real tau = fmin(mg_longest_passage * c->system->time, left); tau >= least; tau /= MG_PASSAGE_STEP_CUT) {
+    if (mg_try_passage_step(c, tau) <= c->settings->tolerance) return tau;
     mg_update_poses(c, c->run->t, c->run->x);
   }
   return 0;
+}
+
+/* True if stop_time is reached within the resolution of time. */
+static int mg_is_stop_reached(const mg_context *c) {
+  return c->step.stop_time - c->run->t < c->settings->event_tolerance * c->system->time;
 }
 
 /* Set time and state of the run and evaluate them; returns 0 if an extremum is lost. */
@@ -266,19 +272,25 @@ static int mg_is_passage_allowed(const mg_context *c) {
   return c->settings->method == MG_DOP853 && c->settings->project && c->settings->use_gamma && c->settings->newton;
 }
 
-/* Integrate across the singular place of a closed contact until its margin is regular; returns 0, with the state
-   restored, where that fails. */
+/* Integrate across the singular place of a closed contact until its margin is regular, or up to stop_time, where the
+   passage pauses; returns 0, with the state restored, where that fails. */
 static int mg_cross_singular_place(mg_context *c, mg_record *record) {
   mg_run *run = c->run;
   const mg_real t = run->t;
   mg_real tau = 0;
   int crossed = 0;
+  c->events.passage.is_paused = mg_is_stop_reached(c);
   mg_copy_states(c, run->x, c->step.settled);
-  for (int k = 0; k < MG_PASSAGES_MAX && !crossed; k++) {
+  for (int k = 0; k < MG_PASSAGES_MAX && !crossed && !c->events.passage.is_paused; k++) {
     tau = mg_choose_passage_step(c);
     if (!(tau > 0) || !mg_set_run_state(c, run->t + tau, c->step.end) || !mg_project_drift(c)) break;
     crossed = c->events.passage.margin >= 2 * c->settings->margin_refuse;
     mg_record_passage(c, record);
+    c->events.passage.is_paused = !crossed && mg_is_stop_reached(c);
+  }
+  if (c->events.passage.is_paused) {
+    run->t = c->step.stop_time, run->t_roundoff = 0;
+    return 1;
   }
   if (!crossed) mg_set_run_state(c, t, c->step.settled);
   else if (run->h < tau) run->h = tau;
@@ -291,6 +303,7 @@ MG_INTERNAL int mg_cross_singular_contacts(mg_context *c, mg_record *record, mg_
   if (singular == c->system->n_contact || !mg_is_passage_allowed(c)) return MG_DONE;
   mg_clear_triggered_events(c);
   if (mg_cross_singular_place(c, record)) {
+    if (c->events.passage.is_paused) return MG_DONE;
     mg_merge_contacts(c, events);
     if (mg_is_on_feature_pair(c, singular)) mg_split_contact(c, events, singular);
   } else if (!mg_replace_singular_contact(c, events, singular)) return MG_DONE;

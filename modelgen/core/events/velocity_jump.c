@@ -17,8 +17,8 @@ static mg_driven_state mg_driven_state_at(const mg_context *c, int body, mg_real
   const mg_system *s = c->system;
   mg_driven_state swing = {t, {0}, {0}};
   mg_real pose[12];
-  c->kernels->body_path(s->body_kind[body], &t, s->parameters + s->body_parameters[body], pose, swing.twist,
-                        swing.accel);
+  c->kernels->body_path(s->body_kind[body], &t, s->parameters + s->body_parameters[body], c->run->input, pose,
+                        swing.twist, swing.accel);
   return swing;
 }
 
@@ -82,6 +82,10 @@ MG_INTERNAL int mg_find_velocity_jump(const mg_context *c, mg_real h, mg_real *b
 
 MG_INTERNAL int mg_cross_velocity_jump(mg_context *c, mg_real after, mg_events *events) {
   mg_advance_time(c->run, after - c->run->t);
+  return mg_settle_velocity_jump(c, events);
+}
+
+MG_INTERNAL int mg_settle_velocity_jump(mg_context *c, mg_events *events) {
   mg_evaluate_run_state(c);
   mg_clear_triggered_events(c);
   if (c->system->n_friction) mg_reset_friction_modes(c);

@@ -9,7 +9,7 @@ MG_INTERNAL void mg_search_near_contact_point(mg_context *c, int contact, const 
   const int feature_pair = c->run->feature_pair[contact], n = c->contacts.n_eta[contact];
   mg_real scale[6], to[6];
   mg_minimum found;
-  mg_eta_scale(c, feature_pair, scale);
+  mg_eta_scale(c, feature_pair, c->contacts.length[contact], scale);
   for (int j = 0; j < 4 * n; j++) {
     for (int k = 0; k < n; k++) to[k] = eta[k];
     to[j / 4] += (j % 2 ? 1 : -1) * (j % 4 < 2 ? 2 : 8) * sqrt(margin) * scale[j / 4];

@@ -51,7 +51,8 @@ static mg_real mg_transfer_to_feature_pair(mg_context *c, int from, int to, cons
   mg_real next[6];
   *which = -1;
   mg_eta_from_points(c, to, at + (sides_swapped ? 11 : 8), at + (sides_swapped ? 8 : 11), eta);
-  if (mg_newton_on_feature_pair(c, probe_contact, eta) < 0 || !(mg_placement_margin(c) > c->settings->search_margin))
+  if (mg_newton_on_feature_pair(c, probe_contact, eta) < 0 ||
+      !(mg_placement_margin(c, probe_contact) > c->settings->search_margin))
     return -MG_MAX;
   if (mg_has_normal_sign(c, to) && (mg_dot3(c->search.placement + 5, at + 5) < 0) != sides_swapped)
     mg_reverse_normal(c, to, eta), mg_place_contact(c, probe_contact, eta, next);
@@ -80,8 +81,8 @@ static int mg_has_guiding_contacts(const mg_context *c, int pair) {
 
 /* True if a contact on this feature pair at this gap only limits the step for what is touched later. */
 static int mg_is_guiding_contact_only(const mg_context *c, int feature_pair, mg_real d) {
-  return d > c->settings->search_gap * c->system->length &&
-         mg_has_guiding_contacts(c, c->system->feature_pair_owner[feature_pair]) &&
+  const int pair = c->system->feature_pair_owner[feature_pair];
+  return d > mg_search_reach(c, pair) && mg_has_guiding_contacts(c, pair) &&
          !mg_is_feature_pair_of_flat_faces(c, feature_pair);
 }
 
@@ -225,7 +226,7 @@ static int mg_is_without_contact(const mg_context *c, int pair) {
 
 /* True if a minimum found during a run is within reach unless it limits the step, and not below -depth. */
 static int mg_is_minimum_within_reach(const mg_context *c, const mg_minimum *found, mg_real depth) {
-  const int is_distant = found->d > c->settings->search_gap * c->system->length &&
+  const int is_distant = found->d > mg_search_reach(c, c->system->feature_pair_owner[found->feature_pair]) &&
                          !mg_is_guiding_contact_only(c, found->feature_pair, found->d);
   return !found->undecided && !is_distant && found->d >= -depth;
 }
@@ -235,6 +236,7 @@ MG_INTERNAL int mg_is_minimum_accepted(const mg_context *c, const mg_minimum *fo
   const int own = mg_has_own_feature_pairs(c, c->system->feature_pair_owner[found->feature_pair]);
   const int flat =
       mg_is_feature_pair_of_tilted_faces(c, found->feature_pair); /* its margin is small near flat, not near a fold */
+  if (mg_has_centre_curves(c, found->feature_pair)) return found->margin >= c->settings->search_margin;
   return found->margin >= (own || flat ? c->settings->margin_refuse : c->settings->appear_margin);
 }
 
@@ -289,7 +291,7 @@ static void mg_search_free_feature_pairs(mg_context *c, int pair, const mg_searc
    and than a half of the smaller ball around the shapes, so that sides that face away from each other are none. */
 static mg_search_limits mg_penetration_limits(const mg_context *c, int pair, mg_real moved) {
   const mg_real radius_o = mg_pair_ball(c, pair, 0)[3], radius_f = mg_pair_ball(c, pair, 1)[3];
-  mg_search_limits limits = mg_appearance_limits(c);
+  mg_search_limits limits = mg_appearance_limits(c, pair);
   if (!(moved < MG_MAX / 4)) return limits;
   if (radius_o >= 0) moved = fmin(moved, radius_o / 2);
   if (radius_f >= 0) moved = fmin(moved, radius_f / 2);
@@ -304,9 +306,9 @@ static void mg_note_unfollowed_gap(mg_context *c, int pair, const mg_minimum *fo
 
 MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pair, mg_real moved) {
   const mg_system *s = c->system;
-  if (mg_pair_clearance(c, pair) > c->settings->search_gap * s->length) return 0;
+  if (mg_pair_clearance(c, pair) > mg_search_reach(c, pair)) return 0;
   const mg_real least = mg_separating_plane_gap(c, pair) - c->settings->start_gap * s->length;
-  const mg_search_limits seen = mg_penetration_limits(c, pair, moved), appearing = mg_appearance_limits(c);
+  const mg_search_limits seen = mg_penetration_limits(c, pair, moved), appearing = mg_appearance_limits(c, pair);
   const mg_search_limits limits = mg_has_own_feature_pairs(c, pair) ? mg_all_gaps : seen;
   mg_minima found;
   int count = found.count = 0;
@@ -372,11 +374,22 @@ static int mg_is_search_needless(const mg_context *c, int pair) {
   return 0;
 }
 
+/* Least margin of the closed contacts of a pair, 1 at most. */
+static mg_real mg_least_closed_margin(const mg_context *c, int pair) {
+  mg_real least = 1;
+  for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
+    if (c->run->closed[i] && c->run->margin[i] < least) least = fmax(c->run->margin[i], (mg_real)0);
+  return least;
+}
+
 /* Movement of a pair, m, after which it is searched again: at most the gap of closest points that no contact follows,
-   so that they are seen before they are deep. */
+   so that they are seen before they are deep. Beside a closed contact the gap is less by the factor of its margin, and
+   so is the gap of closest points that become a minimum there. */
 static mg_real mg_movement_until_search(const mg_context *c, int pair) {
-  const mg_real least = c->settings->appear_depth / MG_SEARCHES_IN_DEPTH, most = c->settings->search_movement;
-  return fmin(most * c->system->length, fmax(c->run->unfollowed_gap[pair], least * c->system->length));
+  const mg_real least = c->settings->appear_depth / MG_SEARCHES_IN_DEPTH,
+                most = c->settings->search_movement * mg_least_closed_margin(c, pair);
+  const mg_real length = mg_pair_length(c, pair);
+  return fmin(most * length, fmax(c->run->unfollowed_gap[pair], least * length));
 }
 
 /* True if a pair that has moved so far since its last search is to be searched. */
@@ -417,7 +430,7 @@ static int mg_is_pair_without_contacts(const mg_context *c, int pair) {
 /* Gap in m up to which the last search of a pair is still valid after its movement since. */
 static mg_real mg_remaining_search_range(const mg_context *c, int pair) {
   const mg_real most = mg_movement_until_search(c, pair), moved = c->run->moved_since_search[pair],
-                reach = c->settings->search_gap * c->system->length,
+                reach = mg_search_reach(c, pair),
                 range = c->run->unfollowed_gap[pair] < reach ? fmin(reach, 2 * most) : reach;
   return range - (moved < most ? moved : most);
 }

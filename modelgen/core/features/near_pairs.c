@@ -65,10 +65,9 @@ static void mg_set_margins(mg_context *c, mg_real h, const mg_real *change, int 
   }
 }
 
-/* Leaves a pair out: its contacts are on no feature pair, without events and without force. */
-static void mg_leave_pair(mg_context *c, int pair) {
+/* Clears the contacts of a pair: they are on no feature pair, without events and without force. */
+static void mg_clear_pair(mg_context *c, int pair) {
   const mg_system *s = c->system;
-  c->run->is_far[pair] = 1;
   for (int i = s->pair_contact[pair]; i < s->pair_contact[pair + 1]; i++) {
     mg_set_feature_pair(c, i, -1, 0);
     c->events.triggered[i] = c->events.within_border[i] = c->events.gap_dips[i] = c->events.is_near[i] =
@@ -85,10 +84,12 @@ static void mg_leave_pair(mg_context *c, int pair) {
   }
 }
 
-/* Begins to follow a pair: from its closest points, or by a search at the end of the step. Needs the poses. */
+/* Begins to follow a pair: from its closest points, or by a search at the end of the step. Needs the poses. Scratch of
+   its contacts may be of another run. */
 static void mg_enter_pair(mg_context *c, int pair) {
   const int feature_pair = c->system->pair_feature_pair[pair], contact = c->system->pair_contact[pair];
   mg_real eta[MG_MAX_ETA] = {0};
+  mg_clear_pair(c, pair);
   if (!mg_is_pair_followed_from_anywhere(c, pair)) {
     c->run->moved_since_search[pair] = MG_MAX / 2, c->run->unfollowed_gap[pair] = MG_MAX;
     return;
@@ -96,7 +97,7 @@ static void mg_enter_pair(mg_context *c, int pair) {
   if (mg_converge_from_any_start(c, feature_pair, eta) < 0) return;
   mg_set_feature_pair(c, contact, feature_pair, eta);
   mg_place_contact(c, contact, eta, c->search.placement + 32);
-  c->rows.d[contact] = c->search.placement[0], c->run->margin[contact] = mg_placement_margin(c);
+  c->rows.d[contact] = c->search.placement[0], c->run->margin[contact] = mg_placement_margin(c, contact);
 }
 
 /* Lists the pairs that are never left out and those found, both ascending; those found that were left out are kept in
@@ -121,7 +122,7 @@ static int mg_leave_far_pairs(mg_context *c) {
   int k = 0, count = 0;
   for (int pair = mg_next_pair(c, -1); pair < c->system->n_pair; pair = mg_next_pair(c, pair)) {
     while (k < l->n_listed && l->listed[k] < pair) k++;
-    if (k == l->n_listed || l->listed[k] != pair) mg_leave_pair(c, pair), count++;
+    if (k == l->n_listed || l->listed[k] != pair) c->run->is_far[pair] = 1, mg_clear_pair(c, pair), count++;
   }
   return count;
 }

@@ -25,7 +25,7 @@ struct mg_patch_friction {
   int centre_known;                      /* 1: `centre` is known */
   int partly_unloaded;                   /* 1: the pressure vanishes in a part of the overlap */
   int force_outside;                     /* 1: the centre of pressure is outside the hull */
-  mg_real centre[2];                     /* centre of pressure, axes of the hull, m */
+  mg_real centre[2];                     /* centre of pressure, also outside the hull, in the axes of this, m */
   mg_real extent;                        /* extent of the loaded region about it, m */
   mg_real mean_distance, mean_point[2];  /* mean distance of the pressure from its centre, m, and that centre; 0: not
                                             known */

@@ -95,7 +95,7 @@ MG_INTERNAL int mg_rank_joints(mg_context *c, int *rank) {
 
 /* J_row M^-1 J_column^T with J_row of this step and J_column of the step before. */
 static mg_real mg_delassus_with_previous(const mg_context *c, int row, int column) {
-  const mg_real *J = c->rows.J + 12 * row, *MJ = c->joints.previous_MJ + 12 * (column - c->layout.joint_row_begin);
+  const mg_real *J = c->rows.J + 12 * row, *MJ = c->run->joint_response + 12 * (column - c->layout.joint_row_begin);
   mg_real sum = 0;
   for (int side = 0; side < 2; side++)
     for (int other = 0; other < 2; other++)
@@ -124,15 +124,15 @@ static int mg_has_passed_dead_centre(mg_context *c) {
   const int n = c->system->n_joint_row, first = c->run->rank_min < 0;
   int same = !first, independent = 0, lost = 0;
   for (int r = 0; r < n; r++)
-    same &= c->lcp.joint_mask[r] == c->joints.was_independent[r],
-        lost += c->joints.was_independent[r] - c->lcp.joint_mask[r];
+    same &= c->lcp.joint_mask[r] == c->run->joint_row_independent[r],
+        lost += c->run->joint_row_independent[r] - c->lcp.joint_mask[r];
   for (int r = 0; r < n && same; r++)
     if (c->lcp.joint_mask[r]) c->lcp.rows[independent++] = c->layout.joint_row_begin + r;
   for (int j = 0; j < independent; j++)
     for (int i = 0; i < independent; i++)
       c->lcp.A[i + independent * j] = mg_delassus_with_previous(c, c->lcp.rows[i], c->lcp.rows[j]);
-  for (int r = 0; r < n; r++) c->joints.was_independent[r] = c->lcp.joint_mask[r];
-  for (int k = 0; k < 12 * n; k++) c->joints.previous_MJ[k] = c->rows.MJ[12 * c->layout.joint_row_begin + k];
+  for (int r = 0; r < n; r++) c->run->joint_row_independent[r] = c->lcp.joint_mask[r];
+  for (int k = 0; k < 12 * n; k++) c->run->joint_response[k] = c->rows.MJ[12 * c->layout.joint_row_begin + k];
   return same ? mg_has_reversed_row(c->lcp.A, independent) : !first && lost > 0;
 }
 
@@ -142,7 +142,7 @@ static mg_real mg_joint_independence(const mg_context *c, int joint) {
   const int first = c->system->joint_row[joint];
   mg_real product = 1;
   for (int r = first; r < first + c->kernels->joint_kinds[c->system->joint_kind[joint]].n_rows; r++)
-    if (c->joints.is_independent[r]) product *= c->joints.independence[r];
+    if (c->run->joint_row_ever_independent[r]) product *= c->joints.independence[r];
   return product;
 }
 
@@ -151,12 +151,13 @@ static int mg_least_independent_joint(mg_context *c, mg_real *least) {
   int least_independent = -1;
   *least = 1;
   for (int r = 0; r < c->system->n_joint_row; r++)
-    c->joints.is_independent[r] = c->lcp.joint_mask[r] || (c->run->rank_min >= 0 && c->joints.is_independent[r]);
+    c->run->joint_row_ever_independent[r] =
+        c->lcp.joint_mask[r] || (c->run->rank_min >= 0 && c->run->joint_row_ever_independent[r]);
   for (int j = 0; j < c->system->n_joint; j++) {
     const mg_real left = mg_joint_independence(c, j);
-    if (c->run->rank_min < 0 || left > c->joints.best_independence[j]) c->joints.best_independence[j] = left;
-    if (left < *least * c->joints.best_independence[j])
-      *least = left / c->joints.best_independence[j], least_independent = j;
+    if (c->run->rank_min < 0 || left > c->run->joint_independence_max[j]) c->run->joint_independence_max[j] = left;
+    if (left < *least * c->run->joint_independence_max[j])
+      *least = left / c->run->joint_independence_max[j], least_independent = j;
   }
   return least_independent;
 }

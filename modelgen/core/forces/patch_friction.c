@@ -103,8 +103,9 @@ MG_INTERNAL void mg_update_patch_pressure(mg_context *c, int slot) {
   mg_patch_frame at;
   mg_overlay_patch_regions(c, mg_patch_of_slot(c, slot));
   mg_open_pressure(p, &c->patches.hull, c->patches.strip_capacity, c->patches.strips);
-  r->force_outside = r->centre_known && mg_move_inside_hull(&c->patches.hull, r->centre);
-  if (!r->centre_known || !mg_winkler_pressure(p, 1, r->centre)) {
+  mg_real inside[2] = {r->centre[0], r->centre[1]};
+  r->force_outside = r->centre_known && mg_move_inside_hull(&c->patches.hull, inside);
+  if (!r->centre_known || !mg_winkler_pressure(p, 1, inside)) {
     mg_set_patch_frame(c, slot, &at);
     for (int k = 0; k < 2; k++) r->centre[k] = (at.support[0][k] + at.support[1][k] + at.support[2][k]) / 3;
     mg_uniform_pressure(p, r->centre);
@@ -157,15 +158,15 @@ MG_INTERNAL void mg_set_patch_force_ratios(mg_context *c) {
    off part of the face, or the centres agree. */
 static int mg_is_patch_pressure_converged(mg_context *c, int slot, const mg_real *centre) {
   mg_patch_friction *r = c->patches.friction + slot;
-  const mg_real old_centre[2] = {r->centre[0], r->centre[1]};
+  mg_real old_centre[2] = {r->centre[0], r->centre[1]}, new_centre[2] = {centre[0], centre[1]};
   const int was_cut = r->partly_unloaded || r->force_outside;
   r->centre[0] = centre[0], r->centre[1] = centre[1], r->centre_known = 1;
   if (!was_cut) {
     mg_update_patch_pressure(c, slot);
     return !r->partly_unloaded && !r->force_outside;
   }
-  mg_move_inside_hull(&c->patches.hull, r->centre);
-  return mg_distance2(r->centre, old_centre) <= sqrt(MG_EPS) * r->extent;
+  mg_move_inside_hull(&c->patches.hull, old_centre), mg_move_inside_hull(&c->patches.hull, new_centre);
+  return mg_distance2(new_centre, old_centre) <= sqrt(MG_EPS) * r->extent;
 }
 
 MG_INTERNAL int mg_has_changed_patch_pressures(mg_context *c) {

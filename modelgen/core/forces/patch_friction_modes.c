@@ -65,7 +65,8 @@ static mg_real mg_patch_friction_margin(mg_context *c, int slot, mg_real *twist)
   r->centre[0] = local[0], r->centre[1] = local[1], r->centre_known = 1;
   mg_update_patch_pressure(c, slot);
   mg_note_pressure_mean_distance(c, slot);
-  const mg_real arm[2] = {r->centre[0] - at.support[0][0], r->centre[1] - at.support[0][1]};
+  const mg_real *centre = c->patches.pressure.centre,
+                arm[2] = {centre[0] - at.support[0][0], centre[1] - at.support[0][1]};
   mg_real wrench[3];
   for (int k = 0; k < 2; k++) wrench[k] = force[0] * at.t[0][k] + force[1] * at.t[1][k];
   wrench[2] = at.sign * force[2] - mg_cross2(arm, wrench);

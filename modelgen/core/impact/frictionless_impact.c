@@ -91,13 +91,17 @@ static int mg_solve_impulses(mg_context *c) {
   return n;
 }
 
-/* True if a closed contact approaches or the supports of a held patch move. */
+/* True if a closed contact approaches, the supports of a held patch move, or the prescribed rate of a joint has
+   jumped. */
 static int mg_has_impact(const mg_context *c) {
-  const mg_real drift = c->settings->drift_tolerance * c->system->length / c->system->time;
+  const mg_real drift = c->settings->drift_tolerance * c->system->length / c->system->time,
+                rest = c->settings->rest_speed * c->system->length / c->system->time;
   for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     if (c->run->closed[i] && mg_is_approaching_beyond_drift(c, i)) return 1;
   for (int i = c->layout.support_begin; i < c->system->n_contact; i++)
     if (c->run->closed[i] && fabs(c->rows.d_dot[i]) > drift) return 1;
+  for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end && c->layout.has_prescribed_joint; i++)
+    if (fabs(c->rows.d_dot[i]) > drift && fabs(c->rows.d_dot[i]) > rest) return 1;
   return 0;
 }
 

@@ -183,6 +183,9 @@ MG_INTERNAL mg_real mg_first_step(const mg_context *c);
 
 /* samples.c */
 
+/* Writes the wrench of a joint on its second body, from the forces on its rows, into wrench [6]. */
+MG_INTERNAL void mg_joint_wrench(const mg_context *c, int joint, mg_real *wrench);
+
 /* Appends the sample of the state x. Needs poses, rows and forces at x. */
 MG_INTERNAL void mg_record_sample(mg_context *c, mg_record *record, mg_real *x);
 

@@ -42,15 +42,21 @@ static void mg_record_contact_friction(mg_context *c, mg_record *record, int row
   if (rows > 1 && c->run->closed[contact]) mg_friction_rows_vector(c, contact, c->rows.d_dot, 0, record->slip + k);
 }
 
+MG_INTERNAL void mg_joint_wrench(const mg_context *c, int joint, mg_real *wrench) {
+  const mg_system *s = c->system;
+  const int first = c->layout.joint_row_begin + s->joint_row[joint];
+  for (int j = 0; j < 6; j++) wrench[j] = 0;
+  for (int i = first; i < first + c->kernels->joint_kinds[s->joint_kind[joint]].n_rows; i++)
+    for (int j = 0; j < 6; j++) wrench[j] += c->solution.force[i] * c->rows.J[12 * i + 6 + j];
+}
+
 /* Wrench of a joint on its second body, and its coordinates. */
 static void mg_record_joint(mg_context *c, mg_record *record, int row, int joint) {
   const mg_system *s = c->system;
   const long k = (long)row * s->n_joint + joint;
-  const int kind = s->joint_kind[joint], first = c->layout.joint_row_begin + s->joint_row[joint];
-  mg_real *wrench = record->joint_wrench + 6 * k, *coordinate = record->coordinate + 3 * k;
-  for (int j = 0; j < 6; j++) wrench[j] = 0;
-  for (int i = first; i < first + c->kernels->joint_kinds[kind].n_rows; i++)
-    for (int j = 0; j < 6; j++) wrench[j] += c->solution.force[i] * c->rows.J[12 * i + 6 + j];
+  const int kind = s->joint_kind[joint];
+  mg_real *coordinate = record->coordinate + 3 * k;
+  mg_joint_wrench(c, joint, record->joint_wrench + 6 * k);
   for (int j = 0; j < 3; j++) coordinate[j] = (mg_real)NAN;
   if (!c->kernels->joint_kinds[kind].n_coordinates) return;
   c->kernels->joint_coordinates(kind, c->bodies.pose + 12 * s->joint_a[joint], c->bodies.pose + 12 * s->joint_b[joint],

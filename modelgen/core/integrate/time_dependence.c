@@ -77,8 +77,8 @@ static void mg_sample_time_functions(mg_context *c, mg_real t, mg_real step_leng
   for (int b = 0; b < s->n_body; b++) {
     if (!mg_is_driven_body(s, b)) continue;
     mg_real *pose = c->bodies.pose + 12 * b;
-    c->kernels->body_path(s->body_kind[b], &t, s->parameters + s->body_parameters[b], pose, c->bodies.twist + 6 * b,
-                          c->bodies.acceleration + 6 * b);
+    c->kernels->body_path(s->body_kind[b], &t, s->parameters + s->body_parameters[b], c->run->input, pose,
+                          c->bodies.twist + 6 * b, c->bodies.acceleration + 6 * b);
     for (int k = 0; k < 12; k++) *value++ = pose[k];
   }
   if (c->layout.has_prescribed_joint) mg_update_joint_rows(c, t);

@@ -24,7 +24,7 @@ MG_INTERNAL void mg_update_poses(mg_context *c, mg_real t, const mg_real *x) {
     const int n_u = motion < MG_POINT ? 0 : c->kernels->body_kinds[kind].n_u;
     for (int i = 0; i < n_u; i++) twist[i] = u[i];
     if (motion == MG_DRIVEN)
-      c->kernels->body_path(kind, &t, s->parameters + s->body_parameters[b], pose, twist,
+      c->kernels->body_path(kind, &t, s->parameters + s->body_parameters[b], c->run->input, pose, twist,
                             c->bodies.acceleration + 6 * b);
     if (motion == MG_FREE) c->kernels->body_pose(kind, q, pose);
     if (motion == MG_POINT)
@@ -37,7 +37,7 @@ MG_INTERNAL void mg_load_wrench(const mg_context *c, mg_real t, int load, mg_rea
   const int a = s->load_a[load], b = s->load_b[load] < 0 ? a : s->load_b[load];
   c->kernels->load_wrench(s->load_kind[load], &t, c->bodies.pose + 12 * a, c->bodies.twist + 6 * a,
                           c->bodies.pose + 12 * b, c->bodies.twist + 6 * b, s->parameters + s->load_parameters[load],
-                          wrench, wrench + 6);
+                          c->run->input, wrench, wrench + 6);
 }
 
 /* Adds the wrenches of a load to those of its bodies, and its power to *power. */

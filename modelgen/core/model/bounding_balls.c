@@ -23,14 +23,24 @@ static mg_real mg_feature_pair_clearance(const mg_context *c, int feature_pair) 
                           mg_feature_body(c, feature_pair, 1), centre_f, f[MG_FEATURE_BALL_RADIUS]);
 }
 
-MG_INTERNAL int mg_is_out_of_reach(const mg_context *c, int feature_pair) {
-  return mg_feature_pair_clearance(c, feature_pair) > c->settings->search_gap * c->system->length;
-}
-
 MG_INTERNAL const mg_real *mg_pair_ball(const mg_context *c, int pair, int side) {
   static const mg_real unbounded[4] = {0, 0, 0, -1};
   const int ball = c->system->pair_balls[2 * pair + side];
   return ball < 0 ? unbounded : c->system->ball + 4 * ball;
+}
+
+MG_INTERNAL mg_real mg_pair_length(const mg_context *c, int pair) {
+  const mg_real o = mg_pair_ball(c, pair, 0)[3], f = mg_pair_ball(c, pair, 1)[3];
+  const mg_real smaller = o < 0 || (f >= 0 && f < o) ? f : o;
+  return fmax(smaller, c->system->length);
+}
+
+MG_INTERNAL mg_real mg_search_reach(const mg_context *c, int pair) {
+  return c->settings->search_gap * mg_pair_length(c, pair);
+}
+
+MG_INTERNAL int mg_is_out_of_reach(const mg_context *c, int feature_pair) {
+  return mg_feature_pair_clearance(c, feature_pair) > mg_search_reach(c, c->system->feature_pair_owner[feature_pair]);
 }
 
 MG_INTERNAL mg_real mg_pair_clearance(const mg_context *c, int pair) {

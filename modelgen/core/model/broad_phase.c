@@ -34,15 +34,23 @@ static int mg_exponent(mg_real value) {
   return value > 0 && value <= MG_MAX ? (frexp((double)value, &exponent), exponent) : -1000;
 }
 
+/* Radius of a ball with its margin and a half of the reach of searches, which is that of a pair of two such balls; < 0:
+   unbounded. */
+static mg_real mg_enlarged_radius(const mg_context *c, int ball) {
+  const mg_real radius = c->system->ball[4 * ball + 3];
+  return radius < 0
+             ? -1
+             : radius + c->settings->search_gap * fmax(radius, c->system->length) / 2 + c->run->ball_at[4 * ball + 3];
+}
+
 /* Places all balls with a margin of the run; returns the lowest level, and in *levels a bit for each level in use. */
 static int mg_place_balls(mg_context *c, unsigned long long *levels) {
   const mg_system *s = c->system;
-  const mg_real search = c->settings->search_gap * s->length / 2;
   int highest = -1000, farthest = -1000, lowest = 1000;
   for (int b = 0; b < s->n_ball; b++) {
     mg_grid_ball *ball = c->listed.balls + b;
     mg_ball_centre(c, b, ball->centre);
-    ball->radius = s->ball[4 * b + 3] < 0 ? -1 : s->ball[4 * b + 3] + search + c->run->ball_at[4 * b + 3];
+    ball->radius = mg_enlarged_radius(c, b);
     if (ball->radius < 0) continue;
     ball->level = mg_exponent(2 * ball->radius);
     if (ball->level > highest) highest = ball->level;

@@ -12,8 +12,8 @@ MG_INTERNAL int mg_place_contact(mg_context *c, int contact, const mg_real *eta,
   return c->kernels->contact_kinds[kind].n_eta;
 }
 
-MG_INTERNAL mg_real mg_placement_margin(const mg_context *c) {
-  const mg_real flat = c->search.placement[4] * c->system->length;
+MG_INTERNAL mg_real mg_placement_margin(const mg_context *c, int contact) {
+  const mg_real flat = c->search.placement[4] * c->contacts.length[contact];
   return c->search.placement[3] < flat ? c->search.placement[3] : flat;
 }
 
@@ -25,7 +25,7 @@ MG_INTERNAL int mg_place_all_contacts(mg_context *c, mg_real t, mg_real *x) {
     if (!mg_is_on_feature_pair(c, i)) continue;
     const int n = mg_place_contact(c, i, eta, next), flat = mg_is_tilt_below_flat_limit(c, i);
     c->rows.d[i] = c->search.placement[0];
-    c->run->margin[i] = mg_placement_margin(c);
+    c->run->margin[i] = mg_placement_margin(c, i);
     for (int k = 0; k < n && !flat; k++) {
       if (!(fabs(next[k]) <= MG_MAX)) return 0;
       if (c->settings->newton) eta[k] = next[k];
@@ -35,8 +35,8 @@ MG_INTERNAL int mg_place_all_contacts(mg_context *c, mg_real t, mg_real *x) {
 }
 
 /* True if the residual of the placement is below extremality_residual. */
-static int mg_is_placement_converged(const mg_context *c) {
-  return c->search.placement[1] <= c->settings->extremality_residual * c->system->length &&
+static int mg_is_placement_converged(const mg_context *c, int contact) {
+  return c->search.placement[1] <= c->settings->extremality_residual * c->contacts.length[contact] &&
          c->search.placement[2] <= c->settings->extremality_residual;
 }
 
@@ -44,7 +44,7 @@ MG_INTERNAL int mg_newton_on_feature_pair(mg_context *c, int contact, mg_real *e
   mg_real *next = c->search.placement + 32;
   for (int step = 0; step < 50; step++) {
     const int n = mg_place_contact(c, contact, eta, next);
-    if (mg_is_placement_converged(c)) return step;
+    if (mg_is_placement_converged(c, contact)) return step;
     for (int k = 0; k < n; k++) {
       if (!(fabs(next[k]) <= MG_MAX)) return -1;
       eta[k] = next[k];

@@ -1,8 +1,8 @@
 /* The context of one call: the caller's structures and the scratch memory, by subject.
 
    Every public function makes an mg_context on its stack (run/workspace.c) and passes it down. Its arrays are parts of
-   the caller's `work` and `iwork`. Scratch is valid within one call, except c->joints and the trees of cells in
-   c->search, which also last from one call of mg_advance to the next.
+   the caller's `work` and `iwork`. Scratch is valid within one call, except the cells of c->search, which last as long
+   as the shapes are the same.
 
    Rows are the scalar equations of all constraints, in this order: the normal row of each contact, one of a spare
    contact (which tries feature pairs out), rows of joints, friction rows, springs. The number of a contact is the
@@ -11,6 +11,7 @@
 #ifndef MG_CONTEXT_H
 #define MG_CONTEXT_H
 
+#include "base/base.h"
 #include "solve/friction/friction.h"
 #include "kernels.h"
 #include "solve/lcp/solvers.h"
@@ -130,6 +131,7 @@ typedef struct {
   mg_real *impulse_work;  /* [6 per body] change of the twist by loads and by the forces at both ends */
   mg_real power;          /* power of the loads before, W */
   mg_real margin;         /* least margin of a closed contact after */
+  int is_paused;          /* 1: the run stops within the passage, which goes on in the next call of mg_advance */
 } mg_singular_passage;
 
 /* Complementarity problem over listed rows, and memory of its solvers. */
@@ -161,10 +163,6 @@ typedef struct {
 /* Rank of the joint rows. */
 typedef struct {
   mg_real *independence; /* [per joint row] part of its diagonal entry of J M^-1 J^T independent of rows before, 0..1 */
-  mg_real *best_independence; /* [per joint] largest product of the independence of its rows so far */
-  mg_real *previous_MJ;       /* [12 per joint row] M^-1 J^T after the step before */
-  int *was_independent;       /* [per joint row] 1: independent after the step before */
-  int *is_independent;        /* [per joint row] 1: independent after any step so far */
 } mg_joint_workspace;
 
 /* A ball around a shape in the grid of the broad phase. */
@@ -250,6 +248,7 @@ typedef struct {
   int *n_cells;                   /* [1] cells in use, cell 0 included */
   int *tree_root;                 /* [per cell tree] its first cell, or 0 */
   mg_real *tree_bound;            /* [per cell tree] where a coordinate has no bound: that of its first cell */
+  mg_digest *cells_digest;        /* [1] digest of the shapes to which the cells belong */
   mg_taylor_model *bounds_memory; /* memory of bounds programs */
   int *is_searched;        /* [per pair] 1: searched at the end of this step already, and all minima are followed */
   int *cell_pairs;         /* [2 MG_CELL_PAIRS] pairs of cells still to be treated */
@@ -296,6 +295,12 @@ typedef struct {
   int *is_near;             /* [per contact] 1: takes part in a step of time-stepping */
   mg_singular_passage passage; /* singular passage */
 } mg_event_workspace;
+
+/* What sensors show the contacts and joints of. */
+typedef struct {
+  mg_real *pair;  /* [2 n_pair] least gap, m; sum of the normal forces, N */
+  mg_real *joint; /* [6 n_joint] wrench on the second body */
+} mg_sensor_workspace;
 
 /* Numbers of rows and states. */
 typedef struct {
@@ -354,6 +359,7 @@ typedef struct {
   int *o, *f;                                    /* [per row] bodies o and f; of joint rows bodies a and b */
   int *n_eta;                                    /* [per contact] length of eta; 0 on no feature pair */
   int *parameters;                               /* [per contact] offset into parameters */
+  mg_real *length;                               /* [per contact] length of its pair, m */
   mg_real point_parameters[MG_POINT_PARAMETERS]; /* parameters of the support point looked at last */
 } mg_contact_view;
 
@@ -378,6 +384,7 @@ typedef struct {
   mg_search_workspace search;
   mg_step_workspace step;
   mg_event_workspace events;
+  mg_sensor_workspace sensors;
 } mg_context;
 
 /* Two shapes of a contact kind at given poses. */

@@ -27,6 +27,7 @@ MG_INTERNAL void mg_place_on_feature_pair(mg_context *c, int contact, int featur
   const mg_system *s = c->system;
   c->contacts.kind[contact] = s->feature_pair_kind[feature_pair],
   c->contacts.parameters[contact] = s->feature_pair_parameters[feature_pair];
+  c->contacts.length[contact] = mg_pair_length(c, s->feature_pair_owner[feature_pair]);
   c->contacts.o[contact] = s->feature_pair_o[feature_pair], c->contacts.f[contact] = s->feature_pair_f[feature_pair];
 }
 
@@ -40,14 +41,14 @@ MG_INTERNAL int mg_has_own_feature_pairs(const mg_context *c, int pair) {
   return c->system->contact_feature_pair[mg_pair_first_contact(c, pair)] >= 0;
 }
 
-MG_INTERNAL void mg_eta_scale(const mg_context *c, int feature_pair, mg_real *scale) {
+MG_INTERNAL void mg_eta_scale(const mg_context *c, int feature_pair, mg_real length, mg_real *scale) {
   for (int side = 0; side < 2; side++) {
     const int parametrisation = mg_parametrisation(c, feature_pair, side), n = mg_parametrisation_size[parametrisation];
     const int coordinate_count =
         parametrisation == MG_CHART ? 2 : parametrisation == MG_CURVE || parametrisation == MG_SIGNED_CURVE;
     for (int k = 0; k < n; k++)
       *scale++ = k < coordinate_count          ? mg_feature_numbers(c, feature_pair, side)[MG_FEATURE_UV_SCALE + k]
-                 : parametrisation == MG_LOCAL ? c->system->length
+                 : parametrisation == MG_LOCAL ? length
                                                : 1;
   }
 }
@@ -60,7 +61,7 @@ MG_INTERNAL void mg_load_feature_pair(mg_context *c, int contact) {
   c->layout.n_live_states -= c->contacts.n_eta[contact];
   c->contacts.n_eta[contact] = held < 0 ? 0 : c->kernels->contact_kinds[c->contacts.kind[contact]].n_eta;
   c->layout.n_live_states += c->contacts.n_eta[contact];
-  if (c->contacts.n_eta[contact]) mg_eta_scale(c, feature_pair, mg_contact_eta(c, c->step.scale, contact));
+  if (c->contacts.n_eta[contact]) mg_eta_scale(c, feature_pair, s->length, mg_contact_eta(c, c->step.scale, contact));
   for (int k = 0; k < 12; k++) c->rows.J[12 * contact + k] = c->rows.MJ[12 * contact + k] = 0;
   for (int k = 0; k < mg_eta_capacity(c, contact); k++) c->rows.eta_dot[s->contact_eta[contact] + k] = 0;
   c->rows.gamma[contact] = c->rows.d_dot[contact] = c->solution.force[contact] = 0;

@@ -24,7 +24,8 @@ MG_INTERNAL void mg_update_joint_rows(mg_context *c, mg_real t) {
     if (!c->kernels->joint_kinds[s->joint_kind[j]].n_rows) continue;
     c->kernels->joint_rows(s->joint_kind[j], &t, c->bodies.pose + 12 * a, c->bodies.twist + 6 * a,
                            c->bodies.pose + 12 * b, c->bodies.twist + 6 * b, s->parameters + s->joint_parameters[j],
-                           c->rows.d + row, c->rows.J + 12 * row, c->rows.gamma + row, c->rows.time_rate + row);
+                           c->run->input, c->rows.d + row, c->rows.J + 12 * row, c->rows.gamma + row,
+                           c->rows.time_rate + row);
   }
 }
 

@@ -90,7 +90,7 @@ MG_INTERNAL int mg_pair_first_contact(const mg_context *c, int pair);
 MG_INTERNAL int mg_has_own_feature_pairs(const mg_context *c, int pair);
 
 /* Scales of the entries of eta on a feature pair. */
-MG_INTERNAL void mg_eta_scale(const mg_context *c, int feature_pair, mg_real *scale);
+MG_INTERNAL void mg_eta_scale(const mg_context *c, int feature_pair, mg_real length, mg_real *scale);
 
 /* Updates c->contacts, error scales and rows of a contact from run->feature_pair. A contact on no feature pair
    gets an infinite gap, so that no loop over contacts need ask. */
@@ -189,7 +189,7 @@ MG_INTERNAL int mg_has_left_margins(const mg_context *c);
 MG_INTERNAL int mg_grid_size(const mg_system *s);
 
 /* Writes the pairs that may be far and are near to c->listed.found, ascending: those whose balls, enlarged by their
-   margins and a half of search_gap each, overlap. Needs the poses. */
+   margins and a half of the reach of searches each, overlap. Needs the poses. */
 MG_INTERNAL void mg_find_near_pairs(mg_context *c);
 
 /* contact_rows.c */
@@ -272,7 +272,7 @@ MG_INTERNAL int mg_append_spring_rows(const mg_context *c, int *list, int n);
 MG_INTERNAL int mg_place_contact(mg_context *c, int contact, const mg_real *eta, mg_real *eta_next);
 
 /* Margin of the placement evaluated last, dimensionless. */
-MG_INTERNAL mg_real mg_placement_margin(const mg_context *c);
+MG_INTERNAL mg_real mg_placement_margin(const mg_context *c, int contact);
 
 /* Takes one Newton step of eta in x for every contact at time t, except for those that are still flat, whose
    points rounding would move; writes d and margins. Returns 0 if eta is not finite. */
@@ -286,7 +286,14 @@ MG_INTERNAL int mg_is_tilt_below_flat_limit(const mg_context *c, int contact);
 
 /* bounding_balls.c */
 
-/* True if the features of a pair are farther apart than search_gap. */
+/* Length to which the settings of searches for closest points of a pair refer, m: the smaller radius of the balls
+   around its shapes, at least the characteristic length. */
+MG_INTERNAL mg_real mg_pair_length(const mg_context *c, int pair);
+
+/* Gap in m up to which a search follows the closest points of a pair. */
+MG_INTERNAL mg_real mg_search_reach(const mg_context *c, int pair);
+
+/* True if the features of a pair are farther apart than a search follows. */
 MG_INTERNAL int mg_is_out_of_reach(const mg_context *c, int feature_pair);
 
 /* Lower bound of the distance of a pair of shapes, m: the larger of that of their own balls and the least of those

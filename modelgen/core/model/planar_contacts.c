@@ -63,7 +63,7 @@ MG_INTERNAL int mg_is_feature_pair_of_tilted_faces(const mg_context *c, int feat
 }
 
 MG_INTERNAL int mg_is_distant_flat_feature_pair(const mg_context *c, int contact) {
-  return c->rows.d[contact] > c->settings->search_gap * c->system->length &&
+  return c->rows.d[contact] > mg_search_reach(c, c->system->contact_pair[contact]) &&
          mg_is_feature_pair_of_flat_faces(c, c->run->feature_pair[contact]);
 }
 

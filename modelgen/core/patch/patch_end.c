@@ -13,15 +13,17 @@
    for faces that lie flat. */
 static void mg_search_covered_feature_pairs(mg_context *c, int patch, int flat, mg_minima *found) {
   const mg_system *s = c->system;
-  const mg_search_limits limits = mg_appearance_limits(c);
   found->count = 0;
-  for (int k = s->patch_covered[patch]; k < s->patch_covered[patch + 1]; k++)
-    if (flat || !mg_is_feature_pair_of_flat_faces(c, s->covered_feature_pair[k]))
-      mg_search_feature_pair(c, s->covered_feature_pair[k], &limits, -c->settings->start_gap * s->length, found);
+  for (int k = s->patch_covered[patch]; k < s->patch_covered[patch + 1]; k++) {
+    const int feature_pair = s->covered_feature_pair[k];
+    const mg_search_limits limits = mg_appearance_limits(c, s->feature_pair_owner[feature_pair]);
+    if (flat || !mg_is_feature_pair_of_flat_faces(c, feature_pair))
+      mg_search_feature_pair(c, feature_pair, &limits, -c->settings->start_gap * s->length, found);
+  }
   for (int k = 0; k < found->count; k++) {
     const mg_minimum *each = found->list + k;
     const int pair = s->feature_pair_owner[each->feature_pair];
-    if (!mg_is_minimum_accepted(c, each, limits.depth)) continue;
+    if (!mg_is_minimum_accepted(c, each, mg_appearance_limits(c, pair).depth)) continue;
     const int slot = mg_is_minimum_tracked(c, pair, -1, each) ? -1 : mg_find_contact_for_minimum(c, pair, each);
     if (slot < 0) continue;
     mg_set_feature_pair(c, slot, each->feature_pair, each->eta);

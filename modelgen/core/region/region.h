@@ -275,8 +275,8 @@ MG_INTERNAL int mg_solve_moments(const mg_winkler_pressure_field *p, const mg_re
 /* Sets a uniform pressure on the whole overlap, with moments about a point. */
 MG_INTERNAL void mg_uniform_pressure(mg_winkler_pressure_field *p, const mg_real *about);
 
-/* Moves a point that is not inside the hull, or too near to its boundary for a pressure to be found, inside.
-   Returns whether it had to be moved. */
+/* Moves a point that is not inside the hull, or too near to its boundary for a pressure to be found, to the least
+   distance inside. The place is continuous in the point. Returns whether it had to be moved. */
 MG_INTERNAL int mg_move_inside_hull(const mg_hull *h, mg_real *x);
 
 /* Finds the pressure with a resultant force, N, and a centre inside the hull. Returns 0 if it fails. */

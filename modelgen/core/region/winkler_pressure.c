@@ -6,6 +6,8 @@
 
 #define MG_PRESSURE_STEPS 60 /* most steps of Newton's method and of the continuation */
 
+#define MG_INWARD_PASSES 4 /* most edges and corners from which a point is moved inwards in turn */
+
 #define MG_HULL_EDGE_PART \
   8192 /* extent of a hull over the least distance of the centre of pressure from its boundary */
 
@@ -214,13 +216,15 @@ static mg_real mg_hull_middle(const mg_hull *h, mg_real *middle) {
 MG_INTERNAL int mg_move_inside_hull(const mg_hull *h, mg_real *x) {
   mg_nearest_boundary nearest;
   mg_real middle[2];
-  const mg_real margin = mg_hull_margin(h, x, &nearest), reach = mg_hull_middle(h, middle),
-                least = reach / MG_HULL_EDGE_PART;
+  const mg_real reach = mg_hull_middle(h, middle), least = reach / MG_HULL_EDGE_PART;
+  mg_real margin = mg_hull_margin(h, x, &nearest);
   if (margin >= least || h->n_edge == 0) return 0;
-  for (int k = 0; k < 2; k++) {
-    const mg_real at = nearest.n == 2 ? x[k] + margin * nearest.normal[k] : nearest.at[0].point[k];
-    x[k] = at + least / reach * (middle[k] - at);
+  for (int pass = 0; pass < MG_INWARD_PASSES && margin < least * (1 - 64 * MG_EPS); pass++) {
+    for (int k = 0; k < 2; k++) x[k] -= (least - margin) * nearest.normal[k];
+    margin = mg_hull_margin(h, x, &nearest);
   }
+  if (margin < least / 2)
+    for (int k = 0; k < 2; k++) x[k] = nearest.at[0].point[k] + least / reach * (middle[k] - nearest.at[0].point[k]);
   return 1;
 }
 

@@ -22,7 +22,7 @@ static int mg_take_accurate_step(mg_context *c, mg_real *h) {
     if (finite && error <= 1) {
       const mg_real next = *h * mg_step_growth(error, most);
       if (c->settings->method == MG_RK4) return MG_DONE;
-      if (mg_has_slip_onset(c)) run->h = c->step.slip_limit;
+      if (mg_has_slip_onset(c)) run->h = next < c->step.slip_limit ? next : c->step.slip_limit;
       else if (next > run->h || *h >= run->h || most < 6) run->h = next;
       return MG_DONE;
     }
@@ -148,7 +148,7 @@ static int mg_finish_accepted_step(mg_context *c, mg_real h, int event, mg_recor
   if (!outcome && mg_search_all_pairs(c, events, h)) mg_evaluate_run_state(c);
   mg_update_diagnostics(c);
   if (!outcome) outcome = mg_cross_singular_contacts(c, record, events);
-  if (!outcome) outcome = mg_check_margins(c, events);
+  if (!outcome && !c->events.passage.is_paused) outcome = mg_check_margins(c, events);
   if (!outcome) outcome = mg_check_penetration(c, 0);
   return !outcome && mg_is_progress_too_slow(c) ? MG_STEP_TOO_SMALL : outcome;
 }
@@ -204,16 +204,36 @@ static int mg_event_driven_step(mg_context *c, mg_real h, mg_record *record, mg_
 static int mg_advance_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   const int first_event = events->count;
   const long evaluations = c->run->rhs_evals;
+  const mg_real t = c->run->t;
   int outcome;
   if (mg_is_time_stepping(c)) {
     outcome = mg_time_step(c, h, record, events);
-    if (!outcome) outcome = mg_count_fallback_step(c, events, first_event);
+    if (!outcome) outcome = mg_count_fallback_step(c, events, first_event, c->run->t - t);
   } else {
-    outcome = mg_event_driven_step(c, h, record, events);
+    outcome = mg_cross_integrable_peak(c, mg_event_driven_step(c, h, record, events), events);
     if (!outcome && mg_has_costly_events(c, events, first_event, c->run->rhs_evals - evaluations)) outcome = MG_CHATTER;
   }
   outcome = mg_explain_failed_outcome(c, outcome);
   return mg_start_fallback(c, outcome, events) ? MG_DONE : outcome;
+}
+
+/* True if the list has room for the events of a step. */
+static int mg_has_event_room(const mg_context *c, const mg_events *events) {
+  return events->count + 4 * c->system->n_contact + 2 <= events->capacity;
+}
+
+/* True if a step of length h ends at t_stop, which is `left` away: it reaches it, or leaves less than the resolution of
+   time. */
+static int mg_ends_at_stop(const mg_context *c, mg_real h, mg_real left) {
+  const mg_real resolution = c->settings->event_tolerance * c->system->time;
+  return h >= left - resolution - 8 * MG_EPS * (left + fabs(c->step.stop_time));
+}
+
+/* Evaluates the state at which a call begins; it was counted when it was accepted. */
+static void mg_evaluate_known_state(mg_context *c) {
+  const long evaluations = c->run->rhs_evals;
+  mg_evaluate_run_state(c);
+  c->run->rhs_evals = evaluations;
 }
 
 MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t_stop, long max_steps,
@@ -221,18 +241,26 @@ MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_r
   mg_context c;
   mg_open_context(&c, system, settings, run, work, iwork);
   c.step.stop_time = t_stop;
-  mg_evaluate_run_state(&c);
+  mg_evaluate_known_state(&c);
+  if (!mg_has_event_room(&c, events)) return MG_LIST_FULL;
+  const int refused = mg_apply_inputs(&c, events);
+  if (refused) return refused;
   if (!(run->h > 0)) run->h = mg_first_step(&c);
   mg_record_next_forces(&c, record);
   mg_record_now(&c, record);
   for (long step = 0; run->t < t_stop; step++) {
     if (step >= max_steps) return MG_CONTINUE;
-    if (events->count + 4 * system->n_contact + 2 > events->capacity) return MG_LIST_FULL;
+    if (!mg_has_event_room(&c, events)) return MG_LIST_FULL;
+    if (!step && !mg_is_time_stepping(&c)) { /* a passage in which the call before this one stopped */
+      const int resumed = mg_cross_singular_contacts(&c, record, events);
+      if (resumed || run->t >= t_stop) return resumed;
+    }
     const mg_real left = t_stop - run->t - run->t_roundoff;
     const mg_real h = mg_next_step(&c);
-    const int last = h >= left * (1 - 8 * MG_EPS);
+    const int last = mg_ends_at_stop(&c, h, left);
     const int outcome = mg_advance_step(&c, last ? left : h, record, events);
     if (outcome) return outcome;
+    run->progress_tries += last && left < h; /* a step that t_stop has cut does not count as slow progress */
     if (last && t_stop - run->t - run->t_roundoff <= 8 * MG_EPS * left) run->t = t_stop, run->t_roundoff = 0;
     mg_record_now(&c, record);
   }

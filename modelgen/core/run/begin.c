@@ -1,6 +1,7 @@
 /* The start of a run (mg_begin): closest points, closed contacts, assembly of the joints, first impacts and
    contact modes. Writes the state, contacts and statistics of the run. */
 #include "run/run.h"
+#include "base/base.h"
 #include "model/model.h"
 #include "closest/closest.h"
 #include "forces/forces.h"
@@ -19,7 +20,7 @@ static int mg_place_start_contacts(mg_context *c) {
     c->run->closed[i] = c->run->active[i] = c->run->rolling_start[i] = 0;
     if (!mg_is_on_feature_pair(c, i)) continue;
     const int lost = mg_newton_on_feature_pair(c, i, mg_contact_eta(c, c->run->x, i)) < 0 ||
-                     !(mg_placement_margin(c) >= c->settings->margin_refuse);
+                     !(mg_placement_margin(c, i) >= c->settings->margin_refuse);
     if (lost && mg_is_contact_of_flat_patch(c, i)) {
       mg_set_feature_pair(c, i, -1, 0);
       continue;
@@ -27,7 +28,7 @@ static int mg_place_start_contacts(mg_context *c) {
     if (mg_newton_on_feature_pair(c, i, mg_contact_eta(c, c->run->x, i)) < 0) return MG_NO_EXTREMUM;
     if (c->search.placement[0] < -touching) return MG_PENETRATION;
     c->run->closed[i] = c->search.placement[0] <= touching;
-    c->run->margin[i] = mg_placement_margin(c);
+    c->run->margin[i] = mg_placement_margin(c, i);
     if (c->run->closed[i] && c->run->margin[i] < c->run->margin_min) c->run->margin_min = c->run->margin[i];
     if (c->run->closed[i] && !(c->run->margin[i] >= c->settings->margin_refuse)) return MG_MARGIN;
   }
@@ -45,10 +46,11 @@ static void mg_report_touch_downs(mg_context *c, mg_events *events) {
 /* Resets what the run reports. */
 static void mg_reset_report(mg_run *run) {
   run->steps = run->rejected = run->rhs_evals = run->lcp_solves = run->since_projection = run->events_at_t = 0;
-  run->redundant_max = run->fallbacks = run->fallback_steps_left = run->loose_solutions = run->relaxed_solutions = 0;
+  run->redundant_max = run->fallbacks = run->loose_solutions = run->relaxed_solutions = 0;
   run->progress_tries = run->progress_rejected = 0, run->progress_t = run->t;
   run->singular_passages = 0, run->passage_contact = -1;
-  run->fallback_first = run->fallback_end = run->fallback_time = 0, run->fallback_cause = run->fallback_doublings = 0;
+  run->fallback_first = run->fallback_end = run->fallback_time = run->fallback_left = 0,
+  run->fallback_cause = run->fallback_doublings = 0;
   mg_reset_event_work(run);
   run->energy_error_max = run->kinetic_max = run->gap_max = run->penetration_max = run->complementarity_max =
       run->lcp_residual_max = 0;
@@ -86,12 +88,13 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
   mg_context c;
   mg_real kinetic;
   mg_open_context(&c, system, settings, run, work, iwork);
-  mg_forget_cells(&c);
   mg_reset_report(run);
+  mg_accept_inputs(&c);
   mg_start_after_kink(&c);
   for (int i = 0; i < system->n_friction; i++)
     run->friction_mode[i] = MG_FRICTION_OFF, c.friction.triggered[i] = 0, c.friction.mode_before[i] = MG_FRICTION_OFF;
   for (int i = 0; i < system->n_patch_slot; i++) run->patch_mode[i] = MG_FRICTION_OFF;
+  mg_zero_reals(run->search_bound, system->n_cell_tree);
   run->x[c.layout.work_state] = 0;
   mg_normalise_quaternions(&c, run->x);
   mg_update_poses(&c, run->t, run->x);

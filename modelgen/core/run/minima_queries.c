@@ -57,7 +57,6 @@ MG_API void mg_find_minima(const mg_system *system, const mg_settings *settings,
   mg_context c;
   const mg_minima_queries *q = queries;
   mg_open_context(&c, system, settings, run, work, iwork);
-  mg_forget_cells(&c);
   mg_update_poses(&c, run->t, run->x);
   for (long i = 0; i < q->n; i++) {
     mg_minima found = {0};

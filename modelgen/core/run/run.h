@@ -13,9 +13,36 @@
 MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const mg_settings *settings, mg_run *run,
                                  mg_real *work, int *iwork);
 
+/* inputs.c */
+
+#define MG_JOINT_ROWS_MAX 6 /* most rows of a joint */
+
+/* Notes that the inputs of the run have taken effect. */
+MG_INTERNAL void mg_accept_inputs(const mg_context *c);
+
+/* Lets inputs that the caller has changed take effect at the run's time. Needs the poses. Returns an outcome. */
+MG_INTERNAL int mg_apply_inputs(mg_context *c, mg_events *events);
+
 /* nonfinite_inputs.c */
+
+/* Largest value of a function of time at t, MG_MAX if one is not finite; loads, bodies and joints are numbered in
+   this order. Of loads at the present poses. */
+MG_INTERNAL mg_real mg_time_function_magnitude(const mg_context *c, int function, mg_real t);
+
+/* True if a function of time grows towards the time t, on a side of it. */
+MG_INTERNAL int mg_has_peak_at(const mg_context *c, int function, mg_real t);
+
+/* True if a function of time grows towards the time t, between step_min^(1/4) T and step_min T away, faster than the
+   power -2/3 of the time left. At a jump, a short pulse or a root it does not. */
+MG_INTERNAL int mg_has_pole_at(const mg_context *c, int function, mg_real t);
 
 /* Outcome of a run that cannot go on: MG_NOT_FINITE if a function of time is unbounded, else the given one. */
 MG_INTERNAL int mg_explain_failed_outcome(mg_context *c, int outcome);
+
+/* integrable_peaks.c */
+
+/* Outcome of a step that failed: MG_DONE if a function of time that is infinite but integrable at an instant near the
+   present time was the cause, and the run has crossed that instant; else the given one. */
+MG_INTERNAL int mg_cross_integrable_peak(mg_context *c, int outcome, mg_events *events);
 
 #endif

@@ -78,12 +78,13 @@ static long mg_bounds_memory_max(const mg_system *s) {
 /* Memory of searches for closest points, in mg_real. */
 static long mg_search_memory_size(const mg_system *s) {
   return mg_count_reals(MG_SAMPLES, sizeof(mg_sample)) + mg_count_reals(s->n_cell, sizeof(mg_cell)) +
-         mg_count_reals(mg_bounds_memory_max(s), sizeof(mg_taylor_model)) + MG_SAMPLES + s->n_cell_tree;
+         mg_count_reals(mg_bounds_memory_max(s), sizeof(mg_taylor_model)) + mg_count_reals(1, sizeof(mg_digest)) +
+         MG_SAMPLES + mg_count_reals(s->n_cell_tree, sizeof(mg_real));
 }
 
 /* The same, in int. */
 static long mg_search_int_memory_size(const mg_system *s) {
-  return s->n_pair + 1 + (s->n_cell_tree ? s->n_cell_tree + 2L * MG_CELL_PAIRS : 0);
+  return 1 + s->n_pair + (s->n_cell_tree ? s->n_cell_tree + 2L * MG_CELL_PAIRS : 0);
 }
 
 /* Memory of the lists of what takes part, in int. */
@@ -94,18 +95,18 @@ static long mg_listing_int_memory_size(const mg_system *s) {
 MG_API long mg_work_size(const mg_system *s) {
   const long b = s->n_body, m = s->n_contact, r = mg_row_count(s), k = mg_held_row_capacity(s), n = s->closed_capacity,
              x = mg_state_count(s);
-  return mg_count_reals(s->n_ball, sizeof(mg_grid_ball)) + 48 * b + 45 * r + mg_spring_count(s) + 8 * m +
-         13L * s->n_joint_row + s->n_joint + 4 * m + s->n_eta + k * k + 3 * k + n * n + n + mg_lcp_work_size((int)k) +
+  return mg_count_reals(s->n_ball, sizeof(mg_grid_ball)) + 48 * b + 45 * r + mg_spring_count(s) + 9 * m + 1 +
+         s->n_joint_row + 4 * m + s->n_eta + k * k + 3 * k + n * n + n + mg_lcp_work_size((int)k) +
          mg_count_reals(mg_max_patch_arcs(s), sizeof(mg_arc)) + mg_hull_memory_max(s) + (MG_STAGES + 12) * x + 32 +
          2 * s->n_eta + mg_search_memory_size(s) + mg_event_margin_size(s) + m * mg_rolling_start_size() +
-         mg_friction_memory_size(s) + mg_time_sample_size(s);
+         mg_friction_memory_size(s) + mg_time_sample_size(s) + 2L * s->n_pair + 6L * s->n_joint;
 }
 
 MG_API long mg_iwork_size(const mg_system *s) {
   const long m = s->n_contact, r = mg_row_count(s), k = mg_held_row_capacity(s);
-  return 7 * m + 2L * s->n_patch_slot + 10 * r + 2L * mg_spring_count(s) + 2L * s->n_joint_row + 4 +
-         mg_search_int_memory_size(s) + 2 * k + mg_lcp_iwork_size((int)k) + 4L * s->n_body + 1 +
-         mg_friction_int_memory_size(s) + mg_listing_int_memory_size(s);
+  return 7 * m + 2L * s->n_patch_slot + 10 * r + 2L * mg_spring_count(s) + 4 + mg_search_int_memory_size(s) + 2 * k +
+         mg_lcp_iwork_size((int)k) + 4L * s->n_body + 1 + mg_friction_int_memory_size(s) +
+         mg_listing_int_memory_size(s);
 }
 
 MG_API int mg_abi(void) { return MG_ABI; }
@@ -171,14 +172,26 @@ static void mg_set_listing_arrays(mg_context *c, mg_real **work, int **iwork) {
   l->found = mg_take_ints(iwork, s->n_pair), l->grid = mg_take_ints(iwork, mg_grid_size(s));
 }
 
+/* Takes the memory of the cells, at the same place for all systems that may keep each other's cells. */
+static void mg_set_cell_arrays(mg_context *c, mg_real **work, int **iwork) {
+  const mg_system *s = c->system;
+  c->search.cells_digest = mg_take_memory(work, 1, sizeof(mg_digest));
+  c->search.cells = mg_take_memory(work, s->n_cell, sizeof(mg_cell));
+  c->search.tree_bound = mg_take_memory(work, s->n_cell_tree, sizeof(mg_real)); /* pointers follow */
+  c->search.n_cells = mg_take_ints(iwork, 1);
+  c->search.tree_root = mg_take_ints(iwork, s->n_cell_tree);
+}
+
 /* Divides the memory. */
 static void mg_set_arrays(mg_context *c, mg_real *work, int *iwork) {
   const mg_system *s = c->system;
   const long b = s->n_body, m = s->n_contact, r = c->layout.spring_row_end, n = mg_held_row_capacity(s),
              k = s->closed_capacity, x = c->layout.n_states;
+  mg_set_cell_arrays(c, &work, &iwork);
   c->patches.arcs = mg_take_memory(&work, mg_max_patch_arcs(s), sizeof(mg_arc)),
   c->patches.hull_memory = mg_take_reals(&work, mg_hull_memory_max(s)); /* pointers first */
   mg_set_listing_arrays(c, &work, &iwork);
+  c->contacts.length = mg_take_reals(&work, m + 1);
   c->bodies.pose = mg_take_reals(&work, 12 * b), c->bodies.twist = mg_take_reals(&work, 6 * b);
   c->bodies.acceleration = mg_take_reals(&work, 6 * b), c->bodies.wrench = mg_take_reals(&work, 6 * b);
   c->rows.J = mg_take_reals(&work, 12 * r), c->rows.MJ = mg_take_reals(&work, 12 * r);
@@ -195,16 +208,11 @@ static void mg_set_arrays(mg_context *c, mg_real *work, int *iwork) {
   c->step.load_wrench = mg_take_reals(&work, 6 * b);
   c->step.settled = mg_take_reals(&work, x), c->step.scale = mg_take_reals(&work, x);
   c->step.interpolant = mg_take_reals(&work, 8 * x), c->search.placement = mg_take_reals(&work, 32 + 2 * s->n_eta);
-  c->rows.row_rate = mg_take_reals(&work, r), c->solution.impulse = mg_take_reals(&work, r),
-  c->joints.previous_MJ = mg_take_reals(&work, 12L * s->n_joint_row);
-  c->joints.independence = mg_take_reals(&work, s->n_joint_row),
-  c->joints.best_independence = mg_take_reals(&work, s->n_joint), c->events.gap_before = mg_take_reals(&work, 2 * m);
+  c->rows.row_rate = mg_take_reals(&work, r), c->solution.impulse = mg_take_reals(&work, r);
+  c->joints.independence = mg_take_reals(&work, s->n_joint_row), c->events.gap_before = mg_take_reals(&work, 2 * m);
   c->search.samples = mg_take_memory(&work, MG_SAMPLES, sizeof(mg_sample)),
-  c->search.cells = mg_take_memory(&work, s->n_cell, sizeof(mg_cell)),
   c->search.bounds_memory = mg_take_memory(&work, mg_bounds_memory_max(s), sizeof(mg_taylor_model));
-  c->search.face_gap = mg_take_reals(&work, MG_SAMPLES), c->search.tree_bound = mg_take_reals(&work, s->n_cell_tree),
-  c->search.tree_root = mg_take_ints(&iwork, s->n_cell_tree), c->search.n_cells = mg_take_ints(&iwork, 1),
-  c->search.is_searched = mg_take_ints(&iwork, s->n_pair),
+  c->search.face_gap = mg_take_reals(&work, MG_SAMPLES), c->search.is_searched = mg_take_ints(&iwork, s->n_pair),
   c->search.cell_pairs = mg_take_ints(&iwork, s->n_cell_tree ? 2L * MG_CELL_PAIRS : 0);
   c->step.rolling_starts = (mg_rolling_start *)(void *)mg_take_reals(&work, m * mg_rolling_start_size());
   c->bodies.motion = mg_take_ints(&iwork, b);
@@ -217,8 +225,7 @@ static void mg_set_arrays(mg_context *c, mg_real *work, int *iwork) {
   c->springs.impulse = mg_take_reals(&work, mg_spring_count(s)),
   c->springs.load = mg_take_ints(&iwork, mg_spring_count(s)),
   c->springs.sharing = mg_take_ints(&iwork, mg_spring_count(s));
-  c->joints.was_independent = mg_take_ints(&iwork, s->n_joint_row),
-  c->joints.is_independent = mg_take_ints(&iwork, s->n_joint_row), c->events.triggered = mg_take_ints(&iwork, m);
+  c->events.triggered = mg_take_ints(&iwork, m);
   c->events.margins =
       mg_take_memory(&work, (MG_MARGIN_SAMPLES + 1L) * mg_event_margin_count(s), sizeof(mg_event_margin));
   c->events.gap_dips = mg_take_ints(&iwork, m), c->patches.is_covered = mg_take_ints(&iwork, m),
@@ -235,6 +242,7 @@ static void mg_set_arrays(mg_context *c, mg_real *work, int *iwork) {
   c->events.passage.free_twist = mg_take_reals(&work, 6 * b),
   c->events.passage.impulse_work = mg_take_reals(&work, 6 * b);
   c->layout.n_timed = mg_time_function_count(s), c->step.time_samples = mg_take_reals(&work, mg_time_sample_size(s));
+  c->sensors.pair = mg_take_reals(&work, 2L * s->n_pair), c->sensors.joint = mg_take_reals(&work, 6L * s->n_joint);
   c->rows.tangents = c->rows.kernel_rows = 0;
   if (s->n_friction) mg_set_friction_arrays(c, work, iwork);
 }
@@ -257,7 +265,7 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
                                  mg_real *work, int *iwork) {
   c->system = system, c->kernels = system->kernels, c->settings = settings, c->run = run;
   c->layout.n_states = (int)mg_state_count(system), c->layout.work_state = c->layout.n_states - 1,
-  c->step.sign_changed = 0, c->patches.hull_patch = -1;
+  c->step.sign_changed = c->events.passage.is_paused = 0, c->patches.hull_patch = -1;
   c->layout.support_begin = system->n_contact - 3 * system->n_patch_slot,
   c->layout.support_feature_pair_begin = system->n_feature_pair - 3 * system->n_patch;
   c->layout.joint_row_begin = system->n_contact + 1, c->layout.spring_row_end = (int)mg_row_count(system);
@@ -281,6 +289,7 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
   for (int slot = 0; slot < system->n_patch_slot; slot++) c->patches.barred[slot] = -1, c->patches.trial[slot] = 0;
   for (int pair = 0; pair < system->n_pair; pair++) c->search.is_searched[pair] = 0;
   mg_init_listing(c);
+  mg_keep_cells_of_same_shapes(c);
   mg_init_joint_rows(c);
   mg_init_spring_rows(c);
   mg_set_incidence(c);

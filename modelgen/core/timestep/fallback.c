@@ -16,12 +16,12 @@ enum {
 };
 
 MG_INTERNAL int mg_is_time_stepping(const mg_context *c) {
-  return c->settings->method == MG_TIME_STEPPING || c->run->fallback_steps_left > 0;
+  return c->settings->method == MG_TIME_STEPPING || c->run->fallback_left > 0;
 }
 
 MG_INTERNAL mg_real mg_next_step(const mg_context *c) {
   if (c->settings->method == MG_TIME_STEPPING) return c->settings->step;
-  return c->run->fallback_steps_left > 0 ? c->run->fallback_step : c->run->h;
+  return c->run->fallback_left > 0 ? c->run->fallback_step : c->run->h;
 }
 
 MG_INTERNAL int mg_is_fallback_outcome(int outcome) {
@@ -66,9 +66,10 @@ static void mg_release_patches(mg_context *c) {
   }
 }
 
-/* Steps of a fallback by this outcome before any doubling: one characteristic time in place of costly events. */
-static long mg_least_fallback_steps(const mg_context *c, int outcome) {
-  return outcome == MG_CHATTER ? (long)ceil(1 / c->settings->chatter_step) : MG_FALLBACK_STEPS;
+/* Steps of a fallback by this outcome: one characteristic time in place of costly events, and the doublings. */
+static long mg_fallback_steps(const mg_context *c, int outcome) {
+  const long least = outcome == MG_CHATTER ? (long)ceil(1 / c->settings->chatter_step) : MG_FALLBACK_STEPS;
+  return least << c->run->fallback_doublings;
 }
 
 /* Span after a fallback, s, within which another one by this outcome follows soon. */
@@ -92,9 +93,9 @@ MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events)
   const int again = run->fallbacks + run->chatters > 0 && run->present_cause == outcome &&
                     run->t - run->fallback_end <= mg_fallback_recovery(c, outcome);
   run->fallback_doublings = again ? run->fallback_doublings + (run->fallback_doublings < MG_FALLBACK_DOUBLINGS) : 0;
-  run->fallback_steps_left = mg_least_fallback_steps(c, outcome) << run->fallback_doublings;
   run->fallback_step =
       (outcome == MG_CHATTER ? c->settings->chatter_step : c->settings->fallback_step) * c->system->time;
+  run->fallback_left = (mg_real)mg_fallback_steps(c, outcome) * run->fallback_step;
   run->fallback_transitions = 0;
   mg_note_fallback(run, outcome);
   mg_append_event(c, events, run->t, MG_EVENT_FALLBACK_START, mg_first_closed_contact(c), 0);
@@ -125,17 +126,19 @@ static int mg_resume_event_driven(mg_context *c) {
 static int mg_prolong_fallback(mg_context *c) {
   mg_run *run = c->run;
   if (run->present_cause != MG_CHATTER) return 0;
-  const long steps = mg_least_fallback_steps(c, MG_CHATTER) << run->fallback_doublings;
+  const long steps = mg_fallback_steps(c, MG_CHATTER);
   if (!mg_would_chatter(c, run->fallback_transitions, steps)) return 0;
-  run->fallback_steps_left = steps, run->fallback_transitions = 0;
+  run->fallback_left = (mg_real)steps * run->fallback_step, run->fallback_transitions = 0;
   return 1;
 }
 
-MG_INTERNAL int mg_count_fallback_step(mg_context *c, mg_events *events, int first_event) {
+MG_INTERNAL int mg_count_fallback_step(mg_context *c, mg_events *events, int first_event, mg_real h) {
   mg_run *run = c->run;
   if (c->settings->method == MG_TIME_STEPPING) return MG_DONE;
   run->fallback_transitions += mg_count_transitions(events, first_event);
-  if (--run->fallback_steps_left > 0 || mg_prolong_fallback(c)) return MG_DONE;
+  run->fallback_left -= h;
+  if (run->fallback_left > run->fallback_step / 2 || mg_prolong_fallback(c)) return MG_DONE;
+  run->fallback_left = 0;
   run->fallback_end = run->t, run->events_at_t = 0, run->h = mg_first_step(c);
   run->event_work = 0, run->event_work_t = run->t;
   int outcome = mg_resume_event_driven(c);

@@ -123,7 +123,7 @@ MG_INTERNAL int mg_converge_all_contacts(mg_context *c, mg_events *events) {
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
     if (!mg_is_on_feature_pair(c, i)) continue;
     if (mg_converge_contact(c, i)) {
-      c->rows.d[i] = c->search.placement[0], c->run->margin[i] = mg_placement_margin(c);
+      c->rows.d[i] = c->search.placement[0], c->run->margin[i] = mg_placement_margin(c, i);
       continue;
     }
     mg_release_contact(c, events, i);

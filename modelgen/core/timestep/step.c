@@ -82,7 +82,7 @@ MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_eve
   mg_impulses_to_forces(c, h);
   mg_advance_time(run, h);
   run->steps++;
-  if (run->fallback_steps_left > 0) *(run->present_cause == MG_CHATTER ? &run->chatter_time : &run->fallback_time) += h;
+  if (run->fallback_left > 0) *(run->present_cause == MG_CHATTER ? &run->chatter_time : &run->fallback_time) += h;
   outcome = mg_update_contacts_after_step(c, events, h);
   if (outcome) return outcome;
   if (mg_is_sample_due(record, run->t)) {

@@ -116,9 +116,9 @@ MG_INTERNAL int mg_is_progress_too_slow(mg_context *c);
    another lasts twice as long. */
 MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events);
 
-/* Counts a step of a fallback, whose events are those from first_event on; after the last one the run is event-driven
-   again, unless many events are still to come. Returns an outcome. */
-MG_INTERNAL int mg_count_fallback_step(mg_context *c, mg_events *events, int first_event);
+/* Counts a step of length h of a fallback, whose events are those from first_event on; at the end of the fallback the
+   run is event-driven again, unless many events are still to come. Returns an outcome. */
+MG_INTERNAL int mg_count_fallback_step(mg_context *c, mg_events *events, int first_event, mg_real h);
 
 /* event_work.c */
 

@@ -31,6 +31,8 @@ SYSTEM_INTEGERS = (
     *("n_q", "n_u", "n_eta", "closed_capacity", "n_joint", "n_joint_row"),
     *("n_patch", "n_patch_slot", "n_cell_tree", "n_cell", "n_friction", "n_friction_row"),
     "n_ball",
+    *("n_input", "sensor_parameters"),
+    *("n_parameters", "n_numbers"),
 )
 SYSTEM_INDICES = (
     *("body_kind", "body_q", "body_u", "body_parameters"),
@@ -61,8 +63,10 @@ SYSTEM_INDICES = (
         "friction_row",
         "friction_body",
     ),
+    "input_is_linear",
 )
 SYSTEM_REALS = (
+    "input_range",
     *("mass_inverse", "restitution", "parameters", "numbers"),
     *(
         "friction_static",
@@ -145,7 +149,9 @@ RUN_ARRAYS = (
         "patch_slip_direction",
         "reference_force",
     ),
-    *("force", "margin", "rolling_start", "tilt_direction"),
+    *("force", "margin", "rolling_start", "tilt_direction", "input", "applied_input"),
+    *("search_bound", "joint_independence_max", "joint_response"),
+    *("joint_row_independent", "joint_row_ever_independent"),
 )
 RUN_COUNTS = (
     "steps",
@@ -158,7 +164,6 @@ RUN_COUNTS = (
         "progress_tries",
         "progress_rejected",
         "fallbacks",
-        "fallback_steps_left",
         "fallback_transitions",
         "chatters",
         "loose_solutions",
@@ -173,7 +178,7 @@ RUN_REALS = (
     *("t_event", "t_roundoff", "energy_0", "energy_error_max", "kinetic_max"),
     *("gap_max", "penetration_max", "penetration_t", "complementarity_max", "margin_min", "lcp_residual_max"),
     *("joint_error_max", "joint_speed", "dead_centre_t", "joint_margin_min", "joint_margin_t"),
-    *("progress_t", "fallback_first", "fallback_end", "fallback_time", "fallback_step"),
+    *("progress_t", "fallback_first", "fallback_end", "fallback_time", "fallback_step", "fallback_left"),
     *("event_work", "event_work_t", "chatter_first", "chatter_time"),
     *(
         "impact_gain_max",
@@ -263,6 +268,14 @@ class Tables:
             "Events",
             [("capacity", integer), ("count", integer)] + [(n, pointer) for n in EVENT_ARRAYS],
         )
+        self.Controller = structure(
+            "Controller",
+            [
+                *[("call", pointer), ("data", pointer), ("period", real), ("start", real)],
+                *[("calls", ctypes.c_long), ("sensors", pointer), ("command", pointer)],
+            ],
+        )
+        self.Control = ctypes.CFUNCTYPE(None, pointer, real, pointer, pointer)
         self.Queries = _queries(real)
         self.MinimaQueries = structure(
             "MinimaQueries",
@@ -313,10 +326,20 @@ def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) 
     integers = _bodies_and_contacts(instance, starts) | sides.integers | _loads_and_joints(instance, starts)
     add_limits(integers, instance["limits"], starts["limits"])
     add_patches(integers, sides.numbers, parameters, instance)
+    of_inputs = len(instance["inputs"]), append(parameters, instance["sensors"]["parameters"])
     constraints, balls = FrictionTables(instance), BallTables(instance)
-    integers |= constraints.integers | balls.integers
-    numbers = {"parameters": parameters, "numbers": sides.numbers}
-    reals = _reals(instance) | numbers | constraints.reals | balls.reals
+    integers |= (
+        constraints.integers
+        | balls.integers
+        | {"input_is_linear": [int(each["hold"] == "linear") for each in instance["inputs"]]}
+    )
+    reals = (
+        _reals(instance)
+        | {"input_range": _input_ranges(tables, instance)}
+        | {"parameters": parameters, "numbers": sides.numbers}
+        | constraints.reals
+        | balls.reals
+    )
     arrays = {name: np.array(values or [0], dtype=np.intc) for name, values in integers.items()}
     arrays |= {name: np.array(values or [0.0], dtype=tables.dtype) for name, values in reals.items()}
     arrays["scale"] = scale
@@ -324,8 +347,10 @@ def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) 
     rows = _room(manifest), len(instance["joints"]), _row_count(manifest)
     patches = len(instance["patches"]), slot_count(instance)
     trees = max(integers["feature_tree"], default=-1) + 1
-    counts = *rows, *patches, trees, cell_capacity(trees), constraints.count, constraints.rows, balls.count
-    system = tables.System(kernels, *_sizes(instance, integers), *states, *counts)
+    of_searches = trees, cell_capacity(trees)
+    counts = *rows, *patches, *of_searches, constraints.count, constraints.rows, balls.count, *of_inputs
+    pools = len(parameters), len(sides.numbers)
+    system = tables.System(kernels, *_sizes(instance, integers), *states, *counts, *pools)
     for name, array in arrays.items():
         setattr(system, name, address(array))
     system.gravity = (tables.real * 3)(*instance["gravity"])
@@ -391,6 +416,17 @@ def _reals(instance: Mapping[str, Any]) -> dict[str, list[float]]:
         ],
         "pair_normal": [value for p in (*pairs, *limits) for value in p.get("normal") or (0.0, 0.0, 0.0)],
     }
+
+
+def _input_ranges(tables: Tables, instance: Mapping[str, Any]) -> list[float]:
+    """Least and largest value of each input; the largest number where there is no bound."""
+    most = float(np.finfo(tables.dtype).max)
+    ends = [(each["minimum"], each["maximum"]) for each in instance["inputs"]]
+    return [
+        value
+        for low, high in ends
+        for value in (-most if low is None else low, most if high is None else high)
+    ]
 
 
 def _room(manifest: Manifest) -> int:

@@ -8,7 +8,7 @@ from typing import Any
 
 from modelgen.codegen.manifest import Manifest
 
-CELLS_PER_TREE, CELLS_MIN, CELLS_MAX = 1024, 8192, 131072
+CELLS_PER_TREE, CELLS_MIN, CELLS_MAX = 4096, 32768, 131072
 CONDITIONS = ("quadric", "parameter", "disc", "wing", "direction", "tilt")  # MG_CONDITION_QUADRIC ..
 
 

@@ -43,6 +43,7 @@ class LibraryTables:
     integers: ArrayBlock
     work_size: int
     iwork_size: int
+    checkpoint_size: int  # bytes
 
 
 def library_tables(library: Library) -> LibraryTables:
@@ -67,7 +68,7 @@ def _make(library: Library) -> LibraryTables:
     n_contact, limits = len(names) + SUPPORT_POINTS * slots, len(instance["limits"])
     n_event = 64 + 8 * n_contact
     reals, integers = _sizes_of_run(instance, system, n_contact, slots)
-    work, iwork = _scratch_sizes(library.cdll, system)
+    work, iwork, checkpoint = _memory_sizes(library.cdll, system)
     return LibraryTables(
         tables=tables,
         system=system,
@@ -85,6 +86,7 @@ def _make(library: Library) -> LibraryTables:
         integers=_block(integers, n_event, ("kind", "contact", "feature_pair")),
         work_size=work,
         iwork_size=iwork,
+        checkpoint_size=checkpoint,
     )
 
 
@@ -119,12 +121,17 @@ def _sizes_of_run(
         "force": m,
         "margin": m,
         "tilt_direction": 3 * n_contact + 3,
+        **dict.fromkeys(("input", "applied_input"), 3 * len(instance["inputs"]) + 1),
+        "search_bound": int(system.n_cell_tree) + 1,
+        "joint_independence_max": int(system.n_joint) + 1,
+        "joint_response": 12 * int(system.n_joint_row) + 1,
     }
     integers = {
         **dict.fromkeys(("feature_pair", "closed", "active", "rolling_start"), m),
         "is_far": len(instance["pairs"]) + len(instance["limits"]) + 1,
         "friction_mode": groups + 1,
         "patch_mode": slots + 1,
+        **dict.fromkeys(("joint_row_independent", "joint_row_ever_independent"), int(system.n_joint_row) + 1),
     }
     return reals, integers
 
@@ -145,6 +152,9 @@ def _scales(tables: Tables, instance: Mapping[str, Any]) -> Array:
     return sizes
 
 
-def _scratch_sizes(cdll: ctypes.CDLL, system: Any) -> tuple[int, int]:
-    cdll.mg_work_size.restype = cdll.mg_iwork_size.restype = ctypes.c_long
-    return int(cdll.mg_work_size(ctypes.byref(system))), int(cdll.mg_iwork_size(ctypes.byref(system)))
+def _memory_sizes(cdll: ctypes.CDLL, system: Any) -> tuple[int, ...]:
+    """Lengths of the scratch arrays, and of a saved state in bytes."""
+    functions = cdll.mg_work_size, cdll.mg_iwork_size, cdll.mg_save_size
+    for function in functions:
+        function.restype = ctypes.c_long
+    return tuple(int(function(ctypes.byref(system))) for function in functions)

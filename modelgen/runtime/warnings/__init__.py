@@ -15,6 +15,8 @@ from modelgen.runtime.warnings.time_stepping import stepping_warnings
 
 POINTS_MAX = 64  # contacts that a pair can have
 
+STEPS_OF_A_PERIOD = 5000  # tried in a characteristic time, on average, above which a run says so
+
 
 def hints(bodies: Sequence[Mapping[str, Any]], touching: Sequence[Any]) -> tuple[str, ...]:
     """Advice for a scene without contacts and joints, and for one in which no body can move."""
@@ -58,6 +60,7 @@ def warnings(session: Session, accuracy: Accuracy) -> tuple[str, ...]:
     if session.run.incomplete_searches:
         found.append(_incomplete(session))
     found += _far(session, accuracy)
+    found += _short_steps(session, accuracy)
     found += impact_warnings(session, accuracy)
     found += stepping_warnings(session)
     return (*found, *joint_warnings(session, accuracy))
@@ -96,6 +99,19 @@ def _incomplete(session: Session) -> str:
         f"t = {float(session.run.incomplete_t):.6g} s, as where surfaces conform or a chart is singular: a "
         "contact may be missed there; a small change of the shapes or the start removes a perfect fit"
     )
+
+
+def _short_steps(session: Session, accuracy: Accuracy) -> list[str]:
+    """Warns if adaptive steps were far shorter than the motion is long, with what that costs."""
+    tried, span = int(session.run.steps + session.run.rejected), float(session.run.t)
+    period = session.instance["scales"]["time"]
+    if accuracy.method != "dop853" or tried * period <= STEPS_OF_A_PERIOD * max(span, period):
+        return []
+    return [
+        f"steps were short: {tried} were tried in {span:.4g} s, {tried * period / span:.0f} in a "
+        f"characteristic time of {period:.3g} s, as where a rim rocks almost flat without friction and its "
+        'contact point runs round; method = "time-stepping" bounds their number'
+    ]
 
 
 def _far(session: Session, accuracy: Accuracy) -> list[str]:

@@ -1,0 +1,54 @@
+"""Expressions of time, sensors and inputs as CasADi functions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import casadi as ca
+
+from modelgen.errors import ExpressionError, SimulationError, nearest
+from modelgen.geometry.casadi_expressions import lower
+from modelgen.scene.expression import Expression, parse_expression
+
+LETTERS = {3: "xyz", 4: "wxyz"}  # of the components of a sensor
+
+
+def commands_function(
+    expressions: Mapping[str, str], inputs: Sequence[str], sensors: Sequence[tuple[str, int]]
+) -> ca.Function:
+    """The function (t, sensors) -> (inputs) of expressions by input; raises SimulationError."""
+    for name in expressions:
+        if name not in inputs:
+            allowed = "inputs: " + ", ".join(inputs)
+            raise SimulationError(
+                "controller", f"a command for {name!r}", allowed, nearest(str(name), inputs)
+            )
+    return expressions_function(expressions, sensors, "controller")
+
+
+def expressions_function(
+    expressions: Mapping[str, str], slots: Sequence[tuple[str, int]], where: str
+) -> ca.Function:
+    """The function (t, one argument a slot) -> (one number an expression), all by name.
+
+    Expressions are of t and of the components of the slots, such as sensors: `lean`, `tip_x`, `turn_w`.
+    Raises SimulationError, whose place begins with `where`, if one is none.
+    """
+    symbols = {name: ca.SX.sym(name, size) for name, size in slots}
+    known = {"t": ca.SX.sym("t")}
+    for name, symbol in symbols.items():
+        names = [f"{name}_{letter}" for letter in LETTERS.get(symbol.numel(), "")] or [name]
+        known |= dict(zip(names, ca.vertsplit(symbol), strict=True))
+    found = {
+        name: lower(_parsed(text, known, f"{where}: {name}"), known) for name, text in expressions.items()
+    }
+    given = {"t": known["t"], **symbols}
+    return ca.Function("expressions", list(given.values()), list(found.values()), list(given), list(found))
+
+
+def _parsed(text: str, known: Mapping[str, ca.SX], where: str) -> Expression:
+    try:
+        return parse_expression(text, known)
+    except ExpressionError as error:
+        place = f"{where}: in {error.where}"
+        raise SimulationError(place, error.found, error.allowed, error.remedy) from None

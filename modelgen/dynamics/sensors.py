@@ -1,0 +1,176 @@
+"""The sensors of a scene as one kernel: from poses, twists, gaps and forces to what each sensor shows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+
+from modelgen.dynamics.bodies import kernel
+from modelgen.dynamics.inputs import input_argument, input_values
+from modelgen.dynamics.symbolic_rotations import quaternion
+from modelgen.geometry.casadi_expressions import lower
+from modelgen.geometry.frames import cross, frame_of
+from modelgen.joint.joint_frames import meeting
+from modelgen.joint.joint_limits import coordinate_of
+from modelgen.joint.joint_rows import numbers_of, parameters_of
+from modelgen.model import InputKind, Model
+from modelgen.scene.scene_types import Measurand, Sensor, Vector
+from modelgen.scene.sensors import components, letters_of
+
+POSE, TWIST, WRENCH, OF_A_PAIR = 12, 6, 6, 2  # numbers of a body; of a joint; of a pair: gap, force
+FORCES = ("force", "torque")  # quantities that need the forces at an instant
+
+
+def sensor_names(sensors: Sequence[Sensor]) -> tuple[tuple[str, int], ...]:
+    """Name and number of components of each sensor."""
+    return tuple((sensor.name, max(len(letters_of(sensor)), 1)) for sensor in sensors)
+
+
+def need_rates(sensors: Sequence[Sensor]) -> bool:
+    """Whether a sensor shows forces or gaps, so that the right-hand side is evaluated for it."""
+    measured = [sensor.measurand for sensor in sensors if sensor.measurand is not None]
+    return any(each.owner == "pair" or each.quantity in FORCES for each in measured)
+
+
+def sensor_parameters(model: Model) -> tuple[float, ...]:
+    """The parameters of the kernel: of each sensor in turn the numbers that `_Symbols.take` asks for."""
+    found: list[float] = []
+    for sensor in model.scene.sensors:
+        measured = sensor.measurand
+        if measured is None:
+            continue
+        if measured.owner == "body":
+            if measured.point is not None:
+                found += _from(_centre(model, measured.name), measured.point)
+            if measured.relative_to is not None:
+                found += _from(_centre(model, measured.relative_to), (0.0, 0.0, 0.0))
+        if measured.owner == "joint":
+            entry = model.joints[_joint(model, measured.name)]
+            if measured.quantity == "torque":
+                found += _from(model.bodies[entry.b].centre_of_mass, entry.frames[1].position)
+            elif measured.quantity != "force":
+                found += entry.parameters
+    return tuple(found)
+
+
+def sensor_kernel(model: Model) -> ca.Function:
+    """`mg_sensors`: (t, pose(12 a body), twist(6 a body), pairs(2 a pair: least gap m, normal force N),
+    joints(6 a joint: its wrench on the second body), parameters, inputs) -> (sensors): the components of all
+    sensors in order."""
+    symbols = _Symbols.of(model)
+    known = dict(symbols.values)
+    shown = []
+    for sensor in model.scene.sensors:
+        value = _measured(sensor.measurand, model, symbols) if sensor.measurand else _follows(sensor, known)
+        known |= dict(zip(components(sensor.name, letters_of(sensor)), ca.vertsplit(value), strict=True))
+        shown.append(value)
+    return kernel("mg_sensors", symbols.arguments, {"sensors": ca.vertcat(ca.SX(0, 1), *shown)})
+
+
+@dataclass
+class _Symbols:
+    """The arguments of the kernel, and how many of its parameters are taken."""
+
+    arguments: dict[str, ca.SX]
+    values: dict[str, ca.SX]  # time and inputs by name
+    taken: int = 0
+
+    @classmethod
+    def of(cls, model: Model) -> _Symbols:
+        inputs = tuple(InputKind(each.name, each.hold) for each in model.scene.inputs)
+        t, settings = ca.SX.sym("t"), input_argument(inputs)
+        sizes = {
+            "pose": POSE * len(model.bodies),
+            "twist": TWIST * len(model.bodies),
+            "pairs": OF_A_PAIR * len(model.pairs),
+            "joints": WRENCH * len(model.joints),
+            "parameters": len(sensor_parameters(model)),
+        }
+        named = {name: ca.SX.sym(name, size) for name, size in sizes.items()}
+        return cls({"t": t, **named, **settings}, {"t": t} | input_values(inputs, t, settings))
+
+    def take(self, size: int) -> ca.SX:
+        """The next parameters."""
+        self.taken += size
+        return self.arguments["parameters"][self.taken - size : self.taken]
+
+    def body(self, index: int) -> tuple[ca.SX, ca.SX]:
+        """Pose and twist of a body."""
+        pose, twist = self.arguments["pose"], self.arguments["twist"]
+        return pose[POSE * index : POSE * (index + 1)], twist[TWIST * index : TWIST * (index + 1)]
+
+
+def _follows(sensor: Sensor, known: dict[str, ca.SX]) -> ca.SX:
+    assert sensor.value is not None
+    return lower(sensor.value, known)
+
+
+def _measured(measured: Measurand, model: Model, symbols: _Symbols) -> ca.SX:
+    if measured.owner == "body":
+        return _of_body(measured, model, symbols)
+    if measured.owner == "joint":
+        return _of_joint(measured, model, symbols)
+    index = [pair.name for pair in model.pairs].index(measured.name)
+    return symbols.arguments["pairs"][OF_A_PAIR * index + ("gap", "force").index(measured.quantity)]
+
+
+def _of_body(measured: Measurand, model: Model, symbols: _Symbols) -> ca.SX:
+    pose, twist = symbols.body(_body(model, measured.name))
+    frame, spin = frame_of(pose), twist[3:6]
+    arm = symbols.take(3) if measured.point is not None else ca.SX(3, 1)
+    position = frame.position + ca.mtimes(frame.rotation, arm)
+    velocity = twist[0:3] + ca.mtimes(frame.rotation, cross(spin, arm))
+    turned = ca.mtimes(frame.rotation, spin)
+    if measured.relative_to is None:
+        world = {"position": position, "velocity": velocity, "angular_velocity": turned}
+        return quaternion(frame.rotation) if measured.quantity == "orientation" else world[measured.quantity]
+    base_pose, base_twist = symbols.body(_body(model, measured.relative_to))
+    base, base_spin, origin = frame_of(base_pose), base_twist[3:6], symbols.take(3)
+    back = base.rotation.T
+    seen = ca.mtimes(back, position - base.position) - origin
+    if measured.quantity == "position":
+        return seen
+    if measured.quantity == "velocity":
+        swing = base_twist[0:3] + ca.mtimes(base.rotation, cross(base_spin, origin + seen))
+        return ca.mtimes(back, velocity - swing)
+    if measured.quantity == "orientation":
+        return quaternion(ca.mtimes(back, frame.rotation))
+    return ca.mtimes(back, turned) - base_spin
+
+
+def _of_joint(measured: Measurand, model: Model, symbols: _Symbols) -> ca.SX:
+    index = _joint(model, measured.name)
+    entry = model.joints[index]
+    wrench = symbols.arguments["joints"][WRENCH * index : WRENCH * (index + 1)]
+    if measured.quantity == "force":
+        return wrench[0:3]
+    (pose_a, twist_a), (pose_b, twist_b) = symbols.body(entry.a), symbols.body(entry.b)
+    if measured.quantity == "torque":
+        rotation = frame_of(pose_b).rotation
+        return ca.mtimes(rotation, wrench[3:6]) - cross(ca.mtimes(rotation, symbols.take(3)), wrench[0:3])
+    kind = model.joint_kinds[entry.kind].kind
+    m, numbers = meeting(), numbers_of(kind)
+    value = coordinate_of(kind).value(m, numbers)
+    outputs = {"found": value if measured.quantity == "coordinate" else m.rate(value).total}
+    function = m.kernel("joint", {**m.moving, "parameters": parameters_of(m, numbers)}, outputs)
+    (found,) = function.call([pose_a, twist_a, pose_b, twist_b, symbols.take(len(entry.parameters))])
+    return found
+
+
+def _body(model: Model, name: str) -> int:
+    return [body.name for body in model.bodies].index(name)
+
+
+def _joint(model: Model, name: str) -> int:
+    return [joint.name for joint in model.joints].index(name)
+
+
+def _centre(model: Model, name: str) -> Vector:
+    return model.bodies[_body(model, name)].centre_of_mass
+
+
+def _from(centre: Vector, point: Vector) -> list[float]:
+    """A point of a body from its centre of mass."""
+    return [a - b for a, b in zip(point, centre, strict=True)]

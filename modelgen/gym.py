@@ -1,0 +1,250 @@
+"""Driven runs as environments of Gymnasium (extra `rl`): actions are inputs, observations are sensors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from modelgen.codegen.expression_functions import expressions_function
+from modelgen.codegen.library import Library
+from modelgen.errors import ModelgenError, nearest
+from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.arguments import check_span
+from modelgen.runtime.simulations import Simulations, start_many
+from modelgen.scene.scene_types import Scene
+
+try:
+    import gymnasium
+    from gymnasium.vector import AutoresetMode
+    from gymnasium.vector.utils import batch_space
+except ImportError:
+    raise ModelgenError(
+        "modelgen.gym", "no package 'gymnasium'", "", 'run: pip install "modelgen[rl]"'
+    ) from None
+
+Array = np.ndarray[Any, Any]
+Draw = Callable[[np.random.Generator], tuple[Array, Array]]  # a start: q (n_q,), u (n_u,)
+
+
+def make(
+    scene: Library | Scene | str | Path,
+    *,
+    reward: str,
+    terminated: str = "-1",
+    observe: Sequence[str] | None = None,
+    every: float = 0.02,
+    horizon: float = 10.0,
+    draw: Draw | None = None,
+    parameters: Mapping[str, float] | None = None,
+    accuracy: Accuracy | str | None = None,
+) -> RunEnv:
+    """An environment of one run.
+
+    Args:
+        scene: a library, a scene, or the path of a scene file.
+        reward, terminated: expressions of t, inputs and components of sensors, at the end of each step; the
+            episode terminates where the second is positive.
+        observe: names of the sensors that are observed; all when None.
+        every: time of a step, s.
+        horizon: time after which an episode is truncated, s.
+        draw: draws the start of an episode; None: the scene's own.
+        parameters: values of parameters of the scene.
+        accuracy: as for `start`.
+
+    The actions are all inputs of the scene, in order: values, or the rates of those with hold = "linear",
+    within their ranges. A run that fails ends its episode as truncated, with `outcome` in the info.
+
+    Raises:
+        ModelgenError: an argument is not what it says, or an input has no range.
+    """
+    facts = _Facts(scene, reward, terminated, observe, every, horizon, draw)
+    return RunEnv(facts, facts.started(1, parameters, accuracy, 1))
+
+
+def make_vec(
+    scene: Library | Scene | str | Path,
+    n: int,
+    *,
+    reward: str,
+    terminated: str = "-1",
+    observe: Sequence[str] | None = None,
+    every: float = 0.02,
+    horizon: float = 10.0,
+    draw: Draw | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    accuracy: Accuracy | str | None = None,
+    threads: int = 1,
+) -> RunVectorEnv:
+    """An environment of n runs that go on together; arguments are those of `make`.
+
+    `parameters` may have one value for each run. A run whose episode has ended is reset in the next step
+    (`AutoresetMode.NEXT_STEP`).
+    """
+    facts = _Facts(scene, reward, terminated, observe, every, horizon, draw)
+    return RunVectorEnv(facts, facts.started(n, parameters, accuracy, threads))
+
+
+class _Facts:
+    """What the runs of an environment have in common: spaces, reward, end of an episode."""
+
+    def __init__(
+        self,
+        scene: Library | Scene | str | Path,
+        reward: str,
+        terminated: str,
+        observe: Sequence[str] | None,
+        every: float,
+        horizon: float,
+        draw: Draw | None,
+    ) -> None:
+        check_span("every", every, "give the time of a step, s")
+        check_span("horizon", horizon, "give the longest time of an episode, s")
+        self.library, self.every, self.horizon, self.draw = _library(scene), every, horizon, draw
+        instance = self.library.manifest.instance
+        self.sensors = [(str(name), int(size)) for name, size in instance["sensors"]["names"]]
+        self.observed = _observed(observe, [name for name, _ in self.sensors])
+        self.inputs = instance["inputs"]
+        slots = [*self.sensors, *((each["name"], 1) for each in self.inputs)]
+        self._values = expressions_function(
+            {"reward": reward, "terminated": terminated}, slots, "modelgen.gym"
+        )
+        sizes = dict(self.sensors)
+        count = sum(sizes[name] for name in self.observed)
+        self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (count,), np.float64)
+        low, high = (np.array([_end(each, key) for each in self.inputs]) for key in ("minimum", "maximum"))
+        self.action_space = gymnasium.spaces.Box(low, high, dtype=np.float64)
+
+    def started(
+        self, n: int, parameters: Mapping[str, Any] | None, accuracy: Accuracy | str | None, threads: int
+    ) -> Simulations:
+        return start_many(self.library, n, parameters=parameters, accuracy=accuracy, threads=threads)
+
+    def act(self, many: Simulations, actions: Array) -> None:
+        """Set the inputs (n, number of inputs)."""
+        for k, each in enumerate(self.inputs):
+            if each["hold"] == "linear":
+                many.inputs.ramp(each["name"], actions[:, k])
+            else:
+                many.inputs[each["name"]][:] = np.clip(actions[:, k], each["minimum"], each["maximum"])
+
+    def shown(self, many: Simulations) -> tuple[Array, Array, Array]:
+        """Observations (n, k), rewards (n,) and whether episodes terminate (n,)."""
+        sensors = many.sensors
+        columns = {name: values.reshape(many.n, -1) for name, values in sensors.items()}
+        inputs = [many.inputs[each["name"]].reshape(many.n, 1) for each in self.inputs]
+        given = [many.t.reshape(many.n, 1), *(columns[name] for name, _ in self.sensors), *inputs]
+        mapped = self._values if many.n == 1 else self._values.map(many.n)
+        found = mapped.call([ca.DM(np.ascontiguousarray(each.T)) for each in given])
+        reward, terminated = (np.asarray(each, dtype=float).ravel() for each in found)
+        observation = [columns[name] for name in self.observed]
+        return np.concatenate([np.zeros((many.n, 0)), *observation], axis=1), reward, terminated > 0
+
+    def reset(self, many: Simulations, lanes: Sequence[int], random: np.random.Generator) -> None:
+        """Put lanes at the start of an episode, their inputs at their defaults."""
+        n_q, n_u = (self.library.manifest.instance[key] for key in ("n_q", "n_u"))
+        q = u = None
+        if self.draw is not None:
+            q, u = np.zeros((many.n, n_q)), np.zeros((many.n, n_u))
+            for lane in lanes:
+                q[lane], u[lane] = self.draw(random)
+        for each in self.inputs:
+            many.inputs[each["name"]][list(lanes)] = each["default"]
+        many.reset(list(lanes), q, u)
+
+
+class RunEnv(gymnasium.Env[Array, Array]):
+    """An environment of one run (`make`)."""
+
+    metadata = {"render_modes": []}  # noqa: RUF012  as Gymnasium declares it
+
+    def __init__(self, facts: _Facts, many: Simulations) -> None:
+        self._facts, self._many = facts, many
+        self.observation_space, self.action_space = facts.observation_space, facts.action_space
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Array, dict[str, Any]]:
+        """The first observation of an episode, and no info; raises ModelgenError where a start is refused."""
+        super().reset(seed=seed)
+        self._facts.reset(self._many, [0], self.np_random)
+        return self._facts.shown(self._many)[0][0], {}
+
+    def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
+        """Observation, reward, terminated, truncated, info after one step with the action."""
+        self._facts.act(self._many, np.asarray(action, dtype=float).reshape(1, -1))
+        self._many.step(self._facts.every)
+        observation, reward, terminated = self._facts.shown(self._many)
+        failed = bool(self._many.ended[0])
+        truncated = failed or _is_over(self._many.t, self._facts)[0]
+        info = {"outcome": str(self._many.outcomes[0])} if failed else {}
+        return observation[0], float(reward[0]), bool(terminated[0]), bool(truncated), info
+
+
+class RunVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Array]):
+    """An environment of many runs (`make_vec`)."""
+
+    metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}  # noqa: RUF012
+
+    def __init__(self, facts: _Facts, many: Simulations) -> None:
+        self._facts, self._many = facts, many
+        self.num_envs = many.n
+        self.single_observation_space, self.single_action_space = facts.observation_space, facts.action_space
+        self.observation_space = batch_space(facts.observation_space, many.n)
+        self.action_space = batch_space(facts.action_space, many.n)
+        self._over = np.zeros(many.n, dtype=bool)  # runs to be reset in the next step
+
+    def reset(
+        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Array, dict[str, Any]]:
+        """The first observations; of seeds by run the first one counts."""
+        super().reset(seed=seed[0] if isinstance(seed, list) else seed)
+        self._facts.reset(self._many, range(self.num_envs), self.np_random)
+        self._over[:] = False
+        return self._facts.shown(self._many)[0], {}
+
+    def step(self, actions: Array) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
+        """Observations, rewards, terminated, truncated, infos after one step of each run."""
+        over = np.flatnonzero(self._over)
+        self._facts.act(self._many, np.asarray(actions, dtype=float))
+        if len(over):
+            self._facts.reset(self._many, over.tolist(), self.np_random)
+        self._many.step(self._facts.every, ~self._over)
+        observation, reward, terminated = self._facts.shown(self._many)
+        truncated = self._many.ended | _is_over(self._many.t, self._facts)
+        reward[over], terminated[over], truncated[over] = 0.0, False, False
+        self._over = terminated | truncated
+        return observation, reward, terminated, truncated, {}
+
+
+def _is_over(t: Array, facts: _Facts) -> Array:
+    """Whether the episodes have reached their horizon."""
+    return np.asarray(t > facts.horizon - facts.every / 2)
+
+
+def _library(scene: Library | Scene | str | Path) -> Library:
+    if isinstance(scene, Library):
+        return scene
+    from modelgen import build, derive, emit, read, require
+
+    return build(emit(derive(require(scene if isinstance(scene, Scene) else read(scene)))))
+
+
+def _observed(names: Sequence[str] | None, known: Sequence[str]) -> list[str]:
+    for name in names or ():
+        if name not in known:
+            allowed = "sensors: " + ", ".join(known)
+            raise ModelgenError("observe", f"no sensor named {name!r}", allowed, nearest(name, known))
+    return list(known if names is None else names)
+
+
+def _end(each: Mapping[str, Any], key: str) -> float:
+    """An end of the range of an input; raises ModelgenError if there is none."""
+    if each[key] is None:
+        raise ModelgenError(
+            f"input {each['name']!r}", f"no {key}", "an action needs a range", f"add {key} to the [[input]]"
+        )
+    return float(each[key])

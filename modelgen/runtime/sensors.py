@@ -1,0 +1,53 @@
+"""What the sensors of a run show."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from modelgen.runtime.arguments import check_name
+from modelgen.runtime.session import Session
+from modelgen.runtime.tables.ctypes_structures import Array
+
+
+class Readings(Mapping[str, "float | Array"]):
+    """What sensors show, by name: a float, or an array (3,) or (4,), in SI units."""
+
+    def __init__(self, slots: Sequence[tuple[str, int]], values: Array) -> None:
+        self.values_in_order = values
+        self._parts: dict[str, slice | int] = {}
+        end = 0
+        for name, size in slots:
+            self._parts[name] = slice(end, end + size) if size > 1 else end
+            end += size
+
+    def __getitem__(self, name: str) -> float | Array:
+        if name not in self._parts:
+            check_name("sensor", name, self._parts)
+        part = self._parts[name]
+        found = self.values_in_order[part]
+        return found.copy() if isinstance(part, slice) else float(found)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._parts)
+
+    def __len__(self) -> int:
+        return len(self._parts)
+
+    def __repr__(self) -> str:
+        return repr(dict(self))
+
+
+class Sensors(Readings):
+    """The sensors of a run at its present state.
+
+    A gap is NaN while no closest points of its pair are followed; torques and forces of joints are NaN in
+    time-stepping.
+    """
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session.instance["sensors"]["names"], session.sensed)
+        self._session = session
+
+    def __getitem__(self, name: str) -> float | Array:
+        self._session.sense()
+        return super().__getitem__(name)

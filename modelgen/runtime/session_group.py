@@ -1,0 +1,234 @@
+"""Many runs of one library that go on together, in as many threads as are wanted."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+
+from modelgen.codegen.library import Library
+from modelgen.errors import SimulationError, expect
+from modelgen.runtime import checkpoint
+from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.arguments import is_number
+from modelgen.runtime.lanes import lanes_of, times_of
+from modelgen.runtime.session import FULL, Session
+from modelgen.runtime.start import REFUSED, refusal
+from modelgen.runtime.tables.array_block import ArrayBlock
+from modelgen.runtime.tables.ctypes_structures import EVENT_ARRAYS, INTEGER, Array, address
+from modelgen.runtime.tables.own_numbers import OwnNumbers
+from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome
+
+PARTS = 8  # parts of the lanes for each thread, so that threads end together though lanes differ
+
+
+_Place = tuple[int, int]  # address of an array by lane, and bytes of an entry
+
+
+class _Scratch:
+    """Scratch memory of a thread."""
+
+    def __init__(self, session: Session) -> None:
+        self._kept = np.zeros(len(session.work), session.tables.dtype), np.zeros(len(session.iwork), INTEGER)
+        self.addresses = tuple(address(array) for array in self._kept)
+
+
+class SessionGroup:
+    """The states of n runs, the lanes, in the core's memory. Arrays are by lane and change as runs advance.
+
+    A lane depends on no other: it does bit for bit what a `Session` does, in any number of threads. One that
+    fails stays where it is, and the others go on.
+
+    Attributes:
+        n: number of lanes.
+        x: (n, n_x) state as in `Session.x`. Before `begin`: the starts, that of the scene unless overwritten.
+        t: (n,) s. Before `begin`: the times of the starts, 0 unless overwritten.
+        codes: (n,) outcome of the core: 0 where a lane can go on, 10 and more where it failed.
+        arrays: all arrays of the runs, (n, length) each, by their names in mg_run (modelgen.h).
+    """
+
+    def __init__(
+        self,
+        library: Library,
+        accuracy: Accuracy | str | None = None,
+        *,
+        n: int,
+        own: Sequence[OwnNumbers | None] | None = None,
+    ) -> None:
+        """`accuracy`: as for `simulate`, `balanced` when None; `own`: n entries, numbers that take the place
+        of those of the library in a lane.
+
+        Raises ModelgenError where an argument is not what it says.
+        """
+        expect("SessionGroup", library, Library)
+        self.n = _whole("n", n, "give the number of runs")
+        self.library = library
+        self.accuracy = Accuracy.balanced() if accuracy is None else Accuracy.taken(accuracy)
+        self._own = [None] * self.n if own is None else list(own)
+        if len(self._own) != self.n:
+            found = f"{len(self._own)} entries"
+            raise SimulationError("own", found, f"{self.n}, one for each run", "give None for the others")
+        self._like = Session(library, self.accuracy)
+        self._runs, self.arrays = lanes_of(self._like, self.n)
+        self.x = self.arrays["x"]
+        self.x[:] = self._like.x
+        self.t = times_of(self._like, self._runs)
+        self.codes = np.zeros(self.n, dtype=INTEGER)
+        self._ends = np.zeros(self.n, dtype=self._like.tables.dtype)
+        self._system_of = [each.system if each else self._like.system for each in self._own]
+        self._systems = (ctypes.c_void_p * self.n)(*map(ctypes.addressof, self._system_of))
+        self._columns, self._lists = self._event_lists()
+        self._systems_at, self._runs_at, self._lists_at = (
+            (ctypes.addressof(entries), ctypes.sizeof(entries) // self.n)
+            for entries in (self._systems, self._runs, self._lists)
+        )
+        n_sensor = sum(size for _, size in library.manifest.instance["sensors"]["names"])
+        self.sensed = np.zeros((self.n, n_sensor), self._like.tables.dtype)
+        self._sensed_at = address(self.sensed), self.sensed.strides[0]
+        self._codes_at, self._ends_at = ((address(a), a.itemsize) for a in (self.codes, self._ends))
+        self._told: list[list[Event]] = [[] for _ in range(self.n)]
+        self._scratch: list[_Scratch] = []
+        self._pool: ThreadPoolExecutor | None = None
+        self._pool_size = 0
+
+    @property
+    def outcomes(self) -> tuple[Outcome | None, ...]:
+        """DONE where a lane can go on, else why it ended; None where it could not start."""
+        return tuple(OUTCOME_OF_CODE.get(code) for code in self.codes.tolist())
+
+    def begin(self, threads: int = 1) -> Mapping[int, SimulationError]:
+        """Settle the starts; returns the errors of the lanes that cannot start, by lane. They are left out
+        from then on."""
+        self._share("mg_begin_many", (self._codes_at, self._lists_at), threads)
+        codes = enumerate(self.codes.tolist())
+        return {lane: self._refusal(lane, code) for lane, code in codes if code in REFUSED}
+
+    def advance(self, t: float | Array, threads: int = 1) -> None:
+        """Go on to t, s, one time or one for each lane, on several threads. A lane at or past it, and one
+        that has failed, is left as it is. `codes` and `outcomes` say what became of each.
+
+        Raises SimulationError where an argument is not what it says.
+        """
+        try:
+            self._ends[:] = t
+        except (TypeError, ValueError):
+            raise SimulationError("t", f"shape {np.shape(t)}", f"one time or {self.n}, in s", "") from None
+        if not np.isfinite(self._ends).all():
+            raise SimulationError("t", "not finite", "times in s", "")
+        by_lane = self._ends_at, self._codes_at, self._lists_at
+        self._share("mg_advance_many", by_lane, threads)
+        while (full := np.flatnonzero(self.codes == FULL)).size:
+            for lane in full.tolist():
+                self._told[lane] = self.drain_events(lane)
+            self._share("mg_advance_many", by_lane, threads)
+
+    def begin_again(self, lane: int, start: Array) -> None:
+        """Put a lane at a start (n_x,) at t = 0 and settle it; its inputs stay. Its events are dropped.
+
+        Raises SimulationError where the start is refused; the lane is left out from then on.
+        """
+        settings = self.arrays["input"][lane].copy()
+        for name, array in self.arrays.items():
+            array[lane] = -1 if name == "feature_pair" else 0
+        self.arrays["input"][lane], self.x[lane] = settings, start
+        self._runs[lane].t = self._runs[lane].h = 0.0
+        self._lists[lane].count, self._told[lane] = 0, []
+        if not self._scratch:
+            self._scratch.append(_Scratch(self._like))
+        head, events = self._head_at(lane), ctypes.byref(self._lists[lane])
+        scratch = map(ctypes.c_void_p, self._scratch[0].addresses)
+        self.codes[lane] = code = self.library.cdll.mg_begin(*head, events, *scratch)
+        if code in REFUSED:
+            raise self._refusal(lane, int(code))
+
+    def sense(self, threads: int = 1) -> Array:
+        """What the sensors of all lanes show, (n, n_sensor)."""
+        self._share("mg_sense_many", (self._sensed_at,), threads)
+        return self.sensed
+
+    def drain_events(self, lane: int) -> list[Event]:
+        """The events of a lane since the last call."""
+        listed = self._lists[lane]
+        told = self._told[lane] + self._like.named([column[lane] for column in self._columns], listed.count)
+        self._told[lane], listed.count = [], 0
+        return told
+
+    def save(self, lane: int) -> bytes:
+        """The state of a lane, as `Session.save` gives it."""
+        return checkpoint.save(self.library.cdll, self._head_at(lane), self._like.shared.checkpoint_size)
+
+    def load(self, lane: int, state: bytes) -> None:
+        """Put a lane into a saved state of a lane or session with the same numbers, from which it goes on.
+        Its events are dropped. Raises SimulationError as `Session.load` does."""
+        checkpoint.load(self.library.cdll, self._head_at(lane), state)
+        self.codes[lane] = self._lists[lane].count = 0
+        self._told[lane] = []
+
+    def _event_lists(self) -> tuple[list[Array], Any]:
+        """The columns of the lists of events, (n, capacity) each, and the n mg_events."""
+        tables, shape = self._like.tables, (self.n, self._like.shared.n_event)
+        reals, real_at = ArrayBlock(dict.fromkeys(("t", "speed"), shape)).zeros(tables.dtype)
+        whole = ArrayBlock(dict.fromkeys(("kind", "contact", "feature_pair"), shape))
+        integers, integer_at = whole.zeros(INTEGER)
+        arrays, at = reals | integers, real_at | integer_at
+        lists = (tables.Events * self.n)()
+        for lane, events in enumerate(lists):
+            events.capacity = shape[1]
+            for name in EVENT_ARRAYS:
+                setattr(events, name, at[name] + lane * arrays[name].strides[0])
+        return [arrays[name] for name in EVENT_ARRAYS], lists
+
+    def _share(self, name: str, by_lane: tuple[_Place, ...], threads: int) -> None:
+        """Call a function of the core for all lanes, in parts that the threads take as they become free; its
+        arguments `by_lane` are arrays with an entry for each."""
+        count = min(_whole("threads", threads, "give the number of threads"), self.n)
+        while len(self._scratch) < count:
+            self._scratch.append(_Scratch(self._like))
+        size = max(1, self.n // (PARTS * count)) if count > 1 else self.n
+        parts = iter(range(0, self.n, size))
+        run = self.library.cdll[name]  # a function object of its own, as others may call it otherwise
+        run.argtypes = [ctypes.c_int, *[ctypes.c_void_p] * (5 + len(by_lane))]
+        settings, systems, runs = ctypes.addressof(self._like.settings), self._systems_at, self._runs_at
+
+        def work(scratch: _Scratch) -> None:
+            for first in parts:
+                given = [at + first * width for at, width in by_lane]
+                head = systems[0] + first * systems[1], settings, runs[0] + first * runs[1]
+                run(min(size, self.n - first), *head, *given, *scratch.addresses)
+
+        others = [self._threads(count - 1).submit(work, scratch) for scratch in self._scratch[1:count]]
+        try:
+            work(self._scratch[0])
+        finally:
+            _exhaust(parts)  # when interrupted, so that the other threads stop
+            for other in others:
+                other.result()
+
+    def _threads(self, count: int) -> ThreadPoolExecutor:
+        if self._pool is None or self._pool_size < count:
+            self._pool, self._pool_size = ThreadPoolExecutor(count), count
+        return self._pool
+
+    def _refusal(self, lane: int, code: int) -> SimulationError:
+        session = Session(self.library, self.accuracy, self._own[lane])
+        session.x[:], session.feature_pair[:] = self.x[lane], self.arrays["feature_pair"][lane]
+        return refusal(session, code, self._runs[lane], f"run {lane}, ")
+
+    def _head_at(self, lane: int) -> tuple[Any, ...]:
+        """mg_system, mg_settings and mg_run of a lane."""
+        settings, run = ctypes.byref(self._like.settings), ctypes.byref(self._runs[lane])
+        return ctypes.byref(self._system_of[lane]), settings, run
+
+
+def _exhaust(parts: Iterator[int]) -> None:
+    for _ in parts:
+        pass
+
+
+def _whole(name: str, value: Any, remedy: str) -> int:
+    if not is_number(value) or not 1 <= value < np.inf or value != int(value):
+        raise SimulationError(name, repr(value), "a whole number, at least 1", remedy)
+    return int(value)

@@ -1,0 +1,228 @@
+"""Many runs of one library that their caller drives together, each with its own numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any, Unpack
+
+import numpy as np
+
+from modelgen.codegen.library import Library
+from modelgen.errors import SimulationError, expect
+from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.arguments import check_keywords, check_name, check_span, with_parameters
+from modelgen.runtime.inputs import SETTING_SIZE
+from modelgen.runtime.session_group import SessionGroup
+from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
+from modelgen.runtime.tables.ctypes_structures import Array
+from modelgen.runtime.tables.library_tables import library_tables
+from modelgen.runtime.tables.own_numbers import OwnNumbers
+from modelgen.runtime.trajectory import Event, Outcome
+
+KEYWORDS = ("parameters", "inputs", "q", "u", "accuracy", "threads", *STEPPING)  # of `start_many`
+Values = Mapping[str, Any]  # by name: one number, or one for each lane
+
+
+def start_many(
+    library: Library,
+    n: int,
+    *,
+    parameters: Values | None = None,
+    inputs: Values | None = None,
+    q: Array | None = None,
+    u: Array | None = None,
+    accuracy: Accuracy | str | None = None,
+    threads: int = 1,
+    **stepping: Unpack[Stepping],
+) -> Simulations:
+    """Start n runs, the lanes, that the caller drives together.
+
+    Args:
+        library: what `build` returned.
+        n: number of lanes.
+        parameters: values of parameters of the scene by name, one number or (n,); the scene's for others.
+        inputs: values of inputs at t = 0, one number or (n,); the scene's defaults for the others.
+        q, u: (n, n_q) and (n, n_u) starts, laid out as in the manifest; the scene's own when None.
+        accuracy: every tolerance and choice, or "fast", "balanced", "tight"; the scene's own when None.
+        threads: in which the core works; no Python runs in them.
+        stepping: method, step, scheme, solver, fallback, in place of the accuracy's or scene's (`Accuracy`).
+
+    A lane does bit for bit what `start` with the same numbers does. One that cannot start, or fails, stays
+    where it is (`outcomes`), and the others go on.
+
+    Raises:
+        ModelgenError: an argument is not what it says, or every lane is refused; the message names the first.
+    """
+    expect("start_many", library, Library)
+    check_keywords("start_many", stepping, KEYWORDS)
+    chosen = accuracy_of(library.manifest.instance, accuracy, stepping)
+    libraries = _libraries(library, n, parameters or {})
+    own = [OwnNumbers(library_tables(each).system, {}) for each in libraries]
+    group = SessionGroup(library, chosen, n=n, own=own)
+    group.x[:] = [library_tables(each).start for each in libraries]
+    _write(group, group.x, q, u)
+    many = Simulations(group, libraries, threads)
+    for name, values in (inputs or {}).items():
+        many.inputs[name][:] = values
+    many.inputs.check()
+    refused = group.begin(threads)
+    if len(refused) == n:
+        raise refused[0]
+    many.refused = refused
+    return many
+
+
+class Simulations:
+    """Runs between two steps; arrays are by lane. `start_many` makes them.
+
+    Attributes:
+        n: number of lanes.
+        inputs: by name, (n,) values that are written to: `many.inputs["push"][:] = values`.
+        refused: the errors of lanes that could not start, by lane.
+    """
+
+    def __init__(self, group: SessionGroup, libraries: list[Library], threads: int) -> None:
+        self._group = group
+        self._libraries = libraries  # whose tables the lanes use
+        self._threads = threads
+        self._starts = group.x.copy()
+        self.n = group.n
+        self.inputs = InputsByLane(group)
+        self.refused: Mapping[int, SimulationError] = {}
+
+    @property
+    def t(self) -> Array:
+        """(n,) time of each lane, s."""
+        return self._group.t.copy()
+
+    @property
+    def state(self) -> Array:
+        """(n, n_x) q and u of all bodies, eta of all contacts, work: the core's own array, to be read."""
+        return self._group.x
+
+    @property
+    def outcomes(self) -> tuple[Outcome | None, ...]:
+        """DONE where a lane can go on, else why it ended; None where it could not start."""
+        return self._group.outcomes
+
+    @property
+    def ended(self) -> Array:
+        """(n,) whether a lane has failed or could not start."""
+        return self._group.codes >= 10
+
+    @property
+    def sensors(self) -> Mapping[str, Array]:
+        """What the sensors show by name: (n,), or (n, 3) and (n, 4)."""
+        shown, found, end = self._group.sense(self._threads), {}, 0
+        for name, size in self._group.library.manifest.instance["sensors"]["names"]:
+            part = shown[:, end : end + size].copy()
+            found[name] = part if size > 1 else part[:, 0]
+            end += size
+        return found
+
+    def step(self, duration: float, lanes: Array | None = None) -> None:
+        """Let each lane go on by a duration, s; lanes that have ended stay where they are, as do those that
+        are False in `lanes` (n,).
+
+        Raises SimulationError where the duration is none, or an input is beyond its range.
+        """
+        check_span("step", duration, "give the duration in s")
+        self.inputs.check()
+        going = True if lanes is None else np.asarray(lanes, dtype=bool)
+        self._group.advance(self._group.t + np.where(going, duration, 0.0), self._threads)
+
+    def events(self, lane: int) -> list[Event]:
+        """The events of a lane since the last call."""
+        return self._group.drain_events(lane)
+
+    def reset(self, lanes: Any, q: Array | None = None, u: Array | None = None) -> None:
+        """Put lanes back to their start at t = 0; their inputs stay as they are.
+
+        Args:
+            lanes: (n,) of bool, or indices.
+            q, u: other starts, (n, n_q) and (n, n_u), by lane.
+
+        Raises SimulationError where such a start is refused.
+        """
+        chosen = np.flatnonzero(lanes) if np.asarray(lanes).dtype == bool else np.atleast_1d(lanes)
+        starts = self._starts.copy()
+        _write(self._group, starts, q, u)
+        for lane in chosen.tolist():
+            self._group.arrays["input"][lane, 2::SETTING_SIZE] = 0.0
+            self._group.begin_again(lane, starts[lane])
+
+
+class InputsByLane(Mapping[str, Array]):
+    """The inputs of all lanes by name, (n,) each, as arrays that are written to."""
+
+    def __init__(self, group: SessionGroup) -> None:
+        self._group = group
+        self._kinds = group.library.manifest.instance["inputs"]
+        self._index = {kind["name"]: k for k, kind in enumerate(self._kinds)}
+
+    def __getitem__(self, name: str) -> Array:
+        if name not in self._index:
+            check_name("input", name, self._index)
+        values: Array = self._group.arrays["input"][:, SETTING_SIZE * self._index[name]]
+        return values
+
+    def ramp(self, name: str, rates: Any) -> None:
+        """Let an input with hold = "linear" change at rates, one number or (n,) per s, from now on."""
+        kind = self._kinds[self._index[name]] if name in self._index else None
+        if kind is None or kind["hold"] != "linear":
+            check_name("ramp", name, [each["name"] for each in self._kinds if each["hold"] == "linear"])
+        at = SETTING_SIZE * self._index[name]
+        value, rate, since = (self._group.arrays["input"][:, at + k] for k in range(SETTING_SIZE))
+        value += rate * (self._group.t - since)
+        rate[:], since[:] = rates, self._group.t
+
+    def check(self) -> None:
+        """Raises SimulationError where a value is beyond the range of its input."""
+        for name, values in self.items():
+            kind = self._kinds[self._index[name]]
+            low = -np.inf if kind["minimum"] is None else kind["minimum"]
+            high = np.inf if kind["maximum"] is None else kind["maximum"]
+            bad = np.flatnonzero(~(np.isfinite(values) & (values >= low) & (values <= high)))
+            if len(bad):
+                raise SimulationError(
+                    f"input {name!r} of lane {bad[0]}", repr(float(values[bad[0]])),
+                    f"a number from {low:g} to {high:g}", "change the value",
+                )  # fmt: skip
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._index)
+
+    def __len__(self) -> int:
+        return len(self._index)
+
+
+def _libraries(library: Library, n: int, parameters: Values) -> list[Library]:
+    """The library with the numbers of each lane."""
+    by_lane = {name: np.broadcast_to(_checked(name, values, n), (n,)) for name, values in parameters.items()}
+    if not by_lane:
+        return [library] * n
+    return [
+        with_parameters(library, {name: float(values[lane]) for name, values in by_lane.items()})
+        for lane in range(n)
+    ]
+
+
+def _checked(name: str, values: Any, n: int) -> Array:
+    array = np.asarray(values, dtype=float)
+    if array.shape not in ((), (n,)):
+        found = f"an array of shape {array.shape}"
+        raise SimulationError(f"parameter {name!r}", found, f"one number or ({n},)", "give one for each lane")
+    return array
+
+
+def _write(group: SessionGroup, x: Array, q: Array | None, u: Array | None) -> None:
+    """Write starts into states (n, n_x); raises SimulationError where their shape does not fit."""
+    n_q, n_u = (group.library.manifest.instance[key] for key in ("n_q", "n_u"))
+    for name, values, first, size in (("q", q, 0, n_q), ("u", u, n_q, n_u)):
+        if values is None:
+            continue
+        array = np.asarray(values, dtype=float)
+        if array.shape != (group.n, size):
+            allowed = f"({group.n}, {size})"
+            raise SimulationError(name, f"an array of shape {array.shape}", allowed, "give one row a lane")
+        x[:, first : first + size] = array

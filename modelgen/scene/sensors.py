@@ -1,0 +1,113 @@
+"""Sensors of a scene: what is measured during a run, and numbers that follow from it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any
+
+from modelgen.errors import nearest
+from modelgen.scene.contacts_and_loads import pair_names
+from modelgen.scene.motions import TIME
+from modelgen.scene.scene_types import Body, ContactPair, Joint, Measurand, Sensor
+from modelgen.scene.source_location import Place
+
+OF_BODIES: Mapping[str, str] = {  # components of each quantity, by their letters
+    "position": "xyz", "orientation": "wxyz", "velocity": "xyz", "angular_velocity": "xyz"
+}  # fmt: skip
+OF_PAIRS: Mapping[str, str] = {"gap": "", "force": ""}
+OF_JOINTS: Mapping[str, str] = {"coordinate": "", "rate": "", "force": "xyz", "torque": "xyz"}
+_AT_POINT = ("position", "velocity")  # quantities of a point of a body
+
+
+def components(name: str, letters: str) -> tuple[str, ...]:
+    """The names of the components of a sensor: its own where it has one, else with a letter each."""
+    return tuple(f"{name}_{letter}" for letter in letters) or (name,)
+
+
+def sensors_of(
+    read: Sequence[tuple[Place, Mapping[str, Any]]],
+    bodies: Mapping[str, Body],
+    pairs: Sequence[ContactPair],
+    joints: Sequence[Joint],
+) -> tuple[Sensor, ...]:
+    """The sensors of the values of their tables; those with expressions use what stands before them.
+
+    Raises SceneError.
+    """
+    named = dict(zip(pair_names(pairs), pairs, strict=True))
+    found: dict[str, Sensor] = {}
+    for place, values in read:
+        taken = {*found, *place.constants, *(each.name for each in place.inputs)}
+        if values["name"] in taken:
+            raise place.key("name").error(
+                f"the name {values['name']!r} a second time", "", "give it another name"
+            )
+        if values["of"] is None and values["value"] is None:
+            raise place.error("neither `of` nor `value`", "", 'write of = "body.position" or value = "..."')
+        if values["value"] is None:
+            measured = _measurand(values, bodies, named, {joint.name: joint for joint in joints}, place)
+            found[values["name"]] = Sensor(values["name"], measurand=measured)
+            continue
+        for key in ("point", "relative_to"):
+            if values[key] is not None:
+                raise place.key(key).error("it beside `value`", "it goes with `of`", "remove one of the two")
+        known = [each for sensor in found.values() for each in components(sensor.name, letters_of(sensor))]
+        names = (TIME, *(each.name for each in place.inputs), *known)
+        found[values["name"]] = Sensor(
+            values["name"], value=place.key("value").expression(values["value"], names)
+        )
+    return tuple(found.values())
+
+
+def letters_of(sensor: Sensor) -> str:
+    """The letters of the components of a sensor; empty where it has one."""
+    if sensor.measurand is None:
+        return ""
+    tables = {"body": OF_BODIES, "pair": OF_PAIRS, "joint": OF_JOINTS}
+    return tables[sensor.measurand.owner][sensor.measurand.quantity]
+
+
+def _measurand(
+    values: Mapping[str, Any],
+    bodies: Mapping[str, Body],
+    pairs: Mapping[str, ContactPair],
+    joints: Mapping[str, Joint],
+    place: Place,
+) -> Measurand:
+    name, quantity = values["of"].split(".")
+    at = place.key("of")
+    if name in bodies:
+        _check_quantity(quantity, OF_BODIES, at)
+        if values["point"] is not None and quantity not in _AT_POINT:
+            allowed = f"a point has {' and '.join(_AT_POINT)}"
+            raise place.key("point").error(f"a point with the {quantity} of a body", allowed, "remove it")
+        if values["relative_to"] is not None:
+            _check_body(values["relative_to"], bodies, place.key("relative_to"))
+        return Measurand("body", name, quantity, values["point"], values["relative_to"])
+    for key in ("point", "relative_to"):
+        if values[key] is not None:
+            raise place.key(key).error(f"it with {values['of']!r}", "it goes with a body", "remove it")
+    if name in joints:
+        _check_quantity(quantity, OF_JOINTS, at)
+        return Measurand("joint", name, quantity)
+    if name in pairs:
+        _check_quantity(quantity, OF_PAIRS, at)
+        return Measurand("pair", name, quantity)
+    known = [*bodies, *joints, *pairs]
+    raise at.error(
+        f"no body, joint or pair named {name!r}", "known are " + ", ".join(known[:20]), nearest(name, known)
+    )
+
+
+def _check_quantity(quantity: str, known: Collection[str], place: Place) -> None:
+    if quantity not in known:
+        raise place.error(
+            f"no quantity {quantity!r}", "allowed are " + ", ".join(known), nearest(quantity, known)
+        )
+
+
+def _check_body(name: str, bodies: Mapping[str, Body], place: Place) -> None:
+    if name not in bodies:
+        raise place.error(
+            f"no body named {name!r}", "bodies: " + ", ".join(list(bodies)[:20]), nearest(name, bodies)
+        )

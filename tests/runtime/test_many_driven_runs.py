@@ -1,0 +1,132 @@
+"""Many runs that their caller drives together: each lane is a run of its own, bit for bit."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from modelgen import ModelgenError, start, start_many
+from modelgen.runtime.trajectory import Outcome
+from modelgen.scene.read import read_text
+from tests.running import library_of, scene_of
+
+from .test_driven_runs import LIFT, PUCK, library
+
+HEAVY = (
+    PUCK.replace("mass = 2.0", 'mass = "heft"')
+    + '\n[[parameter]]\nname = "heft"\nvalue = 2.0\nminimum = 0.1\n'
+)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_lanes_do_what_a_run_with_their_numbers_does(threads: int) -> None:
+    n, model = 5, library(HEAVY)
+    masses, pushes = np.linspace(1.0, 3.0, n), np.linspace(-2.0, 7.0, n)
+    many = start_many(model, n, parameters={"heft": masses}, inputs={"push": pushes}, threads=threads)
+    alone = [
+        start(model, parameters={"heft": m}, inputs={"push": p}) for m, p in zip(masses, pushes, strict=True)
+    ]
+    for k in range(4):
+        many.inputs["push"][:] = pushes - k
+        many.step(0.03)
+        for lane, sim in enumerate(alone):
+            sim.inputs["push"] = pushes[lane] - k
+            sim.step(until=float(many.t[lane]))
+    for lane, sim in enumerate(alone):
+        assert np.array_equal(many.state[lane], sim.state)
+        assert np.array_equal(many.sensors["speed"][lane], sim.sensors["speed"])
+        assert many.sensors["load"][lane] == sim.sensors["load"]
+    assert many.sensors["speed"].shape == (n, 3)
+
+
+def test_lanes_of_a_driven_body_follow_their_own_rates() -> None:
+    many = start_many(library(LIFT.replace("HEIGHT", "height")), 3)
+    rates = np.array([-0.5, 0.0, 0.7])
+    many.step(0.1)
+    many.inputs.ramp("height", rates)
+    many.step(0.1)
+    for lane, rate in enumerate(rates):
+        sim = start(library(LIFT.replace("HEIGHT", "height")))
+        sim.step(until=0.1)
+        if rate:
+            sim.inputs.ramp("height", rate)
+        sim.step(until=0.2)
+        assert np.array_equal(many.state[lane], sim.state)
+        kinds = {-1: ["lift-off"], 0: [], 1: ["impact"]}[int(np.sign(rate))]
+        assert [event.kind for event in many.events(lane)] == kinds
+
+
+def test_lanes_that_are_reset_begin_again_and_the_others_go_on() -> None:
+    many = start_many(scene_of("balancing_wheel"), 3, inputs={"torque": [0.5, 1.0, 1.5]})
+    many.step(0.2)
+    first = many.state.copy()
+    many.step(0.2)
+    third = many.state[2].copy()
+    many.reset(np.array([True, True, False]))
+    assert many.t == pytest.approx([0.0, 0.0, 0.4])
+    assert np.array_equal(many.state[2], third)
+    many.step(0.2)
+    assert np.array_equal(many.state[:2], first[:2])
+
+
+def test_a_lane_that_cannot_start_is_left_out() -> None:
+    model = library(PUCK)
+    q = np.tile(model.manifest.instance["initial_q"], (3, 1))
+    q[1, 2] -= 0.1
+    many = start_many(model, 3, q=q, inputs={"push": 1.0})
+    many.step(0.1)
+    assert list(many.refused) == [1]
+    assert "interpenetrate at the start by 0.1 m" in str(many.refused[1])
+    assert many.outcomes == (Outcome.DONE, None, Outcome.DONE)
+    assert many.ended.tolist() == [False, True, False]
+    assert many.sensors["place"][[0, 2], 0] == pytest.approx(0.25 * 0.01)
+    with pytest.raises(ModelgenError, match=r"run 0, contact 'table-puck'\): .* interpenetrate"):
+        start_many(model, 2, q=q[[1, 1]])
+
+
+def test_mistakes_of_a_caller_of_many_runs() -> None:
+    model = library(HEAVY)
+    with pytest.raises(
+        ModelgenError, match=r"parameter 'heft': an array of shape \(2,\); one number or \(3,\)"
+    ):
+        start_many(model, 3, parameters={"heft": [1.0, 2.0]})
+    with pytest.raises(ModelgenError, match=r"q: an array of shape \(2, 7\); \(3, 3\)"):
+        start_many(model, 3, q=np.zeros((2, 7)))
+    with pytest.raises(ModelgenError, match="n: 0; a whole number"):
+        start_many(model, 0)
+    many = start_many(model, 3)
+    many.inputs["push"][2] = 60.0
+    with pytest.raises(ModelgenError, match=r"input 'push' of lane 2: 60\.0; a number from -50 to 50"):
+        many.step(0.1)
+    with pytest.raises(ModelgenError, match="did you mean 'push'"):
+        many.inputs["pusch"][0] = 1.0
+    with pytest.raises(ModelgenError, match="a positive time"):
+        many.step(-0.1)
+    scene = library_of(read_text(LIFT.replace("HEIGHT", "height"), "driven.toml"))
+    with pytest.raises(ModelgenError, match="ramp: 'heigth'; height"):
+        start_many(scene, 2).inputs.ramp("heigth", 1.0)
+
+
+def test_a_run_goes_on_from_where_it_was_saved() -> None:
+    sim = start(scene_of("balancing_wheel"))
+    sim.controller({"torque": "40*lean + 8*turning_y + 2*axle_x + 3*speed_x"}, every=0.02)
+    sim.step(until=0.25)
+    mark = sim.save()
+    sim.step(until=0.5)
+    end = sim.state.copy()
+    other = start(scene_of("balancing_wheel"))
+    other.controller({"torque": "40*lean + 8*turning_y + 2*axle_x + 3*speed_x"}, every=0.02)
+    other.load(mark)
+    assert other.t == 0.25
+    other.step(until=0.5)
+    assert np.array_equal(other.state, end)
+
+
+def test_contacts_are_shown_at_the_present_state() -> None:
+    sim = start(library(PUCK), inputs={"push": 4.0})
+    sim.step(until=0.5)
+    shown = sim.contacts["table-puck"]
+    assert shown.force == pytest.approx(20.0)
+    assert shown.gap == pytest.approx(0.0, abs=1e-12)
+    assert shown.points[1] == pytest.approx([0.25, 0.0, 0.0], abs=1e-12)
+    assert shown.normal == pytest.approx([0.0, 0.0, 1.0])
