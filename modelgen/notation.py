@@ -8,12 +8,22 @@ the docstrings name.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 ETA_SIZE: Mapping[str, int] = {  # entries of eta, by what carries the point of one side in it
     "none": 0, "chart": 2, "point": 3, "curve": 1, "signed_curve": 3, "sign": 1
 }  # fmt: skip
+
+
+LETTERS = {3: "xyz", 4: "wxyz"}  # of the components of a sensor
+
+
+def component_names(slots: Iterable[tuple[str, int]]) -> tuple[str, ...]:
+    """The names of all components of sensors with names and sizes: `lean`, `tip_x`, `turn_w`."""
+    return tuple(
+        name + (f"_{letter}" if letter else "") for name, size in slots for letter in LETTERS.get(size, ("",))
+    )
 
 
 @dataclass(frozen=True, slots=True)

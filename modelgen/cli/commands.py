@@ -21,6 +21,7 @@ from modelgen.cli.options import (
     Fallback,
     Form,
     Frames,
+    InputValues,
     MainFile,
     Method,
     OutFolder,
@@ -139,6 +140,7 @@ def simulate(
     fallback: Fallback = None,
     estimate: Estimated = None,
     values: Values = None,
+    inputs: InputValues = None,
     form: Form = None,
     out: OutRun = None,
     plot: OutPicture = None,
@@ -151,7 +153,7 @@ def simulate(
     settings = run_settings(
         until, accuracy, tolerance, samples,
         method=method, step=step, scheme=scheme, solver=solver, fallback=fallback, estimate=estimate,
-    ) | {"parameters": read_values(values)}  # fmt: skip
+    ) | {"parameters": read_values(values, "--set"), "inputs": read_values(inputs, "--input")}  # fmt: skip
     trajectory, library = run_scene(scene, form, settings)
     written = write_run(trajectory, library, out, plot)
     summary = trajectory.summary() | written

@@ -65,6 +65,12 @@ Values = Annotated[
         "--set", help="value of a parameter of the scene, in SI units; repeat it", metavar="NAME=NUMBER"
     ),
 ]
+InputValues = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--input", help="value of an input of the scene, in its unit; repeat it", metavar="NAME=NUMBER"
+    ),
+]
 Estimated = Annotated[
     bool | None,
     typer.Option("--estimate/--no-estimate", help="tell the error of the run by a second, finer run"),
@@ -112,18 +118,18 @@ def read_option(name: str, text: str | None) -> Any:
         raise ModelgenError(error.where, error.found, error.allowed, remedy) from None
 
 
-def read_values(texts: list[str] | None) -> dict[str, float]:
-    """The values of `--set NAME=NUMBER`. Raises ModelgenError where it is not written so, or a name comes
-    twice."""
+def read_values(texts: list[str] | None, option: str) -> dict[str, float]:
+    """The values of an option that is written NAME=NUMBER. Raises ModelgenError where it is not, or a name
+    comes twice."""
     found: dict[str, float] = {}
     for text in texts or ():
         name, equals, value = (part.strip() for part in text.partition("="))
         if not equals or not name:
-            raise ModelgenError(f"--set {text}", "no NAME=NUMBER", "", "write --set mass=1.2")
+            raise ModelgenError(f"{option} {text}", "no NAME=NUMBER", "", f"write {option} mass=1.2")
         if name in found:
-            raise ModelgenError(f"--set {text}", f"a second value of {name!r}", "", "leave one out")
+            raise ModelgenError(f"{option} {text}", f"a second value of {name!r}", "", "leave one out")
         try:
-            found[name] = NUMBER.read(_number(value), Place(f"--set {name}"))
+            found[name] = NUMBER.read(_number(value), Place(f"{option} {name}"))
         except SceneError as error:
             raise ModelgenError(error.where, error.found, error.allowed, error.remedy) from None
     return found

@@ -8,9 +8,8 @@ import casadi as ca
 
 from modelgen.errors import ExpressionError, SimulationError, nearest
 from modelgen.geometry.casadi_expressions import lower
+from modelgen.notation import component_names
 from modelgen.scene.expression import Expression, parse_expression
-
-LETTERS = {3: "xyz", 4: "wxyz"}  # of the components of a sensor
 
 
 def commands_function(
@@ -37,7 +36,7 @@ def expressions_function(
     symbols = {name: ca.SX.sym(name, size) for name, size in slots}
     known = {"t": ca.SX.sym("t")}
     for name, symbol in symbols.items():
-        names = [f"{name}_{letter}" for letter in LETTERS.get(symbol.numel(), "")] or [name]
+        names = component_names([(name, symbol.numel())])
         known |= dict(zip(names, ca.vertsplit(symbol), strict=True))
     found = {
         name: lower(_parsed(text, known, f"{where}: {name}"), known) for name, text in expressions.items()

@@ -523,6 +523,7 @@ typedef struct {
                             where a joint has fewer than three */
   mg_real *energy;       /* [1] kinetic and potential energy, J */
   mg_real *work;         /* [1] work of loads and prescribed motions since the start, J */
+  mg_real *sensors;      /* [kernels->n_sensor] what the sensors show */
 } mg_record;
 
 /* List of events; the caller's arrays have capacity entries. */

@@ -59,6 +59,7 @@ def load(path: str | Path) -> Record:
                 summary=json.loads(str(stored["summary"])),
                 joint_names=tuple(names["joints"]),
                 coordinate_names=tuple(names["coordinates"]),
+                sensor_names=tuple(names["sensors"]),
                 patch_names=tuple(names["patches"]),
                 faces={key[5:]: stored[key] for key in stored.files if key.startswith("face_")},
             )
@@ -81,6 +82,7 @@ def _save_npz(record: Record, path: Path) -> None:
         "contacts": record.contact_names,
         "joints": record.joint_names,
         "coordinates": record.coordinate_names,
+        "sensors": record.sensor_names,
         "patches": record.patch_names,
     }
     meshes = {f"mesh_{key}": mesh for key, mesh in record.meshes.items()}
@@ -105,8 +107,8 @@ _AXES = {1: ("",), 3: ("_x", "_y", "_z")}
 def _table(record: Record) -> tuple[list[str], Array]:
     """One row a sample: t; p, quaternion, v, w of each body; force, gap of each contact, and friction,
     torque and slip where one has friction; force and centre of pressure of each patch that rested, and where
-    one has friction that, its torque, slip and spin; force, torque of each joint, and coordinates; energy,
-    work."""
+    one has friction that, its torque, slip and spin; force, torque of each joint, and coordinates; sensors;
+    energy, work."""
     columns = record.columns
     header, parts = ["t"], [columns["t"][:, None]]
     vectors = (("p", "xyz"), ("quaternion", "wxyz"), ("v", "xyz"), ("w", "xyz"))
@@ -137,5 +139,7 @@ def _table(record: Record) -> tuple[list[str], Array]:
             parts.append(columns[f"joint_{name}"][:, k])
     header += record.coordinate_names
     parts += [columns["coordinates"]] if record.coordinate_names else []
+    header += record.sensor_names
+    parts += [columns["sensors"]] if record.sensor_names else []
     parts += [columns["energy"][:, None], columns["work"][:, None]]
     return [*header, "energy", "work"], np.hstack(parts)

@@ -141,6 +141,9 @@ _PROPERTIES = {
     "parameters": entry(
         "object", "the scene's parameters, their values in this run", additionalProperties={"type": NUMBER}
     ),
+    "inputs": entry(
+        "object", "the scene's inputs, their values in this run", additionalProperties={"type": NUMBER}
+    ),
     "t_end": entry(NUMBER, "time that the run reached, s"),
     "outcome": entry("string", "done, interrupted, or what stopped the run"),
     "advice": entry("string", "what the outcome means and what to do about it"),
@@ -225,6 +228,11 @@ _PROPERTIES = {
     ),
     "joints": entry("object", "each joint at the last sample", additionalProperties=_JOINT),
     "patches": entry("object", "each pair of faces that rest on each other", additionalProperties=_PATCH),
+    "sensors": entry(
+        "object",
+        "each component of a sensor at the last sample, null where it is not known",
+        additionalProperties={"type": ["number", "null"]},
+    ),
     "final": entry("object", "each body at the last sample", additionalProperties=_STATE),
     "kinds": entry("array", "names of the kinds the model uses", items={"type": "string"}),
     "instructions": entry(

@@ -70,7 +70,8 @@ def _panels(record: Record) -> tuple[Callable[[Record, Any], None], ...]:
     contacts = (_force, _gap) if _contacts(record) else (_force,) if record.contact_names else ()
     constraints = (_friction, _slip) if record.has_friction else ()
     joints = (_joint_force, _coordinates) if record.joint_names else ()
-    over_time = (_position, _velocity, _rotation, *contacts, *constraints, *joints, _energy)
+    sensors = (_sensors,) if record.sensor_names else ()
+    over_time = (_position, _velocity, _rotation, *contacts, *constraints, *joints, *sensors, _energy)
     pressed = (partial(_pressure, patch=patch) for patch in record.rested[:CURVES])
     return (*(partial(_over_time, panel=panel) for panel in over_time), *pressed)
 
@@ -224,6 +225,13 @@ def _coordinates(record: Record, axes: Any) -> None:
     axes.set_ylabel("[rad], [m]")
     for k, name in enumerate(record.coordinate_names):
         axes.plot(record.columns["t"], record.columns["coordinates"][:, k], linewidth=1.0, label=name)
+
+
+def _sensors(record: Record, axes: Any) -> None:
+    axes.set_title("sensors")
+    axes.set_ylabel("SI")
+    for k, name in enumerate(record.sensor_names):
+        axes.plot(record.columns["t"], record.columns["sensors"][:, k], linewidth=1.0, label=name)
 
 
 def _energy(record: Record, axes: Any) -> None:

@@ -19,7 +19,7 @@ Array = np.ndarray[Any, Any]
 COLUMNS = (
     *("t", "p", "quaternion", "v", "w", "eta", "force", "gap"),
     *("friction", "contact_torque", "slip", "points_o", "points_f", "normals", "energy", "work"),
-    *("joint_force", "joint_torque", "coordinates"),
+    *("joint_force", "joint_torque", "coordinates", "sensors"),
     *("patch", "patch_force", "patch_point", "patch_friction", "patch_torque", "patch_slip", "patch_spin"),
     *("position_error", "rotation_error", "velocity_error", "spin_error"),
 )
@@ -44,6 +44,7 @@ class Record:
     summary: dict[str, Any]
     joint_names: tuple[str, ...] = ()
     coordinate_names: tuple[str, ...] = ()
+    sensor_names: tuple[str, ...] = ()
     patch_names: tuple[str, ...] = ()
     faces: dict[str, Array] = field(default_factory=dict)
 
@@ -113,6 +114,7 @@ def record_of(trajectory: Trajectory, library: Library) -> Record:
         summary=trajectory.summary(),
         joint_names=trajectory.joint_names,
         coordinate_names=trajectory.coordinate_names,
+        sensor_names=trajectory.sensor_names,
         patch_names=trajectory.patch_names,
     )
     bare.faces.update(face_outlines(library, bare.rested))

@@ -18,9 +18,10 @@ def print_summary(summary: dict[str, Any], console: Console) -> None:
         markup=False,
         soft_wrap=True,
     )
-    if summary["parameters"]:
-        told = ", ".join(f"{name} = {value:.9g}" for name, value in summary["parameters"].items())
-        console.print(f"parameters: {told}", markup=False, highlight=False, soft_wrap=True)
+    for given in ("parameters", "inputs"):
+        if summary[given]:
+            told = ", ".join(f"{name} = {value:.9g}" for name, value in summary[given].items())
+            console.print(f"{given}: {told}", markup=False, highlight=False, soft_wrap=True)
     console.print(
         f"{summary['steps']} steps, {summary['rejected']} rejected, {summary['rhs_evals']} evaluations, "
         f"{summary['wall_s']:.3g} s",
@@ -48,6 +49,9 @@ def print_summary(summary: dict[str, Any], console: Console) -> None:
             line += f", friction ({_vector(patch['friction'])}), torque {patch['torque']:.6g}"
         console.print(line, markup=False, soft_wrap=True)
     _print_joints(summary["joints"], _largest(summary["final"], "p"), console)
+    shown = [f"{name} {value:.6g}" for name, value in summary["sensors"].items() if value is not None]
+    if shown:
+        console.print(f"sensors: {', '.join(shown)}", markup=False, soft_wrap=True)
     for key in ("out", "plot"):
         if summary[key] is not None:
             print_written(summary[key], console)

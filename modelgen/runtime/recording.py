@@ -37,7 +37,7 @@ class Recording:
                 "pressure": (n, session.n_patch_slot, 4),
                 "patch_friction": (n, session.n_patch_slot, 8),
             },
-            **{"joint_wrench": (n, nj, 6), "coordinate": (n, nj, 3)},
+            **{"joint_wrench": (n, nj, 6), "coordinate": (n, nj, 3), "sensors": (n, len(session.sensed) - 1)},
         }
         whole = ArrayBlock({name: shapes.pop(name) for name in INTEGERS})
         integers, integer_at = whole.zeros(INTEGER)
@@ -71,7 +71,7 @@ class Recording:
             "p": kept["pose"][..., :3],
             "v": kept["twist"][..., :3],
             **turning,
-            **{name: kept[name] for name in ("eta", "energy", "work", "patch")},
+            **{name: kept[name] for name in ("eta", "energy", "work", "patch", "sensors")},
             **{name: kept[name][:, : self.session.n_shown] for name in ("force", "gap", "feature_pair")},
             "patch_force": kept["pressure"][..., 0],
             "patch_point": kept["pressure"][..., 1:],

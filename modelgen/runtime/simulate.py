@@ -11,10 +11,12 @@ import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
+from modelgen.notation import component_names
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_keywords, check_span, is_number, with_parameters
 from modelgen.runtime.error_estimate import estimate_of, nudge
 from modelgen.runtime.error_statement import Estimate
+from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.joint_results import coordinate_names
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import CONTINUE, FULL, Session
@@ -34,6 +36,7 @@ KEYWORDS = (
     "samples",
     "estimate",
     "parameters",
+    "inputs",
     "on_progress",
     *STEPPING,
 )  # of `simulate`
@@ -50,6 +53,7 @@ def simulate(
     samples: int | None = None,
     estimate: bool | None = None,
     parameters: Mapping[str, float] | None = None,
+    inputs: Mapping[str, float] | None = None,
     on_progress: Callable[[float], None] | None = None,
     **stepping: Unpack[Stepping],
 ) -> Trajectory:
@@ -63,6 +67,7 @@ def simulate(
         estimate: whether a companion run, of 1.2 to 1.4 times the cost as a rule, follows, from which the
             error is estimated; the scene's own, or True, when None.
         parameters: values of parameters of the scene by name, in SI units; others keep the scene's own.
+        inputs: values of inputs of the scene by name, for the whole run; the scene's defaults for the others.
         on_progress: called with the share of the work done, about five times a second.
         stepping: method, step, scheme, solver, fallback, in place of the accuracy's or scene's (`Accuracy`).
 
@@ -82,11 +87,12 @@ def simulate(
     chosen = accuracy_of(instance, accuracy, stepping)
     doubled = instance["run"].get("estimate", True) if estimate is None else estimate
     half = _part(on_progress, 0.0, 0.5 if doubled else 1.0)
-    path = _path(Session(library, chosen), end, np.linspace(0.0, end, intervals + 1), half)
+    path = _path(_session(library, chosen, inputs), end, np.linspace(0.0, end, intervals + 1), half)
     if instance["unlisted"]["shapes"]:
         path = _with_passages(path, chosen, instance)
     if doubled and len(path.t):
-        path = replace(path, estimate=_estimate(library, chosen, path, _part(on_progress, 0.5, 1.0)))
+        told = _part(on_progress, 0.5, 1.0)
+        path = replace(path, estimate=_estimate(library, chosen, inputs, path, told))
     return replace(path, doubts=doubts(path, chosen, instance))
 
 
@@ -114,13 +120,27 @@ def _path(session: Session, end: float, times: Array, report: Report) -> Traject
     return _trajectory(session, recording, ending, session.accuracy, time.perf_counter() - started)
 
 
-def _estimate(library: Library, accuracy: Accuracy, path: Trajectory, report: Report) -> Estimate:
+def _session(library: Library, accuracy: Accuracy, inputs: Mapping[str, float] | None) -> Session:
+    """A run before its start, with its inputs set."""
+    session = Session(library, accuracy)
+    if inputs:
+        Inputs(session).update(inputs)
+    return session
+
+
+def _estimate(
+    library: Library,
+    accuracy: Accuracy,
+    inputs: Mapping[str, float] | None,
+    path: Trajectory,
+    report: Report,
+) -> Estimate:
     """The error estimate of a run, by its companion; None after an interruption."""
     instance = library.manifest.instance
     if path.interrupted:
         return estimate_of(path, None, accuracy, instance, "the run was interrupted: no companion followed")
     try:
-        twin = Session(library, accuracy.companion(float(np.finfo(library.dtype).eps)))
+        twin = _session(library, accuracy.companion(float(np.finfo(library.dtype).eps)), inputs)
         nudge(twin)
         return estimate_of(path, _path(twin, path.t_end, path.t, report), accuracy, instance)
     except SimulationError as refused:
@@ -201,6 +221,7 @@ def _trajectory(
         patch_names=tuple(patch["name"] for patch in session.instance["patches"]),
         joint_names=session.joints,
         coordinate_names=coordinate_names(session),
+        sensor_names=component_names(session.instance["sensors"]["names"]),
         events=tuple(_in_order(ending.events)),
         outcome=ending.outcome,
         outcome_contact=session.contacts[failed] if failed >= 0 else "",
@@ -228,4 +249,5 @@ def _trajectory(
         outcome_function=unbounded(session, ending.outcome),
         stopped=ending.interrupted,
         parameters={each["name"]: each["value"] for each in session.instance.get("parameters", ())},
+        inputs=dict(Inputs(session)),
     )

@@ -139,6 +139,7 @@ class Trajectory:
     patch_spin: Array  # (n, n_slot) rad/s, about the normal from the first to the second
     joint_force: Array  # (n, nj, 3) N, world, on the second body of the joint
     joint_torque: Array  # (n, nj, 3) N m, world, on it about the origin of the joint's frame in it
+    sensors: Array  # (n, number of `sensor_names`) components of the sensors of the scene, SI
     coordinates: Array  # (n, number of `coordinate_names`) rad or m, whole turns counted
     energy: Array  # (n,) J, kinetic and of gravity; what springs store is in `work`
     work: Array  # (n,) J, of loads, driven bodies and impacts
@@ -148,6 +149,7 @@ class Trajectory:
     patch_names: tuple[str, ...]  # of faces that may rest on each other: "glass-table:bottom"
     joint_names: tuple[str, ...]
     coordinate_names: tuple[str, ...]  # "elbow.angle"
+    sensor_names: tuple[str, ...]  # "lean", "tip_x"
     events: tuple[Event, ...]
     outcome: Outcome
     outcome_contact: str
@@ -180,6 +182,7 @@ class Trajectory:
     doubts: tuple[str, ...] = ()  # reasons why it cannot be trusted, in words
     stopped: bool = False  # by Ctrl-C, maybe as it came to its end: then its outcome is DONE
     parameters: Mapping[str, float] = field(default_factory=dict)  # of the scene, the values of this run
+    inputs: Mapping[str, float] = field(default_factory=dict)  # of the scene, the values of this run
 
     @property
     def position_error(self) -> Array:
@@ -236,6 +239,7 @@ class Trajectory:
         return {
             "scene": self.scene,
             "parameters": dict(self.parameters),
+            "inputs": dict(self.inputs),
             "t_end": self.t_end,
             "outcome": self.outcome.name.lower(),
             "advice": self.outcome.value,
@@ -274,6 +278,7 @@ class Trajectory:
             "contacts": self._contacts_at(last) if last >= 0 else {},
             "joints": self._joints_at(last) if last >= 0 else {},
             "patches": self._patches_at(last) if last >= 0 else {},
+            "sensors": self._sensors_at(last) if last >= 0 else {},
             "kinds": list(self.kinds),
             "instructions": dict(self.instructions),
         }
@@ -311,6 +316,10 @@ class Trajectory:
             }
             for i, name in enumerate(self.joint_names)
         }
+
+    def _sensors_at(self, sample: int) -> dict[str, float | None]:
+        values = (value if np.isfinite(value) else None for value in self.sensors[sample].tolist())
+        return dict(zip(self.sensor_names, values, strict=True))
 
     def _coordinates_of(self, joint: str, sample: int) -> dict[str, float]:
         pairs = zip(self.coordinate_names, self.coordinates[sample].tolist(), strict=True)

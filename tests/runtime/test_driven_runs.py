@@ -378,3 +378,21 @@ def test_sensors_show_what_the_samples_of_a_run_hold() -> None:
         assert sim.sensors["speed"] == pytest.approx(path.v[k, wheel], abs=1e-10)
         assert sim.sensors["turning"] == pytest.approx(path.w[k, pole], abs=1e-10)
         assert sim.sensors["up"] == pytest.approx(path.quaternion[k, pole], abs=1e-10)
+        shown = np.concatenate([np.atleast_1d(value) for value in sim.sensors.values()])
+        assert path.sensors[k] == pytest.approx(shown, abs=1e-10)
+    assert path.sensor_names[:4] == ("axle_x", "axle_y", "axle_z", "speed_x")
+    assert path.summary()["sensors"]["lean"] == path.sensors[-1, -1]
+
+
+def test_samples_of_a_run_hold_the_forces_and_gaps_that_sensors_show() -> None:
+    sim = start(library(PUCK), inputs={"push": 3.0})
+    path = simulate(library(PUCK), until=0.4, samples=4, inputs={"push": 3.0})
+    sim.step(until=0.4)
+    columns = dict(zip(path.sensor_names, path.sensors[-1], strict=True))
+    assert path.inputs == {"push": 3.0}
+    assert path.p[-1, 1] == pytest.approx(sim.sensors["place"], abs=1e-10)
+    assert path.estimate is not None
+    assert path.estimate.position[-1] < 1e-9
+    assert columns["load"] == pytest.approx(20.0)
+    assert columns["load"] == pytest.approx(sim.sensors["load"])
+    assert columns["gap"] == pytest.approx(path.gap[-1, 0], abs=1e-15)

@@ -181,10 +181,18 @@ MG_INTERNAL mg_real mg_step_growth(mg_real error, mg_real most);
 /* Length of the first step, s. */
 MG_INTERNAL mg_real mg_first_step(const mg_context *c);
 
-/* samples.c */
+/* sensors.c */
 
 /* Writes the wrench of a joint on its second body, from the forces on its rows, into wrench [6]. */
 MG_INTERNAL void mg_joint_wrench(const mg_context *c, int joint, mg_real *wrench);
+
+/* Writes what the sensors show at time t, with the contact parameters eta and the forces of the contacts, into sensors
+   [n_sensor]. `solved`: the forces of the joints are those of this state; else they are shown as NaN. Needs the poses,
+   and the rows where sensors show resting faces or joints. */
+MG_INTERNAL void mg_read_sensors(mg_context *c, mg_real t, const mg_real *eta, const mg_real *force, int solved,
+                                 mg_real *sensors);
+
+/* samples.c */
 
 /* Appends the sample of the state x. Needs poses, rows and forces at x. */
 MG_INTERNAL void mg_record_sample(mg_context *c, mg_record *record, mg_real *x);

@@ -42,14 +42,6 @@ static void mg_record_contact_friction(mg_context *c, mg_record *record, int row
   if (rows > 1 && c->run->closed[contact]) mg_friction_rows_vector(c, contact, c->rows.d_dot, 0, record->slip + k);
 }
 
-MG_INTERNAL void mg_joint_wrench(const mg_context *c, int joint, mg_real *wrench) {
-  const mg_system *s = c->system;
-  const int first = c->layout.joint_row_begin + s->joint_row[joint];
-  for (int j = 0; j < 6; j++) wrench[j] = 0;
-  for (int i = first; i < first + c->kernels->joint_kinds[s->joint_kind[joint]].n_rows; i++)
-    for (int j = 0; j < 6; j++) wrench[j] += c->solution.force[i] * c->rows.J[12 * i + 6 + j];
-}
-
 /* Wrench of a joint on its second body, and its coordinates. */
 static void mg_record_joint(mg_context *c, mg_record *record, int row, int joint) {
   const mg_system *s = c->system;
@@ -115,6 +107,7 @@ MG_INTERNAL void mg_record_sample(mg_context *c, mg_record *record, mg_real *x) 
     mg_record_contact_friction(c, record, (int)row, i);
   for (int i = 0; i < s->n_patch_slot; i++) mg_record_patch(c, record, (int)row, i);
   for (int i = 0; i < s->n_joint; i++) mg_record_joint(c, record, (int)row, i);
+  mg_read_sensors(c, record->t[row], eta, c->solution.force, 1, record->sensors + row * c->kernels->n_sensor);
   record->energy[row] = mg_energy_at(c, x);
   record->work[row] = x[c->layout.work_state];
 }

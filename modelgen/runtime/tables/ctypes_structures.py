@@ -210,7 +210,7 @@ RUN_INTEGERS = (
 RECORD_ARRAYS = (
     *("t", "pose", "twist", "eta", "force", "gap", "normal", "point_o", "point_f", "feature_pair"),
     *("patch", "pressure", "patch_friction", "friction", "torque", "slip"),
-    *("joint_wrench", "coordinate", "energy", "work"),
+    *("joint_wrench", "coordinate", "energy", "work", "sensors"),
 )
 EVENT_ARRAYS = ("t", "kind", "contact", "feature_pair", "speed")
 QUERY_GIVEN = ("parameters", "pose_o", "pose_f", "step_limit")

@@ -1,0 +1,52 @@
+/* What the sensors of a scene show at an evaluated state. Reads poses, twists and forces; writes c->sensors. */
+#include "integrate/integrate.h"
+#include "model/model.h"
+#include "forces/forces.h"
+
+/* Least gap and sum of the normal forces of each pair of shapes, its resting faces included. */
+static void mg_sum_pairs(mg_context *c, const mg_real *eta, const mg_real *force) {
+  const mg_system *s = c->system;
+  mg_real centre[3];
+  for (int pair = 0; pair < s->n_pair; pair++) c->sensors.pair[2 * pair] = MG_MAX, c->sensors.pair[2 * pair + 1] = 0;
+  for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) {
+    mg_real *shown = c->sensors.pair + 2 * pair;
+    for (int i = s->pair_contact[pair]; i < s->pair_contact[pair + 1]; i++) {
+      if (!mg_is_on_feature_pair(c, i)) continue;
+      mg_place_contact(c, i, eta + s->contact_eta[i], c->search.placement + 32);
+      shown[0] = fmin(shown[0], c->search.placement[0]), shown[1] += force[i];
+    }
+  }
+  for (int slot = 0; slot < s->n_patch_slot; slot++) {
+    if (mg_patch_of_slot(c, slot) < 0) continue;
+    mg_real *shown = c->sensors.pair + 2 * s->patch_pair[mg_patch_of_slot(c, slot)];
+    shown[0] = fmin(shown[0], c->rows.d[mg_first_support(c, slot)]);
+    shown[1] += mg_support_resultant(c, slot, force, centre);
+  }
+  for (int pair = 0; pair < s->n_pair; pair++)
+    if (c->sensors.pair[2 * pair] == MG_MAX) c->sensors.pair[2 * pair] = (mg_real)NAN;
+}
+
+MG_INTERNAL void mg_joint_wrench(const mg_context *c, int joint, mg_real *wrench) {
+  const mg_system *s = c->system;
+  const int first = c->layout.joint_row_begin + s->joint_row[joint];
+  for (int j = 0; j < 6; j++) wrench[j] = 0;
+  for (int i = first; i < first + c->kernels->joint_kinds[s->joint_kind[joint]].n_rows; i++)
+    for (int j = 0; j < 6; j++) wrench[j] += c->solution.force[i] * c->rows.J[12 * i + 6 + j];
+}
+
+MG_INTERNAL void mg_read_sensors(mg_context *c, mg_real t, const mg_real *eta, const mg_real *force, int solved,
+                                 mg_real *sensors) {
+  const mg_system *s = c->system;
+  if (!c->kernels->n_sensor) return;
+  if (c->kernels->sensors_need_forces) {
+    mg_sum_pairs(c, eta, force);
+    for (int j = 0; j < s->n_joint; j++) {
+      mg_real *wrench = c->sensors.joint + 6 * j;
+      if (solved) mg_joint_wrench(c, j, wrench);
+      else
+        for (int k = 0; k < 6; k++) wrench[k] = (mg_real)NAN;
+    }
+  }
+  c->kernels->sense(0, &t, c->bodies.pose, c->bodies.twist, c->sensors.pair, c->sensors.joint,
+                    s->parameters + s->sensor_parameters, c->run->applied_input, sensors);
+}
