@@ -14,6 +14,11 @@ static const int mg_margin_sample_of_stage[12] = {0, -1, -1, 1, -1, 3, 2, -1, -1
 
 MG_INTERNAL int mg_event_margin_count(const mg_system *s) { return s->n_contact + s->n_friction; }
 
+MG_INTERNAL int mg_next_event_margin(const mg_context *c, int which) {
+  const int n = c->system->n_contact, contact = which < n ? mg_next_row(c, which) : n;
+  return contact < n ? contact : n + mg_next_constraint(c, which < n ? -1 : which - n);
+}
+
 MG_INTERNAL long mg_event_margin_size(const mg_system *s) {
   return mg_count_reals((MG_MARGIN_SAMPLES + 1L) * mg_event_margin_count(s), sizeof(mg_event_margin));
 }

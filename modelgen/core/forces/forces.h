@@ -394,6 +394,10 @@ MG_INTERNAL int mg_project_initial_joints(mg_context *c);
 /* Number of event margins of one sample: contacts and friction constraints. */
 MG_INTERNAL int mg_event_margin_count(const mg_system *s);
 
+/* Margin after `which` (-1: the first) of contacts and friction constraints that take part; beyond the last their
+   number. */
+MG_INTERNAL int mg_next_event_margin(const mg_context *c, int which);
+
 /* Memory of all samples of event margins, in mg_real. */
 MG_INTERNAL long mg_event_margin_size(const mg_system *s);
 
