@@ -192,6 +192,8 @@ class PairEntry:
     bounding_balls: tuple[
         tuple[Vector, float], ...
     ] = ()  # around its shapes, m, axes of the bodies o, f of its first feature pair
+    candidate: bool = False  # followed only while its shapes are near to each other
+    shapes: tuple[str, ...] = ()  # their names in their bodies, in the order of the balls
 
 
 @dataclass(frozen=True, slots=True)

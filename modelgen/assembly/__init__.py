@@ -241,7 +241,7 @@ def _touching(scene: Scene, pieces: Sequence[Piece]) -> Touching:
     all_feature_pairs: list[FeaturePairEntry] = []
     all_contacts: list[ContactEntry] = []
     for index, (name, pair) in enumerate(zip(contact_names(scene), scene.contacts, strict=True)):
-        where = f"{scene.source}: contact[{index}]"
+        where = f"{scene.source}: contact{'s' if pair.candidate else f'[{index}]'}"
         a, b = (wholes.of(partner, f"{where}.between") for partner in pair.between)
         first = len(all_feature_pairs)
         feature_pairs = feature_pairs_of(
@@ -262,10 +262,18 @@ def _touching(scene: Scene, pieces: Sequence[Piece]) -> Touching:
             (len(all_contacts), len(all_contacts) + len(contacts)),
         )
         constraints = friction_constraints_of(pair, a.owner.body)
-        balls = tuple(each.ball for each in ((b, a) if feature_pairs[0].swapped else (a, b)))
+        wholes_of_pair = (b, a) if feature_pairs[0].swapped else (a, b)
         entries.append(
             PairEntry(
-                name, *ranges, _search(way, feature_pairs), pair.restitution, normal, constraints, balls
+                name,
+                *ranges,
+                _search(way, feature_pairs),
+                pair.restitution,
+                normal,
+                constraints,
+                tuple(each.ball for each in wholes_of_pair),
+                pair.candidate,
+                tuple(each.shape.name for each in wholes_of_pair),
             )
         )
         shown.append(

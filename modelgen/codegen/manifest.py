@@ -58,9 +58,8 @@ class Manifest:
         return _lines(parts) + "\n"
 
     def instance_json(self) -> str:
-        """JSON text of the instance, with the set of kinds that it is written in."""
-        whole = {"instance": self.instance, "kinds_hash": self.kinds_hash}
-        return json.dumps(whole, sort_keys=True, indent=1, allow_nan=False) + "\n"
+        """JSON text of the instance, a line an entry, with the set of kinds that it is written in."""
+        return _lines({"instance": self.instance, "kinds_hash": self.kinds_hash}) + "\n"
 
     @classmethod
     def from_json(cls, structure: str, instance: str, source: str = "manifest") -> Manifest:

@@ -220,6 +220,7 @@ def instance_of(model: Model, known: tuple[Model, dict[str, Any]] | None = None)
         "sensors": {
             "names": [list(each) for each in sensor_names(scene.sensors)],
             "parameters": list(sensor_parameters(model)),
+            **_measured_pairs(model),
         },
         "initial_q": list(model.initial_q),
         "initial_u": list(model.initial_u),
@@ -274,6 +275,14 @@ def parameters_of(scene: Scene) -> dict[str, Any]:
     }
 
 
+def _measured_pairs(model: Model) -> dict[str, list[int]]:
+    """The pairs that sensors measure."""
+    measured = (each.measurand for each in model.scene.sensors)
+    names = {each.name for each in measured if each is not None and each.owner == "pair"}
+    pairs = [index for index, entry in enumerate(model.pairs) if entry.name in names]
+    return {"pairs": pairs} if pairs else {}
+
+
 def _body(model: Model, entry: BodyEntry) -> dict[str, Any]:
     return {
         "name": entry.name,
@@ -320,11 +329,13 @@ def _pair(entry: PairEntry) -> dict[str, Any]:
         "feature_pairs": list(entry.feature_pairs),
         "contacts": list(entry.contacts),
         "search": entry.search,
+        **({"candidate": True} if entry.candidate else {}),
         "restitution": entry.restitution.value,
         **({"law": entry.restitution.law} if entry.restitution.law != "newton" else {}),
         "normal": entry.normal and list(entry.normal),
         "bounding_balls": [
-            {"centre": list(centre), "radius": _finite(radius)} for centre, radius in entry.bounding_balls
+            {"shape": shape, "centre": list(centre), "radius": _finite(radius)}
+            for shape, (centre, radius) in zip(entry.shapes, entry.bounding_balls, strict=True)
         ],
         **({"friction": [asdict(constraint) for constraint in entry.friction]} if entry.friction else {}),
     }

@@ -114,6 +114,7 @@ typedef struct {
   int n_cell;                /* room for the cells of all trees */
   int n_friction;            /* friction constraints of all contacts */
   int n_friction_row;        /* rows of all contacts other than their normal rows */
+  int n_ball;                /* balls around shapes */
   int n_input;               /* inputs: numbers of loads and prescribed motions that the caller sets during a run */
   int sensor_parameters;     /* offset into parameters of those of the sensors */
   int n_parameters;          /* length of parameters */
@@ -131,6 +132,13 @@ typedef struct {
   const int *pair_contact;      /* [n_pair + 1] range of contacts */
   const int *pair_feature_pair; /* [n_pair + 1] range of feature pairs */
   const int *pair_search;       /* [n_pair] MG_SEARCH_NEVER .. MG_SEARCH_APART */
+  const int *pair_is_candidate; /* [n_pair] 1: its contacts are left out while its shapes are far apart */
+  const int *pair_balls;        /* [2 n_pair] balls around the shapes of o, f; -1: none */
+
+  const int *ball_body;          /* [n_ball] body of each ball */
+  const int *ball_partner_begin; /* [n_ball + 1] range of ball_partner */
+  const int *ball_partner;       /* [all partners] balls with a larger number with which a ball has pairs, ascending */
+  const int *ball_pair;          /* [all partners] these pairs */
 
   const int *feature_pair_kind;       /* [n_feature_pair] contact kind of the library */
   const int *feature_pair_o;          /* [n_feature_pair] body o */
@@ -203,8 +211,8 @@ typedef struct {
                                         friction_body */
   const mg_real *patch_friction;     /* [2 n_patch] static and kinetic coefficient; 0 without friction */
   const mg_real *pair_normal;        /* [3 n_pair] of a pair of curves: approximate N at the start; zeros: not given */
-  const mg_real *pair_ball;          /* [8 n_pair] ball around the shape of o, then of f: centre, m, in the axes of the
-                                        body of the pair's first feature pair, and radius, m, < 0 where unbounded */
+  const mg_real *ball;               /* [4 n_ball] balls around shapes: centre, m, in the axes of the body, and radius,
+                                        m, < 0 where unbounded */
   const mg_real *scale;              /* [length of x] size of each state, against which its error is measured */
 
   mg_real gravity[3]; /* m/s^2, world axes */
@@ -383,6 +391,9 @@ typedef struct {
                         in the axes of its body */
   mg_real *moved_since_search; /* [n_pair] relative movement since the pair was searched, m */
   mg_real *unfollowed_gap;     /* [n_pair] least gap found by that search that no contact was free to follow, m */
+  int *is_far;                 /* [n_pair] 1: left out, because its shapes are far apart */
+  mg_real *ball_at;            /* [4 n_ball] centre when near pairs were last looked for, m, world axes, and how far it
+                                  may move before that is due again, m */
   int *closed;                 /* [n_contact] 1: the gap is held at zero */
   int *active;                 /* [n_contact] 1: closed and carrying force */
   int *friction_mode;          /* [n_friction] MG_FRICTION_OFF .. MG_SLIPPING */

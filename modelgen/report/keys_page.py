@@ -24,6 +24,7 @@ TABLES = (
     ("parameter", "[[parameter]]"),
     ("pattern", "[[pattern]]"),
     ("contact", "[[contact]]"),
+    ("contacts", "[contacts]"),
     ("force", "[[force]]"),
     ("torque", "[[torque]]"),
     ("spring", "[[spring]]"),
@@ -115,7 +116,7 @@ def sections() -> tuple[Section, ...]:
     found += _variants("`[[body]]`", "motion", definitions["body"], "body")
     found += _variants("`shape`", "kind", definitions["shape"], "shape")
     for name, title in TABLES:
-        table = keys[name]["items"]
+        table = keys[name].get("items", keys[name])
         found.append(_section(f"`{title}`", table["properties"], table.get("required", ()), (name,)))
     found += _variants("`[[joint]]`", "kind", keys["joint"]["items"], "joint")
     return tuple(found)

@@ -10,6 +10,7 @@ from modelgen.errors import SceneError
 from modelgen.scene import contacts_and_loads, joints
 from modelgen.scene.actuators import actuators_of, check_names
 from modelgen.scene.constants import with_constants
+from modelgen.scene.contact_groups import group_pairs
 from modelgen.scene.inputs import remark_on_unused, with_inputs
 from modelgen.scene.parameters import parameters_of, with_uses
 from modelgen.scene.patterns import repeated
@@ -101,7 +102,8 @@ def scene_from_bodies(name: str, bodies: tuple[Body, ...], values: Mapping[str, 
         values["observe"], known, (each.name for each in joined), place.key("observe")
     )
     loads = contacts_and_loads.loads(values, known)
-    pairs = contacts_and_loads.contacts(values["contact"], known)
+    listed = contacts_and_loads.contacts(values["contact"], known)
+    pairs = (*listed, *group_pairs(values["contacts"], listed, known, joined, place.key("contacts")))
     check_names(place)
     actuators = actuators_of(values["actuator"], joined)
     sensors = sensors_of(values["sensor"], known, pairs, joined)

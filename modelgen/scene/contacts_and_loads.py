@@ -117,12 +117,12 @@ def _contact(values: Mapping[str, Any], bodies: Bodies, place: Place) -> Contact
 def _pairs(texts: tuple[str, str], bodies: Bodies, place: Place) -> Iterable[tuple[str, str]]:
     """The pairs of partners that two texts name: those of one text among themselves if the two are equal."""
     if texts[0] == texts[1] and "*" in texts[0]:
-        return combinations(_named(texts[0], bodies, place), 2)
-    first, second = (_named(text, bodies, place) for text in texts)
+        return combinations(named(texts[0], bodies, place), 2)
+    first, second = (named(text, bodies, place) for text in texts)
     return product(first, second)
 
 
-def _named(text: str, bodies: Bodies, place: Place) -> list[str]:
+def named(text: str, bodies: Bodies, place: Place) -> list[str]:
     """The text, or all that begins as it does before `*`: bodies, and shapes within each."""
     if "*" not in text:
         return [text]

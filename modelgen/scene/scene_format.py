@@ -175,6 +175,29 @@ CONTACT = Table(
     )
 )  # fmt: skip
 
+CONTACTS = Table(
+    (
+        Field(
+            "between", Choice(("all",)),
+            "every two bodies of which one is dynamic, with all their shapes; pairs listed as a contact keep "
+            "what is written there", required=True,
+        ),
+        Field(
+            "among", Sequence(_PARTNER, None),
+            'the bodies of the group, "body" or "body/shape"; ball_* is all that begin so; without it all',
+            default=(),
+        ),
+        Field("joined", Switch(), "whether bodies joined by a joint belong to it", default=False),
+        Field(
+            "restitution",
+            RestitutionValue(),
+            "Newton's coefficient of restitution, or a table of a law and its coefficient",
+            default=Restitution(),
+        ),
+        *FRICTION_FIELDS,
+    )
+)  # fmt: skip
+
 _FRAME = Field("frame", Choice(FRAMES), "axes of the components", default="world")
 _LOADED = Field("body", NAME, "name of a dynamic body", required=True)
 _LOAD_DOC = (
@@ -210,6 +233,7 @@ SCENE = Table(
     (
         Field("body", Several(BODY, label="body"), "the bodies", required=True),
         Field("contact", Several(CONTACT), "pairs of shapes that may touch", default=()),
+        Field("contacts", CONTACTS, "a group of bodies of which every two may touch", default=None),
         Field("joint", Several(JOINT, label="joint"), "joints between bodies", default=()),
         Field("force", Several(FORCE), "forces as expressions of t and the body's state", default=()),
         Field("torque", Several(TORQUE), "torques as expressions of t and the body's state", default=()),

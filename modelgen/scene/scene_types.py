@@ -171,6 +171,7 @@ class ContactPair:
     friction: Friction | None = None
     rolling_resistance: float = 0.0  # m: the torque against rolling is at most this times the normal force
     spinning_resistance: float = 0.0  # m: the same about the normal
+    candidate: bool = False  # of a group: followed only while its shapes are near to each other
 
 
 @dataclass(frozen=True, slots=True)

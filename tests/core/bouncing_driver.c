@@ -10,11 +10,13 @@ int main(void) {
   const int no_grips[] = {0, 0}, law[] = {MG_NEWTON};
   const int search[] = {MG_SEARCH_NEVER}, groups[] = {-1};
   const mg_real parameters[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, (mg_real)0.1}, restitution[] = {(mg_real)0.7};
-  const mg_real pair_normal[3] = {0}, pair_ball[8] = {0, 0, 0, -1, 0, 0, 0, (mg_real)0.1};
+  const mg_real pair_normal[3] = {0}, ball[8] = {0, 0, 0, -1, 0, 0, 0, (mg_real)0.1};
+  const int candidate[] = {0}, partners[] = {0, 0, 0};
   mg_real numbers[2 * SIDE] = {0}, moved[1], unfollowed[1], outward[3], point[3];
   mg_real mass_inverse[20] = {0}, scale[7];
   mg_real x[7] = {0, 0, (mg_real)1.1L, 0, 0, 0, 0}, force[1], margin[1], t[COUNT], speed[COUNT], work[20000];
-  int closed[1], active[1], fresh[1], on[] = {-1}, kind[COUNT], contact[COUNT], feature_pair[COUNT], iwork[1000];
+  mg_real ball_at[8] = {0};
+  int is_far[1] = {0}, closed[1], active[1], fresh[1], on[] = {-1}, kind[COUNT], contact[COUNT], feature_pair[COUNT], iwork[1000];
   mass_inverse[10] = 1;
   for (int i = 0; i < 7; i++) scale[i] = (mg_real)0.1;
   for (int side = 0; side < 2; side++) {
@@ -27,12 +29,13 @@ int main(void) {
                       .body_kind = body_kind, .body_q = zeros, .body_u = zeros, .body_parameters = body_parameters,
                       .contact_pair = zeros, .contact_eta = zeros, .contact_feature_pair = zeros,
                       .pair_contact = ends, .pair_feature_pair = ends, .pair_search = search,
+                      .pair_is_candidate = candidate, .pair_balls = ends, .n_ball = 2, .ball_body = ends, .ball_partner_begin = partners,
                       .feature_pair_kind = zeros, .feature_pair_o = zeros, .feature_pair_f = f, .feature_pair_parameters = link_parameters,
                       .feature_pair_owner = zeros, .feature_pair_group = groups, .feature_pair_condition = zeros,
                       .feature_shape = sides, .feature_parameters = side_parameters, .feature_numbers = side_numbers,
                       .contact_friction_row = no_grips, .contact_friction = no_grips, .impact_law = law,
                       .mass_inverse = mass_inverse, .restitution = restitution, .parameters = parameters,
-                      .numbers = numbers, .pair_normal = pair_normal, .pair_ball = pair_ball, .scale = scale,
+                      .numbers = numbers, .pair_normal = pair_normal, .ball = ball, .scale = scale,
                       .gravity = {0, 0, (mg_real)-9.81L}, .length = (mg_real)0.1, .mass = 1, .time = (mg_real)0.1};
   mg_settings settings = {.method = MG_DOP853, .use_gamma = 1, .newton = 1, .project = 1, .tolerance = (mg_real)1e-10,
                           .contact_gap = (mg_real)1e-10, .start_gap = (mg_real)1e-8, .drift_tolerance = (mg_real)1e-15,
@@ -44,7 +47,7 @@ int main(void) {
                           .rest_loss_factor = 100, .event_correction_step = (mg_real)1e-3, .contact_rank_tolerance = (mg_real)1e-10,
                           .appear_depth = (mg_real)0.02, .penetration_limit = (mg_real)1e-6, .event_scan_parts = 16,
                           .lcp_iterations = 100, .events_at_once_max = 100};
-  mg_run run = {.x = x, .feature_pair = on, .moved_since_search = moved, .unfollowed_gap = unfollowed, .closed = closed, .active = active, .force = force, .margin = margin,
+  mg_run run = {.x = x, .feature_pair = on, .moved_since_search = moved, .unfollowed_gap = unfollowed, .is_far = is_far, .ball_at = ball_at, .closed = closed, .active = active, .force = force, .margin = margin,
                  .rolling_start = fresh, .point = point, .tilt_direction = outward};
   mg_events events = {COUNT, 0, t, kind, contact, feature_pair, speed};
   mg_record record = {0};

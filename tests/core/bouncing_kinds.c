@@ -25,13 +25,13 @@ static void body_energy(int kind, const mg_real *q, const mg_real *u, const mg_r
 
 static void body_path(int kind, const mg_real *t, const mg_real *parameters, const mg_real *inputs, mg_real *pose,
                          mg_real *twist, mg_real *accel) {
-  (void)inputs, (void)kind, (void)t, (void)parameters, (void)pose, (void)twist, (void)accel;
+  (void)kind, (void)t, (void)parameters, (void)inputs, (void)pose, (void)twist, (void)accel;
 }
 
 static void load_wrench(int kind, const mg_real *t, const mg_real *pose_a, const mg_real *twist_a,
                            const mg_real *pose_b, const mg_real *twist_b, const mg_real *parameters,
                            const mg_real *inputs, mg_real *wrench_a, mg_real *wrench_b) {
-  (void)inputs, (void)kind, (void)t, (void)pose_a, (void)twist_a, (void)pose_b, (void)twist_b, (void)parameters, (void)wrench_a,
+  (void)kind, (void)inputs, (void)t, (void)pose_a, (void)twist_a, (void)pose_b, (void)twist_b, (void)parameters, (void)wrench_a,
       (void)wrench_b;
 }
 
@@ -41,9 +41,9 @@ static void load_deflection(int kind, const mg_real *pose_a, const mg_real *pose
 }
 
 static void joint_rows(int kind, const mg_real *t, const mg_real *pose_a, const mg_real *twist_a,
-                          const mg_real *pose_b, const mg_real *twist_b, const mg_real *parameters, const mg_real *inputs,
-                          mg_real *value, mg_real *J, mg_real *gamma, mg_real *bias) {
-  (void)inputs, (void)kind, (void)t, (void)pose_a, (void)twist_a, (void)pose_b, (void)twist_b, (void)parameters, (void)value,
+                          const mg_real *pose_b, const mg_real *twist_b, const mg_real *parameters,
+                          const mg_real *inputs, mg_real *value, mg_real *J, mg_real *gamma, mg_real *bias) {
+  (void)kind, (void)inputs, (void)t, (void)pose_a, (void)twist_a, (void)pose_b, (void)twist_b, (void)parameters, (void)value,
       (void)J, (void)gamma, (void)bias;
 }
 

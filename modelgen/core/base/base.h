@@ -103,6 +103,9 @@ MG_INTERNAL void mg_world_to_local_point(const mg_real *pose, const mg_real *wor
 /* out = a x b; out must not be a or b. */
 MG_INTERNAL void mg_cross_product(const mg_real *a, const mg_real *b, mg_real *out);
 
+/* Sorts integers in ascending order (Shell sort with Knuth's increments). */
+MG_INTERNAL void mg_sort_ints(int count, int *list);
+
 /* taylor_models.c */
 
 /* Bounds of the outputs of a program over a box u0..u1, v0..v1 of coordinates, at given parameters. memory:

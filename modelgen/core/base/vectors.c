@@ -58,3 +58,15 @@ MG_INTERNAL void mg_world_to_local_point(const mg_real *pose, const mg_real *wor
 MG_INTERNAL void mg_cross_product(const mg_real *a, const mg_real *b, mg_real *out) {
   out[0] = a[1] * b[2] - a[2] * b[1], out[1] = a[2] * b[0] - a[0] * b[2], out[2] = a[0] * b[1] - a[1] * b[0];
 }
+
+MG_INTERNAL void mg_sort_ints(int count, int *list) {
+  int gap = 1;
+  while (gap < count / 3) gap = 3 * gap + 1;
+  for (; gap > 0; gap /= 3)
+    for (int i = gap; i < count; i++) {
+      const int value = list[i];
+      int k = i;
+      for (; k >= gap && list[k - gap] > value; k -= gap) list[k] = list[k - gap];
+      list[k] = value;
+    }
+}

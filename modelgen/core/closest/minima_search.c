@@ -252,7 +252,7 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
 MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
   for (int pair = 0; pair < c->system->n_pair; pair++) c->run->unfollowed_gap[pair] = MG_MAX;
   for (int i = 0; i < c->layout.support_begin; i++) mg_set_feature_pair(c, i, -1, 0);
-  for (int pair = 0; pair < c->system->n_pair; pair++) {
+  for (int pair = mg_next_pair(c, -1); pair < c->system->n_pair; pair = mg_next_pair(c, pair)) {
     c->search.open_gap = MG_MAX;
     const int outcome = mg_has_own_feature_pairs(c, pair) ? mg_start_own_feature_pairs(c, pair)
                                                           : mg_start_shared_feature_pairs(c, pair);

@@ -6,7 +6,9 @@
 
 MG_INTERNAL void mg_extrapolate_poses(mg_context *c) {
   const mg_real moment = sqrt(c->settings->event_tolerance) * c->system->time;
-  for (int i = 0; i < c->layout.n_states; i++) c->step.stage[i] = c->run->x[i] + moment * c->step.slopes[i];
+  for (int range = 0; range < c->listed.n_range; range++)
+    for (int i = mg_range_begin(c, range); i < mg_range_end(c, range); i++)
+      c->step.stage[i] = c->run->x[i] + moment * c->step.slopes[i];
   mg_update_poses(c, c->run->t + moment, c->step.stage);
 }
 

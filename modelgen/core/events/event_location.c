@@ -62,7 +62,7 @@ static int mg_is_returning_to_border(mg_context *c, int contact, mg_real now) {
 
 MG_INTERNAL void mg_mark_contacts_within_border(mg_context *c) {
   int which;
-  for (int i = 0; i < c->system->n_contact; i++) {
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
     const int feature_pair = c->run->feature_pair[i],
               near = c->run->closed[i] || c->rows.d[i] < c->settings->search_movement * c->system->length;
     const int was_on_border = c->events.within_border[i] == MG_PASSES_BORDER;
@@ -82,7 +82,7 @@ MG_INTERNAL int mg_mark_triggered_events(mg_context *c, mg_real *x) {
   const mg_real deep = -c->settings->contact_gap * c->system->length,
                 rest = -c->settings->rest_speed * mg_speed_scale(c);
   int count = mg_mark_patch_events(c);
-  for (int i = 0; i < c->layout.support_begin; i++) {
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
     if (mg_is_closed_without_force(c, i))
       c->events.triggered[i] =
           fabs(mg_row_acceleration(c, i)) > c->settings->rest_loss_factor * mg_acceleration_tolerance(c);
@@ -109,7 +109,7 @@ MG_INTERNAL int mg_mark_triggered_events_at(mg_context *c, mg_real h, mg_real th
 
 /* First contact whose event has triggered, or -1. */
 static int mg_first_triggered_contact(const mg_context *c) {
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->events.triggered[i]) return i;
   return -1;
 }
@@ -236,7 +236,7 @@ static mg_real mg_find_gap_minimum_event(mg_context *c, int contact, mg_real h, 
    none. */
 static mg_real mg_first_gap_minimum_event(mg_context *c, mg_real h, mg_real low, mg_real high) {
   mg_real earliest = 0;
-  for (int i = 0; i < c->layout.support_begin; i++) {
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
     const mg_real candidate =
         c->events.gap_dips[i] ? mg_find_gap_minimum_event(c, i, h, low, earliest > 0 ? earliest : high) : 0;
     if (candidate > 0) earliest = candidate;

@@ -12,7 +12,8 @@ MG_INTERNAL int mg_has_possible_hidden_event(mg_context *c) {
   if (c->settings->method != MG_DOP853) return 0;
   if (mg_is_collocated(c)) return c->system->n_friction > 0; /* none of its stages was taken */
   mg_sample_event_margins(c, MG_MARGIN_SAMPLES - 1);
-  for (int which = 0; which < mg_event_margin_count(c->system); which++) {
+  for (int which = mg_next_event_margin(c, -1); which < mg_event_margin_count(c->system);
+       which = mg_next_event_margin(c, which)) {
     const int parts = mg_is_margin_nearly_constant(c, which) ? 0 : MG_MARGIN_SAMPLES - 1;
     for (int end = 1; end <= parts; end++) {
       mg_collect_margin_samples(c, which, end, MG_MARGIN_SAMPLES, 0, p);
@@ -44,7 +45,8 @@ static mg_real mg_find_hidden_event(mg_context *c, int which, mg_real h, mg_marg
 MG_INTERNAL mg_real mg_first_hidden_event(mg_context *c, mg_real h, int end, int n, mg_real part, mg_real *low) {
   mg_margin_sample p[4];
   mg_real first = 0, from = 0;
-  for (int which = 0; which < mg_event_margin_count(c->system); which++) {
+  for (int which = mg_next_event_margin(c, -1); which < mg_event_margin_count(c->system);
+       which = mg_next_event_margin(c, which)) {
     if (mg_event_margins_of_sample(c, end % MG_MARGIN_SAMPLES)[which].lower >= MG_MAX) continue;
     mg_collect_margin_samples(c, which, end, n, part, p);
     const mg_real theta = mg_find_hidden_event(c, which, h, p, &from);

@@ -16,7 +16,7 @@
    row keeps of its own entry of J M^-1 J^T is below the tolerance. */
 static int mg_is_contact_redundant(mg_context *c, int contact) {
   int n = 0;
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->run->active[i]) c->lcp.rows[n++] = i;
   n = mg_append_joint_rows(c, c->lcp.rows, n);
   if (c->system->n_friction) n = mg_append_sticking_rows(c, c->lcp.rows, n);
@@ -36,7 +36,7 @@ static void mg_drop_tensile_contacts(mg_context *c) {
   for (;;) {
     const mg_real slack = mg_acceleration_tolerance(c) * c->system->mass;
     int worst = -1;
-    for (int i = 0; i < c->layout.support_begin; i++)
+    for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
       if (c->run->active[i] && c->solution.force[i] < -slack &&
           (worst < 0 || c->solution.force[i] < c->solution.force[worst]))
         worst = i;
@@ -79,7 +79,7 @@ MG_INTERNAL int mg_solve_contact_modes(mg_context *c, mg_events *events) {
 }
 
 MG_INTERNAL int mg_is_active_set_outdated(mg_context *c) {
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->run->closed[i] && !c->run->active[i] && fabs(mg_row_acceleration(c, i)) > mg_acceleration_tolerance(c))
       return 1;
   return 0;
@@ -95,14 +95,14 @@ static int mg_has_too_many_events(mg_context *c) {
 
 MG_INTERNAL int mg_has_closed_contact_capacity(const mg_context *c) {
   int n = 0;
-  for (int i = 0; i < c->system->n_contact; i++) n += c->run->closed[i] != 0;
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) n += c->run->closed[i] != 0;
   return n <= c->system->closed_capacity;
 }
 
 MG_INTERNAL void mg_open_separated_contacts(mg_context *c, mg_events *events) {
   const mg_real far = c->settings->start_gap * c->system->length,
                 rest = c->settings->rest_speed * c->system->length / c->system->time;
-  for (int i = 0; i < c->layout.support_begin; i++)
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     if (c->run->closed[i] && (c->rows.d[i] > far || c->rows.d_dot[i] > rest))
       mg_apply_contact_transition(c, events, i, MG_LIFTS_OFF, c->run->t, 0);
 }
@@ -134,7 +134,7 @@ static int mg_is_about_to_leave_feature_pair(mg_context *c, int contact) {
 static void mg_cancel_spurious_feature_pair_exits(mg_context *c) {
   mg_real eta[6];
   int which;
-  for (int i = 0; i < c->layout.support_begin; i++) {
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
     if (c->events.triggered[i] != MG_LEAVES_FEATURE) continue;
     for (int k = 0; k < c->contacts.n_eta[i]; k++) eta[k] = mg_contact_eta(c, c->run->x, i)[k];
     if (mg_newton_on_feature_pair(c, i, eta) >= 0 &&
@@ -158,7 +158,7 @@ static int mg_has_feature_pair_behind(const mg_context *c, int contact) {
 /* Mark open contacts whose gap closes while they leave their feature pair: they change feature instead of striking. At
    a concave edge no feature pair follows, and they strike. */
 static void mg_mark_exits_before_impact(mg_context *c) {
-  for (int i = 0; i < c->layout.support_begin; i++)
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     if (c->events.triggered[i] <= 1 && mg_is_on_feature_pair(c, i) && mg_is_gap_closing(c, i) &&
         mg_is_about_to_leave_feature_pair(c, i) && mg_has_feature_pair_behind(c, i))
       c->events.triggered[i] = MG_LEAVES_FEATURE;
@@ -175,7 +175,7 @@ static int mg_process_contact_events(mg_context *c, mg_events *events) {
     mg_evaluate_run_state(c);
     mg_open_separated_contacts(c, events);
   }
-  for (int i = 0; i < c->layout.support_begin; i++)
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     if (mg_is_gap_closing(c, i)) {
       mg_apply_contact_transition(c, events, i, MG_IMPACT_INELASTIC, c->run->t, 0);
       c->events.triggered[i] = MG_JUST_CLOSED;
@@ -183,7 +183,7 @@ static int mg_process_contact_events(mg_context *c, mg_events *events) {
   if (!mg_has_closed_contact_capacity(c)) return MG_TOO_MANY_CLOSED;
   const int outcome = mg_resolve_impacts(c, events);
   if (outcome) return outcome;
-  for (int i = 0; i < c->system->n_contact; i++) {
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
     if (c->events.triggered[i] != MG_JUST_CLOSED) continue;
     c->events.triggered[i] = 0;
     if (c->run->closed[i])
@@ -196,7 +196,7 @@ static int mg_process_contact_events(mg_context *c, mg_events *events) {
 }
 
 MG_INTERNAL void mg_open_separating(mg_context *c) {
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->run->closed[i] && c->rows.d_dot[i] > c->settings->rest_speed * c->system->length / c->system->time)
       c->run->closed[i] = 0;
 }

@@ -23,7 +23,7 @@ static const mg_real mg_longest_passage = (mg_real)1e-4; /* longest passage over
 /* List the rows that hold: active contacts, joints, sticking friction; returns their number. */
 static int mg_list_held_rows(mg_context *c) {
   int n = 0;
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->run->active[i]) c->lcp.rows[n++] = i;
   n = mg_append_joint_rows(c, c->lcp.rows, n);
   return c->system->n_friction ? mg_append_sticking_rows(c, c->lcp.rows, n) : n;
@@ -66,9 +66,9 @@ static void mg_store_passage_start(mg_context *c) {
     mg_impulse_column(c, row, v->column + 12 * row);
     mg_add_body_impulse(c, row, v->column + 12 * row, -c->solution.force[row], v->free_twist);
   }
-  for (int i = 0; i < c->layout.friction_row_end; i++) v->rate[i] = c->rows.d_dot[i];
+  for (int i = mg_next_row(c, -1); i < c->layout.friction_row_end; i = mg_next_row(c, i)) v->rate[i] = c->rows.d_dot[i];
   v->power = mg_load_power(c, c->step.slopes);
-  for (int i = 0; i < c->system->n_contact; i++) {
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
     if (!c->run->closed[i]) continue;
     mg_place_contact(c, i, mg_contact_eta(c, c->run->x, i), c->search.placement + 32);
     for (int k = 0; k < 3; k++) v->point[3 * i + k] = c->search.placement[11 + k];
@@ -126,7 +126,7 @@ static mg_real mg_place_points_after_passage(mg_context *c, mg_real t, mg_real *
   mg_real farthest = 0;
   mg_update_poses(c, t, x);
   c->events.passage.margin = MG_MAX;
-  for (int i = 0; i < c->layout.support_begin; i++) {
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
     if (!c->run->closed[i]) continue;
     if (!mg_find_point_after_passage(c, i, mg_contact_eta(c, x, i))) return MG_MAX;
     for (int k = 0; k < 3; k++) c->events.passage.landing_point[3 * i + k] = c->search.placement[11 + k];
@@ -181,7 +181,7 @@ static void mg_update_passage_impulses(mg_context *c) {
 static void mg_move_by_mean_velocity(mg_context *c, mg_real tau, mg_real *x) {
   const mg_system *s = c->system;
   mg_real *slope = c->step.slopes + c->layout.n_states, *mean = c->step.stage;
-  for (int k = 0; k < c->layout.n_states; k++) mean[k] = c->run->x[k];
+  mg_copy_states(c, c->run->x, mean);
   for (int k = s->n_q; k < s->n_q + s->n_u; k++) mean[k] = (c->run->x[k] + x[k]) / 2;
   mg_update_poses(c, c->run->t, mean);
   mg_free_accelerations(c, c->run->t, mean, slope);
@@ -193,7 +193,7 @@ static void mg_move_by_mean_velocity(mg_context *c, mg_real tau, mg_real *x) {
 static mg_real mg_passage_work(const mg_context *c, mg_real tau, mg_real power) {
   const mg_singular_passage *v = &c->events.passage;
   mg_real work = tau * (v->power + power) / 2;
-  for (int i = 0; i < c->layout.joint_row_end; i++) {
+  for (int i = mg_next_row(c, -1); i < c->layout.joint_row_end; i = mg_next_row(c, i)) {
     work -= v->impulse[i] * mg_prescribed_gap_rate(c, i);
     if (!c->system->n_friction || i >= c->layout.support_begin || !c->run->active[i]) continue;
     const int first = c->layout.friction_row_begin + c->system->contact_friction_row[i];
@@ -209,8 +209,9 @@ static mg_real mg_try_passage_step(mg_context *c, mg_real tau) {
   const mg_system *s = c->system;
   const mg_real t = c->run->t + tau, part = tau / s->time;
   mg_real *x = c->step.end, distance = 0, row_change = 0;
-  for (int k = 0; k < c->layout.n_states; k++) x[k] = c->run->x[k];
-  for (int i = 0; i < c->layout.friction_row_end; i++) c->events.passage.impulse[i] = 0;
+  mg_copy_states(c, c->run->x, x);
+  for (int i = mg_next_row(c, -1); i < c->layout.friction_row_end; i = mg_next_row(c, i))
+    c->events.passage.impulse[i] = 0;
   for (int round = 0; round < MG_PASSAGE_ROUNDS; round++) {
     mg_move_by_mean_velocity(c, tau, x);
     distance = mg_place_points_after_passage(c, t, x);
@@ -222,8 +223,7 @@ static mg_real mg_try_passage_step(mg_context *c, mg_real tau) {
   }
   x[c->layout.work_state] =
       c->run->x[c->layout.work_state] + mg_passage_work(c, tau, mg_load_power(c, c->step.slopes + c->layout.n_states));
-  return mg_all_finite(c->layout.n_states, x) ? row_change * distance / s->length / 6 + part * part * part / 12
-                                              : MG_MAX;
+  return mg_are_states_finite(c, x) ? row_change * distance / s->length / 6 + part * part * part / 12 : MG_MAX;
 }
 
 /* Take the longest passage step up to stop_time whose estimated error is within the tolerance; returns its length in
@@ -245,7 +245,7 @@ static int mg_is_stop_reached(const mg_context *c) {
 
 /* Set time and state of the run and evaluate them; returns 0 if an extremum is lost. */
 static int mg_set_run_state(mg_context *c, mg_real t, const mg_real *x) {
-  for (int k = 0; k < c->layout.n_states; k++) c->run->x[k] = x[k];
+  mg_copy_states(c, x, c->run->x);
   c->run->t = t;
   const int is_valid = mg_place_all_contacts(c, t, c->run->x);
   mg_evaluate_run_state(c);
@@ -256,7 +256,7 @@ static int mg_set_run_state(mg_context *c, mg_real t, const mg_real *x) {
 static void mg_record_passage(mg_context *c, mg_record *record) {
   while (mg_is_sample_due(record, c->run->t)) {
     const mg_real back = record->t[record->count] - c->run->t;
-    for (int k = 0; k < c->layout.n_states; k++) c->step.stage[k] = c->run->x[k];
+    mg_copy_states(c, c->run->x, c->step.stage);
     for (int k = 0; k < c->system->n_q; k++) c->step.stage[k] += back * c->step.slopes[k];
     mg_normalise_quaternions(c, c->step.stage);
     mg_update_poses(c, c->run->t + back, c->step.stage);
@@ -267,7 +267,7 @@ static void mg_record_passage(mg_context *c, mg_record *record) {
 
 /* True if method and settings allow a singular passage and no contact starts from flat. */
 static int mg_is_passage_allowed(const mg_context *c) {
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->run->rolling_start[i]) return 0;
   return c->settings->method == MG_DOP853 && c->settings->project && c->settings->use_gamma && c->settings->newton;
 }
@@ -280,7 +280,7 @@ static int mg_cross_singular_place(mg_context *c, mg_record *record) {
   mg_real tau = 0;
   int crossed = 0;
   c->events.passage.is_paused = mg_is_stop_reached(c);
-  for (int k = 0; k < c->layout.n_states; k++) c->step.settled[k] = run->x[k];
+  mg_copy_states(c, run->x, c->step.settled);
   for (int k = 0; k < MG_PASSAGES_MAX && !crossed && !c->events.passage.is_paused; k++) {
     tau = mg_choose_passage_step(c);
     if (!(tau > 0) || !mg_set_run_state(c, run->t + tau, c->step.end) || !mg_project_drift(c)) break;

@@ -2,12 +2,13 @@
    gaps whose minimum lies inside the step are marked. Reads gaps, gap velocities and accelerations; writes only
    those marks. */
 #include "events/events.h"
+#include "model/model.h"
 #include "forces/forces.h"
 
 MG_INTERNAL mg_real mg_penetration_step_limit(const mg_context *c) {
   const mg_system *s = c->system;
   mg_real longest_step = MG_MAX;
-  for (int i = 0; i < c->layout.support_begin; i++) {
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
     const mg_real travel = c->rows.d[i] + s->length;
     if (c->run->closed[i] || travel <= 0) continue;
     const mg_real speed = -c->rows.d_dot[i], gap_acceleration = mg_row_acceleration(c, i),
@@ -19,7 +20,7 @@ MG_INTERNAL mg_real mg_penetration_step_limit(const mg_context *c) {
 }
 
 MG_INTERNAL void mg_store_gaps(mg_context *c) {
-  for (int i = 0; i < c->layout.support_begin; i++)
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     c->events.gap_before[2 * i] = c->rows.d[i], c->events.gap_before[2 * i + 1] = c->rows.d_dot[i];
 }
 
@@ -40,7 +41,7 @@ static int mg_classify_gap_minimum(const mg_context *c, int contact, mg_real h) 
 
 MG_INTERNAL int mg_mark_gap_minima(mg_context *c, mg_real h) {
   int most = 0;
-  for (int i = 0; i < c->layout.support_begin; i++) {
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
     c->events.gap_dips[i] = mg_classify_gap_minimum(c, i, h);
     if (c->events.gap_dips[i] > most) most = c->events.gap_dips[i];
   }

@@ -14,7 +14,7 @@ static int mg_is_contact_at_fold(const mg_context *c, int contact) {
 
 MG_INTERNAL int mg_release_folded_contacts(mg_context *c, mg_events *events) {
   int count = 0;
-  for (int i = 0; i < c->layout.support_begin; i++) {
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
     if (!mg_is_contact_at_fold(c, i)) continue;
     mg_release_contact(c, events, i);
     count++;

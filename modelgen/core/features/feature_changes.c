@@ -178,7 +178,7 @@ static void mg_change_contact_feature(mg_context *c, mg_events *events, int cont
 
 MG_INTERNAL int mg_change_marked_features(mg_context *c, mg_events *events) {
   int count = 0;
-  for (int i = 0; i < c->system->n_contact; i++) {
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
     const int cause = c->events.triggered[i];
     if (cause != MG_LEAVES_FEATURE && cause != MG_PASSES_BORDER) continue;
     c->events.triggered[i] = 0;
@@ -197,7 +197,7 @@ static void mg_release_distant_rim_points(mg_context *c) {
   const mg_real none[6] = {0};
   mg_real next[6];
   int which;
-  for (int i = 0; i < c->layout.support_begin; i++) {
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
     if (!mg_is_on_feature_pair(c, i) || c->run->closed[i] || !mg_is_distant_flat_feature_pair(c, i)) continue;
     mg_place_contact(c, i, mg_contact_eta(c, c->run->x, i), next);
     if (mg_most_violated_condition(c, c->run->feature_pair[i], none, &which) >= -c->settings->feature_border) continue;
@@ -290,11 +290,11 @@ static void mg_search_free_feature_pairs(mg_context *c, int pair, const mg_searc
 /* Gaps of interest for a pair that has moved since its last search: a penetration since then is no deeper than that,
    and than a half of the smaller ball around the shapes, so that sides that face away from each other are none. */
 static mg_search_limits mg_penetration_limits(const mg_context *c, int pair, mg_real moved) {
-  const mg_real *ball = c->system->pair_ball + 8 * pair;
+  const mg_real radius_o = mg_pair_ball(c, pair, 0)[3], radius_f = mg_pair_ball(c, pair, 1)[3];
   mg_search_limits limits = mg_appearance_limits(c, pair);
   if (!(moved < MG_MAX / 4)) return limits;
-  if (ball[3] >= 0) moved = fmin(moved, ball[3] / 2);
-  if (ball[7] >= 0) moved = fmin(moved, ball[7] / 2);
+  if (radius_o >= 0) moved = fmin(moved, radius_o / 2);
+  if (radius_f >= 0) moved = fmin(moved, radius_f / 2);
   limits.depth = fmax(limits.depth, moved);
   return limits;
 }
@@ -402,8 +402,8 @@ static int mg_is_search_due(const mg_context *c, int pair, mg_real moved) {
 MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
   const mg_system *s = c->system;
   mg_real *const start = c->run->x;
-  for (int pair = 0; pair < s->n_pair; pair++) c->search.is_searched[pair] = 0;
-  for (int pair = 0; pair < s->n_pair; pair++) {
+  for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) c->search.is_searched[pair] = 0;
+  for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) {
     const mg_real moved = c->run->moved_since_search[pair] + h * mg_pair_motion_bound(c, pair).speed;
     if (mg_has_own_feature_pairs(c, pair) || !mg_is_search_due(c, pair, moved) || mg_pair_clearance(c, pair) > 0)
       continue;
@@ -438,7 +438,7 @@ static mg_real mg_remaining_search_range(const mg_context *c, int pair) {
 MG_INTERNAL mg_real mg_search_step_limit(const mg_context *c) {
   const mg_system *s = c->system;
   mg_real longest_step = MG_MAX;
-  for (int pair = 0; pair < s->n_pair; pair++) {
+  for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) {
     if (mg_is_search_needless(c, pair)) continue;
     const int unwatched = mg_is_pair_without_contacts(c, pair);
     if (!unwatched && mg_has_guiding_contacts(c, pair)) continue;
@@ -455,7 +455,7 @@ MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h)
   const mg_system *s = c->system;
   int count = mg_release_folded_contacts(c, events);
   mg_release_distant_rim_points(c);
-  for (int pair = 0; pair < s->n_pair; pair++) {
+  for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
     c->run->moved_since_search[pair] += h * mg_pair_motion_bound(c, pair).speed;
     if (!mg_is_search_due(c, pair, c->run->moved_since_search[pair])) continue;

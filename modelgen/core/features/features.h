@@ -40,6 +40,23 @@ MG_INTERNAL mg_real mg_search_step_limit(const mg_context *c);
    many changed. */
 MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h);
 
+/* near_pairs.c */
+
+/* Begins with the near pairs at the poses; all contacts are on no feature pair. */
+MG_INTERNAL void mg_begin_near_pairs(mg_context *c);
+
+/* Looks for near pairs anew if the centre of a ball could leave its margin in a step of h: pairs that are far apart are
+   left out, and those that come near are listed in c->listed.found and followed. `change` [6 per body]: what impulses
+   add to the twists, or 0. If the step is not given, mg_near_pair_step_limit bounds it. Returns 1 if any do. Needs
+   poses, twists and accelerations. */
+MG_INTERNAL int mg_choose_near_pairs(mg_context *c, mg_real h, const mg_real *change, int is_step_given);
+
+/* Longest step in s in which no centre of a ball leaves its margin, by velocities and accelerations. */
+MG_INTERNAL mg_real mg_near_pair_step_limit(const mg_context *c);
+
+/* Makes the next mg_choose_near_pairs look anew. */
+MG_INTERNAL void mg_forget_margins(mg_context *c);
+
 /* extremum_bifurcation.c */
 
 /* Release the contacts at folds; their pairs are searched at once. Returns their number. */

@@ -1,6 +1,7 @@
 /* The active set of closed contacts without friction: which of them carry force, by a complementarity problem in the
    gap accelerations. Writes run->active, forces and slopes. */
 #include "forces/forces.h"
+#include "model/model.h"
 #include "solve/lcp/solvers.h"
 
 MG_INTERNAL mg_real mg_acceleration_tolerance(const mg_context *c) {
@@ -24,7 +25,7 @@ MG_INTERNAL int mg_solve_active_set(mg_context *c, const int *skip) {
   int n = 0, carrying = 0;
   for (int i = 0; i < m; i++) c->run->active[i] = 0;
   mg_evaluate_run_state(c);
-  for (int i = 0; i < c->layout.support_begin; i++)
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     if (c->run->closed[i] && !skip[i]) c->lcp.rows[n++] = i;
   const int supports = mg_activate_supports(c);
   if (n == 0) {

@@ -33,7 +33,7 @@ MG_INTERNAL void mg_update_diagnostics(mg_context *c) {
   mg_update_maximum(&run->energy_error_max, fabs(error));
   mg_update_maximum(&run->kinetic_max, kinetic);
   if (s->n_joint_row) mg_monitor_joint_rank(c);
-  for (int i = 0; i < s->n_contact; i++) {
+  for (int i = mg_next_row(c, -1); i < s->n_contact; i = mg_next_row(c, i)) {
     const mg_real gap = c->rows.d[i] / s->length, force = c->solution.force[i] / weight;
     if (!mg_is_support_contact(c, i)) mg_update_maximum(&run->complementarity_max, fabs(gap < force ? gap : force));
     if (mg_is_on_feature_pair(c, i) && !mg_is_support_contact(c, i))
@@ -58,7 +58,7 @@ MG_INTERNAL int mg_check_penetration(mg_context *c, mg_real unresolved) {
 }
 
 MG_INTERNAL int mg_check_margins(mg_context *c, mg_events *events) {
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (mg_is_contact_singular(c, i)) {
       c->run->failed_contact = i;
       mg_apply_contact_transition(c, events, i, MG_ENDS_RUN, c->run->t, 0);

@@ -6,7 +6,7 @@
 
 MG_INTERNAL mg_real mg_largest_held_violation(const mg_context *c, const mg_real *value) {
   mg_real largest = 0;
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->run->closed[i] && fabs(value[i]) > largest) largest = fabs(value[i]);
   for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
     if (fabs(value[i]) > largest) largest = fabs(value[i]);
@@ -88,7 +88,7 @@ MG_INTERNAL int mg_project_initial_pose(mg_context *c) {
 
 /* Remove velocities that the joints forbid, by an impulse of the joints alone. */
 static void mg_project_joint_velocities(mg_context *c) {
-  for (int i = 0; i < c->system->n_contact; i++) c->events.gap_dips[i] = 0;
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) c->events.gap_dips[i] = 0;
   mg_solve_row_correction(c, c->events.gap_dips, c->rows.d_dot);
   mg_apply_velocity_correction(c);
   mg_evaluate_run_state(c);

@@ -3,6 +3,7 @@
    samples, above the intersection of the lines through each of them and its outer neighbour; where that bound is
    negative the function is evaluated there, and so on. Writes samples of event margins and event marks. */
 #include "forces/forces.h"
+#include "model/model.h"
 #include "base/base.h"
 
 static const mg_real mg_margin_time[MG_MARGIN_SAMPLES] = {
@@ -12,6 +13,11 @@ static const mg_real mg_margin_time[MG_MARGIN_SAMPLES] = {
 static const int mg_margin_sample_of_stage[12] = {0, -1, -1, 1, -1, 3, 2, -1, -1, 4, 5, -1}; /* sample at a stage */
 
 MG_INTERNAL int mg_event_margin_count(const mg_system *s) { return s->n_contact + s->n_friction; }
+
+MG_INTERNAL int mg_next_event_margin(const mg_context *c, int which) {
+  const int n = c->system->n_contact, contact = which < n ? mg_next_row(c, which) : n;
+  return contact < n ? contact : n + mg_next_constraint(c, which < n ? -1 : which - n);
+}
 
 MG_INTERNAL long mg_event_margin_size(const mg_system *s) {
   return mg_count_reals((MG_MARGIN_SAMPLES + 1L) * mg_event_margin_count(s), sizeof(mg_event_margin));
@@ -25,7 +31,7 @@ MG_INTERNAL void mg_sample_event_margins(mg_context *c, int sample) {
   const mg_system *s = c->system;
   const mg_event_margin *now = mg_event_margins_of_sample(c, MG_MARGIN_SAMPLES);
   mg_event_margin *taken = mg_event_margins_of_sample(c, sample), *constraints = taken + s->n_contact;
-  for (int i = 0; i < c->layout.support_begin; i++) {
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
     taken[i].lower =
         c->run->closed[i] && c->run->active[i] ? c->solution.force[i] + mg_acceleration_tolerance(c) * s->mass : MG_MAX;
     taken[i].upper = taken[i].lower;

@@ -112,7 +112,11 @@ MG_INTERNAL void mg_solve_least_norm_qr(int n, int rank, mg_real *R, const mg_re
 /* Rank of the assembled unsymmetric matrix over listed rows. */
 MG_INTERNAL int mg_unsymmetric_rank(mg_context *c, const int *list, int n);
 
-/* Solve A z = -b over listed rows, of least norm in the scale of the rows where A is singular. */
+/* Keeps the assembled matrix of n rows, which is symmetric until slip is coupled to normal forces. */
+MG_INTERNAL void mg_keep_symmetric_rows(mg_context *c, int n);
+
+/* Solve A z = -b over listed rows, of least norm in the scale of the rows where A is singular. Needs the symmetric
+   matrix that mg_keep_symmetric_rows has kept in c->lcp.work. */
 MG_INTERNAL void mg_solve_unsymmetric_rows(mg_context *c, const int *list, int n, mg_real *z);
 
 /* sliding_friction.c */
@@ -389,6 +393,10 @@ MG_INTERNAL int mg_project_initial_joints(mg_context *c);
 
 /* Number of event margins of one sample: contacts and friction constraints. */
 MG_INTERNAL int mg_event_margin_count(const mg_system *s);
+
+/* Margin after `which` (-1: the first) of contacts and friction constraints that take part; beyond the last their
+   number. */
+MG_INTERNAL int mg_next_event_margin(const mg_context *c, int which);
 
 /* Memory of all samples of event margins, in mg_real. */
 MG_INTERNAL long mg_event_margin_size(const mg_system *s);

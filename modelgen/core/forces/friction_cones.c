@@ -2,10 +2,11 @@
    coefficients. Reads coefficients and modes; writes the cones, bound kinds and row lists of the friction
    workspace, and sets the mode of groups that had none. */
 #include "forces/forces.h"
+#include "model/model.h"
 #include "solve/friction/solvers.h"
 
 MG_INTERNAL void mg_set_friction_bound_kinds(mg_context *c) {
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
       int *mode = c->run->friction_mode + g;
       if (c->run->closed[i] && *mode == MG_FRICTION_OFF) *mode = MG_STICKING;

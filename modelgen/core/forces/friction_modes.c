@@ -74,7 +74,7 @@ static mg_real mg_correction_energy_loss(const mg_context *c, int n) {
 static int mg_release_fastest_sticking(mg_context *c) {
   mg_real most = 0;
   int contact = -1, fastest = -1;
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
       if (!c->run->active[i] || c->run->friction_mode[g] != MG_STICKING) continue;
       const mg_real size = mg_slip_magnitude(c, i, g) / mg_slip_velocity_tolerance(c, g);
@@ -106,7 +106,7 @@ static void mg_remove_sticking_slip(mg_context *c) {
 
 /* Deactivate all contacts and evaluate rows and accelerations without contact forces. */
 static void mg_deactivate_all_contacts(mg_context *c) {
-  for (int i = 0; i < c->system->n_contact; i++) c->run->active[i] = 0;
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) c->run->active[i] = 0;
   mg_evaluate_run_state(c);
 }
 
@@ -126,7 +126,7 @@ static void mg_set_contact_force_ratios(mg_context *c, int contact) {
 static mg_friction_problem mg_assemble_friction_problem(mg_context *c, const int *skip) {
   mg_friction_problem p = {
       0, 0, MG_COULOMB, 1, c->friction.cone_first, c->friction.cone_rows, c->friction.cone, c->lcp.A, c->lcp.b, 0, 0};
-  for (int i = 0; i < c->layout.support_begin; i++)
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     if (c->run->closed[i] && !skip[i]) p.n = mg_append_friction_contact(c, i, p.n_contact++, p.n);
   mg_activate_supports(c);
   p.n = mg_append_sticking_patch_rows(c, c->lcp.rows, mg_append_bilateral_rows(c, c->lcp.rows, p.n));
@@ -204,7 +204,7 @@ static int mg_mark_yielding_friction(mg_context *c, const mg_friction_problem *p
 
 MG_INTERNAL int mg_use_kinetic_bounds(mg_context *c) {
   int count = 0;
-  for (int g = 0; g < c->system->n_friction; g++) {
+  for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g)) {
     const mg_real *s = c->system->friction_static + 2 * g, *d = c->system->friction_kinetic + 2 * g;
     if (!c->friction.is_yielding[g] || c->friction.bound[g] == MG_BOUND_KINETIC) continue;
     c->friction.bound[g] = MG_BOUND_KINETIC;
@@ -249,7 +249,8 @@ static void mg_store_friction_modes(mg_context *c, const mg_friction_problem *p)
 /* Store the solution, added to the forces that the joints carry without contacts, as the reference forces that
    select one of many redundant solutions. */
 static void mg_store_reference_forces(mg_context *c, const mg_friction_problem *p) {
-  for (int i = 0; i < c->layout.friction_row_end; i++) c->run->reference_force[i] = 0;
+  for (int i = mg_next_row(c, -1); i < c->layout.friction_row_end; i = mg_next_row(c, i))
+    c->run->reference_force[i] = 0;
   for (int r = 0; r < p->n; r++)
     c->run->reference_force[c->lcp.rows[r]] = c->solution.force[c->lcp.rows[r]] + c->lcp.z[r];
   c->run->forces_redundant = 1;
@@ -257,7 +258,7 @@ static void mg_store_reference_forces(mg_context *c, const mg_friction_problem *
 
 /* True if all active contacts are compressed and all sticking friction is within its bounds. */
 static int mg_has_admissible_forces(const mg_context *c) {
-  for (int i = 0; i < c->layout.support_begin; i++) {
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
     if (!c->run->active[i]) continue;
     if (!(c->solution.force[i] > 0)) return 0;
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
@@ -319,7 +320,7 @@ static void mg_record_friction_report(mg_context *c, const mg_friction_report *r
 MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip) {
   mg_friction_report report = {0};
   int yielding_count, redundant, dependent_joint_rows = 0;
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
       mg_initialise_friction_mode(c, i, g), c->friction.is_yielding[g] = 0;
   mg_remove_sticking_slip(c);
@@ -342,7 +343,7 @@ MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip) {
   mg_store_friction_modes(c, &p);
   c->run->forces_redundant = 0;
   if (redundant) mg_resolve_redundant_forces(c, skip, &p, yielding_count);
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; !c->run->active[i] && g < c->system->contact_friction[i + 1]; g++)
       c->run->friction_mode[g] = MG_FRICTION_OFF;
   mg_evaluate_run_state(c);
@@ -351,7 +352,7 @@ MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip) {
 }
 
 MG_INTERNAL void mg_report_friction_events(mg_context *c, mg_events *events) {
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
       const int before = c->friction.mode_before[g], now = c->run->friction_mode[g];
       const int first = MG_EVENT_SLIP_START + MG_EVENTS_PER_FRICTION * c->system->friction_kind[g];
@@ -395,29 +396,30 @@ static int mg_has_friction_event(const mg_context *c, int contact, int constrain
 
 MG_INTERNAL int mg_mark_friction_events(mg_context *c) {
   int count = 0;
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
       count += c->friction.triggered[g] = mg_has_friction_event(c, i, g);
   return count;
 }
 
 MG_INTERNAL int mg_has_any_friction_event(const mg_context *c) {
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
       if (mg_has_friction_event(c, i, g)) return 1;
   return 0;
 }
 
 MG_INTERNAL int mg_first_friction_event(const mg_context *c) {
-  for (int g = 0; g < c->system->n_friction; g++)
+  for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
     if (c->friction.triggered[g]) return g;
   return -1;
 }
 
 MG_INTERNAL void mg_begin_step_friction(mg_context *c) {
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
       if (c->run->active[i] && c->run->friction_mode[g] >= MG_SLIP_STARTING && mg_update_slip_direction(c, i, g))
         c->run->friction_mode[g] = MG_SLIPPING;
-  for (int g = 0; g < c->system->n_friction; g++) c->friction.mode_before[g] = c->run->friction_mode[g];
+  for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
+    c->friction.mode_before[g] = c->run->friction_mode[g];
 }

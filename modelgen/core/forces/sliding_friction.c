@@ -22,7 +22,7 @@ MG_INTERNAL int mg_friction_row_count(const mg_context *c, int constraint) {
 }
 
 MG_INTERNAL int mg_append_sticking_rows(const mg_context *c, int *list, int n) {
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; c->run->active[i] && g < c->system->contact_friction[i + 1]; g++) {
       if (c->run->friction_mode[g] != MG_STICKING) continue;
       const int first = mg_first_friction_row(c, i, g), rows = mg_friction_row_count(c, g);
@@ -77,7 +77,7 @@ static int mg_is_slipping(const mg_context *c, int contact, int constraint) {
 /* True if any friction constraint slips; that of patches is not looked at. */
 static int mg_may_slip(const mg_context *c) {
   if (c->system->n_patch_slot) return 1;
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
       if (mg_is_slipping(c, i, g)) return 1;
   return 0;
@@ -89,7 +89,7 @@ MG_INTERNAL void mg_set_slip_force_ratios(mg_context *c) {
   c->friction.slips = mg_may_slip(c);
   if (!c->friction.slips) return;
   mg_update_slip_velocities(c);
-  for (int i = 0; i < s->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < s->n_contact; i = mg_next_row(c, i))
     for (int g = s->contact_friction[i]; g < s->contact_friction[i + 1]; g++) {
       if (!mg_is_slipping(c, i, g)) continue;
       mg_set_slip_force_ratio(c, i, g);
@@ -138,7 +138,10 @@ static int mg_has_slip_coupling(const mg_context *c, const int *list, int n) {
 
 MG_INTERNAL void mg_solve_island_with_friction(mg_context *c, int n, mg_real *amount) {
   const int unsymmetric = mg_has_slip_coupling(c, c->islands.rows, n);
-  if (unsymmetric) mg_couple_slip_to_normal_columns(c, c->islands.rows, n);
+  if (unsymmetric) {
+    mg_keep_symmetric_rows(c, n);
+    mg_couple_slip_to_normal_columns(c, c->islands.rows, n);
+  }
   for (int j = 0; j < n && c->run->forces_redundant; j++)
     for (int r = 0; r < n; r++) c->lcp.b[r] += c->lcp.A[r + n * j] * c->run->reference_force[c->islands.rows[j]];
   if (unsymmetric) mg_solve_unsymmetric_rows(c, c->islands.rows, n, c->lcp.z);
@@ -152,7 +155,7 @@ MG_INTERNAL void mg_solve_island_with_friction(mg_context *c, int n, mg_real *am
 
 MG_INTERNAL void mg_apply_slip_forces(mg_context *c) {
   if (!c->friction.slips) return;
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     for (int k = 0; k < mg_tangential_row_count(c, i); k++) {
       const int row = c->layout.friction_row_begin + c->system->contact_friction_row[i] + k;
       const mg_real tilt = c->friction.force_ratio[row - c->layout.friction_row_begin];
@@ -166,7 +169,8 @@ MG_INTERNAL void mg_apply_slip_forces(mg_context *c) {
 MG_INTERNAL mg_real mg_friction_power(const mg_context *c) {
   mg_real power = 0;
   if (!c->friction.slips && !c->layout.n_driven) return 0; /* what sticks to bodies that forces move does no work */
-  for (int i = c->layout.friction_row_begin; i < c->layout.friction_row_end; i++) {
+  for (int i = mg_next_row(c, c->layout.friction_row_begin - 1); i < c->layout.friction_row_end;
+       i = mg_next_row(c, i)) {
     if (c->solution.force[i] == 0) continue;
     power += c->solution.force[i] *
              ((c->friction.force_ratio[i - c->layout.friction_row_begin] != 0 ? c->rows.d_dot[i] : 0) -

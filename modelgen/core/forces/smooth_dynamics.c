@@ -69,12 +69,13 @@ static int mg_is_one_pair(const mg_context *c, int n) {
    the number of rows. */
 static int mg_list_marked_rows(mg_context *c, const int *marked, mg_real *amount) {
   int n = 0;
-  for (int i = 0; i < c->system->n_contact; i++) {
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
     amount[i] = 0;
     if (marked[i]) c->lcp.rows[n++] = i;
   }
   n = mg_append_joint_rows(c, c->lcp.rows, n);
-  for (int i = c->layout.friction_row_begin; i < c->layout.friction_row_end; i++) amount[i] = 0;
+  for (int i = mg_next_row(c, c->layout.friction_row_begin - 1); i < c->layout.friction_row_end; i = mg_next_row(c, i))
+    amount[i] = 0;
   return c->system->n_friction ? mg_append_sticking_rows(c, c->lcp.rows, n) : n;
 }
 
@@ -123,7 +124,7 @@ MG_INTERNAL int mg_has_nonfinite_driven_path(const mg_context *c) {
 MG_INTERNAL mg_real mg_prescribed_motion_power(const mg_context *c) {
   mg_real power = 0;
   if (mg_has_nonfinite_driven_path(c)) return INFINITY;
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->run->active[i]) power -= c->solution.force[i] * mg_prescribed_gap_rate(c, i);
   for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
     power -= c->solution.force[i] * mg_prescribed_gap_rate(c, i);
@@ -139,7 +140,9 @@ MG_INTERNAL void mg_right_hand_side(mg_context *c, mg_real t, const mg_real *x, 
   mg_solve_contact_forces(c);
   for (int b = 0; b < s->n_body; b++)
     mg_copy_velocity(c, b, c->bodies.acceleration + 6 * b, x_dot + s->n_q + s->body_u[b]);
-  for (int k = 0; k < s->n_eta; k++) x_dot[s->n_q + s->n_u + k] = c->rows.eta_dot[k];
+  for (int i = mg_next_row(c, -1); i < s->n_contact; i = mg_next_row(c, i))
+    for (int k = s->contact_eta[i]; k < s->contact_eta[i] + mg_eta_capacity(c, i); k++)
+      x_dot[s->n_q + s->n_u + k] = c->rows.eta_dot[k];
   if (c->layout.n_driven || c->layout.has_prescribed_joint)
     x_dot[c->layout.work_state] += mg_prescribed_motion_power(c);
   if (s->n_friction) x_dot[c->layout.work_state] += mg_friction_power(c);
@@ -159,5 +162,6 @@ MG_INTERNAL int mg_hold_rows(mg_context *c, const int *marked, const mg_real *ra
 MG_INTERNAL void mg_evaluate_run_state(mg_context *c) {
   mg_right_hand_side(c, c->run->t, c->run->x, c->step.slopes);
   mg_update_gap_rates(c);
-  for (int i = 0; i < c->system->n_contact; i++) c->run->force[i] = c->solution.force[i];
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
+    c->run->force[i] = c->solution.force[i];
 }

@@ -20,7 +20,7 @@ static void mg_set_kinetic_cone(mg_context *c, int contact, mg_real *cone) {
 static mg_friction_problem mg_assemble_impact_problem(mg_context *c) {
   mg_friction_problem p = {
       0, 0, MG_COULOMB, 0, c->friction.cone_first, c->friction.cone_rows, c->friction.cone, c->lcp.A, c->lcp.b, 0, 0};
-  for (int i = 0; i < c->layout.support_begin; i++) {
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
     if (!c->run->closed[i] || c->patches.is_covered[i]) continue;
     mg_set_kinetic_cone(c, i, c->friction.cone + MG_CONE * p.n_contact);
     p.n = mg_append_friction_contact(c, i, p.n_contact++, p.n);
@@ -65,7 +65,7 @@ MG_INTERNAL void mg_note_impact_energy_gain(mg_context *c, int n) {
 }
 
 MG_INTERNAL void mg_reset_friction_modes(mg_context *c) {
-  for (int g = 0; g < c->system->n_friction; g++)
+  for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
     c->run->friction_mode[g] = MG_FRICTION_OFF, c->friction.triggered[g] = 0;
   mg_reset_patch_friction(c);
   mg_update_slip_velocities(c);

@@ -20,7 +20,7 @@ MG_INTERNAL mg_real mg_effective_restitution(const mg_context *c, int contact) {
 /* List the closed contacts that no patch covers, then the supports on hull edges; returns their number. */
 static int mg_list_impact_contacts(mg_context *c) {
   int n = 0;
-  for (int i = 0; i < c->layout.support_begin; i++)
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     if (c->run->closed[i] && !c->patches.is_covered[i]) c->lcp.rows[n++] = i;
   return mg_append_edge_supports(c, c->lcp.rows, n);
 }
@@ -53,7 +53,7 @@ MG_INTERNAL mg_real mg_remaining_bounce_time(mg_context *c, int contact) {
 /* Open the contacts that separate after the impact and report their events. */
 static void mg_open_rebounding_contacts(mg_context *c, mg_events *events) {
   const mg_real rest = c->settings->rest_speed * c->system->length / c->system->time;
-  for (int i = 0; i < c->layout.support_begin; i++) {
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
     const int separates = c->run->closed[i] && mg_row_times(c, i, c->bodies.twist) > rest;
     if (separates && mg_is_approaching(c, i))
       mg_apply_contact_transition(c, events, i, MG_IMPACT_REBOUND, c->run->t, -c->rows.d_dot[i]);
@@ -96,7 +96,7 @@ static int mg_solve_impulses(mg_context *c) {
 static int mg_has_impact(const mg_context *c) {
   const mg_real drift = c->settings->drift_tolerance * c->system->length / c->system->time,
                 rest = c->settings->rest_speed * c->system->length / c->system->time;
-  for (int i = 0; i < c->layout.support_begin; i++)
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     if (c->run->closed[i] && mg_is_approaching_beyond_drift(c, i)) return 1;
   for (int i = c->layout.support_begin; i < c->system->n_contact; i++)
     if (c->run->closed[i] && fabs(c->rows.d_dot[i]) > drift) return 1;
@@ -122,7 +122,7 @@ static void mg_note_impact_chain(mg_context *c, int n) {
 MG_INTERNAL int mg_resolve_impacts(mg_context *c, mg_events *events) {
   const mg_real floor = c->settings->rest_speed * c->system->mass * c->system->length / c->system->time;
   int n;
-  for (int i = 0; i < c->system->n_contact; i++) c->patches.is_covered[i] = 0;
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) c->patches.is_covered[i] = 0;
   if (mg_replace_struck_patches(c)) mg_evaluate_run_state(c);
   if (mg_is_impact_sequential(c) && !mg_resolve_impacts_in_sequence(c, events)) return MG_COMPLEMENTARITY;
   if (mg_hold_flat_patches_on_trial(c, c->settings->start_gap * c->system->length, 1)) mg_evaluate_run_state(c);

@@ -9,7 +9,7 @@ enum { MG_SINGLE_IMPACTS_MAX = 1000 }; /* most impacts at one time */
 
 MG_INTERNAL int mg_is_impact_sequential(const mg_context *c) {
   int singly = c->settings->sequential;
-  for (int i = 0; i < c->layout.support_begin; i++)
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     singly |= c->run->closed[i] && c->system->impact_law[i] != MG_NEWTON;
   return singly;
 }
@@ -18,7 +18,7 @@ MG_INTERNAL int mg_is_impact_sequential(const mg_context *c) {
 static int mg_fastest_approaching_contact(const mg_context *c) {
   const mg_real touching = c->settings->contact_gap * c->system->length;
   int fastest = -1;
-  for (int i = 0; i < c->layout.support_begin; i++) {
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
     if (!mg_is_on_feature_pair(c, i) || !(c->run->closed[i] || fabs(c->rows.d[i]) <= touching) ||
         !mg_is_approaching(c, i))
       continue;
@@ -124,7 +124,7 @@ static int mg_resolve_single_impact(mg_context *c, mg_events *events, int contac
 /* Open the contacts that impacts elsewhere have pushed apart; those that had just closed are not reported. */
 static void mg_open_pushed_contacts(mg_context *c, mg_events *events) {
   const mg_real rest = c->settings->rest_speed * c->system->length / c->system->time;
-  for (int i = 0; i < c->layout.support_begin; i++) {
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
     if (!c->run->closed[i] || !(c->rows.d_dot[i] > rest)) continue;
     mg_apply_contact_transition(c, events, i, c->events.triggered[i] ? MG_IMPACT_AVOIDED : MG_PUSHED_OPEN, c->run->t,
                                 0);

@@ -8,10 +8,12 @@
 
 /* out = x + h sum a_k K_k over the entries of one row of the tableau; four states at a time, with sums in
    registers. */
-static void mg_dop853_combine(const mg_context *c, int row, const mg_real *x, mg_real h, mg_real *out) {
+static void mg_dop853_combine_range(const mg_context *c, int range, int row, const mg_real *x, mg_real h,
+                                    mg_real *out) {
   const int n = c->layout.n_states, first = mg_dop_row[row], end = mg_dop_row[row + 1];
-  int i = 0;
-  for (; i + 4 <= n; i += 4) {
+  const int last = mg_range_end(c, range);
+  int i = mg_range_begin(c, range);
+  for (; i + 4 <= last; i += 4) {
     mg_real sum[4] = {0, 0, 0, 0};
     for (int k = first; k < end; k++) {
       const mg_real weight = mg_dop_value[k], *slope = c->step.slopes + mg_dop_column[k] * n + i;
@@ -20,11 +22,16 @@ static void mg_dop853_combine(const mg_context *c, int row, const mg_real *x, mg
     }
     for (int j = 0; j < 4; j++) out[i + j] = x[i + j] + h * sum[j];
   }
-  for (; i < n; i++) {
+  for (; i < last; i++) {
     mg_real sum = 0;
     for (int k = first; k < end; k++) sum += mg_dop_value[k] * c->step.slopes[mg_dop_column[k] * n + i];
     out[i] = x[i] + h * sum;
   }
+}
+
+/* The same over all states that take part. */
+static void mg_dop853_combine(const mg_context *c, int row, const mg_real *x, mg_real h, mg_real *out) {
+  for (int range = 0; range < c->listed.n_range; range++) mg_dop853_combine_range(c, range, row, x, h, out);
 }
 
 /* Evaluates the right-hand side of a stage. */
@@ -40,16 +47,17 @@ static void mg_dop853_stage(mg_context *c, int stage, mg_real t, const mg_real *
 static mg_real mg_dop853_error(const mg_context *c, const mg_real *x, mg_real h) {
   const int n = c->layout.n_states;
   mg_real fifth = 0, third = 0;
-  for (int i = 0; i < n; i++) {
-    mg_real e5 = 0, e3 = (c->step.end[i] - x[i]) / h;
-    for (int j = 0; j < 12; j++) {
-      const mg_real slope = c->step.slopes[j * n + i];
-      e5 += mg_dop_fifth[j] * slope, e3 -= mg_dop_third[j] * slope;
+  for (int range = 0; range < c->listed.n_range; range++)
+    for (int i = mg_range_begin(c, range); i < mg_range_end(c, range); i++) {
+      mg_real e5 = 0, e3 = (c->step.end[i] - x[i]) / h;
+      for (int j = 0; j < 12; j++) {
+        const mg_real slope = c->step.slopes[j * n + i];
+        e5 += mg_dop_fifth[j] * slope, e3 -= mg_dop_third[j] * slope;
+      }
+      const mg_real size = fabs(x[i]) > c->step.scale[i] ? fabs(x[i]) : c->step.scale[i];
+      const mg_real weight = 1 / (c->settings->tolerance * size);
+      fifth += e5 * weight * e5 * weight, third += e3 * weight * e3 * weight;
     }
-    const mg_real size = fabs(x[i]) > c->step.scale[i] ? fabs(x[i]) : c->step.scale[i];
-    const mg_real weight = 1 / (c->settings->tolerance * size);
-    fifth += e5 * weight * e5 * weight, third += e3 * weight * e3 * weight;
-  }
   if (fifth == 0) return 0;
   return fabs(h) * fifth / sqrt((fifth + third / 100) * c->layout.n_live_states);
 }
@@ -66,15 +74,16 @@ MG_INTERNAL mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_rea
 MG_INTERNAL void mg_dop853_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   const int n = c->layout.n_states;
   for (int stage = 13; stage < 16; stage++) mg_dop853_stage(c, stage, t, x, h);
-  for (int i = 0; i < n; i++) {
-    const mg_real delta = c->step.end[i] - x[i], first = c->step.slopes[i], last = c->step.slopes[12 * n + i];
-    c->step.interpolant[i] = delta;
-    c->step.interpolant[n + i] = h * first - delta;
-    c->step.interpolant[2 * n + i] = 2 * delta - h * (first + last);
-    for (int row = 0; row < 4; row++) {
-      mg_real sum = 0;
-      for (int j = 0; j < 16; j++) sum += mg_dop_dense[row][j] * c->step.slopes[j * n + i];
-      c->step.interpolant[(3 + row) * n + i] = h * sum;
+  for (int range = 0; range < c->listed.n_range; range++)
+    for (int i = mg_range_begin(c, range); i < mg_range_end(c, range); i++) {
+      const mg_real delta = c->step.end[i] - x[i], first = c->step.slopes[i], last = c->step.slopes[12 * n + i];
+      c->step.interpolant[i] = delta;
+      c->step.interpolant[n + i] = h * first - delta;
+      c->step.interpolant[2 * n + i] = 2 * delta - h * (first + last);
+      for (int row = 0; row < 4; row++) {
+        mg_real sum = 0;
+        for (int j = 0; j < 16; j++) sum += mg_dop_dense[row][j] * c->step.slopes[j * n + i];
+        c->step.interpolant[(3 + row) * n + i] = h * sum;
+      }
     }
-  }
 }

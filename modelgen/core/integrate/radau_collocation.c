@@ -49,7 +49,8 @@ MG_INTERNAL void mg_resample_stages(mg_real *value, mg_real share) {
   }
 }
 
-MG_INTERNAL mg_real mg_integrate_stages(mg_context *c, const mg_real *x, mg_real h, int from, int to) {
+/* mg_integrate_stages over states that all take part. */
+static mg_real mg_integrate_range(mg_context *c, const mg_real *x, mg_real h, int from, int to) {
   const int n = c->layout.n_states;
   mg_real *state = mg_stage_state(c, 0), *slope = mg_stage_slope(c, 0), most = 0;
   for (int i = from; i < to; i++) {
@@ -68,13 +69,24 @@ MG_INTERNAL mg_real mg_integrate_stages(mg_context *c, const mg_real *x, mg_real
   return most;
 }
 
+MG_INTERNAL mg_real mg_integrate_stages(mg_context *c, const mg_real *x, mg_real h, int from, int to) {
+  mg_real most = 0;
+  for (int range = 0; range < c->listed.n_range; range++) {
+    const int begin = mg_range_begin(c, range), end = mg_range_end(c, range);
+    const mg_real change = mg_integrate_range(c, x, h, begin > from ? begin : from, end < to ? end : to);
+    if (!(change <= most)) most = change;
+  }
+  return most;
+}
+
 MG_INTERNAL mg_real mg_rolling_start_load_error(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   const mg_system *s = c->system;
   mg_real *slope = c->step.slopes + (1 + 2 * MG_RADAU_STAGES) * c->layout.n_states,
           *miss = c->step.slopes + (2 + 2 * MG_RADAU_STAGES) * c->layout.n_states;
   mg_real share[MG_RADAU_STAGES], sum = 0;
   mg_lagrange(0, share);
-  for (int i = 0; i < c->layout.n_states; i++) miss[i] = 0;
+  for (int range = 0; range < c->listed.n_range; range++)
+    for (int i = mg_range_begin(c, range); i < mg_range_end(c, range); i++) miss[i] = 0;
   for (int stage = -1; stage < MG_RADAU_STAGES; stage++) {
     const mg_real *state = stage < 0 ? x : mg_stage_state(c, stage),
                   time = stage < 0 ? t : t + mg_stage_time(stage) * h;
@@ -94,20 +106,21 @@ MG_INTERNAL mg_real mg_rolling_start_load_error(mg_context *c, mg_real t, const 
 
 MG_INTERNAL void mg_make_collocation_interpolant(mg_context *c, const mg_real *x) {
   const int n = c->layout.n_states;
-  for (int i = 0; i < n; i++) {
-    c->step.end[i] = mg_stage_state(c, MG_RADAU_STAGES - 1)[i];
-    for (int row = 0; row < MG_RADAU_STAGES; row++) {
-      mg_real sum = 0;
-      for (int k = 0; k < MG_RADAU_STAGES; k++) sum += mg_radau_dense[row][k] * (mg_stage_state(c, k)[i] - x[i]);
-      c->step.interpolant[row * n + i] = sum;
+  for (int range = 0; range < c->listed.n_range; range++)
+    for (int i = mg_range_begin(c, range); i < mg_range_end(c, range); i++) {
+      c->step.end[i] = mg_stage_state(c, MG_RADAU_STAGES - 1)[i];
+      for (int row = 0; row < MG_RADAU_STAGES; row++) {
+        mg_real sum = 0;
+        for (int k = 0; k < MG_RADAU_STAGES; k++) sum += mg_radau_dense[row][k] * (mg_stage_state(c, k)[i] - x[i]);
+        c->step.interpolant[row * n + i] = sum;
+      }
     }
-  }
 }
 
 MG_INTERNAL void mg_restrict_stages(mg_context *c, const mg_real *x, mg_real share) {
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++)
     mg_interpolate(c, x, share * mg_stage_time(stage), mg_stage_state(c, stage));
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->run->rolling_start[i] == MG_START_FLAT)
       mg_resample_stages(c->step.rolling_starts[i].azimuth, share),
           mg_resample_stages(c->step.rolling_starts[i].stiffness, share);

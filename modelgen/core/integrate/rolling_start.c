@@ -32,7 +32,7 @@ enum {
 };
 
 MG_INTERNAL int mg_has_rolling_start(const mg_context *c) {
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->run->rolling_start[i] == MG_START_FLAT) return 1;
   return 0;
 }
@@ -74,9 +74,10 @@ static mg_real mg_rolling_step_limit(const mg_context *c, int contact) {
 
 MG_INTERNAL void mg_update_rolling_starts(mg_context *c) {
   int any_start = 0;
-  for (int i = 0; i < c->layout.support_begin; i++) any_start |= c->run->rolling_start[i];
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
+    any_start |= c->run->rolling_start[i];
   if (any_start) mg_update_poses(c, c->run->t, c->run->x);
-  for (int i = 0; i < c->layout.support_begin; i++) {
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
     const int starts = c->run->rolling_start[i] == MG_START_FLAT;
     if (!c->run->rolling_start[i]) continue;
     if (mg_is_tilt_below_flat_limit(c, i)) {
@@ -92,7 +93,7 @@ MG_INTERNAL void mg_update_rolling_starts(mg_context *c) {
 
 /* Copy the state of a stage, with normalised quaternions, to the stage workspace. */
 static void mg_load_stage_state(mg_context *c, int stage) {
-  for (int i = 0; i < c->layout.n_states; i++) c->step.stage[i] = mg_stage_state(c, stage)[i];
+  mg_copy_states(c, mg_stage_state(c, stage), c->step.stage);
   mg_normalise_quaternions(c, c->step.stage);
 }
 
@@ -103,7 +104,7 @@ static int mg_tilt_stage_bodies(mg_context *c, mg_real t, int stage, mg_real h, 
   const mg_real noise = stage < MG_RADAU_STAGES - 1 ? 8 * MG_EPS * h / c->system->time : 0;
   for (int iteration = 0; iteration < 2; iteration++) {
     mg_update_poses(c, t, c->step.stage);
-    for (int i = 0; i < c->system->n_contact; i++) {
+    for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
       if (c->run->rolling_start[i] != MG_START_FLAT) continue;
       mg_rolling_start *start = c->step.rolling_starts + i;
       const mg_contact_tilt at = mg_tilt_at_azimuth(c, i, start->azimuth[stage] + azimuth_increment);
@@ -128,7 +129,7 @@ static int mg_tilted_stage_slope(mg_context *c, mg_real t, int stage, mg_real h,
   mg_real *x = c->step.stage;
   mg_load_stage_state(c, stage);
   if (!mg_tilt_stage_bodies(c, t, stage, h, tilt_held, azimuth_increment)) return 0;
-  for (int i = 0; i < c->system->n_contact; i++) {
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
     if (c->run->rolling_start[i] != MG_START_FLAT) continue;
     mg_rolling_start *start = c->step.rolling_starts + i;
     const mg_contact_tilt at = mg_tilt_at_azimuth(c, i, start->azimuth[stage] + azimuth_increment);
@@ -149,7 +150,7 @@ static int mg_tilted_stage_slope(mg_context *c, mg_real t, int stage, mg_real h,
 static void mg_note_stage_tilt_rates(mg_context *c, mg_real t, int stage) {
   mg_load_stage_state(c, stage);
   mg_update_poses(c, t, c->step.stage);
-  for (int i = 0; i < c->layout.support_begin; i++)
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     if (c->run->rolling_start[i] == MG_START_FLAT) mg_note_tilt_rate(c, i, stage);
 }
 
@@ -177,7 +178,7 @@ static int mg_find_azimuth_stiffness(mg_context *c, mg_real t, int stage, mg_rea
   mg_real *slope = c->step.slopes + (1 + 2 * MG_RADAU_STAGES) * c->layout.n_states;
   for (int perturbed = 0; perturbed < 2; perturbed++) {
     if (perturbed && !mg_tilted_stage_slope(c, t, stage, h, 1, azimuth_increment, slope)) return 0;
-    for (int i = 0; i < c->layout.support_begin; i++) {
+    for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
       if (c->run->rolling_start[i] != MG_START_FLAT) continue;
       mg_rolling_start *start = c->step.rolling_starts + i;
       const mg_contact_tilt at = mg_tilt_at_azimuth(c, i, start->azimuth[stage]);
@@ -211,7 +212,7 @@ static int mg_iterate_rolling_stages(mg_context *c, mg_real t, mg_real *x, mg_re
   *change = mg_integrate_stages(c, x, h, s->n_q, first);
   const mg_real pose_change = mg_integrate_stage_poses(c, t, x, h);
   if (!(pose_change <= *change)) *change = pose_change;
-  for (int i = 0; i < s->n_contact; i++) {
+  for (int i = mg_next_row(c, -1); i < s->n_contact; i = mg_next_row(c, i)) {
     if (c->run->rolling_start[i] == MG_START_FLAT) continue;
     const int from = first + s->contact_eta[i];
     const mg_real more = mg_integrate_stages(c, x, h, from, from + c->contacts.n_eta[i]);
@@ -246,7 +247,7 @@ static mg_real mg_newton_azimuth_step(mg_context *c, mg_real t, mg_real h, int c
 /* Newton step for all azimuths and one substitution; returns the largest relative change, NAN where it fails. */
 static mg_real mg_iterate_azimuths_and_stages(mg_context *c, mg_real t, mg_real *x, mg_real h, int evaluation_flags) {
   mg_real azimuth_effect = 0, change = 0;
-  for (int i = 0; i < c->system->n_contact; i++) {
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
     const mg_real effect = c->run->rolling_start[i] == MG_START_FLAT ? mg_newton_azimuth_step(c, t, h, i) : 0;
     if (!(effect <= azimuth_effect)) azimuth_effect = effect;
   }
@@ -260,8 +261,9 @@ static int mg_guess_rolling_stages(mg_context *c, mg_real t, mg_real *x, mg_real
   mg_real change;
   if (!mg_initialise_rolling_starts(c, t, x, h)) return 0;
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++)
-    for (int i = 0; i < c->layout.n_states; i++)
-      mg_stage_state(c, stage)[i] = x[i] + (i < n_q ? mg_stage_time(stage) * h * c->step.slopes[i] : 0);
+    for (int range = 0; range < c->listed.n_range; range++)
+      for (int i = mg_range_begin(c, range); i < mg_range_end(c, range); i++)
+        mg_stage_state(c, stage)[i] = x[i] + (i < n_q ? mg_stage_time(stage) * h * c->step.slopes[i] : 0);
   mg_note_all_tilt_rates(c, t, h);
   return mg_iterate_rolling_stages(c, t, x, h, MG_TILT_HELD, &change) &&
          mg_iterate_rolling_stages(c, t, x, h, MG_TILT_HELD | MG_WITH_STIFFNESS, &change);
@@ -270,7 +272,7 @@ static int mg_guess_rolling_stages(mg_context *c, mg_real t, mg_real *x, mg_real
 /* Relative change of the velocities that rounding of the poses causes by turning the tilt. */
 static mg_real mg_rolling_velocity_noise(const mg_context *c, mg_real h) {
   mg_real most = 0;
-  for (int i = 0; i < c->system->n_contact; i++) {
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
     if (c->run->rolling_start[i] != MG_START_FLAT) continue;
     for (int stage = 0; stage < MG_RADAU_STAGES; stage++) {
       const mg_real effect = 8 * c->step.rolling_starts[i].azimuth_noise[stage] *
@@ -312,7 +314,7 @@ static mg_real mg_solve_rolling_stages(mg_context *c, mg_real t, mg_real *x, mg_
 /* True if the state is eta of a starting contact, which is solved for, not integrated. */
 static int mg_is_eta_of_rolling_start(const mg_context *c, int state) {
   const int first = c->system->n_q + c->system->n_u;
-  for (int i = 0; i < c->layout.support_begin; i++) {
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
     const int from = first + c->system->contact_eta[i];
     if (c->run->rolling_start[i] == MG_START_FLAT && state >= from && state < from + c->contacts.n_eta[i]) return 1;
   }
@@ -322,12 +324,13 @@ static int mg_is_eta_of_rolling_start(const mg_context *c, int state) {
 MG_INTERNAL mg_real mg_half_step_difference(mg_context *c, const mg_real *x, const mg_real *half) {
   mg_real sum = 0;
   mg_interpolate(c, x, (mg_real)1 / 2, c->step.stage);
-  for (int i = 0; i < c->layout.n_states; i++) {
-    if (mg_is_eta_of_rolling_start(c, i)) continue;
-    const mg_real size = fabs(x[i]) > c->step.scale[i] ? fabs(x[i]) : c->step.scale[i];
-    const mg_real error = (c->step.stage[i] - half[i]) / (c->settings->tolerance * size);
-    sum += error * error;
-  }
+  for (int range = 0; range < c->listed.n_range; range++)
+    for (int i = mg_range_begin(c, range); i < mg_range_end(c, range); i++) {
+      if (mg_is_eta_of_rolling_start(c, i)) continue;
+      const mg_real size = fabs(x[i]) > c->step.scale[i] ? fabs(x[i]) : c->step.scale[i];
+      const mg_real error = (c->step.stage[i] - half[i]) / (c->settings->tolerance * size);
+      sum += error * error;
+    }
   return sqrt(sum / c->layout.n_live_states);
 }
 
@@ -343,7 +346,7 @@ static mg_real mg_solve_full_rolling_step(mg_context *c, mg_real t, mg_real *x, 
 
 /* Save the azimuths and stiffnesses of the full step, or restore them. */
 static void mg_save_or_restore_azimuths(mg_context *c, int restore) {
-  for (int i = 0; i < c->layout.support_begin; i++)
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     for (int k = 0; k < MG_RADAU_STAGES && c->run->rolling_start[i] == MG_START_FLAT; k++) {
       mg_rolling_start *start = c->step.rolling_starts + i;
       mg_real *saved = start->whole_step[k];
@@ -353,7 +356,7 @@ static void mg_save_or_restore_azimuths(mg_context *c, int restore) {
 }
 
 MG_INTERNAL mg_real mg_take_rolling_start_step(mg_context *c, mg_real t, mg_real *x, mg_real h) {
-  for (int i = 0; i < c->layout.n_states; i++) c->step.end[i] = x[i];
+  mg_copy_states(c, x, c->step.end);
   const mg_real full_change = mg_solve_full_rolling_step(c, t, x, h);
   c->step.rolling_step = full_change <= MG_MAX ? h : 0;
   if (!(full_change <= MG_MAX)) return MG_MAX;

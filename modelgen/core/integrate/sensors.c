@@ -7,9 +7,9 @@
 static void mg_sum_pairs(mg_context *c, const mg_real *eta, const mg_real *force) {
   const mg_system *s = c->system;
   mg_real centre[3];
-  for (int pair = 0; pair < s->n_pair; pair++) {
+  for (int pair = 0; pair < s->n_pair; pair++) c->sensors.pair[2 * pair] = MG_MAX, c->sensors.pair[2 * pair + 1] = 0;
+  for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) {
     mg_real *shown = c->sensors.pair + 2 * pair;
-    shown[0] = MG_MAX, shown[1] = 0;
     for (int i = s->pair_contact[pair]; i < s->pair_contact[pair + 1]; i++) {
       if (!mg_is_on_feature_pair(c, i)) continue;
       mg_place_contact(c, i, eta + s->contact_eta[i], c->search.placement + 32);

@@ -68,24 +68,25 @@ static int mg_is_slip_stiff(const mg_context *c, int contact, int constraint, mg
 
 MG_INTERNAL void mg_mark_stiff_slip(mg_context *c, mg_real h) {
   int count = 0;
-  for (int i = 0; i < c->layout.support_begin; i++)
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
       count += c->friction.is_stiff[g] = count < MG_SLIP_ONSET_UNKNOWNS && mg_is_slip_stiff(c, i, g, h);
   c->step.stiff_failures = 0;
 }
 
 MG_INTERNAL int mg_has_stiff_slip(const mg_context *c) {
-  for (int g = 0; g < c->system->n_friction; g++)
+  for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
     if (c->friction.is_stiff[g]) return 1;
   return 0;
 }
 
 MG_INTERNAL void mg_forget_stiff_slip(mg_context *c) {
-  for (int g = 0; g < c->system->n_friction; g++) c->friction.is_stiff[g] = 0;
+  for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
+    c->friction.is_stiff[g] = 0;
 }
 
 MG_INTERNAL int mg_has_slip_onset(const mg_context *c) {
-  for (int g = 0; g < c->system->n_friction; g++)
+  for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
     if (c->run->friction_mode[g] == MG_SLIP_ONSET) return 1;
   for (int slot = 0; slot < c->system->n_patch_slot && c->system->n_friction; slot++)
     if (c->run->patch_mode[slot] == MG_SLIP_ONSET) return 1;
@@ -93,7 +94,7 @@ MG_INTERNAL int mg_has_slip_onset(const mg_context *c) {
 }
 
 MG_INTERNAL void mg_finish_slip_onsets(mg_context *c) {
-  for (int g = 0; g < c->system->n_friction; g++)
+  for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
     if (c->run->friction_mode[g] == MG_SLIP_ONSET) c->run->friction_mode[g] = MG_SLIP_STARTING;
   for (int slot = 0; slot < c->system->n_patch_slot && c->system->n_friction; slot++)
     if (c->run->patch_mode[slot] == MG_SLIP_ONSET) c->run->patch_mode[slot] = MG_SLIP_STARTING;
@@ -102,7 +103,7 @@ MG_INTERNAL void mg_finish_slip_onsets(mg_context *c) {
 /* List the unknown directions of all slip onsets; returns 0 where there are none or too many. */
 static int mg_list_slip_onsets(const mg_context *c, mg_slip_onset *o) {
   o->count = 0;
-  for (int g = 0; g < c->system->n_friction; g++) {
+  for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g)) {
     if (c->run->friction_mode[g] != MG_SLIP_ONSET && !c->friction.is_stiff[g]) continue;
     if (o->count == MG_SLIP_ONSET_UNKNOWNS) return 0;
     o->contact[o->count] = mg_contact_of_friction(c, g), o->constraint[o->count++] = g;
@@ -162,7 +163,7 @@ static int mg_evaluate_slip_stages(mg_context *c, mg_slip_onset *o, mg_real t, m
     mg_watch_event_signs(c);
     for (int k = 0; k < o->count; k++)
       mg_resolve_slip_components(c, o, k, o->angle[stage][k], 0, &o->along[stage][k], &o->across[stage][k]);
-    if (!mg_all_finite(c->layout.n_states, mg_stage_slope(c, stage))) return 0;
+    if (!mg_are_states_finite(c, mg_stage_slope(c, stage))) return 0;
   }
   return 1;
 }
@@ -238,8 +239,9 @@ static mg_real mg_newton_slip_angle_step(mg_context *c, mg_slip_onset *o, mg_rea
    returns 0 where it fails. */
 static int mg_start_slip_stages(mg_context *c, mg_slip_onset *o, mg_real t, const mg_real *x, mg_real h) {
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++)
-    for (int i = 0; i < c->layout.n_states; i++)
-      mg_stage_state(c, stage)[i] = x[i] + mg_stage_time(stage) * h * c->step.slopes[i];
+    for (int range = 0; range < c->listed.n_range; range++)
+      for (int i = mg_range_begin(c, range); i < mg_range_end(c, range); i++)
+        mg_stage_state(c, stage)[i] = x[i] + mg_stage_time(stage) * h * c->step.slopes[i];
   for (int round = 0; round < MG_SLIP_START_ROUNDS; round++)
     if (!(mg_iterate_slip_stages(c, o, t, x, h) <= MG_MAX)) return 0;
   return 1;
@@ -298,11 +300,11 @@ static int mg_is_slip_established(mg_context *c, const mg_slip_onset *o, mg_real
 
 MG_INTERNAL mg_real mg_take_slip_onset_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   mg_slip_onset onset;
-  for (int i = 0; i < c->layout.n_states; i++) c->step.end[i] = x[i];
+  mg_copy_states(c, x, c->step.end);
   if (!mg_list_slip_onsets(c, &onset) || !mg_start_slip_stages(c, &onset, t, x, h / 2) ||
       !mg_solve_slip_stages(c, &onset, t, x, h / 2, MG_SLIP_STIFFNESS_ROUND))
     return MG_MAX;
-  for (int i = 0; i < c->layout.n_states; i++) c->step.settled[i] = mg_stage_state(c, MG_RADAU_STAGES - 1)[i];
+  mg_copy_states(c, mg_stage_state(c, MG_RADAU_STAGES - 1), c->step.settled);
   mg_continue_slip_stages(c, &onset, x);
   if (!mg_solve_slip_stages(c, &onset, t, x, h, 0) || !mg_is_slip_established(c, &onset, h)) return MG_MAX;
   mg_make_collocation_interpolant(c, x);

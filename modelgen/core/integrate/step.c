@@ -24,7 +24,7 @@ MG_INTERNAL mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_
 }
 
 MG_INTERNAL mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
-  c->step.sign_changed = 0;
+  c->step.sign_changed = c->step.left_margin = 0;
   return mg_take_step(c, t, x, h);
 }
 
@@ -37,12 +37,13 @@ MG_INTERNAL void mg_finish_step(mg_context *c, mg_real t, mg_real h) {
 MG_INTERNAL void mg_make_cubic_interpolant(mg_context *c, const mg_real *x, mg_real h) {
   const int n = c->layout.n_states, end = mg_end_slope_row(c);
   if (mg_is_collocated(c)) return; /* which has made an interpolant */
-  for (int i = 0; i < n; i++) {
-    const mg_real delta = c->step.end[i] - x[i], first = c->step.slopes[i], last = c->step.slopes[end * n + i];
-    c->step.interpolant[i] = delta, c->step.interpolant[n + i] = h * first - delta,
-    c->step.interpolant[2 * n + i] = 2 * delta - h * (first + last);
-    for (int row = 3; row < 7; row++) c->step.interpolant[row * n + i] = 0;
-  }
+  for (int range = 0; range < c->listed.n_range; range++)
+    for (int i = mg_range_begin(c, range); i < mg_range_end(c, range); i++) {
+      const mg_real delta = c->step.end[i] - x[i], first = c->step.slopes[i], last = c->step.slopes[end * n + i];
+      c->step.interpolant[i] = delta, c->step.interpolant[n + i] = h * first - delta,
+      c->step.interpolant[2 * n + i] = 2 * delta - h * (first + last);
+      for (int row = 3; row < 7; row++) c->step.interpolant[row * n + i] = 0;
+    }
 }
 
 MG_INTERNAL void mg_make_interpolant(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
@@ -52,18 +53,20 @@ MG_INTERNAL void mg_make_interpolant(mg_context *c, mg_real t, const mg_real *x,
 
 MG_INTERNAL void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta, mg_real *out) {
   const int n = c->layout.n_states;
-  for (int i = 0; i < n; i++) {
-    mg_real y = 0;
-    for (int row = 6; row >= 0; row--) y = (y + c->step.interpolant[row * n + i]) * (row % 2 ? 1 - theta : theta);
-    out[i] = x[i] + y;
-  }
+  for (int range = 0; range < c->listed.n_range; range++)
+    for (int i = mg_range_begin(c, range); i < mg_range_end(c, range); i++) {
+      mg_real y = 0;
+      for (int row = 6; row >= 0; row--) y = (y + c->step.interpolant[row * n + i]) * (row % 2 ? 1 - theta : theta);
+      out[i] = x[i] + y;
+    }
 }
 
 MG_INTERNAL void mg_watch_event_signs(mg_context *c) {
+  if (!c->step.left_margin) c->step.left_margin = mg_has_left_margins(c);
   if (c->step.sign_changed) return;
   const mg_real deep = -c->settings->contact_gap * c->system->length;
   if (mg_has_patch_event(c)) c->step.sign_changed = 1;
-  for (int i = 0; i < c->layout.support_begin; i++)
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     if (c->run->closed[i] ? c->run->active[i] && c->solution.force[i] < 0 : c->rows.d[i] < deep)
       c->step.sign_changed = 1;
   if (c->system->n_friction && mg_has_any_friction_event(c)) c->step.sign_changed = 1;

@@ -35,7 +35,7 @@ static void mg_find_flat_normals(const mg_context *c, int contact, mg_rolling_st
 
 MG_INTERNAL int mg_initialise_rolling_starts(mg_context *c, mg_real t, mg_real *x, mg_real h) {
   mg_update_poses(c, t, x);
-  for (int i = 0; i < c->system->n_contact; i++) {
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
     if (c->run->rolling_start[i] != MG_START_FLAT) continue;
     if (!mg_is_free_body(c, c->contacts.f[i]) && !mg_is_free_body(c, c->contacts.o[i])) return 0;
     mg_rolling_start *start = c->step.rolling_starts + i;

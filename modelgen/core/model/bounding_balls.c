@@ -23,8 +23,14 @@ static mg_real mg_feature_pair_clearance(const mg_context *c, int feature_pair) 
                           mg_feature_body(c, feature_pair, 1), centre_f, f[MG_FEATURE_BALL_RADIUS]);
 }
 
+MG_INTERNAL const mg_real *mg_pair_ball(const mg_context *c, int pair, int side) {
+  static const mg_real unbounded[4] = {0, 0, 0, -1};
+  const int ball = c->system->pair_balls[2 * pair + side];
+  return ball < 0 ? unbounded : c->system->ball + 4 * ball;
+}
+
 MG_INTERNAL mg_real mg_pair_length(const mg_context *c, int pair) {
-  const mg_real o = c->system->pair_ball[8 * pair + 3], f = c->system->pair_ball[8 * pair + 7];
+  const mg_real o = mg_pair_ball(c, pair, 0)[3], f = mg_pair_ball(c, pair, 1)[3];
   const mg_real smaller = o < 0 || (f >= 0 && f < o) ? f : o;
   return fmax(smaller, c->system->length);
 }
@@ -38,12 +44,11 @@ MG_INTERNAL int mg_is_out_of_reach(const mg_context *c, int feature_pair) {
 }
 
 MG_INTERNAL mg_real mg_pair_clearance(const mg_context *c, int pair) {
-  const mg_real *ball = c->system->pair_ball + 8 * pair;
+  const mg_real *o = mg_pair_ball(c, pair, 0), *f = mg_pair_ball(c, pair, 1);
   const int first = c->system->pair_feature_pair[pair];
   mg_real clear = MG_MAX, whole = 0;
-  if (ball[3] >= 0 && ball[7] >= 0)
-    whole = mg_ball_distance(c, mg_feature_body(c, first, 0), ball, ball[3], mg_feature_body(c, first, 1), ball + 4,
-                             ball[7]);
+  if (mg_has_pair_extents(c, pair))
+    whole = mg_ball_distance(c, mg_feature_body(c, first, 0), o, o[3], mg_feature_body(c, first, 1), f, f[3]);
   for (int feature_pair = first; feature_pair < c->system->pair_feature_pair[pair + 1]; feature_pair++)
     clear = fmin(clear, mg_feature_pair_clearance(c, feature_pair));
   return fmax(fmax(clear, whole), 0);
@@ -51,22 +56,12 @@ MG_INTERNAL mg_real mg_pair_clearance(const mg_context *c, int pair) {
 
 /* Largest distance of a shape of a pair from the centre of mass of its body (0: o, 1: f); < 0: unbounded. */
 static mg_real mg_shape_extent(const mg_context *c, int pair, int body) {
-  const mg_real *ball = c->system->pair_ball + 8 * pair + 4 * body;
+  const mg_real *ball = mg_pair_ball(c, pair, body);
   return ball[3] < 0 ? -1 : sqrt(mg_dot3(ball, ball)) + ball[3];
 }
 
 MG_INTERNAL int mg_has_pair_extents(const mg_context *c, int pair) {
-  const mg_real *ball = c->system->pair_ball + 8 * pair;
-  return ball[3] >= 0 && ball[7] >= 0;
-}
-
-MG_INTERNAL int mg_are_extents_within(const mg_context *c, int pair, mg_real distance) {
-  const int first = c->system->pair_feature_pair[pair];
-  const mg_real *a = c->bodies.pose + 12 * mg_feature_body(c, first, 0),
-                *b = c->bodies.pose + 12 * mg_feature_body(c, first, 1);
-  const mg_real span[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]},
-                most = distance + mg_shape_extent(c, pair, 0) + mg_shape_extent(c, pair, 1);
-  return mg_dot3(span, span) <= most * most;
+  return mg_pair_ball(c, pair, 0)[3] >= 0 && mg_pair_ball(c, pair, 1)[3] >= 0;
 }
 
 /* Bound of the motion of the points of body `seen`, within `extent` of its centre of mass, in the axes of body

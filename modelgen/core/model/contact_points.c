@@ -20,7 +20,7 @@ MG_INTERNAL mg_real mg_placement_margin(const mg_context *c, int contact) {
 MG_INTERNAL int mg_place_all_contacts(mg_context *c, mg_real t, mg_real *x) {
   const mg_system *s = c->system;
   mg_update_poses(c, t, x);
-  for (int i = 0; i < s->n_contact; i++) {
+  for (int i = mg_next_row(c, -1); i < s->n_contact; i = mg_next_row(c, i)) {
     mg_real *eta = mg_contact_eta(c, x, i), *next = c->search.placement + 32;
     if (!mg_is_on_feature_pair(c, i)) continue;
     const int n = mg_place_contact(c, i, eta, next), flat = mg_is_tilt_below_flat_limit(c, i);

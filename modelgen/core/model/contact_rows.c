@@ -101,7 +101,7 @@ static void mg_scatter_contact_rows(mg_context *c, int contact) {
 
 MG_INTERNAL void mg_update_contact_rows(mg_context *c, const mg_real *x) {
   const mg_system *s = c->system;
-  for (int i = 0; i < s->n_contact; i++) {
+  for (int i = mg_next_row(c, -1); i < s->n_contact; i = mg_next_row(c, i)) {
     const int kind = c->contacts.kind[i], o = c->contacts.o[i], f = c->contacts.f[i],
               below = c->kernels->contact_kinds[kind].rows > 1;
     if (c->run->feature_pair[i] < 0 || (c->run->rolling_start[i] && mg_set_rows_of_flat_start(c, i))) continue;
@@ -211,7 +211,7 @@ MG_INTERNAL mg_real mg_prescribed_gap_rate(const mg_context *c, int contact) {
 }
 
 MG_INTERNAL void mg_update_gap_rates(mg_context *c) {
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->run->feature_pair[i] >= 0) c->rows.d_dot[i] = mg_row_times(c, i, c->bodies.twist);
   for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
     c->rows.d_dot[i] = mg_row_times(c, i, c->bodies.twist) + c->rows.time_rate[i];
@@ -238,6 +238,6 @@ MG_INTERNAL void mg_rotate_pair(mg_real cosine, mg_real sine, mg_real *a, mg_rea
 }
 
 MG_INTERNAL void mg_update_slip_velocities(mg_context *c) {
-  for (int i = c->layout.friction_row_begin; i < c->layout.friction_row_end; i++)
+  for (int i = mg_next_row(c, c->layout.friction_row_begin - 1); i < c->layout.friction_row_end; i = mg_next_row(c, i))
     c->rows.d_dot[i] = mg_row_times(c, i, c->bodies.twist);
 }

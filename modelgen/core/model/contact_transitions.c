@@ -43,7 +43,7 @@ MG_INTERNAL void mg_apply_contact_transition(mg_context *c, mg_events *events, i
 }
 
 MG_INTERNAL void mg_clear_triggered_events(mg_context *c) {
-  for (int i = 0; i < c->system->n_contact; i++) c->events.triggered[i] = 0;
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) c->events.triggered[i] = 0;
 }
 
 MG_INTERNAL void mg_advance_time(mg_run *run, mg_real h) {

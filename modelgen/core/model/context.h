@@ -165,6 +165,31 @@ typedef struct {
   mg_real *independence; /* [per joint row] part of its diagonal entry of J M^-1 J^T independent of rows before, 0..1 */
 } mg_joint_workspace;
 
+/* A ball around a shape in the grid of the broad phase. */
+typedef struct {
+  mg_real centre[3]; /* centre, world axes, m */
+  mg_real radius;    /* radius with all margins, m; < 0: not in the grid */
+  long long cell[3]; /* its cell, in widths of a cell of its level */
+  int level;         /* its level: cells are 2^level as wide as those of level 0 */
+  int next;          /* next ball with the same place in the grid, or -1 */
+} mg_grid_ball;
+
+/* What takes part at present. Entry 0 of a list of successors is the first member, entry k + 1 the one after k. */
+typedef struct {
+  int *row;            /* [1 per row + 1] contacts and rows */
+  int *constraint;     /* [1 per friction constraint + 1] friction constraints */
+  int *pair;           /* [1 per pair + 1] pairs of shapes */
+  int *range;          /* [2 per contact + 6] first state and end of each range of states */
+  int *always;         /* [per pair] pairs that are never left out, ascending */
+  int *listed;         /* [per pair] pairs that take part, ascending */
+  int *found;          /* [per pair] pairs that the broad phase found; then those of them that had been left out */
+  int *grid;           /* [mg_grid_size] first ball of each place in the grid, or -1 */
+  mg_grid_ball *balls; /* [system->n_ball] balls */
+  int n_range, n_always, n_listed, n_found;
+  int n_contact;      /* contacts that take part */
+  int has_candidates; /* 1: there are pairs that may be left out */
+} mg_listing;
+
 /* Springs and dampers as rows. */
 typedef struct {
   int are_rows;     /* 1: they act through their rows, not as loads */
@@ -228,7 +253,6 @@ typedef struct {
   int *is_searched;        /* [per pair] 1: searched at the end of this step already, and all minima are followed */
   int *cell_pairs;         /* [2 MG_CELL_PAIRS] pairs of cells still to be treated */
   mg_real open_gap;        /* least gap noted in the present search by mg_note_open_gap, m; MG_MAX: none */
-  mg_real *body_reach;     /* [per body] time-stepping: how far the body can move in the steps looked ahead, m */
   mg_minima abandoned;     /* minima that contacts have left in this step */
   mg_real penetration;     /* deepest penetration noted in this step, m */
   int penetration_contact; /* its contact, or the first contact of its pair */
@@ -255,6 +279,7 @@ typedef struct {
   mg_real stop_time;    /* t_stop of mg_advance, s */
   int stiff_failures;   /* collocations of stiff slip that have failed at this state */
   int sign_changed;     /* 1: an event function had changed sign at a stage */
+  int left_margin;      /* 1: a pair of shapes that is left out could have met at a stage */
 } mg_step_workspace;
 
 /* Events of one step. */
@@ -345,6 +370,7 @@ typedef struct {
   const mg_settings *settings;
   mg_run *run;
   mg_layout layout;
+  mg_listing listed;
   mg_body_workspace bodies;
   mg_row_workspace rows;
   mg_row_solution solution;

@@ -5,8 +5,7 @@
 
 MG_INTERNAL int mg_is_on_feature_pair(const mg_context *c, int contact) { return c->run->feature_pair[contact] >= 0; }
 
-/* Entries of eta for which a contact has room. */
-static int mg_eta_capacity(const mg_context *c, int contact) {
+MG_INTERNAL int mg_eta_capacity(const mg_context *c, int contact) {
   const mg_system *s = c->system;
   return (contact + 1 < s->n_contact ? s->contact_eta[contact + 1] : s->n_eta) - s->contact_eta[contact];
 }

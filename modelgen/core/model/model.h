@@ -67,6 +67,9 @@ MG_INTERNAL int mg_is_driven_body(const mg_system *s, int body);
 /* True if the contact is on a feature pair. */
 MG_INTERNAL int mg_is_on_feature_pair(const mg_context *c, int contact);
 
+/* Entries of eta for which a contact has room. */
+MG_INTERNAL int mg_eta_capacity(const mg_context *c, int contact);
+
 /* Eta of a contact in x. */
 MG_INTERNAL mg_real *mg_contact_eta(const mg_context *c, mg_real *x, int contact);
 
@@ -132,6 +135,62 @@ MG_INTERNAL int mg_has_normal_sign(const mg_context *c, int feature_pair);
 
 /* True if no condition on the normal determines which side of the curves is outside. */
 MG_INTERNAL int mg_has_no_outside(const mg_context *c, int feature_pair);
+
+/* listing.c */
+
+/* Contact or row after `row` (-1: the first) of those that take part; beyond contacts the spare one, beyond rows the
+   number of all. */
+static inline int mg_next_row(const mg_context *c, int row) { return c->listed.row[row + 1]; }
+
+/* The same for friction constraints; beyond the last their number. */
+static inline int mg_next_constraint(const mg_context *c, int constraint) {
+  return c->listed.constraint[constraint + 1];
+}
+
+/* The same for pairs of shapes. */
+static inline int mg_next_pair(const mg_context *c, int pair) { return c->listed.pair[pair + 1]; }
+
+/* First of a range of states that take part. */
+static inline int mg_range_begin(const mg_context *c, int range) { return c->listed.range[2 * range]; }
+
+/* End of a range of states that take part. */
+static inline int mg_range_end(const mg_context *c, int range) { return c->listed.range[2 * range + 1]; }
+
+/* Copies the states that take part. */
+MG_INTERNAL void mg_copy_states(const mg_context *c, const mg_real *from, mg_real *to);
+
+/* True if all states that take part are finite. */
+MG_INTERNAL int mg_are_states_finite(const mg_context *c, const mg_real *x);
+
+/* Lists what belongs to the pairs of c->listed.listed, and what takes part always. */
+MG_INTERNAL void mg_list_pairs(mg_context *c);
+
+/* True if the pair may be left out while its shapes are far apart. */
+MG_INTERNAL int mg_may_be_far(const mg_context *c, int pair);
+
+/* True if the pair has one contact whose closest points are unique and found from any start. */
+MG_INTERNAL int mg_is_pair_followed_from_anywhere(const mg_context *c, int pair);
+
+/* Lists the pairs that the run has not left out. */
+MG_INTERNAL void mg_init_listing(mg_context *c);
+
+/* broad_phase.c */
+
+/* Centre of a ball, world axes. */
+MG_INTERNAL void mg_ball_centre(const mg_context *c, int ball, mg_real *centre);
+
+/* How far the centre of a ball has moved since the margins were set, m. */
+MG_INTERNAL mg_real mg_ball_movement(const mg_context *c, int ball);
+
+/* True if the centre of a ball has moved by more than its margin. */
+MG_INTERNAL int mg_has_left_margins(const mg_context *c);
+
+/* Cells of the grid. */
+MG_INTERNAL int mg_grid_size(const mg_system *s);
+
+/* Writes the pairs that may be far and are near to c->listed.found, ascending: those whose balls, enlarged by their
+   margins and a half of the reach of searches each, overlap. Needs the poses. */
+MG_INTERNAL void mg_find_near_pairs(mg_context *c);
 
 /* contact_rows.c */
 
@@ -241,11 +300,11 @@ MG_INTERNAL int mg_is_out_of_reach(const mg_context *c, int feature_pair);
    of their features. */
 MG_INTERNAL mg_real mg_pair_clearance(const mg_context *c, int pair);
 
+/* Ball around the shape of o (side 0) or f of a pair: centre in the axes of its body, and radius, < 0: unbounded. */
+MG_INTERNAL const mg_real *mg_pair_ball(const mg_context *c, int pair, int side);
+
 /* True if both shapes of a pair are bounded. */
 MG_INTERNAL int mg_has_pair_extents(const mg_context *c, int pair);
-
-/* True if balls round the centres of mass that contain the bounded shapes of a pair are nearer than a distance. */
-MG_INTERNAL int mg_are_extents_within(const mg_context *c, int pair, mg_real distance);
 
 /* Bound of the motion of the shapes of a pair relative to each other, in the axes of the body that gives the
    smaller one; of unbounded shapes the parts within the characteristic length count. */

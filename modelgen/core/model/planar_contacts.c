@@ -68,7 +68,7 @@ MG_INTERNAL int mg_is_distant_flat_feature_pair(const mg_context *c, int contact
 }
 
 MG_INTERNAL int mg_is_patch_rolling_start(const mg_context *c, int patch) {
-  for (int i = 0; i < c->layout.support_begin; i++)
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     if (c->run->rolling_start[i] && mg_is_feature_pair_in_patch(c, patch, c->run->feature_pair[i])) return 1;
   return 0;
 }
@@ -160,7 +160,7 @@ MG_INTERNAL int mg_has_held_patch(const mg_context *c, int pair) {
 }
 
 MG_INTERNAL void mg_request_pair_searches(mg_context *c, int patch) {
-  for (int pair = 0; pair < c->system->n_pair; pair++)
+  for (int pair = mg_next_pair(c, -1); pair < c->system->n_pair; pair = mg_next_pair(c, pair))
     if (mg_is_patch_of_pair(c, patch, pair)) c->run->moved_since_search[pair] = MG_MAX / 2;
 }
 

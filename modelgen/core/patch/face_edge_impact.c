@@ -158,7 +158,7 @@ static int mg_find_lasting_edge_contact(mg_context *c, int patch, mg_nearest_bou
 /* Open, without an event, the covered contacts that separate: they were struck with their face. */
 static void mg_open_covered_contacts(mg_context *c, int slot) {
   const int patch = mg_patch_of_slot(c, slot);
-  for (int i = 0; i < c->layout.support_begin; i++)
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     if (c->run->closed[i] && mg_is_feature_pair_in_patch(c, patch, c->run->feature_pair[i]) &&
         mg_row_times(c, i, c->bodies.twist) > 0)
       c->run->closed[i] = c->run->active[i] = c->events.triggered[i] = 0;

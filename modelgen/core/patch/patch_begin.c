@@ -45,7 +45,7 @@ MG_INTERNAL int mg_is_contact_of_flat_patch(mg_context *c, int contact) {
 }
 
 MG_INTERNAL void mg_mark_covered_contacts(mg_context *c) {
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     c->patches.is_covered[i] = i < c->layout.support_begin && mg_is_on_feature_pair(c, i) &&
                                mg_is_feature_pair_covered(c, c->run->feature_pair[i]);
 }
@@ -90,7 +90,7 @@ MG_INTERNAL int mg_reject_trial_patches(mg_context *c, const mg_real *amount, mg
 MG_INTERNAL void mg_release_covered_contacts(mg_context *c) {
   const mg_real none[6] = {0};
   mg_mark_covered_contacts(c);
-  for (int i = 0; i < c->layout.support_begin; i++)
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     if (c->patches.is_covered[i]) mg_set_feature_pair(c, i, -1, none), c->events.triggered[i] = 0;
 }
 

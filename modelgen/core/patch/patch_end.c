@@ -38,7 +38,7 @@ MG_INTERNAL void mg_restore_covered_contacts(mg_context *c, int patch, mg_minima
 MG_INTERNAL int mg_find_contact_at_point(mg_context *c, int patch, const mg_real *world) {
   mg_real least = c->settings->search_merge_distance * c->system->length, next[6];
   int nearest = -1;
-  for (int i = 0; i < c->layout.support_begin; i++) {
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
     if (!mg_is_on_feature_pair(c, i) || !mg_is_patch_of_pair(c, patch, c->system->contact_pair[i])) continue;
     mg_place_contact(c, i, mg_contact_eta(c, c->run->x, i), next);
     const mg_real arm[3] = {c->search.placement[11] - world[0], c->search.placement[12] - world[1],
@@ -137,7 +137,7 @@ MG_INTERNAL void mg_hull_point_to_world(const mg_real *o, const mg_support_point
 
 /* Close all contacts on feature pairs that the patch covers. */
 static void mg_close_covered_contacts(mg_context *c, int patch) {
-  for (int i = 0; i < c->layout.support_begin; i++)
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     if (mg_is_on_feature_pair(c, i) && mg_is_feature_pair_in_patch(c, patch, c->run->feature_pair[i]))
       mg_close_contact(c, i);
 }
@@ -228,7 +228,8 @@ MG_INTERNAL int mg_end_patches_by_impulse(mg_context *c, const mg_real *impulse,
 MG_INTERNAL int mg_replace_struck_patches(mg_context *c) {
   mg_minima found;
   int count = 0, struck = 0;
-  for (int i = 0; i < c->layout.support_begin; i++) struck |= c->run->closed[i] && mg_is_approaching_beyond_drift(c, i);
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
+    struck |= c->run->closed[i] && mg_is_approaching_beyond_drift(c, i);
   for (int slot = 0; slot < c->system->n_patch_slot && struck; slot++) {
     const int patch = mg_patch_of_slot(c, slot);
     if (patch < 0 || !mg_has_patch_friction(c, patch)) continue;

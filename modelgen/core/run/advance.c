@@ -18,7 +18,7 @@ static int mg_take_accurate_step(mg_context *c, mg_real *h) {
   c->step.rolling_step = 0;
   for (;;) {
     const mg_real error = mg_try_step(c, run->t, run->x, *h);
-    const int finite = mg_all_finite(c->layout.n_states, c->step.end) && error <= MG_MAX;
+    const int finite = mg_are_states_finite(c, c->step.end) && error <= MG_MAX;
     if (finite && error <= 1) {
       const mg_real next = *h * mg_step_growth(error, most);
       if (c->settings->method == MG_RK4) return MG_DONE;
@@ -39,10 +39,10 @@ static int mg_take_accurate_step(mg_context *c, mg_real *h) {
    lost there and a shorter step may come nearer. */
 static int mg_place_step_end(mg_context *c, mg_real h) {
   const mg_run *run = c->run;
-  for (int i = 0; i < c->layout.n_states; i++) c->step.settled[i] = c->step.end[i];
+  mg_copy_states(c, c->step.end, c->step.settled);
   mg_normalise_quaternions(c, c->step.settled);
   int is_valid = mg_place_all_contacts(c, run->t + h, c->step.settled);
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (mg_is_contact_singular(c, i)) is_valid = 0;
   return is_valid || c->settings->method == MG_RK4 || h <= c->settings->event_tolerance * c->system->time;
 }
@@ -54,7 +54,7 @@ static int mg_has_excessive_gap_rate(const mg_context *c, mg_real h) {
                 part = c->settings->separation_speed_factor * c->settings->tolerance;
   if (c->settings->method == MG_RK4 || !c->settings->project || !c->settings->use_gamma) return 0;
   if (mg_has_rolling_start(c) || h <= c->settings->event_tolerance * c->system->time) return 0;
-  for (int i = 0; i < c->layout.support_begin; i++) {
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
     if (!c->run->closed[i] || !c->run->active[i] || !(fabs(c->rows.d_dot[i]) > part * least)) continue;
     if (fabs(c->rows.d_dot[i]) > part * mg_pair_motion_bound(c, c->system->contact_pair[i]).speed) return 1;
   }
@@ -63,7 +63,7 @@ static int mg_has_excessive_gap_rate(const mg_context *c, mg_real h) {
 
 /* Makes c->step.settled the state of the run. */
 static void mg_accept_state(mg_context *c, mg_real h) {
-  for (int i = 0; i < c->layout.n_states; i++) c->run->x[i] = c->step.settled[i];
+  mg_copy_states(c, c->step.settled, c->run->x);
   mg_advance_time(c->run, h);
   c->run->steps++;
   mg_update_rolling_starts(c);
@@ -72,7 +72,7 @@ static void mg_accept_state(mg_context *c, mg_real h) {
 
 /* Evaluates the right-hand side at the new state, and projects drift if it is due. Returns an outcome. */
 static int mg_control_drift(mg_context *c) {
-  if (!mg_all_finite(c->layout.n_states, c->run->x)) return MG_NOT_FINITE;
+  if (!mg_are_states_finite(c, c->run->x)) return MG_NOT_FINITE;
   mg_evaluate_run_state(c);
   if (!c->settings->project || ++c->run->since_projection < c->settings->project) return MG_DONE;
   c->run->since_projection = 0;
@@ -105,7 +105,7 @@ static mg_real mg_longest_step(const mg_context *c) {
   const mg_real reach = mg_penetration_step_limit(c),
                 search_limit = mg_has_rolling_start(c) ? MG_MAX : mg_search_step_limit(c),
                 opening_limit = mg_patch_opening_step_limit(c);
-  const mg_real seen = search_limit < reach ? search_limit : reach;
+  const mg_real seen = fmin(fmin(search_limit, reach), mg_near_pair_step_limit(c));
   return (mg_is_companion_step_after_event(c, MG_MAX) ? 1 : c->settings->step_fraction) *
          (seen < opening_limit ? seen : opening_limit);
 }
@@ -166,6 +166,7 @@ static int mg_reject_step(mg_context *c, mg_real h) {
 static int mg_event_driven_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   mg_run *run = c->run;
   const mg_real end = h;
+  if (mg_choose_near_pairs(c, h, 0, c->settings->method == MG_RK4)) mg_evaluate_run_state(c);
   const mg_real longest = mg_longest_step(c);
   if (mg_has_rolling_start(c)) h = run->h;
   if (c->settings->method == MG_DOP853) h = mg_time_function_step_limit(c, h > longest ? longest : h);
@@ -183,7 +184,8 @@ static int mg_event_driven_step(mg_context *c, mg_real h, mg_record *record, mg_
   int outcome = mg_take_accurate_step(c, &h);
   if (outcome) return outcome;
   mg_finish_step(c, run->t, h);
-  if (mg_has_unresolved_state_load(c, h)) return mg_reject_step(c, h);
+  if (c->step.left_margin || mg_has_left_margins(c)) mg_forget_margins(c), c->step.left_margin = 1;
+  if (c->step.left_margin || mg_has_unresolved_state_load(c, h)) return mg_reject_step(c, h);
   const mg_real shorter = mg_first_event_in_step(c, h);
   int event = shorter > 0;
   if (event) h = shorter;

@@ -5,6 +5,7 @@
 #include "model/model.h"
 #include "closest/closest.h"
 #include "forces/forces.h"
+#include "features/features.h"
 #include "patch/patch.h"
 #include "impact/impact.h"
 #include "events/events.h"
@@ -14,7 +15,7 @@
 static int mg_place_start_contacts(mg_context *c) {
   const mg_system *s = c->system;
   const mg_real touching = c->settings->start_gap * s->length;
-  for (int i = 0; i < s->n_contact; i++) {
+  for (int i = mg_next_row(c, -1); i < s->n_contact; i = mg_next_row(c, i)) {
     c->run->failed_contact = i;
     c->run->closed[i] = c->run->active[i] = c->run->rolling_start[i] = 0;
     if (!mg_is_on_feature_pair(c, i)) continue;
@@ -37,7 +38,7 @@ static int mg_place_start_contacts(mg_context *c) {
 
 /* Reports the contacts that approached and do not rebound after the first impacts. */
 static void mg_report_touch_downs(mg_context *c, mg_events *events) {
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->run->closed[i] && mg_is_approaching(c, i))
       mg_apply_contact_transition(c, events, i, MG_TOUCHES_DOWN, c->run->t, -c->rows.d_dot[i]);
 }
@@ -70,7 +71,7 @@ static void mg_reset_report(mg_run *run) {
 /* Start of time-stepping, which needs no modes: its first step takes the first impacts. */
 static int mg_begin_time_stepping(mg_context *c) {
   mg_update_rows_at(c, c->run->t, c->run->x);
-  for (int i = 0; i < c->layout.friction_row_end; i++) c->solution.force[i] = 0;
+  for (int i = mg_next_row(c, -1); i < c->layout.friction_row_end; i = mg_next_row(c, i)) c->solution.force[i] = 0;
   mg_update_diagnostics(c);
   return MG_DONE;
 }
@@ -97,6 +98,7 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
   run->x[c.layout.work_state] = 0;
   mg_normalise_quaternions(&c, run->x);
   mg_update_poses(&c, run->t, run->x);
+  mg_begin_near_pairs(&c);
   int outcome = mg_search_start_pairs(&c);
   if (!outcome) outcome = mg_place_start_contacts(&c);
   if (outcome) return outcome;

@@ -50,6 +50,8 @@ static void mg_move_run(mg_stream *stream, const mg_system *s, mg_run *run) {
   mg_move_reals(stream, run->point, 3L * s->n_contact);
   mg_move_reals(stream, run->moved_since_search, s->n_pair);
   mg_move_reals(stream, run->unfollowed_gap, s->n_pair);
+  mg_move_ints(stream, run->is_far, s->n_pair);
+  mg_move_reals(stream, run->ball_at, 4L * s->n_ball);
   mg_move_ints(stream, run->closed, s->n_contact);
   mg_move_ints(stream, run->active, s->n_contact);
   mg_move_ints(stream, run->friction_mode, s->n_friction);
@@ -77,7 +79,7 @@ static mg_digest mg_digest_sizes(const mg_system *s) {
   const int sizes[] = {
       s->n_body, s->n_contact,      s->n_load,          s->n_pair,    s->n_feature_pair, s->n_q,        s->n_u,
       s->n_eta,  s->n_joint,        s->n_joint_row,     s->n_patch,   s->n_patch_slot,   s->n_friction, s->n_cell_tree,
-      s->n_cell, s->n_friction_row, s->closed_capacity, s->n_numbers, s->n_parameters,   s->n_input};
+      s->n_cell, s->n_friction_row, s->closed_capacity, s->n_numbers, s->n_parameters,   s->n_input,    s->n_ball};
   return mg_digest_ints(MG_DIGEST_START, sizes, (long)(sizeof sizes / sizeof *sizes));
 }
 
@@ -108,12 +110,19 @@ static mg_digest mg_digest_bodies(mg_digest digest, const mg_system *s) {
 /* Digest of the tables of contacts and feature pairs. */
 static mg_digest mg_digest_contacts(mg_digest digest, const mg_system *s) {
   const int c = s->n_contact, p = s->n_pair, e = s->n_feature_pair, all = e ? s->feature_pair_condition[e] : 0;
+  const int balls = s->n_ball, partners = balls ? s->ball_partner_begin[balls] : 0;
   const mg_index_table tables[] = {{s->contact_pair, c},
                                    {s->contact_eta, c},
                                    {s->contact_feature_pair, c},
                                    {s->pair_contact, p ? p + 1 : 0},
                                    {s->pair_feature_pair, p ? p + 1 : 0},
                                    {s->pair_search, p},
+                                   {s->pair_is_candidate, p},
+                                   {s->pair_balls, 2L * p},
+                                   {s->ball_body, balls},
+                                   {s->ball_partner_begin, balls ? balls + 1 : 0},
+                                   {s->ball_partner, partners},
+                                   {s->ball_pair, partners},
                                    {s->feature_pair_kind, e},
                                    {s->feature_pair_o, e},
                                    {s->feature_pair_f, e},
@@ -133,7 +142,7 @@ static mg_digest mg_digest_contacts(mg_digest digest, const mg_system *s) {
   digest = mg_digest_index_tables(digest, tables, (int)(sizeof tables / sizeof *tables));
   digest = mg_digest_reals(digest, s->restitution, c);
   digest = mg_digest_reals(digest, s->pair_normal, 3L * p);
-  return mg_digest_reals(digest, s->pair_ball, 8L * p);
+  return mg_digest_reals(digest, s->ball, 4L * balls);
 }
 
 /* Digest of the tables of friction and patches. */

@@ -65,13 +65,14 @@ static int mg_add_side_of_peak(mg_context *c, const mg_peak *peak, int sign, mg_
   const mg_real p = growth > MG_LEAST_POWER ? fmin(growth, MG_MOST_POWER) : 0;
   mg_right_hand_side(c, outer_time, c->run->x, at_far);
   mg_right_hand_side(c, inner_time, c->run->x, at_inner);
-  if (!mg_all_finite(2 * n, at_far)) return 0;
+  if (!mg_are_states_finite(c, at_far) || !mg_are_states_finite(c, at_inner)) return 0;
   const mg_real fall = pow(far, -p), rise = pow(inner, -p) - fall,
                 integral = (pow(far, 1 - p) - (near > 0 ? pow(near, 1 - p) : 0)) / (1 - p);
-  for (int i = 0; i < n; i++) {
-    const mg_real singular = p > 0 ? (at_inner[i] - at_far[i]) / rise : 0;
-    c->run->x[i] += (at_far[i] - singular * fall) * (far - near) + singular * integral;
-  }
+  for (int range = 0; range < c->listed.n_range; range++)
+    for (int i = mg_range_begin(c, range); i < mg_range_end(c, range); i++) {
+      const mg_real singular = p > 0 ? (at_inner[i] - at_far[i]) / rise : 0;
+      c->run->x[i] += (at_far[i] - singular * fall) * (far - near) + singular * integral;
+    }
   mg_normalise_quaternions(c, c->run->x);
   return 1;
 }
@@ -93,7 +94,7 @@ static int mg_cross_peak(mg_context *c, const mg_peak *peak, mg_events *events) 
 MG_INTERNAL int mg_cross_integrable_peak(mg_context *c, int outcome, mg_events *events) {
   const int functions = c->system->n_load + c->system->n_body + c->system->n_joint;
   if (outcome != MG_STEP_TOO_SMALL && outcome != MG_NOT_FINITE) return outcome;
-  if (c->settings->method != MG_DOP853 || mg_has_rolling_start(c) || !mg_all_finite(c->layout.n_states, c->run->x))
+  if (c->settings->method != MG_DOP853 || mg_has_rolling_start(c) || !mg_are_states_finite(c, c->run->x))
     return outcome;
   mg_update_poses(c, c->run->t, c->run->x);
   for (int i = 0; i < functions; i++) {

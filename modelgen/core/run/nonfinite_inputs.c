@@ -94,7 +94,7 @@ static int mg_is_nonfinite_ahead(const mg_context *c, int function, mg_real ahea
 /* First function of time that is not finite now or ahead, or has a pole here, or -1. Leaves the poses at the
    run's state. `lasting` as above. */
 static int mg_first_unbounded_function(mg_context *c, mg_real ahead, int lasting) {
-  if (!mg_all_finite(c->layout.n_states, c->run->x)) return -1;
+  if (!mg_are_states_finite(c, c->run->x)) return -1;
   mg_update_poses(c, c->run->t, c->run->x);
   for (int i = 0; i < c->system->n_load + c->system->n_body + c->system->n_joint; i++)
     if (mg_is_nonfinite_ahead(c, i, ahead, lasting) || mg_has_pole_at(c, i, c->run->t)) return i;

@@ -54,7 +54,7 @@ MG_API void mg_smooth(const mg_system *system, const mg_settings *settings, mg_r
   for (long step = 0; step < n; step++) {
     mg_right_hand_side(&c, run->t, run->x, c.step.slopes);
     mg_rk4(&c, run->t, run->x, settings->step);
-    for (int i = 0; i < c.layout.n_states; i++) run->x[i] = c.step.end[i];
+    mg_copy_states(&c, c.step.end, run->x);
     mg_advance_time(run, settings->step);
   }
   run->steps += n;

@@ -87,20 +87,26 @@ static long mg_search_int_memory_size(const mg_system *s) {
   return 1 + s->n_pair + (s->n_cell_tree ? s->n_cell_tree + 2L * MG_CELL_PAIRS : 0);
 }
 
+/* Memory of the lists of what takes part, in int. */
+static long mg_listing_int_memory_size(const mg_system *s) {
+  return mg_row_count(s) + 1L + s->n_friction + 1L + 4L * s->n_pair + 1L + 2L * s->n_contact + 6L + mg_grid_size(s);
+}
+
 MG_API long mg_work_size(const mg_system *s) {
   const long b = s->n_body, m = s->n_contact, r = mg_row_count(s), k = mg_held_row_capacity(s), n = s->closed_capacity,
              x = mg_state_count(s);
-  return 49 * b + 45 * r + mg_spring_count(s) + 9 * m + 1 + s->n_joint_row + 4 * m + s->n_eta + k * k + 3 * k + n * n +
-         n + mg_lcp_work_size((int)k) + mg_count_reals(mg_max_patch_arcs(s), sizeof(mg_arc)) + mg_hull_memory_max(s) +
-         (MG_STAGES + 12) * x + 32 + 2 * s->n_eta + mg_search_memory_size(s) + mg_event_margin_size(s) +
-         m * mg_rolling_start_size() + mg_friction_memory_size(s) + mg_time_sample_size(s) + 2L * s->n_pair +
-         6L * s->n_joint;
+  return mg_count_reals(s->n_ball, sizeof(mg_grid_ball)) + 48 * b + 45 * r + mg_spring_count(s) + 9 * m + 1 +
+         s->n_joint_row + 4 * m + s->n_eta + k * k + 3 * k + n * n + n + mg_lcp_work_size((int)k) +
+         mg_count_reals(mg_max_patch_arcs(s), sizeof(mg_arc)) + mg_hull_memory_max(s) + (MG_STAGES + 12) * x + 32 +
+         2 * s->n_eta + mg_search_memory_size(s) + mg_event_margin_size(s) + m * mg_rolling_start_size() +
+         mg_friction_memory_size(s) + mg_time_sample_size(s) + 2L * s->n_pair + 6L * s->n_joint;
 }
 
 MG_API long mg_iwork_size(const mg_system *s) {
   const long m = s->n_contact, r = mg_row_count(s), k = mg_held_row_capacity(s);
   return 7 * m + 2L * s->n_patch_slot + 10 * r + 2L * mg_spring_count(s) + 4 + mg_search_int_memory_size(s) + 2 * k +
-         mg_lcp_iwork_size((int)k) + 4L * s->n_body + 1 + mg_friction_int_memory_size(s);
+         mg_lcp_iwork_size((int)k) + 4L * s->n_body + 1 + mg_friction_int_memory_size(s) +
+         mg_listing_int_memory_size(s);
 }
 
 MG_API int mg_abi(void) { return MG_ABI; }
@@ -155,6 +161,17 @@ static void mg_set_friction_arrays(mg_context *c, mg_real *work, int *iwork) {
   for (int g = 0; g < s->n_friction; g++) c->friction.is_stiff[g] = 0;
 }
 
+/* Divides the memory of the lists of what takes part. */
+static void mg_set_listing_arrays(mg_context *c, mg_real **work, int **iwork) {
+  const mg_system *s = c->system;
+  mg_listing *l = &c->listed;
+  l->balls = mg_take_memory(work, s->n_ball, sizeof(mg_grid_ball));
+  l->row = mg_take_ints(iwork, c->layout.spring_row_end + 1L), l->constraint = mg_take_ints(iwork, s->n_friction + 1L);
+  l->pair = mg_take_ints(iwork, s->n_pair + 1L), l->range = mg_take_ints(iwork, 2L * s->n_contact + 6);
+  l->always = mg_take_ints(iwork, s->n_pair), l->listed = mg_take_ints(iwork, s->n_pair);
+  l->found = mg_take_ints(iwork, s->n_pair), l->grid = mg_take_ints(iwork, mg_grid_size(s));
+}
+
 /* Takes the memory of the cells, at the same place for all systems that may keep each other's cells. */
 static void mg_set_cell_arrays(mg_context *c, mg_real **work, int **iwork) {
   const mg_system *s = c->system;
@@ -173,6 +190,7 @@ static void mg_set_arrays(mg_context *c, mg_real *work, int *iwork) {
   mg_set_cell_arrays(c, &work, &iwork);
   c->patches.arcs = mg_take_memory(&work, mg_max_patch_arcs(s), sizeof(mg_arc)),
   c->patches.hull_memory = mg_take_reals(&work, mg_hull_memory_max(s)); /* pointers first */
+  mg_set_listing_arrays(c, &work, &iwork);
   c->contacts.length = mg_take_reals(&work, m + 1);
   c->bodies.pose = mg_take_reals(&work, 12 * b), c->bodies.twist = mg_take_reals(&work, 6 * b);
   c->bodies.acceleration = mg_take_reals(&work, 6 * b), c->bodies.wrench = mg_take_reals(&work, 6 * b);
@@ -187,7 +205,7 @@ static void mg_set_arrays(mg_context *c, mg_real *work, int *iwork) {
   c->lcp.reduced_z = mg_take_reals(&work, n);
   c->step.slopes = mg_take_reals(&work, MG_STAGES * x), c->step.end = mg_take_reals(&work, x),
   c->step.stage = mg_take_reals(&work, x);
-  c->step.load_wrench = mg_take_reals(&work, 6 * b), c->search.body_reach = mg_take_reals(&work, b);
+  c->step.load_wrench = mg_take_reals(&work, 6 * b);
   c->step.settled = mg_take_reals(&work, x), c->step.scale = mg_take_reals(&work, x);
   c->step.interpolant = mg_take_reals(&work, 8 * x), c->search.placement = mg_take_reals(&work, 32 + 2 * s->n_eta);
   c->rows.row_rate = mg_take_reals(&work, r), c->solution.impulse = mg_take_reals(&work, r);
@@ -270,6 +288,7 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
     c->lcp.column[i] = -1, c->contacts.n_eta[i] = c->events.within_border[i] = 0, mg_load_feature_pair(c, i);
   for (int slot = 0; slot < system->n_patch_slot; slot++) c->patches.barred[slot] = -1, c->patches.trial[slot] = 0;
   for (int pair = 0; pair < system->n_pair; pair++) c->search.is_searched[pair] = 0;
+  mg_init_listing(c);
   mg_keep_cells_of_same_shapes(c);
   mg_init_joint_rows(c);
   mg_init_spring_rows(c);

@@ -6,6 +6,7 @@
    of steps in which contacts close or open is at most chatter_work, plus MG_WORK_RATIO times that of time-stepping over
    the time between, plus that of one step. Writes run->event_work. */
 #include "timestep/timestep.h"
+#include "model/model.h"
 #include "forces/forces.h"
 
 enum {
@@ -34,8 +35,9 @@ MG_INTERNAL int mg_count_transitions(const mg_events *events, int first) {
    some, with their friction rows. */
 static mg_real mg_work_of_evaluation(const mg_context *c) {
   mg_real n = 0;
-  for (int i = 0; i < c->system->n_contact; i++) n += c->run->active[i] ? 1 + mg_tangential_row_count(c, i) : 0;
-  return c->system->n_contact + n * n * n / MG_PIVOTS_PER_EVALUATION;
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
+    n += c->run->active[i] ? 1 + mg_tangential_row_count(c, i) : 0;
+  return c->listed.n_contact + n * n * n / MG_PIVOTS_PER_EVALUATION;
 }
 
 MG_INTERNAL int mg_has_costly_events(mg_context *c, const mg_events *events, int first, long evaluations) {
@@ -50,7 +52,7 @@ MG_INTERNAL int mg_has_costly_events(mg_context *c, const mg_events *events, int
 
 MG_INTERNAL int mg_would_chatter(const mg_context *c, long transitions, long n) {
   int closed = 0;
-  for (int i = 0; i < c->system->n_contact; i++) closed += c->run->closed[i] != 0;
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) closed += c->run->closed[i] != 0;
   return closed > c->settings->chatter_closed ||
          transitions * MG_EVALUATIONS_OF_EVENT > n * MG_WORK_RATIO * MG_EVALUATIONS_OF_STEP;
 }

@@ -31,7 +31,7 @@ MG_INTERNAL int mg_is_fallback_outcome(int outcome) {
 
 /* True if a closed contact has friction. */
 static int mg_has_sticking_friction(const mg_context *c) {
-  for (int i = 0; i < c->system->n_contact && c->system->n_friction; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact && c->system->n_friction; i = mg_next_row(c, i))
     if (c->run->closed[i] && c->system->contact_friction[i + 1] > c->system->contact_friction[i]) return 1;
   return 0;
 }
@@ -49,7 +49,7 @@ MG_INTERNAL int mg_is_progress_too_slow(mg_context *c) {
 
 /* First closed contact, or 0. */
 static int mg_first_closed_contact(const mg_context *c) {
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->run->closed[i]) return i;
   return 0;
 }
@@ -108,10 +108,10 @@ MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events)
 static int mg_resume_event_driven(mg_context *c) {
   mg_run *run = c->run;
   mg_real kinetic;
-  mg_follow_all_pairs(c);
   const mg_real before = mg_energy(c, &kinetic);
-  for (int i = 0; i < c->system->n_contact; i++) run->active[i] = c->events.triggered[i] = 0;
-  for (int g = 0; g < c->system->n_friction; g++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
+    run->active[i] = c->events.triggered[i] = 0;
+  for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
     run->friction_mode[g] = c->friction.mode_before[g] = MG_FRICTION_OFF, c->friction.triggered[g] = 0,
     c->friction.slip_time_left[g] = 0;
   mg_evaluate_run_state(c);

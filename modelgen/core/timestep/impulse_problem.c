@@ -6,6 +6,7 @@
 #include "solve/friction/solvers.h"
 #include "model/model.h"
 #include "forces/forces.h"
+#include "features/features.h"
 
 enum {
   MG_NOT_NEAR = 0,         /* mark in c->events.is_near: the contact does not take part */
@@ -49,7 +50,7 @@ static int mg_closes_within_step(const mg_context *c, int contact, mg_real h) {
 /* Lists the contacts that take part; returns their number. */
 static int mg_list_near_contacts(mg_context *c) {
   int n = 0;
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->events.is_near[i]) c->lcp.rows[n++] = i;
   return n;
 }
@@ -78,7 +79,7 @@ static int mg_solve_frictionless_step(mg_context *c, mg_real h, int *size) {
 
 /* A friction constraint that stuck in the step before is bounded by static friction, others by kinetic. */
 static void mg_set_step_bound_kinds(mg_context *c) {
-  for (int g = 0; g < c->system->n_friction; g++)
+  for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
     c->friction.triggered[g] = 0,
     c->friction.bound[g] = c->run->friction_mode[g] >= MG_SLIP_ONSET ? MG_BOUND_KINETIC : MG_BOUND_STATIC;
 }
@@ -96,7 +97,7 @@ static mg_friction_problem mg_make_friction_problem(mg_context *c, mg_real h) {
                            c->lcp.b,
                            1,
                            1};
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->events.is_near[i]) p.n = mg_append_friction_contact(c, i, p.n_contact++, p.n);
   p.n = mg_append_spring_rows(c, c->lcp.rows, mg_append_joint_rows(c, c->lcp.rows, p.n));
   mg_assemble_delassus(c, c->lcp.rows, p.n);
@@ -111,7 +112,8 @@ static mg_friction_problem mg_make_friction_problem(mg_context *c, mg_real h) {
 
 /* Gives kinetic friction to the constraints bounded by static friction that slip; returns how many there are. */
 static int mg_release_slipping_constraints(mg_context *c, const mg_friction_problem *p) {
-  for (int g = 0; g < c->system->n_friction; g++) c->friction.is_yielding[g] = 0;
+  for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
+    c->friction.is_yielding[g] = 0;
   for (int k = 0; k < p->n_contact; k++) {
     const int i = c->friction.cone_contact[k];
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
@@ -150,7 +152,7 @@ static int mg_solve_friction_law(mg_context *c, mg_friction_problem *p) {
 /* Impulses with friction; *size receives the number of rows. Returns an outcome. */
 static int mg_solve_friction_step(mg_context *c, mg_real h, int *size) {
   int count = 0, outcome;
-  for (int i = 0; i < c->system->n_contact; i++) count += c->events.is_near[i] != 0;
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) count += c->events.is_near[i] != 0;
   if (count > c->system->closed_capacity) return MG_TOO_MANY_CLOSED;
   mg_set_step_bound_kinds(c);
   mg_friction_problem p = mg_make_friction_problem(c, h);
@@ -163,7 +165,7 @@ static int mg_solve_friction_step(mg_context *c, mg_real h, int *size) {
 
 /* Writes the impulses of the rows to c->solution.force and the changes of the twists to c->bodies.wrench. */
 static void mg_set_step_impulses(mg_context *c, int n, mg_real h) {
-  for (int i = 0; i < c->layout.spring_row_end; i++)
+  for (int i = mg_next_row(c, -1); i < c->layout.spring_row_end; i = mg_next_row(c, i))
     c->solution.force[i] =
         i >= c->layout.joint_row_begin && i < c->layout.friction_row_begin ? h * c->solution.impulse[i] : 0;
   for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
@@ -176,17 +178,31 @@ static void mg_set_step_impulses(mg_context *c, int n, mg_real h) {
 /* Adds contacts that impulses at others make close within the step; returns their number. */
 static int mg_add_closing_contacts(mg_context *c, mg_real h) {
   int count = 0;
-  for (int i = 0; i < c->system->n_contact; i++) {
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
     if (c->events.is_near[i] || !mg_closes_within_step(c, i, h)) continue;
     c->events.is_near[i] = MG_NEAR, count++;
   }
   return count;
 }
 
+/* Follows the pairs left out whose shapes could meet within the step, by the impulses found so far. */
+static void mg_follow_meeting_pairs(mg_context *c, mg_real h) {
+  const mg_system *s = c->system;
+  if (!mg_choose_near_pairs(c, h, c->bodies.wrench, 1) || !c->listed.n_found) return;
+  for (int k = 0; k < c->listed.n_found; k++)
+    for (int i = s->pair_contact[c->listed.found[k]]; i < s->pair_contact[c->listed.found[k] + 1]; i++) {
+      const mg_real *eta = mg_contact_eta(c, c->run->x, i);
+      mg_real *settled = mg_contact_eta(c, c->step.settled, i);
+      for (int j = 0; j < c->contacts.n_eta[i]; j++) settled[j] = eta[j];
+    }
+  mg_update_contact_rows(c, c->step.settled);
+  mg_update_gap_rates(c);
+}
+
 /* Finds the impulses, and adds contacts that they make close, until there are none. Returns an outcome. */
 static int mg_solve_step(mg_context *c, mg_real h) {
   for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     c->events.is_near[i] = mg_closes_within_step(c, i, h) ? MG_NEAR : MG_NOT_NEAR;
   for (int round = 0; round < MG_NEAR_SET_ROUNDS; round++) {
     int n = 0;

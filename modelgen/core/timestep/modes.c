@@ -17,7 +17,7 @@ static mg_real mg_final_gap_rate(const mg_context *c, int contact, mg_real h) {
    up to the end of the step, is positive. */
 static void mg_report_lift_offs(mg_context *c, mg_events *events, mg_real h) {
   const mg_real least = h * c->settings->rest_acceleration * c->system->length / (c->system->time * c->system->time);
-  for (int i = 0; i < c->system->n_contact; i++) {
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
     if (!c->run->closed[i] || !mg_is_on_feature_pair(c, i) || mg_has_compressive_force(c, i)) continue;
     const mg_real turning = mg_scheme_theta(c) * h * c->rows.gamma[i];
     if (mg_final_gap_rate(c, i, h) + turning > least)
@@ -40,9 +40,9 @@ static void mg_report_contact_mode(mg_context *c, mg_events *events, int contact
 
 /* Sets the modes of the friction constraints. Needs the marks of the friction problem solved last. */
 static void mg_report_friction_modes(mg_context *c, mg_events *events) {
-  for (int g = 0; g < c->system->n_friction; g++)
+  for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
     c->friction.mode_before[g] = c->run->friction_mode[g], c->friction.slip_time_left[g] = 0;
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
       c->run->friction_mode[g] = !mg_has_compressive_force(c, i) ? MG_FRICTION_OFF
                                  : c->friction.is_yielding[g]    ? MG_SLIPPING
@@ -52,7 +52,7 @@ static void mg_report_friction_modes(mg_context *c, mg_events *events) {
 
 MG_INTERNAL void mg_report_step_modes(mg_context *c, mg_events *events, mg_real h) {
   mg_report_lift_offs(c, events, h);
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (mg_is_on_feature_pair(c, i)) mg_report_contact_mode(c, events, i, h);
   if (c->system->n_friction) mg_report_friction_modes(c, events);
 }

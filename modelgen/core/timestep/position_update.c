@@ -19,8 +19,9 @@ static mg_real mg_row_impulse_work(const mg_context *c, int row, mg_real h) {
 /* Adds the work of all impulses; notes the impact that adds most energy, which Newton's law with friction permits. */
 static void mg_add_impulse_work(mg_context *c, mg_real h) {
   mg_run *run = c->run;
-  for (int i = 0; i < c->layout.friction_row_end; i++) run->x[c->layout.work_state] += mg_row_impulse_work(c, i, h);
-  for (int i = 0; i < c->system->n_contact; i++) {
+  for (int i = mg_next_row(c, -1); i < c->layout.friction_row_end; i = mg_next_row(c, i))
+    run->x[c->layout.work_state] += mg_row_impulse_work(c, i, h);
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
     const int first =
         c->layout.friction_row_begin + (mg_tangential_row_count(c, i) ? c->system->contact_friction_row[i] : 0);
     mg_real gain = mg_row_impulse_work(c, i, h);
@@ -57,7 +58,7 @@ static void mg_mark_held_bodies(mg_context *c, mg_real h) {
   const mg_system *s = c->system;
   int *is_held = c->islands.head, changed = 1;
   for (int b = 0; b < s->n_body; b++) is_held[b] = 0;
-  for (int i = 0; i < s->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < s->n_contact; i = mg_next_row(c, i))
     if (c->solution.force[i] > 0 && !mg_is_rebounding(c, i, h))
       is_held[c->contacts.o[i]] = is_held[c->contacts.f[i]] = 1;
   while (changed) {
@@ -94,8 +95,10 @@ MG_INTERNAL void mg_integrate_positions(mg_context *c, mg_real h) {
                             s->parameters + s->body_parameters[b], slope, unused);
     for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_q; k++) q[k] = from[k] + left * slope[k];
   }
-  for (int k = s->n_q + s->n_u; k < s->n_q + s->n_u + s->n_eta; k++)
-    c->run->x[k] = c->step.settled[k] + left * c->rows.eta_dot[k - s->n_q - s->n_u];
+  for (int i = mg_next_row(c, -1); i < s->n_contact; i = mg_next_row(c, i))
+    for (int k = 0; k < mg_eta_capacity(c, i); k++)
+      mg_contact_eta(c, c->run->x, i)[k] =
+          mg_contact_eta(c, c->step.settled, i)[k] + left * c->rows.eta_dot[s->contact_eta[i] + k];
   mg_normalise_quaternions(c, c->run->x);
 }
 
@@ -117,7 +120,7 @@ static int mg_converge_contact(mg_context *c, int contact) {
 MG_INTERNAL int mg_converge_all_contacts(mg_context *c, mg_events *events) {
   int count = 0;
   mg_update_poses(c, c->run->t, c->run->x);
-  for (int i = 0; i < c->system->n_contact; i++) {
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
     if (!mg_is_on_feature_pair(c, i)) continue;
     if (mg_converge_contact(c, i)) {
       c->rows.d[i] = c->search.placement[0], c->run->margin[i] = mg_placement_margin(c, i);
@@ -132,7 +135,7 @@ MG_INTERNAL int mg_converge_all_contacts(mg_context *c, mg_events *events) {
 /* Largest penetration or joint error. */
 static mg_real mg_largest_violation(const mg_context *c) {
   mg_real worst = 0;
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (-c->rows.d[i] > worst) worst = -c->rows.d[i];
   for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
     if (fabs(c->rows.d[i]) > worst) worst = fabs(c->rows.d[i]);
@@ -144,7 +147,7 @@ static mg_real mg_largest_violation(const mg_context *c) {
 static int mg_correct_positions(mg_context *c, mg_real worst) {
   mg_lcp_report report;
   int n = 0;
-  for (int i = 0; i < c->system->n_contact; i++)
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (mg_is_on_feature_pair(c, i) && c->rows.d[i] <= worst && n < c->system->closed_capacity)
       c->lcp.rows[n] = i, c->lcp.mask[n++] = 1;
   if (mg_solve_step_lcp(c, n, c->rows.d, 0, &report) != MG_LCP_SOLVED) return 0;
@@ -163,12 +166,12 @@ MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events) {
     const mg_real worst = mg_largest_violation(c);
     if (!(worst > c->settings->contact_gap * c->system->length)) break;
     if (!moved++) before = mg_energy(c, &kinetic);
-    for (int i = 0; i < c->layout.n_states; i++) c->step.stage[i] = c->run->x[i];
+    mg_copy_states(c, c->run->x, c->step.stage);
     if (!mg_correct_positions(c, worst)) break;
     mg_converge_all_contacts(c, events);
     mg_update_rows_at(c, c->run->t, c->run->x);
     if (mg_largest_violation(c) < 2 * worst) continue;
-    for (int i = 0; i < c->layout.n_states; i++) c->run->x[i] = c->step.stage[i];
+    mg_copy_states(c, c->step.stage, c->run->x);
     mg_update_rows_at(c, c->run->t, c->run->x);
     break;
   }

@@ -12,8 +12,9 @@
 
 /* Divides the impulses of the step by its length. */
 static void mg_impulses_to_forces(mg_context *c, mg_real h) {
-  for (int i = 0; i < c->layout.friction_row_end; i++) c->solution.force[i] /= h;
-  for (int i = 0; i < c->system->n_contact; i++) c->run->force[i] = c->solution.force[i];
+  for (int i = mg_next_row(c, -1); i < c->layout.friction_row_end; i = mg_next_row(c, i)) c->solution.force[i] /= h;
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
+    c->run->force[i] = c->solution.force[i];
 }
 
 /* Appends the samples within the step, on the straight line from c->step.end to run->x. */
@@ -21,8 +22,9 @@ static void mg_record_step_samples(mg_context *c, mg_record *record, mg_real h) 
   const mg_real t = c->run->t - h;
   while (mg_is_sample_due(record, c->run->t)) {
     const mg_real theta = (record->t[record->count] - t) / h;
-    for (int i = 0; i < c->layout.n_states; i++)
-      c->step.stage[i] = c->step.end[i] + theta * (c->run->x[i] - c->step.end[i]);
+    for (int range = 0; range < c->listed.n_range; range++)
+      for (int i = mg_range_begin(c, range); i < mg_range_end(c, range); i++)
+        c->step.stage[i] = c->step.end[i] + theta * (c->run->x[i] - c->step.end[i]);
     mg_normalise_quaternions(c, c->step.stage);
     mg_update_rows_at(c, t + theta * h, c->step.stage);
     mg_record_sample(c, record, c->step.stage);
@@ -32,7 +34,7 @@ static void mg_record_step_samples(mg_context *c, mg_record *record, mg_real h) 
 /* Changes the feature pairs of contacts whose conditions fail. Needs the poses at run->x. */
 static void mg_change_features_after_step(mg_context *c, mg_events *events) {
   int count = 0;
-  for (int i = 0; i < c->system->n_contact; i++) {
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
     c->events.within_border[i] = 0;
     c->events.triggered[i] = mg_is_on_feature_pair(c, i) ? mg_find_feature_pair_exit(c, i, c->run->x) : 0,
     count += c->events.triggered[i] != 0;
@@ -61,7 +63,7 @@ static void mg_note_spins(mg_context *c) {
 
 MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   mg_run *run = c->run;
-  mg_choose_followed_pairs(c, h);
+  mg_choose_near_pairs(c, h, 0, 1);
   const mg_real search_limit = mg_search_step_limit(c);
   if (h > search_limit) h = search_limit;
   c->search.abandoned.count = 0;
@@ -73,10 +75,10 @@ MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_eve
   int outcome = mg_step_impulses(c, h);
   if (outcome) return outcome;
   mg_report_step_modes(c, events, h);
-  for (int i = 0; i < c->layout.n_states; i++) c->step.end[i] = run->x[i];
+  mg_copy_states(c, run->x, c->step.end);
   mg_apply_step_impulses(c, h);
   mg_integrate_positions(c, h);
-  if (!mg_all_finite(c->layout.n_states, run->x)) return MG_NOT_FINITE;
+  if (!mg_are_states_finite(c, run->x)) return MG_NOT_FINITE;
   mg_impulses_to_forces(c, h);
   mg_advance_time(run, h);
   run->steps++;

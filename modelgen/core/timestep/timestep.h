@@ -61,19 +61,6 @@ MG_INTERNAL mg_real mg_spring_work(const mg_context *c, mg_real h);
    c->bodies.wrench. Needs the geometry of the step. Returns an outcome. */
 MG_INTERNAL int mg_step_impulses(mg_context *c, mg_real h);
 
-/* far_pairs.c */
-
-/* In scenes of many pairs: leaves out the open contacts of pairs that cannot meet in some steps of h, and follows those
-   of pairs that may. Needs poses, twists and accelerations; overwrites c->bodies.wrench. */
-MG_INTERNAL void mg_choose_followed_pairs(mg_context *c, mg_real h);
-
-/* Follows the pairs left out whose bodies could meet within the step, by the impulses found so far. Needs the geometry
-   of the step. */
-MG_INTERNAL void mg_follow_meeting_pairs(mg_context *c, mg_real h);
-
-/* Follows all pairs that were left out. Needs the poses. */
-MG_INTERNAL void mg_follow_all_pairs(mg_context *c);
-
 /* many_contacts.c */
 
 /* Solves the complementarity problem of mg_solve_contact_lcp for the n contacts of c->lcp.rows; guess [per row]:

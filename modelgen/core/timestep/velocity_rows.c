@@ -18,7 +18,7 @@ MG_INTERNAL mg_real mg_scheme_theta(const mg_context *c) {
 /* to = x with positions advanced over `time` and velocities over `change` by the present slope and accelerations. */
 static void mg_extrapolate_state(const mg_context *c, mg_real time, mg_real change, mg_real *to) {
   const mg_system *s = c->system;
-  for (int i = 0; i < c->layout.n_states; i++) to[i] = c->run->x[i];
+  mg_copy_states(c, c->run->x, to);
   for (int i = 0; i < s->n_q; i++) to[i] += time * c->step.slopes[i];
   for (int b = 0; b < s->n_body; b++)
     for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_u && mg_is_moved_by_forces(c, b); k++)
@@ -29,7 +29,7 @@ static void mg_extrapolate_state(const mg_context *c, mg_real time, mg_real chan
 /* Adds the accelerations by the forces of the joints to c->bodies.acceleration, and stores these forces in
    c->solution.impulse. */
 static void mg_add_joint_accelerations(mg_context *c) {
-  for (int i = 0; i < c->system->n_contact; i++) c->run->active[i] = 0;
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) c->run->active[i] = 0;
   for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
     c->rows.row_rate[i] = mg_row_acceleration(c, i);
   const int n = mg_hold_rows(c, c->run->active, c->rows.row_rate, c->solution.impulse);
@@ -48,7 +48,9 @@ MG_INTERNAL void mg_set_step_geometry(mg_context *c, mg_real h) {
   mg_free_accelerations(c, t, c->run->x, c->step.slopes);
   mg_predict_springs(c, h);
   mg_extrapolate_state(c, ahead, 0, c->step.settled);
-  for (int k = 0; k < s->n_eta; k++) c->step.settled[s->n_q + s->n_u + k] += ahead * c->rows.eta_dot[k];
+  for (int i = mg_next_row(c, -1); i < s->n_contact; i = mg_next_row(c, i))
+    for (int k = 0; k < c->contacts.n_eta[i]; k++)
+      mg_contact_eta(c, c->step.settled, i)[k] += ahead * c->rows.eta_dot[s->contact_eta[i] + k];
   mg_extrapolate_state(c, h / 2, h / 2, c->step.stage);
   mg_update_poses(c, t + h / 2, c->step.stage);
   mg_free_accelerations(c, t + h / 2, c->step.stage, c->step.slopes + c->layout.n_states);

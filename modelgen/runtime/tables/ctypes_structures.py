@@ -11,6 +11,7 @@ import numpy as np
 
 from modelgen.codegen.manifest import Manifest
 from modelgen.runtime.accuracy import RESOLVED, Accuracy
+from modelgen.runtime.tables.bounding_balls import BallTables
 from modelgen.runtime.tables.features import FeatureTables, append, cell_capacity
 from modelgen.runtime.tables.friction_rows import FrictionTables
 from modelgen.runtime.tables.joint_limits import add_limits
@@ -29,13 +30,15 @@ SYSTEM_INTEGERS = (
     *("n_body", "n_contact", "n_load", "n_pair", "n_feature_pair"),
     *("n_q", "n_u", "n_eta", "closed_capacity", "n_joint", "n_joint_row"),
     *("n_patch", "n_patch_slot", "n_cell_tree", "n_cell", "n_friction", "n_friction_row"),
+    "n_ball",
     *("n_input", "sensor_parameters"),
     *("n_parameters", "n_numbers"),
 )
 SYSTEM_INDICES = (
     *("body_kind", "body_q", "body_u", "body_parameters"),
     *("contact_pair", "contact_eta", "contact_feature_pair"),
-    *("pair_contact", "pair_feature_pair", "pair_search"),
+    *("pair_contact", "pair_feature_pair", "pair_search", "pair_is_candidate", "pair_balls"),
+    *("ball_body", "ball_partner_begin", "ball_partner", "ball_pair"),
     *(
         "feature_pair_kind",
         "feature_pair_o",
@@ -71,7 +74,7 @@ SYSTEM_REALS = (
         "friction_direction",
         "patch_friction",
         "pair_normal",
-        "pair_ball",
+        "ball",
         "scale",
     ),
 )
@@ -136,6 +139,8 @@ RUN_ARRAYS = (
         "point",
         "moved_since_search",
         "unfollowed_gap",
+        "is_far",
+        "ball_at",
         "closed",
         "active",
         "friction_mode",
@@ -322,15 +327,18 @@ def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) 
     add_limits(integers, instance["limits"], starts["limits"])
     add_patches(integers, sides.numbers, parameters, instance)
     of_inputs = len(instance["inputs"]), append(parameters, instance["sensors"]["parameters"])
-    constraints = FrictionTables(instance)
-    integers |= constraints.integers | {
-        "input_is_linear": [int(each["hold"] == "linear") for each in instance["inputs"]]
-    }
+    constraints, balls = FrictionTables(instance), BallTables(instance)
+    integers |= (
+        constraints.integers
+        | balls.integers
+        | {"input_is_linear": [int(each["hold"] == "linear") for each in instance["inputs"]]}
+    )
     reals = (
         _reals(instance)
         | {"input_range": _input_ranges(tables, instance)}
         | {"parameters": parameters, "numbers": sides.numbers}
         | constraints.reals
+        | balls.reals
     )
     arrays = {name: np.array(values or [0], dtype=np.intc) for name, values in integers.items()}
     arrays |= {name: np.array(values or [0.0], dtype=tables.dtype) for name, values in reals.items()}
@@ -340,7 +348,7 @@ def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) 
     patches = len(instance["patches"]), slot_count(instance)
     trees = max(integers["feature_tree"], default=-1) + 1
     of_searches = trees, cell_capacity(trees)
-    counts = *rows, *patches, *of_searches, constraints.count, constraints.rows, *of_inputs
+    counts = *rows, *patches, *of_searches, constraints.count, constraints.rows, balls.count, *of_inputs
     pools = len(parameters), len(sides.numbers)
     system = tables.System(kernels, *_sizes(instance, integers), *states, *counts, *pools)
     for name, array in arrays.items():
@@ -396,11 +404,6 @@ def _loads_and_joints(instance: Mapping[str, Any], starts: Mapping[str, list[int
     }
 
 
-def _ball(ball: Mapping[str, Any]) -> tuple[float, ...]:
-    """Centre and radius, -1 where it is unbounded."""
-    return (*ball["centre"], -1.0 if ball["radius"] is None else ball["radius"])
-
-
 def _reals(instance: Mapping[str, Any]) -> dict[str, list[float]]:
     pairs, limits = instance["pairs"], instance["limits"]
     of_contacts = [pairs[c["pair"]]["restitution"] for c in instance["contacts"]]
@@ -412,8 +415,6 @@ def _reals(instance: Mapping[str, Any]) -> dict[str, list[float]]:
             *point_restitutions(instance),
         ],
         "pair_normal": [value for p in (*pairs, *limits) for value in p.get("normal") or (0.0, 0.0, 0.0)],
-        "pair_ball": [value for p in pairs for ball in p["bounding_balls"] for value in _ball(ball)]
-        + [value for _ in limits for value in 2 * _ball({"centre": (0.0, 0.0, 0.0), "radius": None})],
     }
 
 

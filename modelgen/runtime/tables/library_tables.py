@@ -114,6 +114,7 @@ def _sizes_of_run(
         "point": 3 * n_contact + 1,
         "moved_since_search": len(instance["pairs"]) + len(instance["limits"]) + 1,
         "unfollowed_gap": len(instance["pairs"]) + len(instance["limits"]) + 1,
+        "ball_at": 4 * int(system.n_ball) + 1,
         "slip_direction": 3 * groups + 1,
         "patch_slip_direction": 4 * slots + 1,
         "reference_force": m + int(system.n_joint_row) + int(system.n_friction_row),
@@ -127,6 +128,7 @@ def _sizes_of_run(
     }
     integers = {
         **dict.fromkeys(("feature_pair", "closed", "active", "rolling_start"), m),
+        "is_far": len(instance["pairs"]) + len(instance["limits"]) + 1,
         "friction_mode": groups + 1,
         "patch_mode": slots + 1,
         **dict.fromkeys(("joint_row_independent", "joint_row_ever_independent"), int(system.n_joint_row) + 1),

@@ -1,0 +1,91 @@
+/* What of the scene takes part at present: the contacts of all pairs of shapes that are not far apart, with their rows,
+   friction constraints and eta. Loops over contacts, rows, constraints, pairs and states visit these alone, so that a
+   step costs nothing for pairs that cannot meet. Writes c->listed. */
+#include "model/model.h"
+
+MG_INTERNAL void mg_copy_states(const mg_context *c, const mg_real *from, mg_real *to) {
+  for (int range = 0; range < c->listed.n_range; range++)
+    for (int i = mg_range_begin(c, range); i < mg_range_end(c, range); i++) to[i] = from[i];
+}
+
+MG_INTERNAL int mg_are_states_finite(const mg_context *c, const mg_real *x) {
+  for (int range = 0; range < c->listed.n_range; range++)
+    if (!mg_all_finite(mg_range_end(c, range) - mg_range_begin(c, range), x + mg_range_begin(c, range))) return 0;
+  return 1;
+}
+
+/* Appends states to the ranges. */
+static void mg_append_range(mg_listing *l, int begin, int end) {
+  if (begin == end) return;
+  if (l->n_range && l->range[2 * l->n_range - 1] == begin) {
+    l->range[2 * l->n_range - 1] = end;
+    return;
+  }
+  l->range[2 * l->n_range] = begin, l->range[2 * l->n_range + 1] = end;
+  l->n_range++;
+}
+
+/* Last members of the lists while they are made; the spare contact stands between contacts and other rows. */
+typedef struct {
+  int contact, friction_row, constraint;
+} mg_list_ends;
+
+/* Appends a contact with its friction rows, constraints and eta. */
+static void mg_append_contact(mg_context *c, int contact, mg_list_ends *last) {
+  const mg_system *s = c->system;
+  mg_listing *l = &c->listed;
+  l->row[last->contact + 1] = contact, last->contact = contact, l->n_contact++;
+  for (int k = s->contact_friction_row[contact]; k < s->contact_friction_row[contact + 1]; k++)
+    l->row[last->friction_row + 1] = c->layout.friction_row_begin + k,
+                                last->friction_row = c->layout.friction_row_begin + k;
+  for (int g = s->contact_friction[contact]; g < s->contact_friction[contact + 1]; g++)
+    l->constraint[last->constraint + 1] = g, last->constraint = g;
+  const int eta = s->n_q + s->n_u + s->contact_eta[contact];
+  mg_append_range(l, eta, eta + mg_eta_capacity(c, contact));
+}
+
+MG_INTERNAL void mg_list_pairs(mg_context *c) {
+  const mg_system *s = c->system;
+  mg_listing *l = &c->listed;
+  mg_list_ends last = {-1, c->layout.friction_row_begin - 1, -1};
+  int pair = -1;
+  l->n_contact = l->n_range = 0;
+  mg_append_range(l, 0, s->n_q + s->n_u);
+  for (int k = 0; k < l->n_listed; k++) {
+    l->pair[pair + 1] = l->listed[k], pair = l->listed[k];
+    for (int i = s->pair_contact[pair]; i < s->pair_contact[pair + 1]; i++) mg_append_contact(c, i, &last);
+  }
+  l->pair[pair + 1] = s->n_pair;
+  for (int i = c->layout.support_begin; i < s->n_contact; i++) mg_append_contact(c, i, &last);
+  mg_append_range(l, c->layout.work_state, c->layout.n_states);
+  l->row[last.contact + 1] = s->n_contact;
+  for (int i = s->n_contact; i < c->layout.friction_row_begin - 1; i++) l->row[i + 1] = i + 1;
+  l->row[last.friction_row + 1] = c->layout.spring_row_begin;
+  for (int i = c->layout.spring_row_begin; i < c->layout.spring_row_end; i++) l->row[i + 1] = i + 1;
+  l->constraint[last.constraint + 1] = s->n_friction;
+}
+
+MG_INTERNAL int mg_may_be_far(const mg_context *c, int pair) {
+  return c->system->pair_is_candidate[pair] && mg_has_pair_extents(c, pair) &&
+         (c->system->pair_search[pair] != MG_SEARCH_NEVER || mg_is_pair_followed_from_anywhere(c, pair));
+}
+
+MG_INTERNAL int mg_is_pair_followed_from_anywhere(const mg_context *c, int pair) {
+  const mg_system *s = c->system;
+  const int first = s->pair_feature_pair[pair];
+  if (s->pair_search[pair] != MG_SEARCH_NEVER || s->pair_feature_pair[pair + 1] != first + 1) return 0;
+  if (s->contact_feature_pair[s->pair_contact[pair]] != first) return 0;
+  const mg_contact_kind *kind = c->kernels->contact_kinds + s->feature_pair_kind[first];
+  return kind->is_convex || kind->n_eta == 0;
+}
+
+MG_INTERNAL void mg_init_listing(mg_context *c) {
+  mg_listing *l = &c->listed;
+  l->n_always = l->n_listed = 0;
+  for (int pair = 0; pair < c->system->n_pair; pair++) {
+    if (!mg_may_be_far(c, pair)) l->always[l->n_always++] = pair;
+    if (!c->run->is_far[pair]) l->listed[l->n_listed++] = pair;
+  }
+  l->has_candidates = l->n_always < c->system->n_pair;
+  mg_list_pairs(c);
+}
