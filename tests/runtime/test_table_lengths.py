@@ -17,6 +17,7 @@ ENDS = {  # lengths that a range array gives, by what the header calls them
     "all conditions": ("feature_pair_condition", "n_feature_pair"),
     "all covered": ("patch_covered", "n_patch"),
     "all arcs": ("patch_arc", "n_patch"),
+    "all partners": ("ball_partner_begin", "n_ball"),
 }
 
 
