@@ -20,7 +20,12 @@ def ball_on_table(n: int = 41) -> Record:
         **{"force": np.where(t < 1.0, 9.81, 0.0)[:, None], "gap": np.zeros((n, 1))},
         **{name: np.zeros((n, 1, 3)) for name in ("friction", "contact_torque", "slip")},
         **{"points_o": touching, "points_f": touching, "normals": np.tile([[[0.0, 0.0, 1.0]]], (n, 1, 1))},
-        **{"energy": np.full(n, 0.5), "work": np.zeros(n), "coordinates": np.zeros((n, 0))},
+        **{
+            "energy": np.full(n, 0.5),
+            "work": np.zeros(n),
+            "coordinates": np.zeros((n, 0)),
+            "sensors": np.zeros((n, 0)),
+        },
         **{"joint_force": np.zeros((n, 0, 3)), "joint_torque": np.zeros((n, 0, 3))},
         **{f"{kind}_error": np.full(n, 1e-9) for kind in ("position", "rotation", "velocity", "spin")},
         **{"patch": np.zeros((n, 0)), "patch_force": np.zeros((n, 0)), "patch_spin": np.zeros((n, 0))},

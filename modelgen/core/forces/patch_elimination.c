@@ -152,6 +152,8 @@ MG_INTERNAL int mg_unsymmetric_rank(mg_context *c, const int *list, int n) {
   return mg_factor_scaled_rows(c, list, n, c->lcp.work, c->lcp.work + n * n, c->lcp.work + n * n + n);
 }
 
+enum { MG_FEW_ROWS = 24 }; /* rows up to which the orthogonal factorisation, which is more accurate, costs little */
+
 /* Memory of the solution by changed columns, in c->lcp.work: each n by n. */
 enum { MG_SYMMETRIC_PART, MG_SYMMETRIC_FACTOR, MG_COLUMN_CHANGES, MG_COLUMN_SYSTEM };
 
@@ -227,7 +229,7 @@ static int mg_solve_by_changed_columns(mg_context *c, int n, mg_real *z) {
 }
 
 MG_INTERNAL void mg_solve_unsymmetric_rows(mg_context *c, const int *list, int n, mg_real *z) {
-  if (mg_solve_by_changed_columns(c, n, z)) return;
+  if (n > MG_FEW_ROWS && mg_solve_by_changed_columns(c, n, z)) return;
   mg_real *R = c->lcp.work, *y = R + n * n, *d = y + n, *x = d + n, *beta = x + n;
   const int rank = mg_factor_scaled_rows(c, list, n, R, y, d);
   mg_solve_least_norm_qr(n, rank, R, y, x, beta);
