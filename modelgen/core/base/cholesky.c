@@ -16,7 +16,8 @@ MG_INTERNAL mg_real mg_cholesky(int k, mg_real *L) {
     for (int i = j + 1; i < k; ++i) column[i] *= reciprocal;
     for (int c = j + 1; c < k; ++c) {
       mg_real factor = column[c], *target = L + c * k;
-      for (int i = c; i < k && factor != 0; ++i) target[i] -= factor * column[i];
+      if (factor == 0) continue;
+      for (int i = c; i < k; ++i) target[i] -= factor * column[i];
     }
   }
   return smallest;

@@ -161,7 +161,7 @@ static mg_real *mg_column_memory(const mg_context *c, int part, int n) { return 
 
 MG_INTERNAL void mg_keep_symmetric_rows(mg_context *c, int n) {
   mg_real *S = mg_column_memory(c, MG_SYMMETRIC_PART, n);
-  for (int k = 0; k < n * n; k++) S[k] = c->lcp.A[k];
+  for (int k = 0; n > MG_FEW_ROWS && k < n * n; k++) S[k] = c->lcp.A[k];
 }
 
 /* Factors the symmetric part scaled by d. Returns 0 if it is too near to singular. */
