@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import hashlib
-import os
-import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import casadi as ca
 
-from modelgen.codegen.compiler import LIBRARIES, SHARED, Compiler, find_compiler, run_compiler
-from modelgen.codegen.core_cache import cache_folder
+from modelgen.codegen.compiler import LIBRARIES, SHARED, find_compiler, run_compiler
+from modelgen.codegen.core_cache import cache_folder, compiled_once, content_hash
 from modelgen.codegen.expression_functions import commands_function
 from modelgen.errors import SimulationError, nearest
 
-NAME, ENTRY = "controller", "mg_controller_call"
-C_TYPES = {"double": "double", "float": "float", "long double": "long double"}
+SOURCE, ENTRY = "controller.c", "mg_controller_call"
 Slots = Sequence[tuple[str, int]]  # names and sizes of what stands in a row
 
 WRAPPER = """
@@ -53,20 +49,13 @@ def compiled_controller(
     text = _text(function, sensors, [(name, 1) for name in inputs], real)
     compiler = find_compiler()
     flags = (*compiler.flags(real), "-Wno-unused-parameter")
-    key = "\0".join((text, *flags, *compiler.command, compiler.version))
-    path = cache_folder() / f"controller-{hashlib.sha256(key.encode()).hexdigest()[:16]}.so"
-    if not path.exists():
-        _compile(compiler, flags, text, path)
-    return path
+    path = cache_folder() / f"controller-{content_hash((text,), compiler, flags)[:16]}.so"
 
+    def compile_text(scratch: Path) -> None:
+        words = [*compiler.command, *flags, *SHARED, "-o", path.name, SOURCE, *LIBRARIES]
+        run_compiler(words, scratch, path.with_suffix(".log"))
 
-def _compile(compiler: Compiler, flags: tuple[str, ...], text: str, path: Path) -> None:
-    with tempfile.TemporaryDirectory(prefix=".build-", dir=path.parent) as name:
-        source = Path(name) / f"{NAME}.c"
-        source.write_text(text, encoding="utf-8")
-        words = [*compiler.command, *flags, *SHARED, "-o", path.name, source.name, *LIBRARIES]
-        run_compiler(words, source.parent, path.with_suffix(".log"))
-        os.replace(source.parent / path.name, path)
+    return compiled_once(path, {SOURCE: text}, compile_text)
 
 
 def _text(function: ca.Function, sensors: Slots, inputs: Slots, real: str) -> str:
@@ -79,7 +68,7 @@ def _text(function: ca.Function, sensors: Slots, inputs: Slots, real: str) -> st
         _place(function.name_out(k), int(function.numel_out(k)), inputs, "command")
         for k in range(function.n_out())
     ]
-    generator = ca.CodeGenerator(NAME, {"casadi_real": C_TYPES[real], "with_header": False, "main": False})
+    generator = ca.CodeGenerator(SOURCE, {"casadi_real": real, "with_header": False, "main": False})
     generator.add(function)
     wrapper = WRAPPER.format(
         entry=ENTRY, name=function.name(), n_arg=max(function.sz_arg(), 1), n_res=max(function.sz_res(), 1),

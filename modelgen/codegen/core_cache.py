@@ -7,7 +7,7 @@ import hashlib
 import os
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -36,16 +36,39 @@ def runtime_object(
     Raises:
         LibraryError: the cache cannot be written, or the compiler fails; the message names the log.
     """
-    folder = cache_folder()
-    path = folder / f"runtime-{runtime_hash(compiler, flags)[:16]}.o"
+    texts = {HEADER: header_text(), SOURCE: runtime_text()}
+    path = cache_folder() / f"runtime-{runtime_hash(compiler, flags)[:16]}.o"
+
+    def compile_core(scratch: Path) -> None:
+        (tell or _print)(
+            f"compiling the core, once for this compiler and these flags, into {path} (about 10 s)"
+        )
+        compile_object(compiler, flags, scratch / SOURCE, scratch / path.name, path.with_suffix(".log"))
+
+    return compiled_once(path, texts, compile_core)
+
+
+def compiled_once(path: Path, texts: Mapping[str, str], compile_texts: Callable[[Path], None]) -> Path:
+    """The file `path` of the cache, made if it is not there.
+
+    Two processes may ask at once: the second waits for the first. One that is killed leaves nothing that
+    another would take for the file.
+
+    Args:
+        path: the file, whose name holds a digest of all that decides its content.
+        texts: sources by file name.
+        compile_texts: makes a file of that name in the folder that it is given, which holds the sources.
+    """
     if path.exists():
         return path
     with _locked(path.with_suffix(".lock")):
         if not path.exists():
-            (tell or _print)(
-                f"compiling the core, once for this compiler and these flags, into {path} (about 10 s)"
-            )
-            _compile(compiler, flags, path)
+            with tempfile.TemporaryDirectory(prefix=".build-", dir=path.parent) as name:
+                scratch = Path(name)
+                for file, text in texts.items():
+                    (scratch / file).write_text(text, encoding="utf-8")
+                compile_texts(scratch)
+                os.replace(scratch / path.name, path)
     return path
 
 
@@ -66,22 +89,16 @@ def cache_folder() -> Path:
 
 
 def runtime_hash(compiler: Compiler, flags: tuple[str, ...]) -> str:
-    """SHA-256 (hex) of all that decides what the object does: text, flags, compiler, processor."""
+    """SHA-256 (hex) of all that decides what the object of the core does."""
+    return content_hash((header_text(), runtime_text()), compiler, flags)
+
+
+def content_hash(texts: Iterable[str], compiler: Compiler, flags: tuple[str, ...]) -> str:
+    """SHA-256 (hex) of all that decides what a compiled file does: texts, flags, compiler, processor."""
     digest = hashlib.sha256()
-    for part in (header_text(), runtime_text(), *flags, *compiler.command, compiler.version, cpu_target()):
+    for part in (*texts, *flags, *compiler.command, compiler.version, cpu_target()):
         digest.update(f"{len(part)}:{part}".encode())
     return digest.hexdigest()
-
-
-def _compile(compiler: Compiler, flags: tuple[str, ...], path: Path) -> None:
-    """Compile in a temporary folder, then move the object into place, so that no other process sees it
-    incomplete."""
-    with tempfile.TemporaryDirectory(prefix=".build-", dir=path.parent) as name:
-        scratch = Path(name)
-        (scratch / HEADER).write_text(header_text(), encoding="utf-8")
-        (scratch / SOURCE).write_text(runtime_text(), encoding="utf-8")
-        compile_object(compiler, flags, scratch / SOURCE, scratch / path.name, path.with_suffix(".log"))
-        os.replace(scratch / path.name, path)
 
 
 @contextmanager

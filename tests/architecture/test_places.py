@@ -15,7 +15,6 @@ IO_PLACES = (
     "codegen/compiler.py",
     "codegen/library.py",
     "codegen/core_cache.py",
-    "codegen/controllers.py",
     "report/",
     "benchmark/instruction_counts.py",
     "benchmark/peers/",
