@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 import casadi as ca
 import numpy as np
@@ -30,27 +30,33 @@ Array = np.ndarray[Any, Any]
 Draw = Callable[[np.random.Generator], tuple[Array, Array]]  # a start: q (n_q,), u (n_u,)
 
 
+class Task(TypedDict, total=False):
+    """What `make` and `make_vec` take beside the reward."""
+
+    terminated: str
+    observe: Sequence[str] | None
+    every: float
+    horizon: float
+    draw: Draw | None
+
+
 def make(
     scene: Library | Scene | str | Path,
     *,
     reward: str,
-    terminated: str = "-1",
-    observe: Sequence[str] | None = None,
-    every: float = 0.02,
-    horizon: float = 10.0,
-    draw: Draw | None = None,
     parameters: Mapping[str, float] | None = None,
     accuracy: Accuracy | str | None = None,
+    **task: Unpack[Task],
 ) -> RunEnv:
     """An environment of one run.
 
     Args:
         scene: a library, a scene, or the path of a scene file.
         reward, terminated: expressions of t, inputs and components of sensors, at the end of each step; the
-            episode terminates where the second is positive.
+            episode terminates where the second is positive, never unless it is given.
         observe: names of the sensors that are observed; all when None.
-        every: time of a step, s.
-        horizon: time after which an episode is truncated, s.
+        every: time of a step, s; 0.02 unless given.
+        horizon: time after which an episode is truncated, s; 10 unless given.
         draw: draws the start of an episode; None: the scene's own.
         parameters: values of parameters of the scene.
         accuracy: as for `start`.
@@ -61,8 +67,8 @@ def make(
     Raises:
         ModelgenError: an argument is not what it says, or an input has no range.
     """
-    facts = _Facts(scene, reward, terminated, observe, every, horizon, draw)
-    return RunEnv(facts, facts.started(1, parameters, accuracy, 1))
+    facts = _Facts(scene, 1, reward, **task)
+    return RunEnv(facts, start_many(facts.library, 1, parameters=parameters, accuracy=accuracy))
 
 
 def make_vec(
@@ -70,22 +76,19 @@ def make_vec(
     n: int,
     *,
     reward: str,
-    terminated: str = "-1",
-    observe: Sequence[str] | None = None,
-    every: float = 0.02,
-    horizon: float = 10.0,
-    draw: Draw | None = None,
     parameters: Mapping[str, Any] | None = None,
     accuracy: Accuracy | str | None = None,
     threads: int = 1,
+    **task: Unpack[Task],
 ) -> RunVectorEnv:
     """An environment of n runs that go on together; arguments are those of `make`.
 
     `parameters` may have one value for each run. A run whose episode has ended is reset in the next step
     (`AutoresetMode.NEXT_STEP`).
     """
-    facts = _Facts(scene, reward, terminated, observe, every, horizon, draw)
-    return RunVectorEnv(facts, facts.started(n, parameters, accuracy, threads))
+    facts = _Facts(scene, n, reward, **task)
+    many = start_many(facts.library, n, parameters=parameters, accuracy=accuracy, threads=threads)
+    return RunVectorEnv(facts, many)
 
 
 class _Facts:
@@ -94,12 +97,13 @@ class _Facts:
     def __init__(
         self,
         scene: Library | Scene | str | Path,
+        n: int,
         reward: str,
-        terminated: str,
-        observe: Sequence[str] | None,
-        every: float,
-        horizon: float,
-        draw: Draw | None,
+        terminated: str = "-1",
+        observe: Sequence[str] | None = None,
+        every: float = 0.02,
+        horizon: float = 10.0,
+        draw: Draw | None = None,
     ) -> None:
         check_span("every", every, "give the time of a step, s")
         check_span("horizon", horizon, "give the longest time of an episode, s")
@@ -109,19 +113,13 @@ class _Facts:
         self.observed = _observed(observe, [name for name, _ in self.sensors])
         self.inputs = instance["inputs"]
         slots = [*self.sensors, *((each["name"], 1) for each in self.inputs)]
-        self._values = expressions_function(
-            {"reward": reward, "terminated": terminated}, slots, "modelgen.gym"
-        )
+        texts = {"reward": reward, "terminated": terminated}
+        self._values = expressions_function(texts, slots, "modelgen.gym").map(n)  # of all runs at once
         sizes = dict(self.sensors)
         count = sum(sizes[name] for name in self.observed)
         self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (count,), np.float64)
         low, high = (np.array([_end(each, key) for each in self.inputs]) for key in ("minimum", "maximum"))
         self.action_space = gymnasium.spaces.Box(low, high, dtype=np.float64)
-
-    def started(
-        self, n: int, parameters: Mapping[str, Any] | None, accuracy: Accuracy | str | None, threads: int
-    ) -> Simulations:
-        return start_many(self.library, n, parameters=parameters, accuracy=accuracy, threads=threads)
 
     def act(self, many: Simulations, actions: Array) -> None:
         """Set the inputs (n, number of inputs)."""
@@ -137,8 +135,7 @@ class _Facts:
         columns = {name: values.reshape(many.n, -1) for name, values in sensors.items()}
         inputs = [many.inputs[each["name"]].reshape(many.n, 1) for each in self.inputs]
         given = [many.t.reshape(many.n, 1), *(columns[name] for name, _ in self.sensors), *inputs]
-        mapped = self._values if many.n == 1 else self._values.map(many.n)
-        found = mapped.call([ca.DM(np.ascontiguousarray(each.T)) for each in given])
+        found = self._values.call([ca.DM(np.ascontiguousarray(each.T)) for each in given])
         reward, terminated = (np.asarray(each, dtype=float).ravel() for each in found)
         observation = [columns[name] for name in self.observed]
         return np.concatenate([np.zeros((many.n, 0)), *observation], axis=1), reward, terminated > 0
