@@ -14,8 +14,7 @@ from dataclasses import dataclass
 ETA_SIZE: Mapping[str, int] = {  # entries of eta, by what carries the point of one side in it
     "none": 0, "chart": 2, "point": 3, "curve": 1, "signed_curve": 3, "sign": 1
 }  # fmt: skip
-
-
+SETTING_SIZE = 3  # numbers of the setting of an input: value; rate, 1/s; time at which it has that value, s
 LETTERS = {3: "xyz", 4: "wxyz"}  # of the components of a sensor
 
 

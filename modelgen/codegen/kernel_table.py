@@ -14,7 +14,7 @@ from modelgen.codegen.manifest_instance import J_SIZE
 from modelgen.codegen.time_dependence import hides
 from modelgen.contact.form_table import eta_layout
 from modelgen.derivation import Derivation, Formula
-from modelgen.dynamics.sensors import need_rates, sensor_names
+from modelgen.dynamics.sensors import need_rates
 from modelgen.geometry.coordinate_domains import dimension_of
 from modelgen.geometry.curves import may_bend
 from modelgen.joint.joint_actuators import law_of
@@ -22,6 +22,7 @@ from modelgen.joint.joint_limits import is_turn
 from modelgen.joint.joint_rows import row_count
 from modelgen.joint.joint_table import FORMS
 from modelgen.model import ContactKind, JointKind, LoadKind, Model
+from modelgen.scene.sensors import sensor_sizes
 
 HEAD = """#ifndef MG_HASH
 #define MG_HASH ""
@@ -104,7 +105,7 @@ def table_text(derivation: Derivation, internal: Mapping[str, str]) -> str:
         parts.append(_dispatcher(dispatcher, formulas, internal))
     fields = ["  .abi = MG_ABI,", "  .real_size = sizeof(mg_real),", "  .hash = MG_HASH,"]
     sensors = derivation.model.scene.sensors
-    fields.append(f"  .n_sensor = {sum(size for _, size in sensor_names(sensors))},")
+    fields.append(f"  .n_sensor = {sum(size for _, size in sensor_sizes(sensors))},")
     fields.append(f"  .sensors_need_forces = {int(need_rates(sensors))},")
     fields += [f"  .{group}_kinds = mg_{group}_kinds," for group in KIND_GROUPS]
     fields.append("  .shape_bounds = mg_shape_bounds,")

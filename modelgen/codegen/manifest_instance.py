@@ -13,7 +13,7 @@ from modelgen.codegen.manifest_planar_contacts import face_table, patch_table
 from modelgen.codegen.manifest_unlisted import unlisted_of
 from modelgen.contact.form_table import FORMS, eta_layout
 from modelgen.contact.separation import has_separation
-from modelgen.dynamics.sensors import sensor_names, sensor_parameters
+from modelgen.dynamics.sensors import sensor_parameters
 from modelgen.geometry.coordinate_domains import domain_of
 from modelgen.geometry.curves import curve_of, is_curve
 from modelgen.geometry.extent import bounding_ball
@@ -39,6 +39,7 @@ from modelgen.model import (
 from modelgen.notation import ETA_SIZE
 from modelgen.scene.reading_again import SceneReader
 from modelgen.scene.scene_types import Scene, Shape
+from modelgen.scene.sensors import sensor_sizes
 
 J_SIZE = {"fixed": 0, "driven": 6, "point": 3, "free": 6}
 _INERTIA_NAMES = {
@@ -218,7 +219,7 @@ def instance_of(model: Model, known: tuple[Model, dict[str, Any]] | None = None)
         "scales": asdict(model.scales),
         "inputs": [asdict(each) for each in scene.inputs],
         "sensors": {
-            "names": [list(each) for each in sensor_names(scene.sensors)],
+            "names": [list(each) for each in sensor_sizes(scene.sensors)],
             "parameters": list(sensor_parameters(model)),
             **_measured_pairs(model),
         },

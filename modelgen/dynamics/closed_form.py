@@ -15,9 +15,9 @@ from itertools import accumulate, pairwise
 import casadi as ca
 
 from modelgen.dynamics.bodies import kernel, mass_and_inertia
-from modelgen.dynamics.inputs import SETTING_SIZE
 from modelgen.geometry.frames import dot, zeros
 from modelgen.model import BodyEntry, BodyKind, FeaturePairEntry, Model
+from modelgen.notation import SETTING_SIZE
 
 MAX_CONTACTS = 4
 

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import casadi as ca
 
 from modelgen.model import InputKind
-
-SETTING_SIZE = 3  # numbers of a setting: value; its rate, 1/s; the time at which it had the value, s
+from modelgen.notation import SETTING_SIZE
 
 
 def input_argument(inputs: Sequence[InputKind]) -> dict[str, ca.SX]:

@@ -16,16 +16,12 @@ from modelgen.joint.joint_frames import meeting
 from modelgen.joint.joint_limits import coordinate_of
 from modelgen.joint.joint_rows import numbers_of, parameters_of
 from modelgen.model import InputKind, Model
+from modelgen.notation import component_names
 from modelgen.scene.scene_types import Measurand, Sensor, Vector
-from modelgen.scene.sensors import components, letters_of
+from modelgen.scene.sensors import sensor_sizes
 
 POSE, TWIST, WRENCH, OF_A_PAIR = 12, 6, 6, 2  # numbers of a body; of a joint; of a pair: gap, force
 FORCES = ("force", "torque")  # quantities that need the forces at an instant
-
-
-def sensor_names(sensors: Sequence[Sensor]) -> tuple[tuple[str, int], ...]:
-    """Name and number of components of each sensor."""
-    return tuple((sensor.name, max(len(letters_of(sensor)), 1)) for sensor in sensors)
 
 
 def need_rates(sensors: Sequence[Sensor]) -> bool:
@@ -64,7 +60,8 @@ def sensor_kernel(model: Model) -> ca.Function:
     shown = []
     for sensor in model.scene.sensors:
         value = _measured(sensor.measurand, model, symbols) if sensor.measurand else _follows(sensor, known)
-        known |= dict(zip(components(sensor.name, letters_of(sensor)), ca.vertsplit(value), strict=True))
+        names = component_names(sensor_sizes((sensor,)))
+        known |= dict(zip(names, ca.vertsplit(value), strict=True))
         shown.append(value)
     return kernel("mg_sensors", symbols.arguments, {"sensors": ca.vertcat(ca.SX(0, 1), *shown)})
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from math import inf
 from numbers import Real
 from typing import Any
 
@@ -56,6 +57,12 @@ def with_parameters(library: Library, values: object) -> Library:
     from modelgen.codegen.parameter_values import library_with  # reads the scene again, with CasADi
 
     return library_with(library, values)
+
+
+def input_range(kind: Mapping[str, Any]) -> tuple[float, float]:
+    """Least and largest value of an input of a manifest's instance, infinite where there is no bound."""
+    low, high = kind["minimum"], kind["maximum"]
+    return -inf if low is None else low, inf if high is None else high
 
 
 def rows_of(where: str, values: Any, size: int) -> np.ndarray[Any, Any]:

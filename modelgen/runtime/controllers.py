@@ -34,7 +34,7 @@ class Controller:
         dtype = session.tables.dtype
         self.failure: BaseException | None = None
         self._inputs = [each["name"] for each in session.instance["inputs"]]
-        self._sensors = np.zeros(sum(size for _, size in names) + 1, dtype=dtype)
+        self._sensors = np.zeros(session.shared.n_sensor + 1, dtype=dtype)
         self._command = np.zeros(len(self._inputs) + 1, dtype=dtype)
         self._readings = Readings(names, self._sensors)
         self._kept, entry = self._entry(session, function)

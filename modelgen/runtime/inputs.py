@@ -6,11 +6,10 @@ from collections.abc import Iterator, Mapping, MutableMapping
 from math import inf, isfinite, nan
 
 from modelgen.errors import SimulationError
-from modelgen.runtime.arguments import check_name, is_number
+from modelgen.notation import SETTING_SIZE
+from modelgen.runtime.arguments import check_name, input_range, is_number
 from modelgen.runtime.session import Session
 from modelgen.runtime.tables.ctypes_structures import Array
-
-SETTING_SIZE = 3  # numbers of a setting: value; its rate, 1/s; time at which the input has that value, s
 
 
 class Inputs(MutableMapping[str, float]):
@@ -77,8 +76,7 @@ class Inputs(MutableMapping[str, float]):
 
     def _check(self, name: str, value: object) -> None:
         kind = self._kinds[self._index[name]]
-        least = -inf if kind["minimum"] is None else kind["minimum"]
-        largest = inf if kind["maximum"] is None else kind["maximum"]
+        least, largest = input_range(kind)
         number = float(value) if is_number(value) else nan  # type: ignore[arg-type]
         if not isfinite(number) or not least <= number <= largest:
             within = f"from {least:g} to {largest:g}" if largest - least < inf else "that is finite"

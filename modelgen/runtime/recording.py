@@ -37,7 +37,7 @@ class Recording:
                 "pressure": (n, session.n_patch_slot, 4),
                 "patch_friction": (n, session.n_patch_slot, 8),
             },
-            **{"joint_wrench": (n, nj, 6), "coordinate": (n, nj, 3), "sensors": (n, len(session.sensed) - 1)},
+            **{"joint_wrench": (n, nj, 6), "coordinate": (n, nj, 3), "sensors": (n, session.shared.n_sensor)},
         }
         whole = ArrayBlock({name: shapes.pop(name) for name in INTEGERS})
         integers, integer_at = whole.zeros(INTEGER)

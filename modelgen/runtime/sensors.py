@@ -9,16 +9,22 @@ from modelgen.runtime.session import Session
 from modelgen.runtime.tables.ctypes_structures import Array
 
 
+def parts_of(slots: Sequence[tuple[str, int]]) -> dict[str, slice | int]:
+    """Where the components of each sensor stand in a row: an index, or a slice of several."""
+    parts: dict[str, slice | int] = {}
+    end = 0
+    for name, size in slots:
+        parts[name] = slice(end, end + size) if size > 1 else end
+        end += size
+    return parts
+
+
 class Readings(Mapping[str, "float | Array"]):
     """What sensors show, by name: a float, or an array (3,) or (4,), in SI units."""
 
     def __init__(self, slots: Sequence[tuple[str, int]], values: Array) -> None:
         self.values_in_order = values
-        self._parts: dict[str, slice | int] = {}
-        end = 0
-        for name, size in slots:
-            self._parts[name] = slice(end, end + size) if size > 1 else end
-            end += size
+        self._parts = parts_of(slots)
 
     def __getitem__(self, name: str) -> float | Array:
         if name not in self._parts:

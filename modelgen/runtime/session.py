@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.codegen.library import Library
-from modelgen.notation import ETA_SIZE
+from modelgen.notation import ETA_SIZE, SETTING_SIZE
 from modelgen.runtime import checkpoint
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.tables.ctypes_structures import (
@@ -59,12 +59,12 @@ class Session:
         self.friction_mode, self.feature_pair = integers["friction_mode"], integers["feature_pair"]
         self.input, self.applied_input = reals["input"], reals["applied_input"]
         self.x[:], self.feature_pair[:] = shared.start, -1
-        self.input[0 : 3 * len(self.instance["inputs"]) : 3] = [i["default"] for i in self.instance["inputs"]]
+        self.input[:-1:SETTING_SIZE] = [each["default"] for each in self.instance["inputs"]]
         self.run = self.tables.Run(0.0, 0.0, *(at[name] for name in RUN_ARRAYS))
         of_events = [EVENT_PREFIX + name for name in EVENT_ARRAYS]
         self._event_columns = [arrays[name] for name in of_events]
         self.events = self.tables.Events(shared.n_event, 0, *(at[name] for name in of_events))
-        self.sensed = self._reals(sum(size for _, size in self.instance["sensors"]["names"]) + 1)
+        self.sensed = self._reals(shared.n_sensor + 1)
         self.work = self._reals(shared.work_size)
         self.iwork = np.zeros(shared.iwork_size, dtype=INTEGER)
         self._head = (ctypes.byref(self.system), ctypes.byref(self.settings), ctypes.byref(self.run))

@@ -85,8 +85,7 @@ class SessionGroup:
             (ctypes.addressof(entries), ctypes.sizeof(entries) // self.n)
             for entries in (self._systems, self._runs, self._lists)
         )
-        n_sensor = sum(size for _, size in library.manifest.instance["sensors"]["names"])
-        self.sensed = np.zeros((self.n, n_sensor), self._like.tables.dtype)
+        self.sensed = np.zeros((self.n, self._like.shared.n_sensor), self._like.tables.dtype)
         self._sensed_at = address(self.sensed), self.sensed.strides[0]
         self._codes_at, self._ends_at = ((address(a), a.itemsize) for a in (self.codes, self._ends))
         self._told: list[list[Event]] = [[] for _ in range(self.n)]

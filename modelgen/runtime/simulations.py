@@ -9,9 +9,10 @@ import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
+from modelgen.notation import SETTING_SIZE
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.arguments import check_keywords, check_name, check_span, with_parameters
-from modelgen.runtime.inputs import SETTING_SIZE
+from modelgen.runtime.arguments import check_keywords, check_name, check_span, input_range, with_parameters
+from modelgen.runtime.sensors import parts_of
 from modelgen.runtime.session_group import SessionGroup
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.tables.ctypes_structures import Array
@@ -86,6 +87,7 @@ class Simulations:
         self._libraries = libraries  # whose tables the lanes use
         self._threads = threads
         self._starts = group.x.copy()
+        self._parts = parts_of(group.library.manifest.instance["sensors"]["names"])
         self.n = group.n
         self.inputs = InputsByLane(group)
         self.refused: Mapping[int, SimulationError] = {}
@@ -113,12 +115,8 @@ class Simulations:
     @property
     def sensors(self) -> Mapping[str, Array]:
         """What the sensors show by name: (n,), or (n, 3) and (n, 4)."""
-        shown, found, end = self._group.sense(self._threads), {}, 0
-        for name, size in self._group.library.manifest.instance["sensors"]["names"]:
-            part = shown[:, end : end + size].copy()
-            found[name] = part if size > 1 else part[:, 0]
-            end += size
-        return found
+        shown = self._group.sense(self._threads)
+        return {name: shown[:, part].copy() for name, part in self._parts.items()}
 
     def step(self, duration: float, lanes: Array | None = None) -> None:
         """Let each lane go on by a duration, s; lanes that have ended stay where they are, as do those that
@@ -179,9 +177,7 @@ class InputsByLane(Mapping[str, Array]):
     def check(self) -> None:
         """Raises SimulationError where a value is beyond the range of its input."""
         for name, values in self.items():
-            kind = self._kinds[self._index[name]]
-            low = -np.inf if kind["minimum"] is None else kind["minimum"]
-            high = np.inf if kind["maximum"] is None else kind["maximum"]
+            low, high = input_range(self._kinds[self._index[name]])
             bad = np.flatnonzero(~(np.isfinite(values) & (values >= low) & (values <= high)))
             if len(bad):
                 raise SimulationError(

@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 from modelgen.errors import nearest
+from modelgen.notation import component_names
 from modelgen.scene.contacts_and_loads import pair_names
 from modelgen.scene.motions import TIME
 from modelgen.scene.scene_types import Body, ContactPair, Joint, Measurand, Sensor
 from modelgen.scene.source_location import Place
 
-OF_BODIES: Mapping[str, str] = {  # components of each quantity, by their letters
-    "position": "xyz", "orientation": "wxyz", "velocity": "xyz", "angular_velocity": "xyz"
+OF_BODIES: Mapping[str, int] = {  # components of each quantity
+    "position": 3, "orientation": 4, "velocity": 3, "angular_velocity": 3
 }  # fmt: skip
-OF_PAIRS: Mapping[str, str] = {"gap": "", "force": ""}
-OF_JOINTS: Mapping[str, str] = {"coordinate": "", "rate": "", "force": "xyz", "torque": "xyz"}
+OF_PAIRS: Mapping[str, int] = {"gap": 1, "force": 1}
+OF_JOINTS: Mapping[str, int] = {"coordinate": 1, "rate": 1, "force": 3, "torque": 3}
 _AT_POINT = ("position", "velocity")  # quantities of a point of a body
-
-
-def components(name: str, letters: str) -> tuple[str, ...]:
-    """The names of the components of a sensor: its own where it has one, else with a letter each."""
-    return tuple(f"{name}_{letter}" for letter in letters) or (name,)
 
 
 def sensors_of(
@@ -51,7 +47,7 @@ def sensors_of(
         for key in ("point", "relative_to"):
             if values[key] is not None:
                 raise place.key(key).error("it beside `value`", "it goes with `of`", "remove one of the two")
-        known = [each for sensor in found.values() for each in components(sensor.name, letters_of(sensor))]
+        known = component_names(sensor_sizes(found.values()))
         names = (TIME, *(each.name for each in place.inputs), *known)
         found[values["name"]] = Sensor(
             values["name"], value=place.key("value").expression(values["value"], names)
@@ -59,12 +55,11 @@ def sensors_of(
     return tuple(found.values())
 
 
-def letters_of(sensor: Sensor) -> str:
-    """The letters of the components of a sensor; empty where it has one."""
-    if sensor.measurand is None:
-        return ""
+def sensor_sizes(sensors: Iterable[Sensor]) -> tuple[tuple[str, int], ...]:
+    """Name and number of components of each sensor."""
     tables = {"body": OF_BODIES, "pair": OF_PAIRS, "joint": OF_JOINTS}
-    return tables[sensor.measurand.owner][sensor.measurand.quantity]
+    measured = ((each.name, each.measurand) for each in sensors)
+    return tuple((name, tables[of.owner][of.quantity] if of else 1) for name, of in measured)
 
 
 def _measurand(

@@ -9,21 +9,21 @@ from typing import Any
 import numpy as np
 
 from modelgen.model import InputKind
+from modelgen.notation import SETTING_SIZE
 from modelgen.scene.expression import Binary, Call, Cubic, Expression, Name, Node, Unary, number
 
 Array = np.ndarray[Any, Any]
-SIZE = 3  # of a setting: value, rate, time
 
 
 def drawn_settings(kinds: Sequence[InputKind], n: int, random: np.random.Generator) -> Array:
     """(3 k, n) settings of k inputs."""
-    return random.normal(size=(SIZE * len(kinds), n))
+    return random.normal(size=(SETTING_SIZE * len(kinds), n))
 
 
 def with_settings(expression: Expression, kinds: Sequence[InputKind], settings: Array) -> Expression:
     """The expression with each input replaced by its value at time t under settings (3 k,)."""
     lines: dict[str, Node] = {}
-    for kind, (value, rate, since) in zip(kinds, settings.reshape(-1, SIZE).tolist(), strict=True):
+    for kind, (value, rate, since) in zip(kinds, settings.reshape(-1, SETTING_SIZE).tolist(), strict=True):
         passed = Binary("-", Name("t"), number(since))
         grown = Binary("+", number(value), Binary("*", number(rate), passed))
         lines[kind.name] = grown if kind.hold == "linear" else number(value)

@@ -9,6 +9,7 @@ import numpy as np
 
 from modelgen.derivation import Derivation
 from modelgen.model import Model
+from modelgen.notation import SETTING_SIZE
 from modelgen.verification.findings import Finding, compared
 
 Array = np.ndarray[Any, Any]
@@ -59,7 +60,9 @@ def random_state(model: Model, random: np.random.Generator) -> list[Array]:
     eta = model.scales.length * random.normal(size=model.n_eta)
     u = random.normal(size=model.n_u)
     state = [np.array([0.3]), q, u, eta, np.array(model.scene.gravity), np.array(parameters)]
-    return [*state, random.normal(size=3 * len(model.scene.inputs))] if model.scene.inputs else state
+    return (
+        [*state, random.normal(size=SETTING_SIZE * len(model.scene.inputs))] if model.scene.inputs else state
+    )
 
 
 def _residuals(

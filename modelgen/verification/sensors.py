@@ -11,9 +11,10 @@ from scipy.spatial.transform import Rotation
 
 from modelgen.derivation import Derivation
 from modelgen.model import InputKind, Model
+from modelgen.notation import component_names
 from modelgen.scene.expression import evaluate
 from modelgen.scene.scene_types import Measurand, Sensor
-from modelgen.scene.sensors import components, letters_of
+from modelgen.scene.sensors import sensor_sizes
 from modelgen.verification.findings import Finding, compared
 from modelgen.verification.input_settings import drawn_settings, with_settings
 
@@ -65,7 +66,7 @@ def _expected(derivation: Derivation, given: Mapping[str, Array]) -> Array:
         values = _measured(sensor.measurand, derivation, given) if sensor.measurand else None
         if values is None:
             values = np.array([_value(sensor, model, given, known)])
-        names = components(sensor.name, letters_of(sensor))
+        names = component_names(sensor_sizes((sensor,)))
         known |= dict(zip(names, np.atleast_1d(values).tolist(), strict=True))
         shown += [known[name] for name in names]
     return np.array(shown)
@@ -108,10 +109,9 @@ def _placed(model: Model, name: str | None, given: Mapping[str, Array], s: ca.SX
         return ca.SX.eye(4)
     index = _index(model, name)
     pose, twist = given["pose"][12 * index : 12 * index + 12], given["twist"][6 * index : 6 * index + 6]
-    turning = ca.SX.eye(3) + s * ca.skew(ca.SX(ca.DM(twist[3:])))
-    rotation = ca.SX(ca.DM(pose[3:].reshape(3, 3, order="F"))) @ turning
-    centre = ca.SX(ca.DM(list(model.bodies[index].centre_of_mass)))
-    place = ca.SX(ca.DM(pose[:3])) + s * ca.DM(twist[:3]) - rotation @ centre
+    moved = _moved(pose, twist, s)
+    rotation = ca.reshape(moved[3:], 3, 3)
+    place = moved[:3] - rotation @ ca.DM(list(model.bodies[index].centre_of_mass))
     return ca.vertcat(ca.horzcat(rotation, place), ca.SX(ca.DM([[0, 0, 0, 1]])))
 
 
@@ -137,6 +137,7 @@ def _of_joint(measured: Measurand, derivation: Derivation, given: Mapping[str, A
 
 
 def _moved(pose: Array, twist: Array, s: ca.SX) -> ca.SX:
+    """The pose (12,) at time s of the motion, to first order."""
     rotation = ca.SX(ca.DM(pose[3:].reshape(3, 3, order="F"))) @ (
         ca.SX.eye(3) + s * ca.skew(ca.SX(ca.DM(twist[3:])))
     )

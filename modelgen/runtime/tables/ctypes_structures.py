@@ -11,6 +11,7 @@ import numpy as np
 
 from modelgen.codegen.manifest import Manifest
 from modelgen.runtime.accuracy import RESOLVED, Accuracy
+from modelgen.runtime.arguments import input_range
 from modelgen.runtime.tables.bounding_balls import BallTables
 from modelgen.runtime.tables.features import FeatureTables, append, cell_capacity
 from modelgen.runtime.tables.friction_rows import FrictionTables
@@ -421,12 +422,8 @@ def _reals(instance: Mapping[str, Any]) -> dict[str, list[float]]:
 def _input_ranges(tables: Tables, instance: Mapping[str, Any]) -> list[float]:
     """Least and largest value of each input; the largest number where there is no bound."""
     most = float(np.finfo(tables.dtype).max)
-    ends = [(each["minimum"], each["maximum"]) for each in instance["inputs"]]
-    return [
-        value
-        for low, high in ends
-        for value in (-most if low is None else low, most if high is None else high)
-    ]
+    ends = (end for each in instance["inputs"] for end in input_range(each))
+    return [min(max(end, -most), most) for end in ends]
 
 
 def _room(manifest: Manifest) -> int:

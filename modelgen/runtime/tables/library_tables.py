@@ -15,6 +15,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from modelgen.codegen.library import Library, kernel_table
+from modelgen.notation import SETTING_SIZE
 from modelgen.runtime.tables.array_block import ArrayBlock
 from modelgen.runtime.tables.ctypes_structures import Array, Tables, fill_system, tables_of
 from modelgen.runtime.tables.planar_contacts import SUPPORT_POINTS, slot_count
@@ -38,6 +39,7 @@ class LibraryTables:
     instructions: Mapping[str, int]  # of each generated function
     n_patch_slot: int
     n_contact: int  # with limits and support points
+    n_sensor: int  # components of all sensors
     n_event: int  # events that fit into the list of a run
     reals: ArrayBlock  # of the arrays of an mg_run and of its mg_events, which have EVENT_PREFIX
     integers: ArrayBlock
@@ -81,6 +83,7 @@ def _make(library: Library) -> LibraryTables:
         instructions={name: entry["instructions"] for name, entry in manifest.functions.items()},
         n_patch_slot=slots,
         n_contact=n_contact,
+        n_sensor=sum(size for _, size in instance["sensors"]["names"]),
         n_event=n_event,
         reals=_block(reals, n_event, ("t", "speed")),
         integers=_block(integers, n_event, ("kind", "contact", "feature_pair")),
@@ -121,7 +124,7 @@ def _sizes_of_run(
         "force": m,
         "margin": m,
         "tilt_direction": 3 * n_contact + 3,
-        **dict.fromkeys(("input", "applied_input"), 3 * len(instance["inputs"]) + 1),
+        **dict.fromkeys(("input", "applied_input"), SETTING_SIZE * len(instance["inputs"]) + 1),
         "search_bound": int(system.n_cell_tree) + 1,
         "joint_independence_max": int(system.n_joint) + 1,
         "joint_response": 12 * int(system.n_joint_row) + 1,
