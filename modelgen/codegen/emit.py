@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -10,21 +9,18 @@ from typing import Any
 import casadi as ca
 
 from modelgen.codegen.amalgamation import HEADER, SOURCE, abi, header_text
+from modelgen.codegen.derivative_table import NO_DERIVATIVES, derivatives_text
 from modelgen.codegen.kernel_table import table_text
 from modelgen.codegen.manifest import Json, Manifest
 from modelgen.codegen.manifest_instance import instance_of, kinds_of, parameters_of
+from modelgen.codegen.null_tests import without_null_tests
 from modelgen.codegen.unused_inputs import unused_inputs
 from modelgen.derivation import Derivation, Formula
+from modelgen.differentiation import PackedFormula, packed_formulas
 from modelgen.errors import expect
 from modelgen.notation import unit_of
 
 PREFIX = "mg_kernels"
-ENTRY = re.compile(  # the exported function of a kernel: head, name, internal function
-    r"(^CASADI_SYMBOL_EXPORT int (mg_\w+)\([^\n]*\)\{)\n"
-    r"  return (\w+)\(arg, res, iw, w, mem\);\n",
-    re.MULTILINE,
-)
-
 MODEL_HEAD = """/* The kernels of one scene's kinds, and the table through which the core calls them. */
 #include "modelgen.h"
 
@@ -52,6 +48,7 @@ static int mg_call(int (*kernel)(const mg_real **, mg_real **, casadi_int *, mg_
 }}
 
 #include "kernels.c"
+{derivatives}
 
 #if defined(__GNUC__)
 #pragma GCC diagnostic pop
@@ -69,19 +66,27 @@ class Package:
     manifest: Manifest
 
 
-def emit(derivation: Derivation) -> Package:
+def emit(derivation: Derivation, derivatives: bool = False) -> Package:
     """The C text and the manifest of a derivation; equal derivations give equal text.
+
+    Args:
+        derivation: what `derive` returned.
+        derivatives: whether derivatives of runs can be asked for (`sensitivity`); they take C text, compile time
+            and nothing else.
 
     Raises ModelgenError if it is given something else.
     """
     expect("emit", derivation, Derivation)
     compiled = [formula for formula in derivation.formulas if formula.role != "rhs"]
     internal = {formula.name: f"{PREFIX}_f{index}" for index, formula in enumerate(compiled)}
+    packed = packed_formulas(derivation) if derivatives else ()
     files = {
         "kernels.c": _kernels(compiled),
-        "model.c": _head(compiled) + table_text(derivation, internal),
+        "model.c": _head(compiled, packed) + table_text(derivation, internal),
         HEADER: header_text(),
     }
+    if derivatives:
+        files["derivatives.c"] = derivatives_text(packed)
     manifest = Manifest(
         abi=abi(),
         functions={formula.name: _entry(formula) for formula in compiled},
@@ -95,16 +100,19 @@ def emit(derivation: Derivation) -> Package:
 def file_names() -> set[str]:
     """Names of all C files of a package, with those of the core that a standalone program is compiled
     with."""
-    return {"kernels.c", "model.c", HEADER, SOURCE}
+    return {"kernels.c", "derivatives.c", "model.c", HEADER, SOURCE}
 
 
-def _head(formulas: list[Formula]) -> str:
-    functions = [formula.function for formula in formulas]
+def _head(formulas: list[Formula], packed: tuple[PackedFormula, ...]) -> str:
+    functions = [formula.function for formula in formulas] + [
+        function for each in packed for function in (each.tangent, each.adjoint)
+    ]
     return MODEL_HEAD.format(
         longest_in=max((f.numel_in(i) for f in functions for i in range(f.n_in())), default=1),
         longest_out=max((f.numel_out(i) for f in functions for i in range(f.n_out())), default=1),
         most_in=max((f.n_in() for f in functions), default=1),
         most_out=max((f.n_out() for f in functions), default=1),
+        derivatives='#include "derivatives.c"' if packed else NO_DERIVATIVES,
     )
 
 
@@ -115,26 +123,6 @@ def _kernels(formulas: list[Formula]) -> str:
         generator.add(formula.function)
     counts = {f.name: (f.function.n_in(), f.function.n_out()) for f in formulas}
     return without_null_tests(str(generator.dump()), counts)
-
-
-def without_null_tests(text: str, counts: Mapping[str, tuple[int, int]]) -> str:
-    """CasADi's C text with one test for null pointers at each exported entry in place of one an element.
-
-    The core passes no null pointers; callers from outside may, by CasADi's interface, for inputs that are
-    zero and outputs that they do not want. `counts`: inputs and outputs by the kernel's name.
-    """
-    text = re.sub(r"arg\[(\d+)\]\? arg\[\1\]\[(\d+)\] : 0", r"arg[\1][\2]", text)
-    text = re.sub(r"if \(res\[(\d+)\]!=0\) res\[\1\]", r"res[\1]", text)
-    assert "]? arg[" not in text
-    assert "]!=0)" not in text
-
-    def entry(match: re.Match[str]) -> str:
-        head, name, internal = match.groups()
-        n_in, n_out = counts[name]
-        call = f"mg_call({internal}, {n_in}, {n_out}, arg, res)"
-        return f"{head}\n  (void)iw, (void)w, (void)mem;\n  return {call};\n"
-
-    return ENTRY.sub(entry, text)
 
 
 def _entry(formula: Formula) -> Json:

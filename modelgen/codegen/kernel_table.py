@@ -110,6 +110,7 @@ def table_text(derivation: Derivation, internal: Mapping[str, str]) -> str:
     fields += [f"  .{group}_kinds = mg_{group}_kinds," for group in KIND_GROUPS]
     fields.append("  .shape_bounds = mg_shape_bounds,")
     fields += [f"  .{dispatcher.function} = {dispatcher.function}," for dispatcher in DISPATCHERS]
+    fields.append("  .derivatives = MG_DERIVATIVES,")
     parts.append("\n".join(["static const mg_kernels mg_table = {", *fields, "};\n"]))
     parts.append("MG_API const mg_kernels *mg_kernel_table(void) { return &mg_table; }\n")
     return "\n".join(parts)
@@ -121,6 +122,11 @@ def _tables(derivation: Derivation) -> list[str]:
         (formula.role, formula.kind): int(formula.function.numel_in("parameters"))
         for formula in derivation.formulas
         if formula.role in ("motion", "wrench", "rates")
+    }
+    parameters_of_joints = {
+        formula.kind: int(formula.function.numel_in("parameters"))
+        for formula in derivation.formulas
+        if formula.role == "rows"
     }
     seeking = {formula.kind for formula in derivation.formulas if formula.role == "seek"}
     bodies = [
@@ -151,7 +157,9 @@ def _tables(derivation: Derivation) -> list[str]:
         )
         for kind in model.shape_kinds
     ]
-    joints = [_joint_sizes(kind) for kind in model.joint_kinds]
+    joints = [
+        _joint_sizes(kind, parameters_of_joints.get(index, 0)) for index, kind in enumerate(model.joint_kinds)
+    ]
     loads = [
         _row(
             sizes["wrench", formula.kind],
@@ -164,7 +172,7 @@ def _tables(derivation: Derivation) -> list[str]:
     return [
         _table("mg_body_kind", bodies, [kind.name for kind in model.body_kinds], "0, 0, 0, 0"),
         _table("mg_contact_kind", contacts, contact_names, _row(*[0] * 8)),
-        _table("mg_joint_kind", joints, [kind.name for kind in model.joint_kinds], "0, 0, 0"),
+        _table("mg_joint_kind", joints, [kind.name for kind in model.joint_kinds], "0, 0, 0, 0"),
         _table("mg_load_kind", loads, [kind.name for kind in model.load_kinds], "0, 0, 0, 0"),
         _table("mg_shape_kind", shapes, [kind.name for kind in model.shape_kinds], "0, 0, 0, 0"),
     ]
@@ -199,9 +207,10 @@ def _limit_turns(model: Model) -> list[int]:
     return [int(is_turn(kind.kind)) for kind in model.limit_kinds]
 
 
-def _joint_sizes(kind: JointKind) -> str:
-    """Number of rows and of coordinates of a kind of joint, and whether its rows depend on time."""
-    return _row(row_count(kind), len(FORMS[kind.kind].coordinates), int(kind.motion is not None))
+def _joint_sizes(kind: JointKind, parameters: int) -> str:
+    """Number of rows and of coordinates of a kind of joint, whether its rows depend on time, and number of
+    their parameters."""
+    return _row(row_count(kind), len(FORMS[kind.kind].coordinates), int(kind.motion is not None), parameters)
 
 
 def _row(*numbers: int) -> str:

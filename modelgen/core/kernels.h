@@ -73,6 +73,7 @@ typedef struct {
   int n_rows;        /* scalar equations */
   int n_coordinates; /* coordinates, 0..3 */
   int prescribed;    /* 1: its rows depend on time, so that it does work */
+  int n_parameters;  /* parameters of its rows */
 } mg_joint_kind;
 
 typedef struct {
@@ -81,6 +82,32 @@ typedef struct {
   int may_inflect;   /* 1: a curve that may have inflections */
   int centre_curve;  /* MG_CENTRE_LINE, MG_CENTRE_CIRCLE or 0 */
 } mg_shape_kind;
+
+/* What a derivative of a formula is for. Each formula is packed as y(w, x) (modelgen/differentiation.py): w is not
+   differentiated. Vectors in brackets, one after the other, each at its full size. */
+enum {
+  MG_TASK_POSE = 0,      /* x = [q 7], y = [pose 12] */
+  MG_TASK_PATH = 1,      /* x = [t, parameters, inputs], y = [pose 12, twist 6, rate of the twist 6] */
+  MG_TASK_MOTION = 2,    /* x = [q 7, u 6, wrench 6, gravity 3, parameters], y = [q_dot 7, u_dot 6] */
+  MG_TASK_LOAD = 3,      /* x = [t, pose a 12, twist a 6, pose b 12, twist b 6, parameters, inputs], y = [wrenches of a,
+                            b 12] */
+  MG_TASK_CONTACT = 4,   /* w = [forces of the rows 6, accelerations of o, f 12], x = [pose o 12, twist o 6, pose f 12,
+                            twist f 6, eta, parameters], y = [J^T force 12, J a + gamma 6, J u 6, d, t1, t2, eta_dot] */
+  MG_TASK_PLACEMENT = 5, /* x = [pose o 12, pose f 12, eta, parameters], y = [d, eta_next] */
+  MG_TASK_JOINT = 6,     /* w as of a contact, x = [t, pose a 12, twist a 6, pose b 12, twist b 6, parameters, inputs],
+                            y = [J^T force 12, value_ddot 6, value_dot 6, value 6] */
+  MG_TASK_SENSORS = 7,   /* x = [t, pose, twist, pairs, joints, parameters, inputs] of `sense`, y = [sensors] */
+  MG_TASK_ENERGY = 8     /* x = [q 7, u 6, gravity 3, parameters], y = [kinetic, potential] */
+};
+
+/* Derivatives of the formulas of a scene. */
+typedef struct {
+  /* y_dot = dy/dx x_dot */
+  void (*tangent)(int task, int kind, const mg_real *w, const mg_real *x, const mg_real *x_dot, mg_real *y_dot);
+
+  /* x_bar = (dy/dx)^T y_bar */
+  void (*adjoint)(int task, int kind, const mg_real *w, const mg_real *x, const mg_real *y_bar, mg_real *x_bar);
+} mg_derivatives;
 
 typedef struct {
   int abi;                              /* MG_ABI of the header with which the table was compiled */
@@ -172,6 +199,8 @@ typedef struct {
      and the sum of its normal forces, and per joint its wrench on the second body. kind is 0. */
   void (*sense)(int kind, const mg_real *t, const mg_real *pose, const mg_real *twist, const mg_real *pairs,
                 const mg_real *joints, const mg_real *parameters, const mg_real *inputs, mg_real *sensors);
+
+  const mg_derivatives *derivatives; /* derivatives of these functions, or 0: they were not generated */
 } mg_kernels;
 
 /* Table of the generated library. */

@@ -46,7 +46,7 @@
 #include "solve/lcp/lcp.h"
 #include "base/real.h"
 
-#define MG_ABI 15 /* version of these structures; a library and its caller must agree on it (mg_abi) */
+#define MG_ABI 16 /* version of these structures; a library and its caller must agree on it (mg_abi) */
 
 /* Kind of a condition of a feature pair. A condition is a function of the contact point x of one feature in its shape's
    axes, of the chart coordinates (u, v) of x, and of the normal N out of that feature's shape. It holds where the
@@ -596,6 +596,83 @@ typedef struct {
   mg_real *eta;          /* [6 MG_MINIMA] eta, 0 where the contact kind has fewer entries */
   mg_real *margin;       /* [2 MG_MINIMA] the two margins of the place kernel: 1 and 1/m */
 } mg_minima_queries;
+
+/* Directions along which a run is differentiated: changes of the start and of the numbers of the system. Row k of an
+   array is direction k; a null pointer stands for zeros. */
+typedef struct {
+  int n;                           /* directions */
+  const mg_real *start;            /* [n_q + n_u + n_eta + 1] q, u; the rest is not used */
+  const mg_real *parameters;       /* [n_parameters] */
+  const mg_real *gravity;          /* [3] */
+  const mg_real *restitution;      /* [n_contact] */
+  const mg_real *friction_static;  /* [2 n_friction] */
+  const mg_real *friction_kinetic; /* [2 n_friction] */
+  const mg_real *input;            /* [3 n_input] settings of inputs */
+  const int *moves_borders;        /* [1] 1: numbers of features and conditions change as well */
+} mg_directions;
+
+/* How far a derivative can be trusted. */
+enum {
+  MG_VERDICT_DIFFERENTIABLE = 0, /* the run is differentiable */
+  MG_VERDICT_ONE_SIDED = 1,      /* it holds for changes in the sense in which the events keep their order */
+  MG_VERDICT_UNDECIDED = 2       /* the reason says what stands against it */
+};
+
+/* Why a derivative is not certain. */
+enum {
+  MG_NO_REASON = 0,
+  MG_BY_TIME_STEPPING = 1,    /* a part of the run is time-stepping */
+  MG_BY_ROLLING_START = 2,    /* a face tilts onto its rim */
+  MG_BY_SLIP_ONSET = 3,       /* slip begins and its direction depends on the change */
+  MG_BY_STIFF_SLIP = 4,       /* slow slip is turned fast by friction */
+  MG_BY_SEVERAL_EVENTS = 5,   /* several events at one time */
+  MG_BY_REDUNDANT_ROWS = 6,   /* impulses are not unique */
+  MG_BY_FACES = 7,            /* faces come to rest on each other, or rub */
+  MG_BY_SINGULAR_CONTACT = 8, /* a singular contact is passed by an impulse */
+  MG_BY_GRAZE = 9,            /* the event function does not cross zero transversally */
+  MG_BY_REST_SPEED = 10,      /* bounces that are ever shorter are cut off */
+  MG_BY_SLIP_STOP = 11,       /* slip dies in three dimensions */
+  MG_BY_IMPACT_LAW = 12,      /* an impact whose law is not differentiated */
+  MG_BY_JUMP = 13,            /* state or acceleration jump for another cause */
+  MG_BY_START = 14,           /* the start is corrected by an impact */
+  MG_BY_ANISOTROPY = 15,      /* friction differs from direction to direction */
+  MG_BY_BORDER = 16           /* the border of a feature moves */
+};
+
+/* Derivatives of a run; the caller's arrays. */
+typedef struct {
+  mg_real *x;           /* [n (n_q + n_u + n_eta + 1)] derivative of the state, direction after direction */
+  int capacity;         /* events for which there is room */
+  int count;            /* events that have been differentiated; beyond capacity they are counted only */
+  mg_real *event_t;     /* [capacity] time of each event, s */
+  int *event_contact;   /* [capacity] contact of its event function */
+  mg_real *event_t_dot; /* [n capacity] derivative of its time */
+  int verdict;          /* MG_VERDICT_DIFFERENTIABLE .. MG_VERDICT_UNDECIDED */
+  int reason;           /* MG_NO_REASON .., of the first cause of the verdict */
+  mg_real reason_t;     /* time of that cause, s */
+  int reason_contact;   /* contact of that cause, or -1 */
+  mg_real *work;        /* [mg_sensitivity_size] scratch memory, which lasts as long as the run */
+  int *iwork;           /* [mg_sensitivity_int_size] */
+} mg_tangent;
+
+/* Lengths of the scratch memory of derivatives along n directions. */
+MG_API long mg_sensitivity_size(const mg_system *system, int n);
+MG_API long mg_sensitivity_int_size(const mg_system *system);
+
+/* Derivatives of the state of a run that has just begun. Returns MG_DONE, or MG_NOT_FINITE if the library was generated
+   without derivatives. */
+MG_API int mg_begin_tangent(const mg_system *system, const mg_settings *settings, mg_run *run,
+                            const mg_directions *directions, mg_tangent *tangent, mg_real *work, int *iwork);
+
+/* As mg_advance, with the derivatives of the state. The run is the same to the last bit. */
+MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settings, mg_run *run,
+                              const mg_directions *directions, mg_tangent *tangent, mg_real t_stop, long max_steps,
+                              mg_record *record, mg_events *events, mg_real *work, int *iwork);
+
+/* Derivatives [n kernels->n_sensor] of what the sensors show at the state of the run, direction after direction. */
+MG_API void mg_sense_tangent(const mg_system *system, const mg_settings *settings, mg_run *run,
+                             const mg_directions *directions, mg_tangent *tangent, mg_real *sensors, mg_real *work,
+                             int *iwork);
 
 /* Value of MG_ABI with which the library was compiled. */
 MG_API int mg_abi(void);

@@ -218,6 +218,17 @@ static int mg_compare_headers(const mg_checkpoint_header *found, const mg_checkp
   return found->length == expected->length ? MG_LOADED : MG_LOAD_DAMAGED;
 }
 
+MG_INTERNAL void mg_store_run(const mg_system *system, const mg_run *run, unsigned char *bytes) {
+  mg_stream written = {0, bytes, 0};
+  mg_run state = *run;
+  mg_move_run(&written, system, &state);
+}
+
+MG_INTERNAL void mg_restore_run(const mg_system *system, mg_run *run, const unsigned char *bytes) {
+  mg_stream read = {0, 0, bytes};
+  mg_move_run(&read, system, run);
+}
+
 MG_API long mg_save_size(const mg_system *system) {
   mg_run none = {0}; /* whose arrays are not touched while bytes are counted */
   mg_stream counted = {(long)sizeof(mg_checkpoint_header), 0, 0};

@@ -13,6 +13,12 @@
 MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const mg_settings *settings, mg_run *run,
                                  mg_real *work, int *iwork);
 
+/* checkpoint.c */
+
+/* Copies the state of a run to at most mg_save_size bytes, and back. */
+MG_INTERNAL void mg_store_run(const mg_system *system, const mg_run *run, unsigned char *bytes);
+MG_INTERNAL void mg_restore_run(const mg_system *system, mg_run *run, const unsigned char *bytes);
+
 /* inputs.c */
 
 #define MG_JOINT_ROWS_MAX 6 /* most rows of a joint */

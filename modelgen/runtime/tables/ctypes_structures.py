@@ -213,6 +213,10 @@ RECORD_ARRAYS = (
     *("patch", "pressure", "patch_friction", "friction", "torque", "slip"),
     *("joint_wrench", "coordinate", "energy", "work", "sensors"),
 )
+DIRECTION_ARRAYS = (
+    *("start", "parameters", "gravity", "restitution", "friction_static", "friction_kinetic"),
+    *("input", "moves_borders"),
+)
 EVENT_ARRAYS = ("t", "kind", "contact", "feature_pair", "speed")
 QUERY_GIVEN = ("parameters", "pose_o", "pose_f", "step_limit")
 QUERY_FOUND = ("eta", "d", "normal", "point_o", "point_f", "margin", "outcome")
@@ -268,6 +272,18 @@ class Tables:
         self.Events = structure(
             "Events",
             [("capacity", integer), ("count", integer)] + [(n, pointer) for n in EVENT_ARRAYS],
+        )
+        self.Directions = structure(
+            "Directions", [("n", integer)] + [(n, pointer) for n in DIRECTION_ARRAYS]
+        )
+        self.Tangent = structure(
+            "Tangent",
+            [
+                *[("x", pointer), ("capacity", integer), ("count", integer)],
+                *[("event_t", pointer), ("event_contact", pointer), ("event_t_dot", pointer)],
+                *[("verdict", integer), ("reason", integer), ("reason_t", real), ("reason_contact", integer)],
+                *[("work", pointer), ("iwork", pointer)],
+            ],
         )
         self.Controller = structure(
             "Controller",

@@ -1,0 +1,195 @@
+/* Derivatives of a run (mg_begin_tangent, mg_advance_tangent): the run goes on step by step as without them; after each
+   accepted step the derivatives are carried over it, from a copy of the run before. Writes the mg_tangent. */
+#include <string.h>
+
+#include "run/run.h"
+#include "base/base.h"
+#include "model/model.h"
+#include "forces/forces.h"
+#include "integrate/integrate.h"
+#include "timestep/timestep.h"
+#include "sensitivity/sensitivity.h"
+
+/* Most numbers of a packed vector. */
+static long mg_packed_size(const mg_system *s) {
+  return 64L + s->n_parameters + 3L * s->n_input + 18L * s->n_body + 2L * s->n_pair + 6L * s->n_joint +
+         s->kernels->n_sensor;
+}
+
+/* Rows of all constraints but springs. */
+static long mg_sensitivity_rows(const mg_system *s) { return s->n_contact + 1L + s->n_joint_row + s->n_friction_row; }
+
+MG_API long mg_sensitivity_size(const mg_system *s, int n) {
+  const long states = (long)s->n_q + s->n_u + s->n_eta + 1;
+  return 2 * mg_count_reals(mg_save_size(s), 1) + mg_count_reals(1, sizeof(mg_blow)) + 36L * s->n_body +
+         4 * mg_sensitivity_rows(s) + s->n_friction_row + (12L * n + 3) * states + 3 * mg_packed_size(s) + 18 + n + 1 +
+         2L * s->n_pair + 6L * s->n_joint;
+}
+
+MG_API long mg_sensitivity_int_size(const mg_system *s) { return s->n_contact; }
+
+/* Divides the memory. Bytes of the run before and after a step come first. */
+static void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, const mg_directions *directions,
+                                mg_tangent *tangent, unsigned char **before, unsigned char **after) {
+  const mg_system *system = c->system;
+  const long b = system->n_body, rows = mg_sensitivity_rows(system), states = c->layout.n_states, n = directions->n;
+  mg_real *work = tangent->work;
+  int *iwork = tangent->iwork;
+  s->directions = directions, s->tangent = tangent, s->t_dot = 0, s->is_time = 0;
+  *before = mg_take_memory(&work, mg_save_size(system), 1), *after = mg_take_memory(&work, mg_save_size(system), 1);
+  s->blow = mg_take_memory(&work, 1, sizeof(mg_blow));
+  s->at.pose = mg_take_reals(&work, 12 * b), s->at.twist = mg_take_reals(&work, 6 * b);
+  s->at.acceleration = mg_take_reals(&work, 6 * b), s->at.wrench = mg_take_reals(&work, 6 * b);
+  s->at.value = mg_take_reals(&work, rows), s->at.rate = mg_take_reals(&work, rows);
+  s->at.residual = mg_take_reals(&work, rows), s->at.force = mg_take_reals(&work, rows);
+  s->at.ratio = mg_take_reals(&work, system->n_friction_row);
+  s->wrench = mg_take_reals(&work, 6 * b), s->slopes = mg_take_reals(&work, 12 * n * states);
+  s->stage = mg_take_reals(&work, states), s->before = mg_take_reals(&work, states);
+  s->slope_before = mg_take_reals(&work, states);
+  s->x = mg_take_reals(&work, mg_packed_size(system)), s->x_dot = mg_take_reals(&work, mg_packed_size(system));
+  s->y_dot = mg_take_reals(&work, mg_packed_size(system)), s->weights = mg_take_reals(&work, 18);
+  s->event_rate = mg_take_reals(&work, n + 1);
+  s->pair = mg_take_reals(&work, 2L * system->n_pair), s->joint = mg_take_reals(&work, 6L * system->n_joint);
+  s->closed_before = mg_take_ints(&iwork, system->n_contact);
+}
+
+/* Notes the first reason why the derivatives are not certain. */
+static void mg_doubt_tangent(mg_tangent *tangent, int reason, mg_real t, int contact) {
+  if (!reason || tangent->verdict == MG_VERDICT_UNDECIDED) return;
+  tangent->verdict = MG_VERDICT_UNDECIDED, tangent->reason = reason, tangent->reason_t = t,
+  tangent->reason_contact = contact;
+}
+
+MG_API int mg_begin_tangent(const mg_system *system, const mg_settings *settings, mg_run *run,
+                            const mg_directions *directions, mg_tangent *tangent, mg_real *work, int *iwork) {
+  mg_context c;
+  mg_sensitivity s;
+  unsigned char *before, *after;
+  if (!system->kernels->derivatives) return MG_NOT_FINITE;
+  mg_open_context(&c, system, settings, run, work, iwork);
+  mg_open_sensitivity(&c, &s, directions, tangent, &before, &after);
+  const int n = c.layout.n_states;
+  for (int j = 0; j < directions->n; j++) {
+    mg_real *dx = tangent->x + (long)j * n;
+    for (int i = 0; i < n; i++)
+      dx[i] = i < system->n_q + system->n_u && directions->start ? directions->start[(long)j * n + i] : 0;
+    mg_normalise_tangent(&c, run->x, dx);
+  }
+  tangent->count = 0, tangent->verdict = MG_VERDICT_DIFFERENTIABLE, tangent->reason = MG_NO_REASON,
+  tangent->reason_t = 0, tangent->reason_contact = -1;
+  mg_evaluate_run_state(&c);
+  mg_settle_eta_tangents(&c, &s, run->t, run->x);
+  mg_project_tangents(&c, &s);
+  if (mg_is_time_stepping(&c)) mg_doubt_tangent(tangent, MG_BY_TIME_STEPPING, run->t, -1);
+  return MG_DONE;
+}
+
+/* Carries the derivatives over the step between two states of the run; the events first .. of the list belong to it.
+   Leaves the run as it is after the step. */
+static void mg_follow_step(const mg_system *system, const mg_settings *settings, mg_run *run, mg_sensitivity *s,
+                           const unsigned char *before, const unsigned char *after, const mg_events *events, int first,
+                           mg_real *work, int *iwork) {
+  mg_context c;
+  const mg_real end = run->t, roundoff = run->t_roundoff;
+  const long passages = run->singular_passages, fallbacks = run->fallbacks + run->chatters;
+  mg_restore_run(system, run, before);
+  mg_open_context(&c, system, settings, run, work, iwork);
+  const mg_real h = end - run->t + (roundoff - run->t_roundoff);
+  int reason = run->singular_passages != passages ? MG_BY_SINGULAR_CONTACT : MG_NO_REASON;
+  if (mg_is_time_stepping(&c) || run->fallbacks + run->chatters != fallbacks) reason = MG_BY_TIME_STEPPING;
+  const int unsure = mg_step_tangent(&c, s, h);
+  if (!reason) reason = unsure;
+  mg_crossing crossing = mg_find_crossing(&c, events, first);
+  mg_differentiate_event(&c, s, &crossing, end);
+  mg_copy_states(&c, c.step.end, s->before);
+  for (int i = 0; i < system->n_contact; i++) s->closed_before[i] = run->closed[i];
+  mg_restore_run(system, run, after);
+  mg_open_context(&c, system, settings, run, work, iwork);
+  const int of_event = mg_cross_event(&c, s, &crossing);
+  mg_project_tangents(&c, s);
+  mg_doubt_tangent(s->tangent, reason ? reason : of_event, end, crossing.contact);
+}
+
+/* True if positions or velocities differ by more than drift. */
+static int mg_has_state_jump(const mg_context *c, const mg_real *before) {
+  for (int i = 0; i < c->system->n_q + c->system->n_u; i++)
+    if (fabs(c->run->x[i] - before[i]) > c->settings->drift_tolerance * c->step.scale[i]) return 1;
+  return 0;
+}
+
+MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settings, mg_run *run,
+                              const mg_directions *directions, mg_tangent *tangent, mg_real t_stop, long max_steps,
+                              mg_record *record, mg_events *events, mg_real *work, int *iwork) {
+  mg_context c;
+  mg_sensitivity s;
+  unsigned char *before, *after;
+  if (!system->kernels->derivatives) return MG_NOT_FINITE;
+  mg_open_context(&c, system, settings, run, work, iwork);
+  mg_open_sensitivity(&c, &s, directions, tangent, &before, &after);
+  mg_copy_states(&c, run->x, s.before);
+  int outcome = mg_advance(system, settings, run, t_stop, 0, record, events, work, iwork); /* inputs take effect */
+  mg_open_context(&c, system, settings, run, work, iwork);
+  if (mg_has_state_jump(&c, s.before)) mg_doubt_tangent(tangent, MG_BY_JUMP, run->t, -1);
+  for (long step = 0; outcome == MG_CONTINUE; step++) {
+    if (step >= max_steps) return MG_CONTINUE;
+    const int first = events->count;
+    const long steps = run->steps;
+    const mg_real t = run->t;
+    mg_store_run(system, run, before);
+    outcome = mg_advance(system, settings, run, t_stop, 1, record, events, work, iwork);
+    if (run->steps == steps && run->t == t && events->count == first) continue;
+    mg_store_run(system, run, after);
+    mg_follow_step(system, settings, run, &s, before, after, events, first, work, iwork);
+    mg_restore_run(system, run, after);
+  }
+  return outcome;
+}
+
+/* Derivatives of the gap and normal force of each pair and of the wrench of each joint, along the direction that
+   mg_rhs_tangent has treated, in s->pair and s->joint. */
+static void mg_sensed_forces_tangent(mg_context *c, mg_sensitivity *s, int direction) {
+  const mg_system *system = c->system;
+  mg_real *pair = s->pair, *joint = s->joint;
+  mg_zero_reals(pair, 2L * system->n_pair), mg_zero_reals(joint, 6L * system->n_joint);
+  for (int p = mg_next_pair(c, -1); p < system->n_pair; p = mg_next_pair(c, p)) {
+    mg_real least = MG_MAX;
+    for (int i = system->pair_contact[p]; i < system->pair_contact[p + 1]; i++) {
+      if (!mg_is_on_feature_pair(c, i)) continue;
+      if (c->rows.d[i] < least) least = c->rows.d[i], pair[2 * p] = s->at.value[i];
+      if (c->run->active[i]) pair[2 * p + 1] += s->at.force[i];
+    }
+  }
+  for (int i = c->layout.support_begin; i < system->n_contact; i++)
+    if (mg_is_on_feature_pair(c, i)) pair[2 * system->contact_pair[i] + 1] += s->at.force[i];
+  for (int j = 0; j < system->n_joint; j++) {
+    const int rows = c->kernels->joint_kinds[system->joint_kind[j]].n_rows,
+              first = c->layout.joint_row_begin + system->joint_row[j];
+    if (!rows) continue;
+    mg_joint_tangent(c, s, direction, j, c->run->t, c->solution.force + first, 0);
+    for (int k = 0; k < 6; k++) {
+      joint[6 * j + k] = s->y_dot[MG_Y_SECOND + k];
+      for (int r = first; r < first + rows; r++) joint[6 * j + k] += c->rows.J[12 * r + 6 + k] * s->at.force[r];
+    }
+  }
+}
+
+MG_API void mg_sense_tangent(const mg_system *system, const mg_settings *settings, mg_run *run,
+                             const mg_directions *directions, mg_tangent *tangent, mg_real *sensors, mg_real *work,
+                             int *iwork) {
+  mg_context c;
+  mg_sensitivity s;
+  unsigned char *before, *after;
+  const int n_sensor = system->kernels->n_sensor;
+  mg_run copy = *run;
+  mg_open_context(&c, system, settings, &copy, work, iwork);
+  mg_open_sensitivity(&c, &s, directions, tangent, &before, &after);
+  mg_evaluate_run_state(&c);
+  mg_gather_wrenches(&c, &s, run->t);
+  mg_read_sensors(&c, run->t, run->x + system->n_q + system->n_u, run->force, 1, s.y_dot);
+  for (int j = 0; j < directions->n; j++) {
+    mg_rhs_tangent(&c, &s, j, run->t, run->x, tangent->x + (long)j * c.layout.n_states, s.stage);
+    mg_sensed_forces_tangent(&c, &s, j);
+    mg_sensors_tangent(&c, &s, j, run->t);
+    for (int k = 0; k < n_sensor; k++) sensors[(long)j * n_sensor + k] = s.y_dot[k];
+  }
+}

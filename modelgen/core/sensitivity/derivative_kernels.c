@@ -1,0 +1,174 @@
+/* Calls of the generated derivatives: arguments and their derivatives along one direction are packed into vectors
+   (MG_TASK_POSE .. of kernels.h). Reads the state evaluated last and s->at; writes s->y_dot. */
+#include "sensitivity/sensitivity.h"
+#include "model/model.h"
+
+/* Copies n numbers, or zeros if there are none to copy; returns the place after them. */
+static mg_real *mg_pack(mg_real *to, int n, const mg_real *from) {
+  for (int k = 0; k < n; k++) to[k] = from ? from[k] : 0;
+  return to + n;
+}
+
+/* Row of a direction in one of its arrays, or null. */
+static const mg_real *mg_row_of_direction(const mg_sensitivity *s, const mg_real *array, long n, int direction) {
+  return array && !s->is_time ? array + n * direction : 0;
+}
+
+MG_INTERNAL mg_real mg_number_dot(const mg_sensitivity *s, const mg_real *array, long n, int direction, int i) {
+  const mg_real *row = mg_row_of_direction(s, array, n, direction);
+  return row ? row[i] : 0;
+}
+
+/* Derivatives of the parameters from an offset on, or null. */
+static const mg_real *mg_parameters_dot(const mg_context *c, const mg_sensitivity *s, int direction, int offset) {
+  const mg_real *row = mg_row_of_direction(s, s->directions->parameters, c->system->n_parameters, direction);
+  return row ? row + offset : 0;
+}
+
+static const mg_real *mg_inputs_dot(const mg_context *c, const mg_sensitivity *s, int direction) {
+  return mg_row_of_direction(s, s->directions->input, 3L * c->system->n_input, direction);
+}
+
+static void mg_call_tangent(const mg_context *c, mg_sensitivity *s, int task, int kind) {
+  c->kernels->derivatives->tangent(task, kind, s->weights, s->x, s->x_dot, s->y_dot);
+}
+
+/* Packs the pose and twist of a body. */
+static void mg_pack_body(const mg_context *c, mg_sensitivity *s, int body, mg_real **x, mg_real **x_dot) {
+  *x = mg_pack(*x, 12, c->bodies.pose + 12 * body), *x_dot = mg_pack(*x_dot, 12, s->at.pose + 12 * body);
+  *x = mg_pack(*x, 6, c->bodies.twist + 6 * body), *x_dot = mg_pack(*x_dot, 6, s->at.twist + 6 * body);
+}
+
+/* Packs n parameters, of a contact of a support point without the derivative of the point, which is fixed in its body.
+ */
+static void mg_pack_contact_parameters(mg_context *c, mg_sensitivity *s, int direction, int contact, mg_real *x,
+                                       mg_real *x_dot) {
+  const int n = c->kernels->contact_kinds[c->contacts.kind[contact]].n_parameters,
+            given = contact >= c->layout.support_begin ? n - 3 : n;
+  mg_pack(x, n, mg_contact_parameters(c, contact));
+  x_dot = mg_pack(x_dot, given, mg_parameters_dot(c, s, direction, c->contacts.parameters[contact]));
+  mg_pack(x_dot, n - given, 0);
+}
+
+MG_INTERNAL void mg_contact_tangent(mg_context *c, mg_sensitivity *s, int direction, int contact, const mg_real *eta,
+                                    const mg_real *eta_dot, const mg_real *force, const mg_real *acceleration) {
+  const int kind = c->contacts.kind[contact], n_eta = c->kernels->contact_kinds[kind].n_eta;
+  mg_real *x = s->x, *x_dot = s->x_dot;
+  mg_real *w = mg_pack(s->weights, MG_ROWS_OF_ONE, force);
+  w = mg_pack(w, 6, acceleration ? acceleration + 6 * c->contacts.o[contact] : 0);
+  mg_pack(w, 6, acceleration ? acceleration + 6 * c->contacts.f[contact] : 0);
+  mg_pack_body(c, s, c->contacts.o[contact], &x, &x_dot);
+  mg_pack_body(c, s, c->contacts.f[contact], &x, &x_dot);
+  x = mg_pack(x, n_eta, eta), x_dot = mg_pack(x_dot, n_eta, eta_dot);
+  mg_pack_contact_parameters(c, s, direction, contact, x, x_dot);
+  mg_call_tangent(c, s, MG_TASK_CONTACT, kind);
+}
+
+MG_INTERNAL void mg_placement_tangent(mg_context *c, mg_sensitivity *s, int direction, int contact,
+                                      const mg_real *eta) {
+  const int kind = c->contacts.kind[contact], n_eta = c->kernels->contact_kinds[kind].n_eta;
+  mg_real *x = s->x, *x_dot = s->x_dot;
+  for (int side = 0; side < 2; side++) {
+    const int body = side ? c->contacts.f[contact] : c->contacts.o[contact];
+    x = mg_pack(x, 12, c->bodies.pose + 12 * body), x_dot = mg_pack(x_dot, 12, s->at.pose + 12 * body);
+  }
+  x = mg_pack(x, n_eta, eta), x_dot = mg_pack(x_dot, n_eta, 0);
+  mg_pack_contact_parameters(c, s, direction, contact, x, x_dot);
+  mg_call_tangent(c, s, MG_TASK_PLACEMENT, kind);
+}
+
+MG_INTERNAL void mg_joint_tangent(const mg_context *c, mg_sensitivity *s, int direction, int joint, mg_real t,
+                                  const mg_real *force, const mg_real *acceleration) {
+  const mg_system *system = c->system;
+  const int kind = system->joint_kind[joint], a = system->joint_a[joint], b = system->joint_b[joint],
+            n = c->kernels->joint_kinds[kind].n_parameters, rows = c->kernels->joint_kinds[kind].n_rows;
+  mg_real *x = s->x, *x_dot = s->x_dot;
+  mg_real *w = mg_pack(mg_pack(s->weights, rows, force), MG_ROWS_OF_ONE - rows, 0);
+  w = mg_pack(w, 6, acceleration ? acceleration + 6 * a : 0), mg_pack(w, 6, acceleration ? acceleration + 6 * b : 0);
+  *x++ = t, *x_dot++ = s->t_dot;
+  mg_pack_body(c, s, a, &x, &x_dot), mg_pack_body(c, s, b, &x, &x_dot);
+  x = mg_pack(x, n, system->parameters + system->joint_parameters[joint]);
+  x_dot = mg_pack(x_dot, n, mg_parameters_dot(c, s, direction, system->joint_parameters[joint]));
+  mg_pack(x, 3 * system->n_input, c->run->input), mg_pack(x_dot, 3 * system->n_input, mg_inputs_dot(c, s, direction));
+  mg_call_tangent(c, s, MG_TASK_JOINT, kind);
+}
+
+MG_INTERNAL void mg_motion_tangent(const mg_context *c, mg_sensitivity *s, int direction, int body, const mg_real *q,
+                                   const mg_real *u, const mg_real *wrench, const mg_real *gravity, const mg_real *dq,
+                                   const mg_real *du, const mg_real *dwrench) {
+  const int kind = mg_body_kind_of(c, body), n_q = c->kernels->body_kinds[kind].n_q,
+            n_u = c->kernels->body_kinds[kind].n_u, n = c->kernels->body_kinds[kind].n_parameters,
+            offset = c->system->body_parameters[body];
+  const mg_real *gravity_dot = gravity ? mg_row_of_direction(s, s->directions->gravity, 3, direction) : 0;
+  mg_real *x = s->x, *x_dot = s->x_dot;
+  x = mg_pack(mg_pack(x, n_q, q), 7 - n_q, 0), x_dot = mg_pack(mg_pack(x_dot, n_q, dq), 7 - n_q, 0);
+  x = mg_pack(mg_pack(x, n_u, u), 6 - n_u, 0), x_dot = mg_pack(mg_pack(x_dot, n_u, du), 6 - n_u, 0);
+  x = mg_pack(x, 6, wrench), x_dot = mg_pack(x_dot, 6, dwrench);
+  x = mg_pack(x, 3, gravity), x_dot = mg_pack(x_dot, 3, gravity_dot);
+  mg_pack(x, n, c->system->parameters + offset), mg_pack(x_dot, n, mg_parameters_dot(c, s, direction, offset));
+  mg_call_tangent(c, s, MG_TASK_MOTION, kind);
+}
+
+MG_INTERNAL void mg_load_tangent(const mg_context *c, mg_sensitivity *s, int direction, int load, mg_real t) {
+  const mg_system *system = c->system;
+  const int kind = system->load_kind[load], a = system->load_a[load],
+            b = system->load_b[load] < 0 ? a : system->load_b[load], n = c->kernels->load_kinds[kind].n_parameters,
+            offset = system->load_parameters[load];
+  mg_real *x = s->x, *x_dot = s->x_dot;
+  *x++ = t, *x_dot++ = s->t_dot;
+  mg_pack_body(c, s, a, &x, &x_dot), mg_pack_body(c, s, b, &x, &x_dot);
+  x = mg_pack(x, n, system->parameters + offset), x_dot = mg_pack(x_dot, n, mg_parameters_dot(c, s, direction, offset));
+  mg_pack(x, 3 * system->n_input, c->run->input), mg_pack(x_dot, 3 * system->n_input, mg_inputs_dot(c, s, direction));
+  mg_call_tangent(c, s, MG_TASK_LOAD, kind);
+}
+
+/* Derivative of pose, twist and acceleration of a driven body. */
+static void mg_path_tangent(const mg_context *c, mg_sensitivity *s, int direction, int body, mg_real t) {
+  const int offset = c->system->body_parameters[body];
+  mg_real *x = s->x, *x_dot = s->x_dot;
+  *x++ = t, *x_dot++ = s->t_dot;
+  x = mg_pack(x, 12, c->system->parameters + offset),
+  x_dot = mg_pack(x_dot, 12, mg_parameters_dot(c, s, direction, offset));
+  mg_pack(x, 3 * c->system->n_input, c->run->input);
+  mg_pack(x_dot, 3 * c->system->n_input, mg_inputs_dot(c, s, direction));
+  mg_call_tangent(c, s, MG_TASK_PATH, mg_body_kind_of(c, body));
+  mg_pack(s->at.pose + 12 * body, 12, s->y_dot), mg_pack(s->at.twist + 6 * body, 6, s->y_dot + 12);
+  mg_pack(s->at.acceleration + 6 * body, 6, s->y_dot + 18);
+}
+
+MG_INTERNAL void mg_place_bodies_tangent(const mg_context *c, mg_sensitivity *s, int direction, mg_real t,
+                                         const mg_real *x, const mg_real *dx) {
+  const mg_system *system = c->system;
+  for (int b = 0; b < system->n_body; b++) {
+    const int motion = c->bodies.motion[b], n_u = c->kernels->body_kinds[mg_body_kind_of(c, b)].n_u;
+    const mg_real *dq = dx + system->body_q[b], *du = dx + system->n_q + system->body_u[b];
+    mg_pack(s->at.pose + 12 * b, 12, 0), mg_pack(s->at.twist + 6 * b, 6, 0);
+    mg_pack(s->at.acceleration + 6 * b, 6, 0);
+    if (motion == MG_FIXED)
+      mg_pack(s->at.pose + 12 * b, 12, mg_parameters_dot(c, s, direction, system->body_parameters[b]));
+    else if (motion == MG_DRIVEN) mg_path_tangent(c, s, direction, b, t);
+    else mg_pack(s->at.twist + 6 * b, n_u, du);
+    if (motion == MG_POINT) mg_pack(s->at.pose + 12 * b, 3, dq);
+    if (motion == MG_FREE) {
+      mg_pack(s->x, 7, x + system->body_q[b]), mg_pack(s->x_dot, 7, dq);
+      mg_call_tangent(c, s, MG_TASK_POSE, mg_body_kind_of(c, b));
+      mg_pack(s->at.pose + 12 * b, 12, s->y_dot);
+    }
+  }
+}
+
+MG_INTERNAL void mg_sensors_tangent(const mg_context *c, mg_sensitivity *s, int direction, mg_real t) {
+  const mg_system *system = c->system;
+  const int bodies = system->n_body, n = system->n_parameters - system->sensor_parameters;
+  mg_real *x = s->x, *x_dot = s->x_dot;
+  *x++ = t, *x_dot++ = s->t_dot;
+  x = mg_pack(x, 12 * bodies, c->bodies.pose), x_dot = mg_pack(x_dot, 12 * bodies, s->at.pose);
+  x = mg_pack(x, 6 * bodies, c->bodies.twist), x_dot = mg_pack(x_dot, 6 * bodies, s->at.twist);
+  x = mg_pack(x, 2 * system->n_pair, c->sensors.pair), x_dot = mg_pack(x_dot, 2 * system->n_pair, s->pair);
+  x = mg_pack(x, 6 * system->n_joint, c->sensors.joint), x_dot = mg_pack(x_dot, 6 * system->n_joint, s->joint);
+  x = mg_pack(x, n, system->parameters + system->sensor_parameters);
+  x_dot = mg_pack(x_dot, n, mg_parameters_dot(c, s, direction, system->sensor_parameters));
+  mg_pack(x, 3 * system->n_input, c->run->applied_input);
+  mg_pack(x_dot, 3 * system->n_input, mg_inputs_dot(c, s, direction));
+  mg_call_tangent(c, s, MG_TASK_SENSORS, 0);
+}

@@ -1,0 +1,213 @@
+/* Derivatives over an event (saltation): its time from its event function, the change of the state, and the part of the
+   step that the change of time takes from one right-hand side and gives to the other. Where neither state nor
+   right-hand side jump, nothing happens to the derivatives. Writes the derivatives of the state and of event times. */
+#include "sensitivity/sensitivity.h"
+#include "model/model.h"
+#include "forces/forces.h"
+
+/* Friction constraint of an event of slip, or -1. */
+static int mg_constraint_of_event(const mg_context *c, int contact, int kind) {
+  const int friction_kind = (kind - MG_EVENT_SLIP_START) / MG_EVENTS_PER_FRICTION;
+  for (int g = c->system->contact_friction[contact]; g < c->system->contact_friction[contact + 1]; g++)
+    if (c->system->friction_kind[g] == friction_kind) return g;
+  return -1;
+}
+
+/* Event function of an event of the list, MG_CROSSES_NOTHING for one that follows from others. c is that of the run
+   before it. */
+static int mg_crossed_function(const mg_context *c, int kind, int contact) {
+  if (kind == MG_EVENT_IMPACT || kind == MG_EVENT_TOUCH_DOWN)
+    return c->run->closed[contact] ? MG_CROSSES_NOTHING : MG_CROSSES_GAP;
+  if (kind == MG_EVENT_LIFT_OFF || kind == MG_EVENT_TIPPING) return MG_CROSSES_FORCE;
+  if (kind == MG_EVENT_FEATURE_CHANGE || kind == MG_EVENT_VANISH) return MG_CROSSES_BORDER;
+  if (kind < MG_EVENT_SLIP_START || kind >= MG_EVENT_FALLBACK_START || mg_constraint_of_event(c, contact, kind) < 0)
+    return MG_CROSSES_NOTHING;
+  return (kind - MG_EVENT_SLIP_START) % MG_EVENTS_PER_FRICTION ? MG_CROSSES_SLIP : MG_CROSSES_BOUND;
+}
+
+/* Why an event of the list makes derivatives uncertain, or 0. */
+static int mg_uncertain_event(const mg_context *c, int kind, int contact) {
+  if (kind >= MG_EVENT_FALLBACK_START) return MG_BY_TIME_STEPPING;
+  if (kind == MG_EVENT_FACE_CONTACT) return MG_BY_FACES;
+  if (kind == MG_EVENT_TOUCH_DOWN && c->system->restitution[contact] > 0) return MG_BY_REST_SPEED;
+  return MG_NO_REASON;
+}
+
+MG_INTERNAL mg_crossing mg_find_crossing(const mg_context *c, const mg_events *events, int first) {
+  mg_crossing found = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON};
+  static const int order[] = {0, 5, 4, 3, 2, 1}; /* by MG_CROSSES_..: what jumps most comes first */
+  for (int k = first; k < events->count; k++) {
+    const int kind = events->kind[k], contact = events->contact[k];
+    const int function = mg_crossed_function(c, kind, contact), reason = mg_uncertain_event(c, kind, contact);
+    if (!found.reason) found.reason = reason;
+    found.blow |= kind == MG_EVENT_IMPACT || kind == MG_EVENT_TOUCH_DOWN;
+    const int constraint =
+        kind >= MG_EVENT_SLIP_START && kind < MG_EVENT_FALLBACK_START ? mg_constraint_of_event(c, contact, kind) : -1;
+    if (function == found.kind && function != MG_CROSSES_NOTHING && function != MG_CROSSES_BORDER &&
+        (contact != found.contact || constraint != found.constraint) && !found.reason)
+      found.reason = MG_BY_SEVERAL_EVENTS;
+    if (order[function] <= order[found.kind]) continue;
+    found.kind = function, found.contact = contact, found.constraint = constraint;
+  }
+  return found;
+}
+
+/* Derivative of what is left of the bound of a sticking constraint. */
+static mg_real mg_bound_tangent(const mg_context *c, const mg_sensitivity *s, int direction, int contact,
+                                int constraint) {
+  const int row = mg_first_friction_row(c, contact, constraint), rows = mg_friction_row_count(c, constraint);
+  const mg_real *mu = c->system->friction_static + 2 * constraint;
+  mg_real size = 0, change = 0;
+  for (int k = 0; k < rows; k++) {
+    const mg_real part = c->solution.force[row + k] / mu[k],
+                  mu_dot = mg_number_dot(s, s->directions->friction_static, 2L * c->system->n_friction, direction,
+                                         2 * constraint + k);
+    size += part * part, change += part * (s->at.force[row + k] - part * mu_dot) / mu[k];
+  }
+  return s->at.force[contact] - (size > 0 ? change / sqrt(size) : 0);
+}
+
+/* Derivative of the slip of a constraint along its direction. */
+static mg_real mg_slip_tangent(const mg_context *c, const mg_sensitivity *s, int contact, int constraint) {
+  const int row = mg_first_friction_row(c, contact, constraint);
+  const mg_real *direction = c->run->slip_direction + 3 * constraint, *t = c->rows.tangents + 6 * contact;
+  if (mg_friction_row_count(c, constraint) == 1) return s->at.rate[row] * direction[0];
+  return s->at.rate[row] * mg_dot3(t, direction) + s->at.rate[row + 1] * mg_dot3(t + 3, direction);
+}
+
+/* Value of the most violated condition of a contact where poses and eta are moved by `part` of the direction looked
+   at. */
+static mg_real mg_moved_condition(mg_context *c, const mg_sensitivity *s, int contact, const mg_real *eta,
+                                  const mg_real *eta_dot, mg_real part) {
+  const int o = c->contacts.o[contact], f = c->contacts.f[contact];
+  mg_real at[MG_MAX_ETA], next[MG_MAX_ETA], kept[24];
+  int which;
+  for (int k = 0; k < 12; k++) {
+    kept[k] = c->bodies.pose[12 * o + k], kept[12 + k] = c->bodies.pose[12 * f + k];
+    c->bodies.pose[12 * o + k] += part * s->at.pose[12 * o + k];
+    c->bodies.pose[12 * f + k] += part * s->at.pose[12 * f + k];
+  }
+  for (int k = 0; k < c->contacts.n_eta[contact]; k++) at[k] = eta[k] + part * eta_dot[k];
+  mg_place_contact(c, contact, at, next);
+  const mg_real value = mg_most_violated_condition(c, c->run->feature_pair[contact], at, &which);
+  for (int k = 0; k < 12; k++) c->bodies.pose[12 * o + k] = kept[k], c->bodies.pose[12 * f + k] = kept[12 + k];
+  return value;
+}
+
+/* Derivative of the condition that a contact violates, by differences of order 4. */
+static mg_real mg_border_tangent(mg_context *c, const mg_sensitivity *s, int contact, const mg_real *eta,
+                                 const mg_real *eta_dot) {
+  mg_real largest = MG_EPS;
+  for (int k = 0; k < 12; k++)
+    largest = fmax(largest, fmax(fabs(s->at.pose[12 * c->contacts.o[contact] + k]),
+                                 fabs(s->at.pose[12 * c->contacts.f[contact] + k])));
+  for (int k = 0; k < c->contacts.n_eta[contact]; k++) largest = fmax(largest, fabs(eta_dot[k]));
+  const mg_real part = pow(MG_EPS, (mg_real)0.2) / largest;
+  mg_real value[2];
+  for (int k = 0; k < 2; k++)
+    value[k] = mg_moved_condition(c, s, contact, eta, eta_dot, (k + 1) * part) -
+               mg_moved_condition(c, s, contact, eta, eta_dot, -(k + 1) * part);
+  return (8 * value[0] - value[1]) / (12 * part);
+}
+
+MG_INTERNAL void mg_differentiate_event(mg_context *c, mg_sensitivity *s, mg_crossing *crossing, mg_real t) {
+  const int n = s->directions->n, states = c->layout.n_states, contact = crossing->contact;
+  for (int j = 0; j <= n; j++) {
+    s->event_rate[j] = 0;
+    if (crossing->kind == MG_CROSSES_NOTHING) continue;
+    s->is_time = j == n, s->t_dot = s->is_time;
+    const mg_real *dx = s->is_time ? s->slope_before : s->tangent->x + (long)j * states;
+    mg_rhs_tangent(c, s, j, t, c->step.end, dx, s->stage);
+    const int eta = c->system->n_q + c->system->n_u + c->system->contact_eta[contact];
+    if (crossing->kind == MG_CROSSES_GAP) s->event_rate[j] = s->at.value[contact];
+    else if (crossing->kind == MG_CROSSES_SLIP) s->event_rate[j] = mg_slip_tangent(c, s, contact, crossing->constraint);
+    else if (crossing->kind == MG_CROSSES_BOUND)
+      s->event_rate[j] = mg_bound_tangent(c, s, j, contact, crossing->constraint);
+    else if (crossing->kind == MG_CROSSES_FORCE) s->event_rate[j] = s->at.force[contact];
+    else if (mg_is_on_feature_pair(c, contact))
+      s->event_rate[j] = mg_border_tangent(c, s, contact, c->step.end + eta, dx + eta);
+  }
+  s->is_time = 0, s->t_dot = 0;
+}
+
+/* True if the right-hand side jumps between s->slope_before and `after`, eta apart. */
+static int mg_has_slope_jump(const mg_context *c, const mg_sensitivity *s, const mg_real *after) {
+  const int first = c->system->n_q;
+  for (int i = first; i < first + c->system->n_u; i++) {
+    const mg_real size = fabs(s->slope_before[i]) + fabs(after[i]) + c->step.scale[i] / c->system->time;
+    if (fabs(after[i] - s->slope_before[i]) > sqrt(c->settings->event_tolerance) * size) return 1;
+  }
+  return 0;
+}
+
+/* True if the event function crosses zero too slowly. */
+static int mg_is_graze(const mg_context *c, const mg_crossing *crossing, mg_real rate) {
+  const mg_real least = c->settings->rest_speed * c->system->length / c->system->time;
+  return crossing->kind == MG_CROSSES_GAP ? fabs(rate) < least : rate == 0;
+}
+
+/* Shifts q and u of all directions by the times of the event, times `sign` slope. */
+static void mg_shift_by_event_times(const mg_context *c, mg_sensitivity *s, const mg_real *slope, mg_real sign) {
+  const int moving = c->system->n_q + c->system->n_u;
+  for (int j = 0; j < s->directions->n; j++) {
+    mg_real *dx = s->tangent->x + (long)j * c->layout.n_states;
+    for (int i = 0; i < moving; i++) dx[i] -= sign * slope[i] * s->event_rate[j] / s->event_rate[s->directions->n];
+  }
+}
+
+/* True if slip that ends at the event would not end in a changed run: it is left with a part across its direction. */
+static int mg_leaves_slip_across(mg_context *c, mg_sensitivity *s, const mg_crossing *crossing) {
+  const int row = mg_first_friction_row(c, crossing->contact, crossing->constraint);
+  if (mg_friction_row_count(c, crossing->constraint) < 2) return 0;
+  for (int j = 0; j < s->directions->n; j++) {
+    mg_rhs_tangent(c, s, j, c->run->t, c->run->x, s->tangent->x + (long)j * c->layout.n_states, s->stage);
+    const mg_real left = sqrt(mg_dot2(s->at.rate + row, s->at.rate + row)), rate = fabs(s->event_rate[j]);
+    if (left > sqrt(c->settings->slip_speed) * (rate + MG_EPS * c->system->length / c->system->time)) return 1;
+  }
+  return 0;
+}
+
+/* True if a direction moves borders of features. */
+static int mg_has_moving_border(const mg_sensitivity *s) {
+  for (int j = 0; j < s->directions->n; j++)
+    if (s->directions->moves_borders && s->directions->moves_borders[j]) return 1;
+  return 0;
+}
+
+/* Notes the derivatives of the time of an event. */
+static void mg_note_event(const mg_context *c, mg_sensitivity *s, const mg_crossing *crossing) {
+  mg_tangent *tangent = s->tangent;
+  const int n = s->directions->n, k = tangent->count++;
+  if (k >= tangent->capacity) return;
+  tangent->event_t[k] = c->run->t, tangent->event_contact[k] = crossing->contact;
+  for (int j = 0; j < n; j++) tangent->event_t_dot[(long)k * n + j] = -s->event_rate[j] / s->event_rate[n];
+}
+
+MG_INTERNAL int mg_cross_event(mg_context *c, mg_sensitivity *s, const mg_crossing *crossing) {
+  const int n = s->directions->n, knows_time = crossing->kind != MG_CROSSES_NOTHING && s->event_rate[n] != 0;
+  mg_real *after = c->step.slopes;
+  mg_evaluate_run_state(c);
+  if (knows_time) mg_note_event(c, s, crossing);
+  if (!crossing->blow && !mg_has_slope_jump(c, s, after)) {
+    mg_settle_eta_tangents(c, s, c->run->t, c->run->x);
+    return MG_NO_REASON;
+  }
+  if (!knows_time) return MG_BY_JUMP;
+  if (mg_is_graze(c, crossing, s->event_rate[n])) return MG_BY_GRAZE;
+  int reason = crossing->reason;
+  if (!reason && crossing->kind == MG_CROSSES_BORDER && mg_has_moving_border(s)) reason = MG_BY_BORDER;
+  mg_shift_by_event_times(c, s, s->slope_before, 1);
+  mg_settle_eta_tangents(c, s, c->run->t, c->run->x);
+  if (crossing->blow) {
+    const int unsolved = mg_recover_impulses(c, s);
+    for (int j = 0; j < n && !unsolved; j++) mg_blow_tangent(c, s, j, s->tangent->x + (long)j * c->layout.n_states);
+    if (!reason) reason = unsolved;
+    mg_evaluate_run_state(c);
+  } else if (crossing->kind == MG_CROSSES_SLIP) {
+    mg_gather_wrenches(c, s, c->run->t);
+    if (mg_leaves_slip_across(c, s, crossing) && !reason) reason = MG_BY_SLIP_STOP;
+  } else if (crossing->kind == MG_CROSSES_FORCE && !reason) reason = MG_BY_JUMP;
+  mg_shift_by_event_times(c, s, after, -1);
+  mg_settle_eta_tangents(c, s, c->run->t, c->run->x);
+  return reason;
+}

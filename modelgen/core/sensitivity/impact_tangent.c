@@ -1,0 +1,325 @@
+/* Derivative of a blow: the impulses L of the rows that take part satisfy
+     M (u+ - u-) = J^T L,   J u+ + e J u- = 0   for rows that are struck, stick, or belong to joints,
+     L_k + ratio_k(J u+) L_N = 0                for slip, with the force ratios of slip,
+   and are differentiated with these equations. Which rows take part, and how, is read off the solved blow. Reads the
+   run after it and s->before; writes velocities of the derivatives. */
+#include "sensitivity/sensitivity.h"
+#include "model/model.h"
+#include "forces/forces.h"
+#include "impact/impact.h"
+
+enum { MG_BLOW_STRUCK = 0, MG_BLOW_HELD = 1, MG_BLOW_SLIPS = 2 };
+
+/* Twists of all bodies before the blow, and the change; the context has those after it. */
+static void mg_set_twists(mg_context *c, const mg_real *x) { mg_update_poses(c, c->run->t, x); }
+
+/* True if a contact may have been struck: it was closed before or is closed or touching now. */
+static int mg_may_be_struck(const mg_context *c, const mg_sensitivity *s, int contact) {
+  if (!mg_is_on_feature_pair(c, contact)) return 0;
+  return s->closed_before[contact] || c->run->closed[contact] ||
+         fabs(c->rows.d[contact]) <= c->settings->contact_gap * c->system->length;
+}
+
+/* Lists the rows of contacts that may be struck, then joints; 0 where there are too many. */
+static int mg_list_blow_rows(mg_context *c, mg_sensitivity *s, mg_blow *b) {
+  b->n = 0;
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
+    if (!mg_may_be_struck(c, s, i)) continue;
+    if (b->n >= MG_BLOW_ROWS - MG_ROWS_OF_ONE) return 0;
+    const int normal = b->n;
+    b->row[b->n] = i, b->normal[b->n] = normal, b->constraint[b->n++] = -1;
+    for (int g = c->system->contact_friction[i]; c->system->n_friction && g < c->system->contact_friction[i + 1]; g++)
+      for (int k = 0; k < mg_friction_row_count(c, g); k++)
+        b->row[b->n] = mg_first_friction_row(c, i, g) + k, b->normal[b->n] = normal, b->constraint[b->n++] = g;
+  }
+  for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++) {
+    if (b->n >= MG_BLOW_ROWS) return 0;
+    b->row[b->n] = i, b->normal[b->n] = -1, b->constraint[b->n++] = -1;
+  }
+  return 1;
+}
+
+/* Keeps of the listed rows those that `keep` marks. */
+static void mg_keep_blow_rows(mg_blow *b, const int *keep) {
+  int place[MG_BLOW_ROWS], n = 0;
+  for (int r = 0; r < b->n; r++) {
+    place[r] = n;
+    if (!keep[r]) continue;
+    b->row[n] = b->row[r], b->constraint[n] = b->constraint[r], b->impulse[n] = b->impulse[r],
+    b->normal[n] = b->normal[r] < 0 ? -1 : place[b->normal[r]];
+    n++;
+  }
+  b->n = n;
+}
+
+/* Solves J M^-1 J^T L = J (u+ - u-) over the listed rows; 0 where L is not unique. */
+static int mg_solve_blow_impulses(mg_context *c, mg_blow *b, const mg_real *change) {
+  mg_real scale[MG_BLOW_ROWS];
+  mg_assemble_delassus(c, b->row, b->n);
+  for (int r = 0; r < b->n; r++) {
+    scale[r] = sqrt(c->lcp.A[r + (long)b->n * r]);
+    if (!(scale[r] > 0)) return 0;
+  }
+  for (int r = 0; r < b->n; r++)
+    for (int k = 0; k < b->n; k++) b->matrix[r + b->n * k] = c->lcp.A[r + (long)b->n * k] / (scale[r] * scale[k]);
+  if (!(mg_lu(b->n, b->matrix, b->pivots) > sqrt(MG_EPS))) return 0;
+  for (int r = 0; r < b->n; r++) b->impulse[r] = mg_row_times(c, b->row[r], change) / scale[r];
+  mg_lu_solve(b->n, b->matrix, b->pivots, b->impulse);
+  for (int r = 0; r < b->n; r++) b->impulse[r] /= scale[r];
+  return 1;
+}
+
+/* Drops contacts without an impulse; returns whether there were any. */
+static int mg_drop_unstruck_contacts(mg_context *c, mg_blow *b) {
+  int keep[MG_BLOW_ROWS], dropped = 0;
+  mg_real largest = 0;
+  for (int r = 0; r < b->n; r++)
+    if (b->normal[r] == r) largest = fmax(largest, b->impulse[r]);
+  for (int r = 0; r < b->n; r++) {
+    keep[r] = b->normal[r] < 0 || b->impulse[b->normal[r]] > sqrt(c->settings->event_tolerance) * largest;
+    dropped |= !keep[r];
+  }
+  mg_keep_blow_rows(b, keep);
+  return dropped;
+}
+
+/* True if slip along a path of impulses decides the blow of a listed contact. */
+static int mg_follows_impulse_path(const mg_context *c, const mg_blow *b) {
+  int by_path = c->settings->sequential, slips = 0;
+  for (int r = 0; r < b->n; r++)
+    by_path |= b->normal[r] == r && c->system->impact_law[b->row[r]] != MG_NEWTON, slips |= b->role[r] == MG_BLOW_SLIPS;
+  return by_path && slips;
+}
+
+/* Finds how each row takes part. Needs its velocities before and after. Returns a reason or 0. */
+static int mg_classify_blow_rows(mg_context *c, mg_blow *b) {
+  for (int r = 0; r < b->n; r++) {
+    const int row = b->row[r], g = b->constraint[r];
+    const mg_real before = fabs(b->rate_before[r]), after = b->rate_after[r];
+    const mg_real noise = sqrt(c->settings->event_tolerance) * (before + fabs(after)) +
+                          c->settings->drift_tolerance * c->system->length / c->system->time;
+    b->role[r] = MG_BLOW_HELD, b->restitution[r] = 0;
+    if (b->normal[r] == r) {
+      const mg_real e = c->system->restitution[row];
+      if (fabs(after) <= noise) continue;
+      if (fabs(after + e * b->rate_before[r]) > noise) return MG_BY_IMPACT_LAW;
+      b->role[r] = MG_BLOW_STRUCK, b->restitution[r] = e;
+    } else if (g >= 0 && fabs(after) > 2 * mg_slip_velocity_tolerance(c, g)) b->role[r] = MG_BLOW_SLIPS;
+  }
+  for (int r = 0; r + 1 < b->n; r++) /* both rows of a constraint slip if one does */
+    if (b->constraint[r] >= 0 && b->constraint[r] == b->constraint[r + 1] &&
+        (b->role[r] == MG_BLOW_SLIPS || b->role[r + 1] == MG_BLOW_SLIPS))
+      b->role[r] = b->role[r + 1] = MG_BLOW_SLIPS;
+  return MG_NO_REASON;
+}
+
+/* Force ratio of row k of a slipping constraint at its velocity after the blow, and its derivatives: by the velocities
+   of the rows of the constraint, and by their coefficients. */
+static mg_real mg_blow_force_ratio(const mg_context *c, const mg_blow *b, int r, mg_real *by_rate, mg_real *by_mu) {
+  const int g = b->constraint[r], first = r > 0 && b->constraint[r - 1] == g ? r - 1 : r, k = r - first,
+            rows = mg_friction_row_count(c, g);
+  const mg_real *mu = c->system->friction_kinetic + 2 * g;
+  mg_real v[2] = {0, 0}, n = 0;
+  for (int l = 0; l < rows; l++) v[l] = mu[l] * b->rate_after[first + l], n += v[l] * v[l];
+  n = sqrt(n);
+  for (int l = 0; l < 2; l++) {
+    const mg_real projected = l < rows ? ((l == k) - v[k] * v[l] / (n * n)) / n : 0; /* d(v_k / n) / dv_l */
+    by_rate[l] = mu[k] * projected * mu[l], by_mu[l] = l < rows ? mu[k] * projected * b->rate_after[first + l] : 0;
+  }
+  by_mu[k] += v[k] / n;
+  return mu[k] * v[k] / n;
+}
+
+/* Factorises the equations of the derivatives of the impulses; 0 where they are singular. */
+static int mg_factor_blow(mg_context *c, mg_blow *b) {
+  const int n = b->n;
+  mg_real by_rate[2], by_mu[2];
+  mg_assemble_delassus(c, b->row, n);
+  for (int r = 0; r < n; r++) b->scale[r] = sqrt(c->lcp.A[r + (long)n * r]);
+  for (int r = 0; r < n; r++)
+    for (int k = 0; k < n; k++) b->matrix[r + n * k] = c->lcp.A[r + (long)n * k] / (b->scale[r] * b->scale[k]);
+  for (int r = 0; r < n; r++) {
+    if (b->role[r] != MG_BLOW_SLIPS) continue;
+    const int normal = b->normal[r], first = r > 0 && b->constraint[r - 1] == b->constraint[r] ? r - 1 : r;
+    const mg_real ratio = mg_blow_force_ratio(c, b, r, by_rate, by_mu);
+    for (int k = 0; k < n; k++) {
+      mg_real entry = (k == r) + (k == normal ? ratio : 0);
+      for (int l = 0; l < mg_friction_row_count(c, b->constraint[r]); l++)
+        entry += b->impulse[normal] * by_rate[l] * c->lcp.A[first + l + (long)n * k];
+      b->matrix[r + n * k] = entry * b->scale[r] / b->scale[k];
+    }
+  }
+  return mg_lu(n, b->matrix, b->pivots) > 0;
+}
+
+/* True if the impulses of slip are those of Coulomb's law at the velocities after the blow. */
+static int mg_is_coulomb_blow(const mg_context *c, const mg_blow *b) {
+  mg_real by_rate[2], by_mu[2];
+  for (int r = 0; r < b->n; r++) {
+    if (b->role[r] != MG_BLOW_SLIPS) continue;
+    const mg_real normal = b->impulse[b->normal[r]];
+    const mg_real expected = -mg_blow_force_ratio(c, b, r, by_rate, by_mu) * normal;
+    if (fabs(b->impulse[r] - expected) >
+        sqrt(sqrt(MG_EPS)) * c->system->friction_kinetic[2 * b->constraint[r]] * normal)
+      return 0;
+  }
+  return 1;
+}
+
+/* True if a face rests on another, before or after. */
+static int mg_has_closed_support(const mg_context *c, const mg_sensitivity *s) {
+  for (int i = c->layout.support_begin; i < c->system->n_contact; i++)
+    if (c->run->closed[i] || s->closed_before[i]) return 1;
+  return 0;
+}
+
+MG_INTERNAL int mg_recover_impulses(mg_context *c, mg_sensitivity *s) {
+  mg_blow *b = s->blow;
+  const int n_twist = 6 * c->system->n_body;
+  if (mg_has_closed_support(c, s)) return MG_BY_FACES;
+  mg_update_gap_rates(c);
+  if (!mg_list_blow_rows(c, s, b)) return MG_BY_REDUNDANT_ROWS;
+  mg_real *change = s->at.twist;
+  for (int i = 0; i < n_twist; i++) change[i] = c->bodies.twist[i];
+  mg_set_twists(c, s->before);
+  for (int i = 0; i < n_twist; i++) change[i] -= c->bodies.twist[i];
+  do {
+    if (!mg_solve_blow_impulses(c, b, change)) return MG_BY_REDUNDANT_ROWS;
+  } while (mg_drop_unstruck_contacts(c, b));
+  for (int r = 0; r < b->n; r++)
+    b->rate_before[r] = mg_row_times(c, b->row[r], c->bodies.twist),
+    b->rate_after[r] = b->rate_before[r] + mg_row_times(c, b->row[r], change);
+  mg_set_twists(c, c->run->x);
+  const int reason = mg_classify_blow_rows(c, b);
+  if (reason) return reason;
+  if (mg_follows_impulse_path(c, b) || !mg_is_coulomb_blow(c, b)) return MG_BY_IMPACT_LAW;
+  return mg_factor_blow(c, b) ? MG_NO_REASON : MG_BY_REDUNDANT_ROWS;
+}
+
+/* Impulses of the rows of one contact or joint in the order of its kernel. */
+static void mg_impulses_of(const mg_blow *b, int first_row, int below, int rows, mg_real *impulse) {
+  for (int k = 0; k < MG_ROWS_OF_ONE; k++) impulse[k] = 0;
+  for (int r = 0; r < b->n; r++) {
+    if (b->row[r] == first_row) impulse[0] = b->impulse[r];
+    if (b->row[r] >= below && b->row[r] < below + rows - 1) impulse[b->row[r] - below + 1] = b->impulse[r];
+  }
+}
+
+/* Derivatives of the rates of the rows of one contact with the twists of the context, of which those of the direction
+   are s->at.twist; of a blow also of J^T L. */
+static void mg_blow_contact_tangent(mg_context *c, mg_sensitivity *s, int direction, int contact, const mg_real *dx,
+                                    mg_real *rate) {
+  const mg_blow *b = s->blow;
+  const int eta = c->system->n_q + c->system->n_u + c->system->contact_eta[contact],
+            below =
+                c->layout.friction_row_begin + (c->system->n_friction ? c->system->contact_friction_row[contact] : 0);
+  mg_real impulse[MG_ROWS_OF_ONE];
+  mg_impulses_of(b, contact, below, c->kernels->contact_kinds[c->contacts.kind[contact]].rows, impulse);
+  mg_contact_tangent(c, s, direction, contact, c->run->x + eta, dx + eta, impulse, 0);
+  for (int r = 0; r < b->n; r++) {
+    if (b->row[r] == contact) rate[r] = s->y_dot[MG_Y_RATE];
+    if (b->normal[r] >= 0 && b->row[b->normal[r]] == contact && b->normal[r] != r)
+      rate[r] = s->y_dot[MG_Y_RATE + 1 + b->row[r] - below];
+  }
+}
+
+static void mg_blow_joint_tangent(mg_context *c, mg_sensitivity *s, int direction, int joint, mg_real *rate) {
+  const mg_blow *b = s->blow;
+  const int first = c->layout.joint_row_begin + c->system->joint_row[joint],
+            rows = c->kernels->joint_kinds[c->system->joint_kind[joint]].n_rows;
+  mg_real impulse[MG_ROWS_OF_ONE];
+  mg_impulses_of(b, first, first + 1, rows, impulse);
+  mg_joint_tangent(c, s, direction, joint, c->run->t, impulse, 0);
+  for (int r = 0; r < b->n; r++)
+    if (b->row[r] >= first && b->row[r] < first + rows) rate[r] = s->y_dot[MG_Y_RATE + b->row[r] - first];
+}
+
+/* Adds to the wrenches of two bodies the derivative of J^T L. */
+static void mg_add_blow_wrench(mg_sensitivity *s, int first, int second) {
+  for (int k = 0; k < 6; k++)
+    s->at.wrench[6 * first + k] += s->y_dot[MG_Y_FIRST + k], s->at.wrench[6 * second + k] += s->y_dot[MG_Y_SECOND + k];
+}
+
+/* Derivatives of the rates of all listed rows with the twists of the context; `adds_wrench`: and of J^T L. */
+static void mg_blow_rates_tangent(mg_context *c, mg_sensitivity *s, int direction, const mg_real *dx, int adds_wrench,
+                                  mg_real *rate) {
+  const mg_blow *b = s->blow;
+  for (int r = 0; r < b->n; r++) {
+    if (b->normal[r] != r) continue;
+    const int contact = b->row[r];
+    mg_blow_contact_tangent(c, s, direction, contact, dx, rate);
+    if (adds_wrench) mg_add_blow_wrench(s, c->contacts.o[contact], c->contacts.f[contact]);
+  }
+  for (int j = 0; j < c->system->n_joint; j++) {
+    if (!c->kernels->joint_kinds[c->system->joint_kind[j]].n_rows) continue;
+    mg_blow_joint_tangent(c, s, direction, j, rate);
+    if (adds_wrench) mg_add_blow_wrench(s, c->system->joint_a[j], c->system->joint_b[j]);
+  }
+}
+
+/* Derivative of u+ at fixed L, into s->at.acceleration: du- + d(M^-1 J^T L). */
+static void mg_blow_velocities_tangent(mg_context *c, mg_sensitivity *s, int direction, const mg_real *dx) {
+  const mg_system *system = c->system;
+  const mg_blow *b = s->blow;
+  mg_zero_reals(s->wrench, 6L * system->n_body);
+  for (int r = 0; r < b->n; r++)
+    for (int k = 0; k < 6; k++)
+      s->wrench[6 * c->contacts.o[b->row[r]] + k] += b->impulse[r] * c->rows.J[12 * b->row[r] + k],
+          s->wrench[6 * c->contacts.f[b->row[r]] + k] += b->impulse[r] * c->rows.J[12 * b->row[r] + 6 + k];
+  for (int body = 0; body < system->n_body; body++) {
+    if (!mg_is_moved_by_forces(c, body)) continue;
+    mg_motion_tangent(c, s, direction, body, c->run->x + system->body_q[body], 0, s->wrench + 6 * body, 0, 0, 0,
+                      s->at.wrench + 6 * body);
+    for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, body)].n_u; k++)
+      s->at.acceleration[6 * body + k] = dx[system->n_q + system->body_u[body] + k] + s->y_dot[7 + k];
+  }
+}
+
+/* Right-hand sides of the derivatives of the impulses, in b->change. */
+static void mg_set_blow_right_hand_sides(const mg_context *c, mg_sensitivity *s, int direction) {
+  mg_blow *b = s->blow;
+  mg_real by_rate[2], by_mu[2];
+  for (int r = 0; r < b->n; r++) {
+    const int g = b->constraint[r], first = r > 0 && g >= 0 && b->constraint[r - 1] == g ? r - 1 : r;
+    if (b->role[r] == MG_BLOW_STRUCK)
+      b->change[r] = -(b->rate_after_dot[r] + b->restitution[r] * b->rate_before_dot[r] +
+                       mg_number_dot(s, s->directions->restitution, c->system->n_contact, direction, b->row[r]) *
+                           b->rate_before[r]) /
+                     b->scale[r];
+    if (b->role[r] == MG_BLOW_HELD) b->change[r] = -b->rate_after_dot[r] / b->scale[r];
+    if (b->role[r] != MG_BLOW_SLIPS) continue;
+    mg_blow_force_ratio(c, b, r, by_rate, by_mu);
+    b->change[r] = 0;
+    for (int l = 0; l < mg_friction_row_count(c, g); l++)
+      b->change[r] -= b->impulse[b->normal[r]] * b->scale[r] *
+                      (by_rate[l] * b->rate_after_dot[first + l] +
+                       by_mu[l] * mg_number_dot(s, s->directions->friction_kinetic, 2L * c->system->n_friction,
+                                                direction, 2 * g + l));
+  }
+}
+
+MG_INTERNAL void mg_blow_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real *dx) {
+  const mg_system *system = c->system;
+  mg_blow *b = s->blow;
+  mg_zero_reals(s->at.wrench, 6L * system->n_body);
+  mg_place_bodies_tangent(c, s, direction, c->run->t, c->run->x, dx);
+  mg_set_twists(c, s->before);
+  mg_blow_rates_tangent(c, s, direction, dx, 0, b->rate_before_dot);
+  mg_set_twists(c, c->run->x);
+  for (int body = 0; body < system->n_body; body++)
+    if (mg_is_moved_by_forces(c, body)) mg_zero_reals(s->at.twist + 6 * body, 6);
+  mg_blow_rates_tangent(c, s, direction, dx, 1, b->rate_after_dot);
+  mg_blow_velocities_tangent(c, s, direction, dx);
+  for (int r = 0; r < b->n; r++)
+    for (int side = 0; side < 2; side++) {
+      const int body = side ? c->contacts.f[b->row[r]] : c->contacts.o[b->row[r]];
+      if (mg_is_moved_by_forces(c, body))
+        b->rate_after_dot[r] += mg_dot6(c->rows.J + 12 * b->row[r] + 6 * side, s->at.acceleration + 6 * body);
+    }
+  mg_set_blow_right_hand_sides(c, s, direction);
+  mg_lu_solve(b->n, b->matrix, b->pivots, b->change);
+  for (int r = 0; r < b->n; r++) mg_add_row_response(c, b->row[r], b->change[r] / b->scale[r], s->at.acceleration);
+  for (int body = 0; body < system->n_body; body++)
+    if (mg_is_moved_by_forces(c, body))
+      mg_copy_velocity(c, body, s->at.acceleration + 6 * body, dx + system->n_q + system->body_u[body]);
+}

@@ -1,0 +1,171 @@
+/* Derivatives of a run along directions: of the right-hand side, of one accepted step, of what happens at an event.
+   May use: timestep and the rooms below it.
+
+   A direction changes start state and numbers of the system (mg_directions). The derivative of the state along it is
+   carried from step to step. Steps are those of the run; that they depend on the numbers as well changes the result
+   only by the error of integration. At an event of the time t_e with an event function g,
+     dt_e = -dg / (dg/dt),    dx+ = R'(dx- + f- dt_e) - f+ dt_e,
+   with R the change of the state, f- and f+ the right-hand sides before and after (saltation; Hiskens and Pai, IEEE
+   Trans. Circuits and Systems I 47 (2000), 204-220). */
+#ifndef MG_SENSITIVITY_H
+#define MG_SENSITIVITY_H
+
+#include "model/context.h"
+
+enum {
+  MG_ROWS_OF_ONE = 6, /* rows of a contact or joint in the packed formulas */
+
+  MG_Y_FIRST = 0,     /* in y of a contact or joint: J^T force of the first body */
+  MG_Y_SECOND = 6,    /* of the second body */
+  MG_Y_ACCEL = 12,    /* J a + gamma */
+  MG_Y_RATE = 18,     /* J u, of a joint value_dot */
+  MG_Y_VALUE = 24,    /* of a joint: value */
+  MG_Y_GAP = 24,      /* of a contact: d */
+  MG_Y_TANGENTS = 25, /* t1, t2 */
+  MG_Y_ETA_DOT = 31   /* eta_dot */
+};
+
+/* The derivative along one direction at one state. */
+typedef struct {
+  mg_real *pose;         /* [12 per body] */
+  mg_real *twist;        /* [6 per body] */
+  mg_real *acceleration; /* [6 per body] */
+  mg_real *wrench;       /* [6 per body] */
+  mg_real *value;        /* [per row] of d, of the value of a joint row */
+  mg_real *rate;         /* [per row] of J u */
+  mg_real *residual;     /* [per row] of J a + gamma at fixed forces */
+  mg_real *force;        /* [per row] of the force */
+  mg_real *ratio;        /* [per friction row] of the force ratio of slip */
+} mg_direction_view;
+
+#define MG_BLOW_ROWS 64 /* most rows of a blow that is differentiated */
+
+/* A blow: its rows, in the order of contacts, each normal row before its friction rows, then joints. */
+typedef struct {
+  int n;
+  int row[MG_BLOW_ROWS];
+  int normal[MG_BLOW_ROWS];     /* of a contact: place of its normal row; of joints -1 */
+  int constraint[MG_BLOW_ROWS]; /* friction constraint, or -1 */
+  int role[MG_BLOW_ROWS];       /* what the blow does to it */
+  int pivots[MG_BLOW_ROWS];
+  mg_real impulse[MG_BLOW_ROWS];         /* N s or N m s */
+  mg_real restitution[MG_BLOW_ROWS];     /* of a struck normal row */
+  mg_real rate_before[MG_BLOW_ROWS];     /* J u- */
+  mg_real rate_after[MG_BLOW_ROWS];      /* J u+ */
+  mg_real rate_before_dot[MG_BLOW_ROWS]; /* derivatives of both */
+  mg_real rate_after_dot[MG_BLOW_ROWS];
+  mg_real scale[MG_BLOW_ROWS];  /* root of the diagonal of J M^-1 J^T */
+  mg_real change[MG_BLOW_ROWS]; /* derivatives of the impulses, times scale */
+  mg_real matrix[MG_BLOW_ROWS * MG_BLOW_ROWS];
+} mg_blow;
+
+/* Memory of the derivatives of a run. */
+typedef struct {
+  const mg_directions *directions;
+  mg_tangent *tangent;
+  mg_direction_view at;
+  mg_real *wrench;       /* [6 per body] of all forces, at the state evaluated last */
+  mg_real *slopes;       /* [12 n n_states] derivatives of the stages */
+  mg_real *stage;        /* [n_states] */
+  mg_real *x;            /* packed arguments */
+  mg_real *x_dot;        /* their derivative */
+  mg_real *y_dot;        /* derivative of the packed results */
+  mg_real *weights;      /* [18] */
+  mg_real *before;       /* [n_states] state before an event */
+  mg_real *slope_before; /* [n_states] right-hand side before an event */
+  mg_real *event_rate;   /* [n + 1] derivative of the event function along each direction, and its rate */
+  mg_real *pair;         /* [2 n_pair] of gap and force of each pair, as sensors show them */
+  mg_real *joint;        /* [6 n_joint] of the wrenches of joints */
+  mg_blow *blow;         /* the blow of the event */
+  int *closed_before;    /* [n_contact] closed before the event */
+  mg_real t_dot;         /* derivative of the time in the direction looked at: 1 of time itself */
+  int is_time;           /* 1: the direction looked at is time: no number changes */
+} mg_sensitivity;
+
+/* derivative_kernels.c: results in s->y_dot */
+
+/* Number of the direction, or none while s->is_time. */
+MG_INTERNAL void mg_contact_tangent(mg_context *c, mg_sensitivity *s, int direction, int contact, const mg_real *eta,
+                                    const mg_real *eta_dot, const mg_real *force, const mg_real *acceleration);
+MG_INTERNAL void mg_placement_tangent(mg_context *c, mg_sensitivity *s, int direction, int contact, const mg_real *eta);
+MG_INTERNAL void mg_joint_tangent(const mg_context *c, mg_sensitivity *s, int direction, int joint, mg_real t,
+                                  const mg_real *force, const mg_real *acceleration);
+MG_INTERNAL void mg_motion_tangent(const mg_context *c, mg_sensitivity *s, int direction, int body, const mg_real *q,
+                                   const mg_real *u, const mg_real *wrench, const mg_real *gravity, const mg_real *dq,
+                                   const mg_real *du, const mg_real *dwrench);
+MG_INTERNAL void mg_load_tangent(const mg_context *c, mg_sensitivity *s, int direction, int load, mg_real t);
+MG_INTERNAL void mg_place_bodies_tangent(const mg_context *c, mg_sensitivity *s, int direction, mg_real t,
+                                         const mg_real *x, const mg_real *dx);
+
+/* Of what the sensors show. Needs s->pair and s->joint. */
+MG_INTERNAL void mg_sensors_tangent(const mg_context *c, mg_sensitivity *s, int direction, mg_real t);
+
+/* Derivative of a number along a direction; 0 while s->is_time or where the array is not given. */
+MG_INTERNAL mg_real mg_number_dot(const mg_sensitivity *s, const mg_real *array, long n, int direction, int i);
+
+/* rhs_tangent.c */
+
+/* Wrench of loads and of all rows on each body, at the state that mg_right_hand_side evaluated last. */
+MG_INTERNAL void mg_gather_wrenches(mg_context *c, mg_sensitivity *s, mg_real t);
+
+/* Derivative slope of the right-hand side along a direction, of which dx is that of the state. Needs
+   mg_right_hand_side at (t, x), then mg_gather_wrenches. Leaves s->at. */
+MG_INTERNAL void mg_rhs_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
+                                const mg_real *dx, mg_real *slope);
+
+/* step_tangent.c */
+
+/* Carries the derivatives over the step from the state of the run, of length h. Leaves in c->step.end the state at its
+   end, and its right-hand side in s->slope_before. Returns a reason why the result is not certain, or 0. */
+MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h);
+
+/* Derivatives of normalised quaternions; x has the quaternions before. */
+MG_INTERNAL void mg_normalise_tangent(const mg_context *c, const mg_real *x, mg_real *dx);
+
+/* Derivatives of eta of all contacts from those of the poses. */
+MG_INTERNAL void mg_settle_eta_tangents(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x);
+
+/* Removes from the derivatives what the held rows forbid. Needs rows and forces at the run's state. */
+MG_INTERNAL void mg_project_tangents(mg_context *c, mg_sensitivity *s);
+
+/* event_tangent.c */
+
+/* What the events of a step are to the derivatives. */
+typedef struct {
+  int kind;       /* MG_CROSSES_NOTHING .. */
+  int contact;    /* of the event function */
+  int constraint; /* friction constraint of it, or -1 */
+  int blow;       /* 1: velocities jump */
+  int reason;     /* why they are not certain, or 0 */
+} mg_crossing;
+
+enum {
+  MG_CROSSES_NOTHING = 0, /* no event, or one at which nothing jumps */
+  MG_CROSSES_GAP = 1,     /* a gap closes */
+  MG_CROSSES_SLIP = 2,    /* slip ends */
+  MG_CROSSES_BOUND = 3,   /* a friction force reaches its bound */
+  MG_CROSSES_FORCE = 4,   /* a force becomes tensile */
+  MG_CROSSES_BORDER = 5   /* a contact leaves its feature pair */
+};
+
+/* Event of a step from its events first .. of the list. */
+MG_INTERNAL mg_crossing mg_find_crossing(const mg_context *c, const mg_events *events, int first);
+
+/* Derivatives of the event function along all directions and along time, in s->event_rate. Needs c->step.end of
+   mg_step_tangent. */
+MG_INTERNAL void mg_differentiate_event(mg_context *c, mg_sensitivity *s, mg_crossing *crossing, mg_real t);
+
+/* Carries the derivatives over the event. c is that of the run after it; s->before and s->slope_before are those before
+   it. Returns a reason or 0. */
+MG_INTERNAL int mg_cross_event(mg_context *c, mg_sensitivity *s, const mg_crossing *crossing);
+
+/* impact_tangent.c */
+
+/* Derivative of the velocities after a blow, into dx, of which q holds the derivative at the time of the blow and u
+   that of the velocities before it. */
+MG_INTERNAL void mg_blow_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real *dx);
+
+/* Finds the impulses of the blow between s->before and the state of the run. Returns a reason or 0. */
+MG_INTERNAL int mg_recover_impulses(mg_context *c, mg_sensitivity *s);
+
+#endif

@@ -1,0 +1,175 @@
+/* Derivatives over one accepted step: the stages of the method at the states that the step had, each with its
+   derivative. Eta follows the poses by the derivative of Newton's step, which at a solution is that of the solution. */
+#include "sensitivity/sensitivity.h"
+#include "model/model.h"
+#include "forces/forces.h"
+#include "integrate/integrate.h"
+#include "integrate/dop853_coefficients.h"
+
+/* An explicit Runge-Kutta method: stage i adds value[k] * slope[column[k]], row[i] <= k < row[i + 1]; the last row
+   gives the end. */
+typedef struct {
+  int stages;
+  const int *row, *column;
+  const mg_real *value, *time;
+} mg_explicit_method;
+
+static const int mg_rk4_row[] = {0, 0, 1, 2, 3, 7}, mg_rk4_column[] = {0, 1, 2, 0, 1, 2, 3};
+static const mg_real mg_rk4_value[] = {(mg_real)0.5,   (mg_real)0.5,  1, (mg_real)1 / 6, (mg_real)1 / 3,
+                                       (mg_real)1 / 3, (mg_real)1 / 6},
+                     mg_rk4_time[] = {0, (mg_real)0.5, (mg_real)0.5, 1};
+
+static mg_explicit_method mg_explicit_method_of(const mg_settings *settings) {
+  const mg_explicit_method rk4 = {4, mg_rk4_row, mg_rk4_column, mg_rk4_value, mg_rk4_time},
+                           dop853 = {12, mg_dop_row, mg_dop_column, mg_dop_value, mg_dop_time};
+  return settings->method == MG_RK4 ? rk4 : dop853;
+}
+
+/* out = from + h sum of value * slopes for one row; slopes of stages are `stride` apart. */
+static void mg_combine_stages(const mg_explicit_method *m, int row, int n, long stride, mg_real h, const mg_real *from,
+                              const mg_real *slopes, mg_real *out) {
+  for (int i = 0; i < n; i++) {
+    mg_real sum = 0;
+    for (int k = m->row[row]; k < m->row[row + 1]; k++) sum += m->value[k] * slopes[m->column[k] * stride + i];
+    out[i] = from[i] + h * sum;
+  }
+}
+
+MG_INTERNAL void mg_normalise_tangent(const mg_context *c, const mg_real *x, mg_real *dx) {
+  for (int b = 0; b < c->system->n_body; b++) {
+    if (c->bodies.motion[b] != MG_FREE) continue;
+    const mg_real *e = x + c->system->body_q[b] + 3;
+    mg_real *de = dx + c->system->body_q[b] + 3, square = 0, along = 0;
+    for (int k = 0; k < 4; k++) square += e[k] * e[k], along += e[k] * de[k];
+    for (int k = 0; k < 4; k++) de[k] = (de[k] - e[k] * along / square) / sqrt(square);
+  }
+}
+
+MG_INTERNAL void mg_settle_eta_tangents(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x) {
+  const mg_system *system = c->system;
+  if (!c->settings->newton) return;
+  for (int direction = 0; direction < s->directions->n; direction++) {
+    mg_real *dx = s->tangent->x + (long)direction * c->layout.n_states;
+    mg_place_bodies_tangent(c, s, direction, t, x, dx);
+    for (int i = mg_next_row(c, -1); i < system->n_contact; i = mg_next_row(c, i)) {
+      const int eta = system->n_q + system->n_u + system->contact_eta[i];
+      if (!mg_is_on_feature_pair(c, i) || !c->contacts.n_eta[i]) continue;
+      mg_placement_tangent(c, s, direction, i, x + eta);
+      for (int k = 0; k < c->contacts.n_eta[i]; k++) dx[eta + k] = s->y_dot[1 + k];
+    }
+  }
+}
+
+/* True if friction of a patch slips. */
+static int mg_has_rubbing_patch(const mg_context *c) {
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++)
+    if (c->run->patch_mode[slot] >= MG_SLIP_ONSET) return 1;
+  return 0;
+}
+
+/* True if a constraint of an active contact has anisotropic friction. */
+static int mg_has_anisotropic_friction(const mg_context *c) {
+  for (int i = mg_next_row(c, -1); c->system->n_friction && i < c->system->n_contact; i = mg_next_row(c, i))
+    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
+      if (c->run->active[i] && c->system->friction_body[g] >= 0) return 1;
+  return 0;
+}
+
+/* What of a step is not differentiated as it was taken, or 0. */
+static int mg_uncertain_step(mg_context *c, mg_real h) {
+  if (mg_has_rolling_start(c)) return MG_BY_ROLLING_START;
+  if (mg_has_rubbing_patch(c)) return MG_BY_FACES;
+  if (mg_has_anisotropic_friction(c)) return MG_BY_ANISOTROPY;
+  if (c->settings->method == MG_DOP853 && c->system->n_friction) {
+    mg_mark_stiff_slip(c, h);
+    if (mg_has_stiff_slip(c)) return MG_BY_STIFF_SLIP;
+  }
+  return MG_NO_REASON;
+}
+
+/* True if slip that has begun in this step turns with a direction: then its first direction, a limit, has a derivative
+   that the step does not have. Needs the derivatives of the last direction at the end of the step. */
+static int mg_turns_slip_onset(const mg_context *c, const mg_sensitivity *s) {
+  for (int i = mg_next_row(c, -1); c->system->n_friction && i < c->layout.support_begin; i = mg_next_row(c, i))
+    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
+      const int row = mg_first_friction_row(c, i, g);
+      if (c->run->friction_mode[g] != MG_SLIP_ONSET || mg_friction_row_count(c, g) < 2) continue;
+      const mg_real *slip = c->rows.d_dot + row, *dot = s->at.rate + row;
+      const mg_real across = fabs(slip[0] * dot[1] - slip[1] * dot[0]),
+                    size = sqrt(mg_dot2(slip, slip) * mg_dot2(dot, dot));
+      if (across > sqrt(MG_EPS) * size) return 1;
+    }
+  return 0;
+}
+
+MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h) {
+  const mg_explicit_method method = mg_explicit_method_of(c->settings);
+  const int n = s->directions->n, states = c->layout.n_states;
+  const mg_real t = c->run->t, *x = c->run->x;
+  mg_evaluate_run_state(c);
+  if (c->system->n_friction) mg_begin_step_friction(c), mg_begin_step_patch_friction(c);
+  int reason = mg_uncertain_step(c, h);
+  for (int stage = 0; stage < method.stages; stage++) {
+    const mg_real time = t + method.time[stage] * h;
+    mg_combine_stages(&method, stage, states, states, h, x, c->step.slopes, c->step.stage);
+    if (c->settings->newton > 1) mg_place_all_contacts(c, time, c->step.stage);
+    mg_right_hand_side(c, time, c->step.stage, c->step.slopes + (long)stage * states);
+    mg_gather_wrenches(c, s, time);
+    for (int j = 0; j < n; j++) {
+      mg_combine_stages(&method, stage, states, (long)n * states, h, s->tangent->x + (long)j * states,
+                        s->slopes + (long)j * states, s->stage);
+      mg_rhs_tangent(c, s, j, time, c->step.stage, s->stage, s->slopes + ((long)stage * n + j) * states);
+    }
+  }
+  mg_combine_stages(&method, method.stages, states, states, h, x, c->step.slopes, c->step.end);
+  for (int j = 0; j < n; j++) {
+    mg_real *dx = s->tangent->x + (long)j * states;
+    mg_combine_stages(&method, method.stages, states, (long)n * states, h, dx, s->slopes + (long)j * states, s->stage);
+    mg_copy_states(c, s->stage, dx);
+    mg_normalise_tangent(c, c->step.end, dx);
+  }
+  mg_normalise_quaternions(c, c->step.end);
+  mg_place_all_contacts(c, t + h, c->step.end);
+  mg_settle_eta_tangents(c, s, t + h, c->step.end);
+  mg_right_hand_side(c, t + h, c->step.end, s->slope_before);
+  mg_update_gap_rates(c);
+  mg_gather_wrenches(c, s, t + h);
+  for (int j = 0; j < n && !reason && c->system->n_friction; j++) {
+    mg_rhs_tangent(c, s, j, t + h, c->step.end, s->tangent->x + (long)j * states, s->stage);
+    if (mg_turns_slip_onset(c, s)) reason = MG_BY_SLIP_ONSET;
+  }
+  return reason;
+}
+
+/* Adds the corrections of positions, orientations and velocities in c->bodies.wrench to a derivative. */
+static void mg_add_correction(const mg_context *c, const mg_real *x, int of_velocities, mg_real *dx) {
+  const mg_system *system = c->system;
+  for (int b = 0; b < system->n_body; b++) {
+    if (!mg_is_moved_by_forces(c, b)) continue;
+    const mg_real *change = c->bodies.wrench + 6 * b;
+    const int q = system->body_q[b], u = system->n_q + system->body_u[b];
+    mg_real turned[4];
+    for (int k = 0; of_velocities && k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_u; k++) dx[u + k] += change[k];
+    if (of_velocities) continue;
+    for (int k = 0; k < 3; k++) dx[q + k] += change[k];
+    if (c->bodies.motion[b] != MG_FREE) continue;
+    for (int k = 0; k < 4; k++) turned[k] = x[q + 3 + k];
+    mg_rotate_quaternion(turned, change + 3);
+    for (int k = 0; k < 4; k++) dx[q + 3 + k] += turned[k] - x[q + 3 + k];
+  }
+}
+
+MG_INTERNAL void mg_project_tangents(mg_context *c, mg_sensitivity *s) {
+  if (!c->settings->project) return;
+  mg_gather_wrenches(c, s, c->run->t);
+  for (int j = 0; j < s->directions->n; j++) {
+    mg_real *dx = s->tangent->x + (long)j * c->layout.n_states;
+    mg_rhs_tangent(c, s, j, c->run->t, c->run->x, dx, s->stage);
+    mg_solve_row_correction(c, c->run->closed, s->at.value);
+    mg_add_correction(c, c->run->x, 0, dx);
+    mg_solve_row_correction(c, c->run->closed, s->at.rate);
+    mg_add_correction(c, c->run->x, 1, dx);
+  }
+  mg_zero_reals(c->bodies.wrench, 6L * c->system->n_body);
+  mg_settle_eta_tangents(c, s, c->run->t, c->run->x);
+}

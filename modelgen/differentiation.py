@@ -1,0 +1,151 @@
+"""Derivatives of the formulas of a model, for derivatives of its runs.
+
+Each formula is packed: y(w, x), with x the vector of what is differentiated and w that of what is not. Of
+contacts and joints, w holds the forces of their rows and the accelerations of their bodies, and y the wrench
+J^T f, the rates J u and the accelerations J a + gamma, so that no derivative of J by itself is needed
+(section 3 of Anitescu, Cremer and Potra, 1995, differentiated at fixed forces and accelerations). A tangent
+is (w, x, x_dot) -> y_dot = dy/dx x_dot, an adjoint (w, x, y_bar) -> x_bar = (dy/dx)^T y_bar.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import casadi as ca
+
+from modelgen.derivation import Derivation, Formula
+from modelgen.dynamics.bodies import body_kernels
+from modelgen.geometry.frames import zeros
+
+ROWS = 6  # most rows of a contact or joint
+SIZES: Mapping[str, int] = {"t": 1, "q": 7, "u": 6, "wrench": 6, "gravity": 3, "pose": 12, "twist": 6}
+TASKS: Mapping[str, str] = {
+    "pose": "pose", "motion": "motion", "energy": "energy", "path": "path", "wrench": "load",
+    "rates": "contact", "place": "placement", "rows": "joint", "sensors": "sensors",
+}  # fmt: skip
+"""The task of core/sensitivity that a role serves."""
+
+
+@dataclass(frozen=True)
+class PackedFormula:
+    """y(w, x) of one kind, with its derivative along x."""
+
+    task: str
+    kind: int
+    name: str
+    tangent: ca.Function  # (w, x, x_dot) -> y_dot
+    adjoint: ca.Function  # (w, x, y_bar) -> x_bar
+
+
+def packed_formulas(derivation: Derivation) -> tuple[PackedFormula, ...]:
+    """The differentiated formulas of all kinds of a model."""
+    return tuple(
+        _differentiated(TASKS[formula.role], formula.kind, formula.name, *_packed(derivation, formula))
+        for formula in derivation.formulas
+        if formula.role in TASKS
+    )
+
+
+def _differentiated(task: str, kind: int, name: str, w: ca.SX, x: ca.SX, y: ca.SX) -> PackedFormula:
+    x_dot, y_bar = ca.SX.sym("x_dot", x.numel()), ca.SX.sym("y_bar", y.numel())
+    along, back = ca.jtimes(y, x, x_dot), ca.jtimes(y, x, y_bar, True)
+    return PackedFormula(
+        task,
+        kind,
+        name,
+        ca.Function(f"{name}_tangent", [w, x, x_dot], [_shared(along)], ["w", "x", "x_dot"], ["y_dot"]),
+        ca.Function(f"{name}_adjoint", [w, x, y_bar], [_shared(back)], ["w", "x", "y_bar"], ["x_bar"]),
+    )
+
+
+def _shared(value: ca.SX) -> ca.SX:
+    return ca.cse(ca.densify(value))
+
+
+def _packed(derivation: Derivation, formula: Formula) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """(w, x, y) of a formula."""
+    if formula.role in ("rates", "rows"):
+        return _packed_rows(formula)
+    function = _loaded_motion(derivation, formula) if formula.role == "motion" else formula.function
+    x, values = _arguments(function)
+    results = dict(zip(function.name_out(), function.call(values), strict=True))
+    if formula.role == "place":
+        return ca.SX(0, 1), x, ca.vertcat(results["d"], results["eta_next"])
+    if formula.role == "energy":
+        return ca.SX(0, 1), x, ca.vertcat(results["kinetic"], results["potential"])
+    padded = [_padded(value, SIZES.get(_base(name))) for name, value in results.items()]
+    return ca.SX(0, 1), x, ca.vertcat(*padded)
+
+
+def _loaded_motion(derivation: Derivation, formula: Formula) -> ca.Function:
+    """The equations of motion under a wrench, which constraints exert on every body."""
+    kind = replace(derivation.model.body_kinds[formula.kind], loaded=True)
+    return next(function for function in body_kernels(kind) if function.name().endswith("_motion"))
+
+
+def _packed_rows(formula: Formula) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Of a contact: wrenches of o and f, accelerations and rates of the rows, d, t1, t2, rates of eta; of a
+    joint: wrenches of a and b, accelerations, rates and values of the rows."""
+    function = formula.function
+    x, values = _arguments(function)
+    results = dict(zip(function.name_out(), function.call(values), strict=True))
+    given = dict(zip(function.name_in(), values, strict=True))
+    force, accel = ca.SX.sym("force", ROWS), [ca.SX.sym(f"accel_{side}", 6) for side in "of"]
+    contact = formula.role == "rates"
+    gamma = results["gamma" if contact else "gamma1"]
+    rows = int(gamma.numel())
+    sides = [given[f"twist_{side}"] for side in ("of" if contact else "ab")]
+    jacobians = [_jacobian(results, side, rows) for side in range(2)]
+    wrenches = [ca.mtimes(J.T, force[:rows]) for J in jacobians]
+    along = sum((ca.mtimes(J, a) for J, a in zip(jacobians, accel, strict=True)), gamma)
+    rate = sum(
+        (ca.mtimes(J, _padded(twist, 6)) for J, twist in zip(jacobians, sides, strict=True)), zeros(rows)
+    )
+    if contact:
+        tangents = results.get("tangents", zeros(6))
+        rest = [results["d"], tangents, results["eta_dot"]]
+    else:
+        rate += results["bias"]
+        rest = [_padded(results["value"], ROWS)]
+    y = ca.vertcat(*wrenches, _padded(along, ROWS), _padded(rate, ROWS), *rest)
+    return ca.vertcat(force, *accel), x, y
+
+
+def _jacobian(results: Mapping[str, ca.SX], side: int, rows: int) -> ca.SX:
+    """J (rows, 6) of one body; its kernel lacks columns that a body has not, and lists rows one by one."""
+    if "J" in results:
+        return ca.reshape(results["J"], 12, rows).T[:, 6 * side : 6 * side + 6]
+    listed = results["J_f" if side else "J_o"]
+    columns = int(listed.numel()) // rows
+    if not columns:
+        return zeros(rows, 6)
+    return ca.horzcat(ca.reshape(listed, columns, rows).T, zeros(rows, 6 - columns))
+
+
+def _arguments(function: ca.Function) -> tuple[ca.SX, list[ca.SX]]:
+    """x of all arguments, each at its full size, and what of it each argument is."""
+    symbols, values = [], []
+    for name, size in _sizes(function):
+        symbol = ca.SX.sym(name, size)
+        symbols.append(symbol)
+        used = int(function.numel_in(name))
+        values.append(symbol[:used] if used else ca.SX(0, 1))
+    return ca.vertcat(*symbols), values
+
+
+def _sizes(function: ca.Function) -> Iterator[tuple[str, int]]:
+    sensed = "pairs" in function.name_in()
+    for name in function.name_in():
+        own = int(function.numel_in(name))
+        yield name, own if sensed else SIZES.get(_base(name), own)
+
+
+def _base(name: str) -> str:
+    """"pose" of "pose_o"; results of the equations of motion have the sizes of their arguments."""
+    return {"qdot": "q", "udot": "u", "accel": "twist"}.get(name, name.partition("_")[0])
+
+
+def _padded(value: ca.SX, size: int | None) -> ca.SX:
+    missing = 0 if size is None else size - int(value.numel())
+    return ca.vertcat(value, zeros(missing)) if missing else value

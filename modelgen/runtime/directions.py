@@ -1,0 +1,173 @@
+"""Directions along which a run is differentiated: parameters, inputs and start states, as changes of the
+numbers that the core reads."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from math import inf
+from typing import Any
+
+import numpy as np
+
+from modelgen.codegen.library import Library
+from modelgen.errors import SimulationError, nearest
+from modelgen.notation import SETTING_SIZE
+from modelgen.runtime.arguments import with_parameters
+from modelgen.runtime.tables.ctypes_structures import INTEGER, Array, address
+from modelgen.runtime.tables.library_tables import library_tables
+
+TABLES = ("parameters", "numbers", "restitution", "friction_static", "friction_kinetic")  # of mg_system
+QUANTITIES = ("position", "orientation", "velocity", "angular_velocity")
+RELATIVE_STEP = 1e-2  # of a parameter, in the differences of the tables
+LEVELS = 4  # of the extrapolation of these differences
+
+
+@dataclass(frozen=True)
+class Direction:
+    """What `by` names: one number."""
+
+    name: str
+    kind: str  # "parameter", "input", "start"
+    owner: str  # parameter, input or body
+    quantity: str = ""
+    axis: int = 0
+
+
+def directions_of(library: Library, names: Sequence[str]) -> tuple[Direction, ...]:
+    """The directions with these names; three for a quantity of a body.
+
+    Raises SimulationError for a name that is no parameter, no input, and no `BODY.position`, `.orientation`,
+    `.velocity` or `.angular_velocity`.
+    """
+    return tuple(direction for name in names for direction in _named(library, str(name)))
+
+
+def known_names(library: Library) -> list[str]:
+    """Everything by which a run of a library can be differentiated."""
+    instance = library.manifest.instance
+    named = [each["name"] for key in ("parameters", "inputs") for each in instance.get(key, ())]
+    return named + [
+        f"{body['name']}.{quantity}" for body in instance["bodies"] for quantity in _quantities(body)
+    ]
+
+
+def _quantities(body: Mapping[str, Any]) -> tuple[str, ...]:
+    return {"free": QUANTITIES, "point": ("position", "velocity")}.get(body["motion"], ())
+
+
+def _named(library: Library, name: str) -> list[Direction]:
+    instance = library.manifest.instance
+    if any(each["name"] == name for each in instance.get("parameters", ())):
+        return [Direction(name, "parameter", name)]
+    if any(each["name"] == name for each in instance["inputs"]):
+        return [Direction(name, "input", name)]
+    if name not in known_names(library):
+        known = known_names(library)
+        raise SimulationError("by", repr(name), f"known: {', '.join(known)}", nearest(name, known))
+    body, _, quantity = name.rpartition(".")
+    return [Direction(f"{name}_{axis}", "start", body, quantity, k) for k, axis in enumerate("xyz")]
+
+
+def direction_arrays(
+    library: Library, directions: Sequence[Direction], parameters: Mapping[str, float]
+) -> dict[str, Array]:
+    """The fields of mg_directions, a row for each direction; `parameters` are those of the run."""
+    shared = library_tables(library)
+    n = len(directions)
+    found: dict[str, Array] = {"start": np.zeros((n, len(shared.start)))}
+    tables = _tables(library)
+    found |= {name: np.zeros((n, len(tables[name]))) for name in (*TABLES, "gravity")}
+    found["input"] = np.zeros((n, SETTING_SIZE * len(library.manifest.instance["inputs"]) + 1))
+    for row, direction in enumerate(directions):
+        if direction.kind == "parameter":
+            change = _table_derivatives(library, direction.owner, parameters)
+            for name, values in change.items():
+                found[name][row] = values
+        elif direction.kind == "input":
+            names = [each["name"] for each in library.manifest.instance["inputs"]]
+            found["input"][row, SETTING_SIZE * names.index(direction.owner)] = 1.0
+        else:
+            _change_start(library, shared.start, direction, found["start"][row])
+    arrays: dict[str, Array] = {
+        name: np.ascontiguousarray(values, dtype=shared.tables.dtype) for name, values in found.items()
+    }
+    moved = np.any(np.abs(found["numbers"]) > np.sqrt(np.finfo(float).eps), axis=1)
+    return arrays | {"moves_borders": np.ascontiguousarray(moved, dtype=INTEGER)}
+
+
+def body_entry(library: Library, name: str) -> Mapping[str, Any]:
+    """The entry of a body in the instance."""
+    return next(body for body in library.manifest.instance["bodies"] if body["name"] == name)
+
+
+def _change_start(library: Library, start: Array, direction: Direction, row: Array) -> None:
+    """A unit change of the start: of the centre of mass, world axes; of orientation and angular velocity in
+    body axes, rad and rad/s."""
+    body, axis = body_entry(library, direction.owner), direction.axis
+    q, u = body["q"], library.manifest.instance["n_q"] + body["u"]
+    if direction.quantity == "position":
+        row[q + axis] = 1.0
+    elif direction.quantity == "velocity":
+        row[u + axis] = 1.0
+    elif direction.quantity == "angular_velocity":
+        row[u + 3 + axis] = 1.0
+    else:
+        row[q + 3 : q + 7] = turned(start[q + 3 : q + 7], axis)
+
+
+def turned(quaternion: Array, axis: int) -> Array:
+    """Derivative (4,) of a quaternion (w, x, y, z) by a rotation about a body axis, rad."""
+    w, vector = float(quaternion[0]), np.asarray(quaternion[1:], dtype=float)
+    half = np.zeros(3)
+    half[axis] = 0.5
+    return np.concatenate([[-vector @ half], w * half + np.cross(vector, half)])
+
+
+def _tables(library: Library) -> dict[str, Array]:
+    """The numbers that depend on parameters, by the name of their field."""
+    shared = library_tables(library)
+    by_address = {address(array): array for array in shared.arrays}
+    tables = {name: by_address[getattr(shared.system, name)] for name in TABLES}
+    return {**tables, "gravity": np.array(shared.system.gravity[:]), "start": shared.start}
+
+
+def _table_derivatives(library: Library, name: str, parameters: Mapping[str, float]) -> dict[str, Array]:
+    """Derivatives of all tables by a parameter: differences of tables that are read again, extrapolated to
+    order 2 LEVELS (Richardson)."""
+    entry = next(each for each in library.manifest.instance["parameters"] if each["name"] == name)
+    value = float(entry["value"])
+    low = -inf if entry["minimum"] is None else float(entry["minimum"])
+    high = inf if entry["maximum"] is None else float(entry["maximum"])
+    step = min(RELATIVE_STEP * (abs(value) or 1.0), value - low, high - value)
+
+    def read(change: float) -> Array:
+        tables = _tables(with_parameters(library, {**parameters, name: value + change}))
+        return np.concatenate([np.asarray(tables[key], dtype=float) for key in keys])
+
+    keys = (*TABLES, "gravity", "start")
+    flat = extrapolated(read, step) if step > 0 else _one_sided(read, value, low, high)
+    sizes = [len(_tables(library)[key]) for key in keys]
+    return dict(zip(keys, np.split(flat, np.cumsum(sizes)[:-1]), strict=True))
+
+
+def _one_sided(read: Callable[[float], Array], value: float, low: float, high: float) -> Array:
+    """The same at an end of the range of the parameter, from within it."""
+    step = min(RELATIVE_STEP * (abs(value) or 1.0), (high - low) / 2)
+    sign = 1.0 if value <= low else -1.0
+    at_start = read(0.0)
+    table = [(read(sign * step / 2**k) - at_start) / (sign * step / 2**k) for k in range(2 * LEVELS)]
+    for order in range(1, len(table)):
+        table = [(2**order * b - a) / (2**order - 1) for a, b in zip(table, table[1:], strict=False)]
+    return table[0]
+
+
+def extrapolated(function: Callable[[float], Array], step: float, levels: int = LEVELS) -> Array:
+    """Derivative at 0 by central differences with steps step, step/2, .., extrapolated to zero (Richardson)."""
+    table = [
+        (function(step / 2**k) - function(-step / 2**k)) / (2 * step / 2**k) for k in range(levels)
+    ]  # fmt: skip
+    for order in range(1, levels):
+        factor = 4.0**order
+        table = [(factor * b - a) / (factor - 1) for a, b in zip(table, table[1:], strict=False)]
+    return table[0]

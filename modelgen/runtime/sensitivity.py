@@ -1,0 +1,299 @@
+"""Derivatives of a run by its start, its inputs and the parameters of its scene."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Unpack
+
+import numpy as np
+
+from modelgen.codegen.library import Library
+from modelgen.errors import SimulationError, expect, nearest
+from modelgen.notation import component_names
+from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.arguments import check_keywords, with_parameters
+from modelgen.runtime.directions import Direction, direction_arrays, directions_of
+from modelgen.runtime.inputs import Inputs
+from modelgen.runtime.session import CONTINUE, FULL, Session
+from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
+from modelgen.runtime.start import begin
+from modelgen.runtime.tables.ctypes_structures import DIRECTION_ARRAYS, INTEGER, Array, address
+from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome
+
+STEPS = 1_000_000  # in one call of the core
+EVENTS = 4096  # of which the derivatives of the time are kept
+KEYWORDS = ("of", "by", "t", "inputs", "parameters", "accuracy", *STEPPING)
+VERDICTS = ("differentiable", "one-sided", "undecided")  # MG_VERDICT_DIFFERENTIABLE ..
+REASONS = (  # MG_NO_REASON ..
+    "",
+    "a part of the run is time-stepping",
+    "a face tilts onto its rim",
+    "slip begins in a direction that depends on the change",
+    "slow slip is turned fast by friction",
+    "several events happen at one time",
+    "the impulses of a blow are not unique",
+    "faces come to rest on each other, or rub",
+    "a singular contact is passed by an impulse",
+    "an event function only touches zero",
+    "bounces that grow ever shorter are cut off",
+    "slip dies in three dimensions",
+    "the law of an impact is not differentiated",
+    "state or accelerations jump",
+    "the start is corrected by an impact",
+    "friction differs from direction to direction",
+    "the border of a feature moves",
+)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Whether a derivative holds: "differentiable" or "undecided", with the first cause of that."""
+
+    kind: str
+    reason: str = ""
+    t: float = 0.0  # s
+    contact: str = ""
+
+    def __bool__(self) -> bool:
+        return self.kind == VERDICTS[0]
+
+
+@dataclass(frozen=True)
+class EventSensitivity:
+    """An event and the derivatives of its time, s per unit of each direction."""
+
+    t: float
+    contact: str
+    by: Array  # (n_by,)
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """Values and derivatives at the times `t` (nt,)."""
+
+    t: Array
+    of: tuple[str, ...]  # names of the components
+    by: tuple[str, ...]
+    value: Array  # (nt, n_of)
+    jacobian: Array  # (nt, n_of, n_by); NaN after a run has ended early
+    verdicts: tuple[Verdict, ...]  # up to each time
+    events: tuple[EventSensitivity, ...]
+    outcome: Outcome | None  # how the run ended early
+
+    @property
+    def verdict(self) -> Verdict:
+        """The verdict at the last time."""
+        return self.verdicts[-1]
+
+    def gradient(self, loss: Callable[[Any], Any]) -> tuple[float, Array]:
+        """A number that depends on the values, and its derivatives (n_by,).
+
+        Args:
+            loss: takes the values as a CasADi matrix (nt, n_of) and returns a scalar of it,
+                `lambda v: casadi.sumsqr(v - data)`.
+
+        Raises SimulationError where `loss` returns no scalar of CasADi.
+        """
+        import casadi as ca
+
+        values = ca.MX.sym("values", *self.value.shape)
+        result = loss(values)
+        if not isinstance(result, ca.MX) or result.shape != (1, 1):
+            found = f"{type(result).__name__} {getattr(result, 'shape', '')}".strip()
+            raise SimulationError("loss", found, "a scalar expression of the values it is given")
+        function = ca.Function("loss", [values], [result, ca.gradient(result, values)])
+        number, slope = function(self.value)
+        return float(number), np.einsum("ij,ijk->k", np.array(slope), self.jacobian)
+
+
+def sensitivity(
+    library: Library,
+    t: Sequence[float] | float,
+    *,
+    of: Sequence[str] | None = None,
+    by: Sequence[str],
+    inputs: Mapping[str, float] | None = None,
+    parameters: Mapping[str, float] | None = None,
+    accuracy: Accuracy | str | None = None,
+    **stepping: Unpack[Stepping],
+) -> Sensitivity:
+    """Run a scene and differentiate what it shows, through contacts that begin, end, stick and slip.
+
+    The equations of motion are differentiated along the accepted steps of the run; at events, the time of the
+    event and the change of velocities are differentiated with them (saltation). A verdict says up to where
+    the derivatives hold.
+
+    Args:
+        library: what `build(emit(derivation, derivatives=True))` returned.
+        t: ascending times, s.
+        of: sensors, or quantities of bodies: "ball.position" and ".velocity" of the centre of mass, world
+            axes, ".angular_velocity", body axes. All sensors when None.
+        by: parameters and inputs of the scene by name, and starts: "ball.position" and ".velocity" of the
+            centre of mass, world axes, ".orientation" and ".angular_velocity", body axes. A start on closed
+            contacts or joints changes as far as these permit.
+        inputs: values of inputs, by name; the scene's defaults for the others.
+        parameters: values of parameters of the scene by name.
+        accuracy, stepping: as those of `start`.
+
+    Raises:
+        ModelgenError: the library has no derivatives, a name is unknown, or the start is refused.
+    """
+    expect("sensitivity", library, Library)
+    check_keywords("sensitivity", stepping, KEYWORDS)
+    library = with_parameters(library, parameters)
+    times = np.atleast_1d(np.asarray(t, dtype=float))
+    if times.ndim != 1 or not times.size or times[0] < 0 or np.any(np.diff(times) < 0):
+        raise SimulationError("t", repr(t), "ascending times from 0 s on")
+    session = Session(library, accuracy_of(library.manifest.instance, accuracy, stepping))
+    Inputs(session).update(inputs or {})
+    directions = directions_of(library, by)
+    outputs = _Outputs(session, of)
+    run = _TangentRun(session, directions, parameters or {})
+    rows = [run.go_on(float(time)).shown(outputs) for time in times]
+    return Sensitivity(
+        t=times,
+        of=outputs.names,
+        by=tuple(direction.name for direction in directions),
+        value=np.array([value for value, _, _ in rows]),
+        jacobian=np.array([jacobian for _, jacobian, _ in rows]),
+        verdicts=tuple(verdict for _, _, verdict in rows),
+        events=run.events(),
+        outcome=run.outcome,
+    )
+
+
+class _Outputs:
+    """What is differentiated: components of sensors, and entries of the state."""
+
+    def __init__(self, session: Session, of: Sequence[str] | None) -> None:
+        instance = session.instance
+        slots = instance["sensors"]["names"]
+        components = component_names(slots)
+        sensors: dict[str, list[int]] = {}
+        for name, size in slots:
+            at = sum(len(found) for found in sensors.values())
+            sensors[name] = list(range(at, at + size))
+        states = {
+            f"{body['name']}.{quantity}": list(range(at, at + 3))
+            for body in instance["bodies"]
+            for quantity, at in _states_of(body, instance["n_q"])
+        }
+        chosen = list(sensors) if of is None else [str(name) for name in of]
+        if not chosen:
+            raise SimulationError("of", "nothing", f"known: {', '.join([*sensors, *states])}", "name what")
+        self.sensors: list[int] = []  # place in the row of sensors, -1: a state
+        self.states: list[int] = []  # place in the state, -1: a sensor
+        names: list[str] = []
+        for name in chosen:
+            if name not in sensors and name not in states:
+                known = [*sensors, *states]
+                raise SimulationError("of", repr(name), f"known: {', '.join(known)}", nearest(name, known))
+            for k, at in enumerate(sensors.get(name) or states[name]):
+                self.sensors.append(at if name in sensors else -1)
+                self.states.append(-1 if name in sensors else at)
+                names.append(components[at] if name in sensors else f"{name}_{'xyz'[k]}")
+        self.names = tuple(names)
+
+
+def _states_of(body: Mapping[str, Any], n_q: int) -> list[tuple[str, int]]:
+    if body["motion"] not in ("point", "free"):
+        return []
+    found = [("position", body["q"]), ("velocity", n_q + body["u"])]
+    return found + ([("angular_velocity", n_q + body["u"] + 3)] if body["motion"] == "free" else [])
+
+
+class _TangentRun:
+    """A run with the derivatives of its state."""
+
+    def __init__(
+        self, session: Session, directions: Sequence[Direction], parameters: Mapping[str, float]
+    ) -> None:
+        self._session, self._n = session, len(directions)
+        tables, dtype = session.tables, session.tables.dtype
+        self._cdll = cdll = session.library.cdll
+        self._arrays = direction_arrays(session.library, directions, parameters)
+        self._directions = tables.Directions(
+            self._n, *(address(self._arrays[name]) for name in DIRECTION_ARRAYS)
+        )
+        cdll.mg_sensitivity_size.restype = cdll.mg_sensitivity_int_size.restype = ctypes.c_long
+        size = cdll.mg_sensitivity_size(ctypes.byref(session.system), self._n)
+        int_size = cdll.mg_sensitivity_int_size(ctypes.byref(session.system))
+        self._dx = np.zeros((self._n, session.n_x), dtype=dtype)
+        self._event_t = np.zeros(EVENTS, dtype=dtype)
+        self._event_contact = np.zeros(EVENTS, dtype=INTEGER)
+        self._event_rates = np.zeros((EVENTS, self._n), dtype=dtype)
+        self._memory = np.zeros(size, dtype=dtype), np.zeros(int_size + 1, dtype=INTEGER)
+        of_events = (address(each) for each in (self._event_t, self._event_contact, self._event_rates))
+        self._tangent = tables.Tangent(
+            address(self._dx), EVENTS, 0, *of_events, 0, 0, 0.0, -1, *(address(each) for each in self._memory)
+        )
+        self._record = tables.Record()
+        self._code = 0
+        self._happened: list[Event] = []
+        begin(session)
+        head, tail = session.advance_arguments(STEPS, self._record)
+        self._given = ctypes.byref(self._directions), ctypes.byref(self._tangent)
+        self._head, self._tail, self._scratch = head, tail, tail[-2:]
+        if cdll.mg_begin_tangent(*head, *self._given, *self._scratch):
+            raise SimulationError(
+                "sensitivity",
+                "the library was generated without derivatives",
+                "",
+                "write emit(derivation, derivatives=True), or `modelgen build --derivatives`",
+            )
+
+    @property
+    def outcome(self) -> Outcome | None:
+        return OUTCOME_OF_CODE[self._code] if self._code else None
+
+    def go_on(self, until: float) -> _TangentRun:
+        """Advance run and derivatives; a run that has ended stays where it is."""
+        session = self._session
+        code = self._code or CONTINUE
+        while code in (CONTINUE, FULL):
+            code = self._cdll.mg_advance_tangent(
+                *self._head, *self._given, session.tables.real(until), *self._tail
+            )
+            self._happened += session.drain_events()
+        self._code = code
+        return self
+
+    def shown(self, outputs: _Outputs) -> tuple[Array, Array, Verdict]:
+        """Values (n_of,), derivatives (n_of, n_by), verdict."""
+        session, n_sensor = self._session, self._session.shared.n_sensor
+        session.sense()
+        sensed = np.zeros((self._n, max(n_sensor, 1)), dtype=session.tables.dtype)
+        if n_sensor and self._n:
+            self._cdll.mg_sense_tangent(
+                *self._head, *self._given, ctypes.c_void_p(address(sensed)), *self._scratch
+            )
+        pairs = list(zip(outputs.sensors, outputs.states, strict=True))
+        value = np.array([session.sensed[i] if i >= 0 else session.x[j] for i, j in pairs], dtype=float)
+        jacobian = np.array([sensed[:, i] if i >= 0 else self._dx[:, j] for i, j in pairs], dtype=float)
+        if self._code:
+            value[:], jacobian[:] = np.nan, np.nan
+        return value, jacobian, self._verdict()
+
+    def _verdict(self) -> Verdict:
+        tangent = self._tangent
+        if not tangent.verdict:
+            return Verdict(VERDICTS[0])
+        reason = REASONS[tangent.reason]
+        return Verdict(
+            VERDICTS[tangent.verdict], reason, float(tangent.reason_t), self._contact(tangent.reason_contact)
+        )
+
+    def _contact(self, index: int) -> str:
+        names = self._session.contacts
+        return names[index] if 0 <= index < len(names) else ""
+
+    def events(self) -> tuple[EventSensitivity, ...]:
+        n = min(self._tangent.count, EVENTS)
+        return tuple(
+            EventSensitivity(float(t), self._contact(int(contact)), rates.astype(float))
+            for t, contact, rates in zip(
+                self._event_t[:n], self._event_contact[:n], self._event_rates[:n], strict=True
+            )
+        )
