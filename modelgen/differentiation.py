@@ -142,7 +142,7 @@ def _sizes(function: ca.Function) -> Iterator[tuple[str, int]]:
 
 
 def _base(name: str) -> str:
-    """"pose" of "pose_o"; results of the equations of motion have the sizes of their arguments."""
+    """ "pose" of "pose_o"; results of the equations of motion have the sizes of their arguments."""
     return {"qdot": "q", "udot": "u", "accel": "twist"}.get(name, name.partition("_")[0])
 
 

@@ -1,5 +1,5 @@
-"""The derivatives of the formulas of a scene as C text: tangents, adjoints, and the functions that dispatch on
-task and kind (core/sensitivity)."""
+"""The derivatives of the formulas of a scene as C text: tangents, adjoints, and the functions that dispatch
+on task and kind (core/sensitivity)."""
 
 from __future__ import annotations
 
@@ -29,8 +29,12 @@ def derivatives_text(formulas: tuple[PackedFormula, ...]) -> str:
     internal = {function.name(): f"{PREFIX}_f{index}" for index, function in enumerate(functions)}
     parts = [
         without_null_tests(str(generator.dump()), counts),
-        _dispatcher("mg_formula_tangent", "x_dot", "y_dot", [(f, internal[f.tangent.name()]) for f in formulas]),
-        _dispatcher("mg_formula_adjoint", "y_bar", "x_bar", [(f, internal[f.adjoint.name()]) for f in formulas]),
+        _dispatcher(
+            "mg_formula_tangent", "x_dot", "y_dot", [(f, internal[f.tangent.name()]) for f in formulas]
+        ),
+        _dispatcher(
+            "mg_formula_adjoint", "y_bar", "x_bar", [(f, internal[f.adjoint.name()]) for f in formulas]
+        ),
         TABLE,
     ]
     return "\n".join(parts)
@@ -55,6 +59,11 @@ def _dispatcher(name: str, given: str, result: str, cases: list[tuple[PackedForm
                 f"          {function}(arg, res, 0, 0, 0);",
                 "          break;",
             ]
-        lines += ["        default: /* no kind of this scene */", "          break;", "      }", "      break;"]
+        lines += [
+            "        default: /* no kind of this scene */",
+            "          break;",
+            "      }",
+            "      break;",
+        ]
     lines += ["    default: /* no task of this scene */", "      break;", "  }", "}"]
     return "\n".join(lines) + "\n"

@@ -71,8 +71,8 @@ def emit(derivation: Derivation, derivatives: bool = False) -> Package:
 
     Args:
         derivation: what `derive` returned.
-        derivatives: whether derivatives of runs can be asked for (`sensitivity`); they take C text, compile time
-            and nothing else.
+        derivatives: whether derivatives of runs can be asked for (`sensitivity`); they take C text,
+            compile time and nothing else.
 
     Raises ModelgenError if it is given something else.
     """

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from math import inf
 from typing import Any
 
@@ -156,18 +157,20 @@ def _one_sided(read: Callable[[float], Array], value: float, low: float, high: f
     step = min(RELATIVE_STEP * (abs(value) or 1.0), (high - low) / 2)
     sign = 1.0 if value <= low else -1.0
     at_start = read(0.0)
-    table = [(read(sign * step / 2**k) - at_start) / (sign * step / 2**k) for k in range(2 * LEVELS)]
+    table: list[Array] = [
+        (read(sign * step / 2**k) - at_start) / (sign * step / 2**k) for k in range(2 * LEVELS)
+    ]
     for order in range(1, len(table)):
-        table = [(2**order * b - a) / (2**order - 1) for a, b in zip(table, table[1:], strict=False)]
+        table = [(2**order * b - a) / (2**order - 1) for a, b in pairwise(table)]
     return table[0]
 
 
 def extrapolated(function: Callable[[float], Array], step: float, levels: int = LEVELS) -> Array:
-    """Derivative at 0 by central differences with steps step, step/2, .., extrapolated to zero (Richardson)."""
-    table = [
+    """Derivative at 0 by central differences with steps step, step/2, .., extrapolated (Richardson)."""
+    table: list[Array] = [
         (function(step / 2**k) - function(-step / 2**k)) / (2 * step / 2**k) for k in range(levels)
     ]  # fmt: skip
     for order in range(1, levels):
         factor = 4.0**order
-        table = [(factor * b - a) / (factor - 1) for a, b in zip(table, table[1:], strict=False)]
+        table = [(factor * b - a) / (factor - 1) for a, b in pairwise(table)]
     return table[0]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Unpack
 
@@ -87,25 +87,24 @@ class Sensitivity:
         """The verdict at the last time."""
         return self.verdicts[-1]
 
-    def gradient(self, loss: Callable[[Any], Any]) -> tuple[float, Array]:
+    def gradient(self, loss: Any) -> tuple[float, Array]:
         """A number that depends on the values, and its derivatives (n_by,).
 
         Args:
-            loss: takes the values as a CasADi matrix (nt, n_of) and returns a scalar of it,
-                `lambda v: casadi.sumsqr(v - data)`.
+            loss: a CasADi function of the values (nt, n_of) with one scalar result,
+                `casadi.Function("loss", [v], [casadi.sumsqr(v - data)])`.
 
-        Raises SimulationError where `loss` returns no scalar of CasADi.
+        Raises SimulationError where `loss` is no such function.
         """
-        import casadi as ca
-
-        values = ca.MX.sym("values", *self.value.shape)
-        result = loss(values)
-        if not isinstance(result, ca.MX) or result.shape != (1, 1):
-            found = f"{type(result).__name__} {getattr(result, 'shape', '')}".strip()
-            raise SimulationError("loss", found, "a scalar expression of the values it is given")
-        function = ca.Function("loss", [values], [result, ca.gradient(result, values)])
-        number, slope = function(self.value)
-        return float(number), np.einsum("ij,ijk->k", np.array(slope), self.jacobian)
+        shape = self.value.shape
+        if not hasattr(loss, "reverse") or (loss.n_in(), loss.n_out()) != (1, 1):
+            raise SimulationError("loss", repr(loss), f"a CasADi function of one matrix of shape {shape}")
+        if loss.size_in(0) != shape or loss.size_out(0) != (1, 1):
+            found = f"a function from {loss.size_in(0)} to {loss.size_out(0)}"
+            raise SimulationError("loss", found, f"a function from {shape} to (1, 1)")
+        number = loss(self.value)
+        slope = np.array(loss.reverse(1)(self.value, number, 1.0))
+        return float(number), np.einsum("ij,ijk->k", slope, self.jacobian)
 
 
 def sensitivity(

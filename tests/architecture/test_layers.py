@@ -17,6 +17,7 @@ PIPELINE = (
     ("contact", "dynamics", "joint"),
     ("assembly",),
     ("derivation",),
+    ("differentiation",),
     ("verification",),
     ("codegen",),
     ("runtime",),

@@ -204,8 +204,8 @@ FAULTS = (
     Fault(
         "search",
         "cells whose normals may be opposed are dropped, the others kept",
-        r"surfaces == 2 && mg_sum_size\(a->direction, b->direction\) > spread",
-        "surfaces == 2 && mg_sum_size(a->direction, b->direction) < spread",
+        r"surfaces == 2 \? mg_sum_size\(a->direction, b->direction\) > spread",
+        "surfaces == 2 ? mg_sum_size(a->direction, b->direction) < spread",
         CLOSEST,
     ),
     Fault(

@@ -273,9 +273,7 @@ class Tables:
             "Events",
             [("capacity", integer), ("count", integer)] + [(n, pointer) for n in EVENT_ARRAYS],
         )
-        self.Directions = structure(
-            "Directions", [("n", integer)] + [(n, pointer) for n in DIRECTION_ARRAYS]
-        )
+        self.Directions = structure("Directions", [("n", integer)] + [(n, pointer) for n in DIRECTION_ARRAYS])
         self.Tangent = structure(
             "Tangent",
             [
