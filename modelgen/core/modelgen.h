@@ -639,6 +639,28 @@ enum {
   MG_BY_BORDER = 16           /* the border of a feature moves */
 };
 
+/* What a run leaves behind so that it can be gone through backwards; the caller's arrays. */
+typedef struct {
+  long capacity;        /* steps for which there is room */
+  long count;           /* steps so far */
+  unsigned char *bytes; /* [(capacity + 1) mg_save_size] the run before each step, and after the last */
+  int *crossing;        /* [5 capacity] event function of each step: kind, contact, constraint, whether it is a blow,
+                           reason */
+} mg_tape;
+
+/* Cotangents: derivatives of one number by the state of a run and by the numbers of the system; the caller's arrays. */
+typedef struct {
+  mg_real *x;                /* [n_q + n_u + n_eta + 1] */
+  mg_real *parameters;       /* [n_parameters] */
+  mg_real *gravity;          /* [3] */
+  mg_real *restitution;      /* [n_contact] */
+  mg_real *friction_static;  /* [2 n_friction] */
+  mg_real *friction_kinetic; /* [2 n_friction] */
+  mg_real *input;            /* [3 n_input] */
+  mg_real *work;             /* [mg_sensitivity_size for one direction] scratch memory */
+  int *iwork;                /* [mg_sensitivity_int_size] */
+} mg_adjoint;
+
 /* Derivatives of a run; the caller's arrays. */
 typedef struct {
   mg_real *x;           /* [n (n_q + n_u + n_eta + 1)] derivative of the state, direction after direction */
@@ -653,6 +675,7 @@ typedef struct {
   int reason_contact;   /* contact of that cause, or -1 */
   mg_real *work;        /* [mg_sensitivity_size] scratch memory, which lasts as long as the run */
   int *iwork;           /* [mg_sensitivity_int_size] */
+  mg_tape *tape;        /* receives the steps, or null */
 } mg_tangent;
 
 /* Lengths of the scratch memory of derivatives along n directions. */
@@ -664,7 +687,8 @@ MG_API long mg_sensitivity_int_size(const mg_system *system);
 MG_API int mg_begin_tangent(const mg_system *system, const mg_settings *settings, mg_run *run,
                             const mg_directions *directions, mg_tangent *tangent, mg_real *work, int *iwork);
 
-/* As mg_advance, with the derivatives of the state. The run is the same to the last bit. */
+/* As mg_advance, with the derivatives of the state. The run is the same to the last bit. Returns MG_LIST_FULL as well
+   where the tape has no room for another step. */
 MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settings, mg_run *run,
                               const mg_directions *directions, mg_tangent *tangent, mg_real t_stop, long max_steps,
                               mg_record *record, mg_events *events, mg_real *work, int *iwork);
@@ -673,6 +697,20 @@ MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settin
 MG_API void mg_sense_tangent(const mg_system *system, const mg_settings *settings, mg_run *run,
                              const mg_directions *directions, mg_tangent *tangent, mg_real *sensors, mg_real *work,
                              int *iwork);
+
+/* Adds to the cotangents of state and numbers those that follow from the cotangents of what the sensors show at the
+   state of the run. */
+MG_API void mg_sense_adjoint(const mg_system *system, const mg_settings *settings, mg_run *run,
+                             const mg_real *sensors_bar, mg_adjoint *adjoint, mg_real *work, int *iwork);
+
+/* Takes the cotangents from after step `from` - 1 of a tape back to before step `to`; the run is overwritten with that
+   before step `to`. */
+MG_API void mg_go_back(const mg_system *system, const mg_settings *settings, mg_run *run, const mg_tape *tape,
+                       long from, long to, mg_adjoint *adjoint, mg_real *work, int *iwork);
+
+/* Takes the cotangents at the start of a run back through the corrections of mg_begin. */
+MG_API void mg_go_back_to_start(const mg_system *system, const mg_settings *settings, mg_run *run, mg_adjoint *adjoint,
+                                mg_real *work, int *iwork);
 
 /* Value of MG_ABI with which the library was compiled. */
 MG_API int mg_abi(void);

@@ -14,7 +14,7 @@ from modelgen.errors import SimulationError, expect, nearest
 from modelgen.notation import component_names
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_keywords, with_parameters
-from modelgen.runtime.directions import Direction, direction_arrays, directions_of
+from modelgen.runtime.directions import direction_arrays, directions_of
 from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
@@ -87,25 +87,6 @@ class Sensitivity:
         """The verdict at the last time."""
         return self.verdicts[-1]
 
-    def gradient(self, loss: Any) -> tuple[float, Array]:
-        """A number that depends on the values, and its derivatives (n_by,).
-
-        Args:
-            loss: a CasADi function of the values (nt, n_of) with one scalar result,
-                `casadi.Function("loss", [v], [casadi.sumsqr(v - data)])`.
-
-        Raises SimulationError where `loss` is no such function.
-        """
-        shape = self.value.shape
-        if not hasattr(loss, "reverse") or (loss.n_in(), loss.n_out()) != (1, 1):
-            raise SimulationError("loss", repr(loss), f"a CasADi function of one matrix of shape {shape}")
-        if loss.size_in(0) != shape or loss.size_out(0) != (1, 1):
-            found = f"a function from {loss.size_in(0)} to {loss.size_out(0)}"
-            raise SimulationError("loss", found, f"a function from {shape} to (1, 1)")
-        number = loss(self.value)
-        slope = np.array(loss.reverse(1)(self.value, number, 1.0))
-        return float(number), np.einsum("ij,ijk->k", slope, self.jacobian)
-
 
 def sensitivity(
     library: Library,
@@ -142,14 +123,12 @@ def sensitivity(
     expect("sensitivity", library, Library)
     check_keywords("sensitivity", stepping, KEYWORDS)
     library = with_parameters(library, parameters)
-    times = np.atleast_1d(np.asarray(t, dtype=float))
-    if times.ndim != 1 or not times.size or times[0] < 0 or np.any(np.diff(times) < 0):
-        raise SimulationError("t", repr(t), "ascending times from 0 s on")
+    times = times_of(t)
     session = Session(library, accuracy_of(library.manifest.instance, accuracy, stepping))
     Inputs(session).update(inputs or {})
     directions = directions_of(library, by)
-    outputs = _Outputs(session, of)
-    run = _TangentRun(session, directions, parameters or {})
+    outputs = Outputs(session, of)
+    run = TangentRun(session, direction_arrays(library, directions, parameters or {}), len(directions))
     rows = [run.go_on(float(time)).shown(outputs) for time in times]
     return Sensitivity(
         t=times,
@@ -163,7 +142,15 @@ def sensitivity(
     )
 
 
-class _Outputs:
+def times_of(t: Sequence[float] | float) -> Array:
+    """(nt,) ascending times; raises SimulationError for others."""
+    times = np.atleast_1d(np.asarray(t, dtype=float))
+    if times.ndim != 1 or not times.size or not times[0] >= 0 or not np.all(np.diff(times) >= 0):
+        raise SimulationError("t", repr(t), "ascending times from 0 s on")
+    return times
+
+
+class Outputs:
     """What is differentiated: components of sensors, and entries of the state."""
 
     def __init__(self, session: Session, of: Sequence[str] | None) -> None:
@@ -203,16 +190,14 @@ def _states_of(body: Mapping[str, Any], n_q: int) -> list[tuple[str, int]]:
     return found + ([("angular_velocity", n_q + body["u"] + 3)] if body["motion"] == "free" else [])
 
 
-class _TangentRun:
+class TangentRun:
     """A run with the derivatives of its state."""
 
-    def __init__(
-        self, session: Session, directions: Sequence[Direction], parameters: Mapping[str, float]
-    ) -> None:
-        self._session, self._n = session, len(directions)
+    def __init__(self, session: Session, arrays: Mapping[str, Array], n: int) -> None:
+        """`arrays`: the fields of mg_directions, n rows each."""
+        self._session, self._n, self._arrays = session, n, arrays
         tables, dtype = session.tables, session.tables.dtype
         self._cdll = cdll = session.library.cdll
-        self._arrays = direction_arrays(session.library, directions, parameters)
         self._directions = tables.Directions(
             self._n, *(address(self._arrays[name]) for name in DIRECTION_ARRAYS)
         )
@@ -226,7 +211,16 @@ class _TangentRun:
         self._memory = np.zeros(size, dtype=dtype), np.zeros(int_size + 1, dtype=INTEGER)
         of_events = (address(each) for each in (self._event_t, self._event_contact, self._event_rates))
         self._tangent = tables.Tangent(
-            address(self._dx), EVENTS, 0, *of_events, 0, 0, 0.0, -1, *(address(each) for each in self._memory)
+            address(self._dx),
+            EVENTS,
+            0,
+            *of_events,
+            0,
+            0,
+            0.0,
+            -1,
+            *(address(each) for each in self._memory),
+            None,
         )
         self._record = tables.Record()
         self._code = 0
@@ -247,7 +241,7 @@ class _TangentRun:
     def outcome(self) -> Outcome | None:
         return OUTCOME_OF_CODE[self._code] if self._code else None
 
-    def go_on(self, until: float) -> _TangentRun:
+    def go_on(self, until: float) -> TangentRun:
         """Advance run and derivatives; a run that has ended stays where it is."""
         session = self._session
         code = self._code or CONTINUE
@@ -256,10 +250,14 @@ class _TangentRun:
                 *self._head, *self._given, session.tables.real(until), *self._tail
             )
             self._happened += session.drain_events()
+            self.on_full()
         self._code = code
         return self
 
-    def shown(self, outputs: _Outputs) -> tuple[Array, Array, Verdict]:
+    def on_full(self) -> None:
+        """Make room where the core has none left."""
+
+    def shown(self, outputs: Outputs) -> tuple[Array, Array, Verdict]:
         """Values (n_of,), derivatives (n_of, n_by), verdict."""
         session, n_sensor = self._session, self._session.shared.n_sensor
         session.sense()

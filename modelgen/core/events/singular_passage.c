@@ -20,15 +20,6 @@ enum {
 
 static const mg_real mg_longest_passage = (mg_real)1e-4; /* longest passage over the characteristic time */
 
-/* List the rows that hold: active contacts, joints, sticking friction; returns their number. */
-static int mg_list_held_rows(mg_context *c) {
-  int n = 0;
-  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
-    if (c->run->active[i]) c->lcp.rows[n++] = i;
-  n = mg_append_joint_rows(c, c->lcp.rows, n);
-  return c->system->n_friction ? mg_append_sticking_rows(c, c->lcp.rows, n) : n;
-}
-
 /* Add a column M^-1 J^T, times an amount, to the values of the two bodies of a row. */
 static void mg_add_body_impulse(const mg_context *c, int row, const mg_real *column, mg_real amount,
                                 mg_real *per_body) {

@@ -68,6 +68,9 @@ MG_INTERNAL void mg_right_hand_side(mg_context *c, mg_real t, const mg_real *x, 
    computed. */
 MG_INTERNAL mg_real mg_row_acceleration(const mg_context *c, int contact);
 
+/* Lists the rows that hold in c->lcp.rows: active contacts, joints, sticking friction. Returns their number. */
+MG_INTERNAL int mg_list_held_rows(mg_context *c);
+
 /* Over the marked contacts and all joints A amount = -rate, of minimum norm where they are redundant; 0 elsewhere.
    Leaves the rows in c->lcp.rows and returns their number. */
 MG_INTERNAL int mg_hold_rows(mg_context *c, const int *marked, const mg_real *rate, mg_real *amount);

@@ -79,6 +79,14 @@ static int mg_list_marked_rows(mg_context *c, const int *marked, mg_real *amount
   return c->system->n_friction ? mg_append_sticking_rows(c, c->lcp.rows, n) : n;
 }
 
+MG_INTERNAL int mg_list_held_rows(mg_context *c) {
+  int n = 0;
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
+    if (c->run->active[i]) c->lcp.rows[n++] = i;
+  n = mg_append_joint_rows(c, c->lcp.rows, n);
+  return c->system->n_friction ? mg_append_sticking_rows(c, c->lcp.rows, n) : n;
+}
+
 /* Solves for the amounts of the n rows of c->lcp.rows. */
 static void mg_solve_listed_rows(mg_context *c, int n, const mg_real *rate, mg_real *amount) {
   if (n == 1 && !c->friction.couples_normal) {

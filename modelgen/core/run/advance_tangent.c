@@ -22,28 +22,23 @@ static long mg_sensitivity_rows(const mg_system *s) { return s->n_contact + 1L +
 MG_API long mg_sensitivity_size(const mg_system *s, int n) {
   const long states = (long)s->n_q + s->n_u + s->n_eta + 1;
   return 2 * mg_count_reals(mg_save_size(s), 1) + mg_count_reals(1, sizeof(mg_blow)) + 36L * s->n_body +
-         4 * mg_sensitivity_rows(s) + s->n_friction_row + (12L * n + 3) * states + 3 * mg_packed_size(s) + 18 + n + 1 +
-         2L * s->n_pair + 6L * s->n_joint;
+         4 * mg_sensitivity_rows(s) + s->n_friction_row + (12L * (n ? n : 1) + 3) * states + 3 * mg_packed_size(s) +
+         18 + n + 1 + 2L * s->n_pair + 6L * s->n_joint;
 }
 
 MG_API long mg_sensitivity_int_size(const mg_system *s) { return s->n_contact; }
 
-/* Divides the memory. Bytes of the run before and after a step come first. */
-static void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, const mg_directions *directions,
-                                mg_tangent *tangent, unsigned char **before, unsigned char **after) {
+MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int n, mg_real *work, int *iwork) {
   const mg_system *system = c->system;
-  const long b = system->n_body, rows = mg_sensitivity_rows(system), states = c->layout.n_states, n = directions->n;
-  mg_real *work = tangent->work;
-  int *iwork = tangent->iwork;
-  s->directions = directions, s->tangent = tangent, s->t_dot = 0, s->is_time = 0;
-  *before = mg_take_memory(&work, mg_save_size(system), 1), *after = mg_take_memory(&work, mg_save_size(system), 1);
+  const long b = system->n_body, rows = mg_sensitivity_rows(system), states = c->layout.n_states;
+  s->t_dot = 0, s->is_time = s->is_singular = 0;
   s->blow = mg_take_memory(&work, 1, sizeof(mg_blow));
   s->at.pose = mg_take_reals(&work, 12 * b), s->at.twist = mg_take_reals(&work, 6 * b);
   s->at.acceleration = mg_take_reals(&work, 6 * b), s->at.wrench = mg_take_reals(&work, 6 * b);
   s->at.value = mg_take_reals(&work, rows), s->at.rate = mg_take_reals(&work, rows);
   s->at.residual = mg_take_reals(&work, rows), s->at.force = mg_take_reals(&work, rows);
   s->at.ratio = mg_take_reals(&work, system->n_friction_row);
-  s->wrench = mg_take_reals(&work, 6 * b), s->slopes = mg_take_reals(&work, 12 * n * states);
+  s->wrench = mg_take_reals(&work, 6 * b), s->slopes = mg_take_reals(&work, 12L * (n ? n : 1) * states);
   s->stage = mg_take_reals(&work, states), s->before = mg_take_reals(&work, states);
   s->slope_before = mg_take_reals(&work, states);
   s->x = mg_take_reals(&work, mg_packed_size(system)), s->x_dot = mg_take_reals(&work, mg_packed_size(system));
@@ -51,6 +46,16 @@ static void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, const mg
   s->event_rate = mg_take_reals(&work, n + 1);
   s->pair = mg_take_reals(&work, 2L * system->n_pair), s->joint = mg_take_reals(&work, 6L * system->n_joint);
   s->closed_before = mg_take_ints(&iwork, system->n_contact);
+}
+
+/* Opens the memory of derivatives along directions; the bytes of the run before and after a step come first. */
+static void mg_open_tangent(const mg_context *c, mg_sensitivity *s, const mg_directions *directions,
+                            mg_tangent *tangent, unsigned char **before, unsigned char **after) {
+  mg_real *work = tangent->work;
+  *before = mg_take_memory(&work, mg_save_size(c->system), 1),
+  *after = mg_take_memory(&work, mg_save_size(c->system), 1);
+  s->directions = directions, s->tangent = tangent, s->adjoint = 0;
+  mg_open_sensitivity(c, s, directions->n, work, tangent->iwork);
 }
 
 /* Notes the first reason why the derivatives are not certain. */
@@ -67,7 +72,7 @@ MG_API int mg_begin_tangent(const mg_system *system, const mg_settings *settings
   unsigned char *before, *after;
   if (!system->kernels->derivatives) return MG_NOT_FINITE;
   mg_open_context(&c, system, settings, run, work, iwork);
-  mg_open_sensitivity(&c, &s, directions, tangent, &before, &after);
+  mg_open_tangent(&c, &s, directions, tangent, &before, &after);
   const int n = c.layout.n_states;
   for (int j = 0; j < directions->n; j++) {
     mg_real *dx = tangent->x + (long)j * n;
@@ -105,9 +110,20 @@ static void mg_follow_step(const mg_system *system, const mg_settings *settings,
   for (int i = 0; i < system->n_contact; i++) s->closed_before[i] = run->closed[i];
   mg_restore_run(system, run, after);
   mg_open_context(&c, system, settings, run, work, iwork);
+  s->crossing = crossing;
   const int of_event = mg_cross_event(&c, s, &crossing);
   mg_project_tangents(&c, s);
   mg_doubt_tangent(s->tangent, reason ? reason : of_event, end, crossing.contact);
+}
+
+/* Writes a step to a tape. */
+static void mg_store_step(const mg_system *system, mg_tape *tape, const mg_sensitivity *s, const unsigned char *before,
+                          const unsigned char *after) {
+  const long size = mg_save_size(system), k = tape->count++;
+  int *crossing = tape->crossing + 5 * k;
+  memcpy(tape->bytes + k * size, before, (size_t)size), memcpy(tape->bytes + (k + 1) * size, after, (size_t)size);
+  crossing[0] = s->crossing.kind, crossing[1] = s->crossing.contact, crossing[2] = s->crossing.constraint;
+  crossing[3] = s->crossing.blow, crossing[4] = s->crossing.reason;
 }
 
 /* True if positions or velocities differ by more than drift. */
@@ -125,13 +141,15 @@ MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settin
   unsigned char *before, *after;
   if (!system->kernels->derivatives) return MG_NOT_FINITE;
   mg_open_context(&c, system, settings, run, work, iwork);
-  mg_open_sensitivity(&c, &s, directions, tangent, &before, &after);
+  mg_open_tangent(&c, &s, directions, tangent, &before, &after);
   mg_copy_states(&c, run->x, s.before);
   int outcome = mg_advance(system, settings, run, t_stop, 0, record, events, work, iwork); /* inputs take effect */
   mg_open_context(&c, system, settings, run, work, iwork);
   if (mg_has_state_jump(&c, s.before)) mg_doubt_tangent(tangent, MG_BY_JUMP, run->t, -1);
   for (long step = 0; outcome == MG_CONTINUE; step++) {
+    mg_tape *tape = tangent->tape;
     if (step >= max_steps) return MG_CONTINUE;
+    if (tape && tape->count >= tape->capacity) return MG_LIST_FULL;
     const int first = events->count;
     const long steps = run->steps;
     const mg_real t = run->t;
@@ -141,6 +159,7 @@ MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settin
     mg_store_run(system, run, after);
     mg_follow_step(system, settings, run, &s, before, after, events, first, work, iwork);
     mg_restore_run(system, run, after);
+    if (tape) mg_store_step(system, tape, &s, before, after);
   }
   return outcome;
 }
@@ -182,7 +201,7 @@ MG_API void mg_sense_tangent(const mg_system *system, const mg_settings *setting
   const int n_sensor = system->kernels->n_sensor;
   mg_run copy = *run;
   mg_open_context(&c, system, settings, &copy, work, iwork);
-  mg_open_sensitivity(&c, &s, directions, tangent, &before, &after);
+  mg_open_tangent(&c, &s, directions, tangent, &before, &after);
   mg_evaluate_run_state(&c);
   mg_gather_wrenches(&c, &s, run->t);
   mg_read_sensors(&c, run->t, run->x + system->n_q + system->n_u, run->force, 1, s.y_dot);

@@ -2,6 +2,7 @@
    step that the change of time takes from one right-hand side and gives to the other. Where neither state nor
    right-hand side jump, nothing happens to the derivatives. Writes the derivatives of the state and of event times. */
 #include "sensitivity/sensitivity.h"
+#include "base/base.h"
 #include "model/model.h"
 #include "forces/forces.h"
 
@@ -75,17 +76,17 @@ static mg_real mg_slip_tangent(const mg_context *c, const mg_sensitivity *s, int
   return s->at.rate[row] * mg_dot3(t, direction) + s->at.rate[row + 1] * mg_dot3(t + 3, direction);
 }
 
-/* Value of the most violated condition of a contact where poses and eta are moved by `part` of the direction looked
-   at. */
-static mg_real mg_moved_condition(mg_context *c, const mg_sensitivity *s, int contact, const mg_real *eta,
+/* Value of the most violated condition of a contact where the poses of o and f (24) and eta are moved by `part` of
+   their derivatives. */
+static mg_real mg_moved_condition(mg_context *c, int contact, const mg_real *eta, const mg_real *pose_dot,
                                   const mg_real *eta_dot, mg_real part) {
   const int o = c->contacts.o[contact], f = c->contacts.f[contact];
   mg_real at[MG_MAX_ETA], next[MG_MAX_ETA], kept[24];
   int which;
   for (int k = 0; k < 12; k++) {
     kept[k] = c->bodies.pose[12 * o + k], kept[12 + k] = c->bodies.pose[12 * f + k];
-    c->bodies.pose[12 * o + k] += part * s->at.pose[12 * o + k];
-    c->bodies.pose[12 * f + k] += part * s->at.pose[12 * f + k];
+    c->bodies.pose[12 * o + k] += part * pose_dot[k];
+    c->bodies.pose[12 * f + k] += part * pose_dot[12 + k];
   }
   for (int k = 0; k < c->contacts.n_eta[contact]; k++) at[k] = eta[k] + part * eta_dot[k];
   mg_place_contact(c, contact, at, next);
@@ -95,19 +96,36 @@ static mg_real mg_moved_condition(mg_context *c, const mg_sensitivity *s, int co
 }
 
 /* Derivative of the condition that a contact violates, by differences of order 4. */
+static mg_real mg_condition_difference(mg_context *c, int contact, const mg_real *eta, const mg_real *pose_dot,
+                                       const mg_real *eta_dot) {
+  mg_real largest = fmax(mg_max_abs(24, pose_dot), mg_max_abs(c->contacts.n_eta[contact], eta_dot)), value[2];
+  if (!(largest > 0)) return 0;
+  const mg_real part = pow(MG_EPS, (mg_real)0.2) / largest;
+  for (int k = 0; k < 2; k++)
+    value[k] = mg_moved_condition(c, contact, eta, pose_dot, eta_dot, (k + 1) * part) -
+               mg_moved_condition(c, contact, eta, pose_dot, eta_dot, -(k + 1) * part);
+  return (8 * value[0] - value[1]) / (12 * part);
+}
+
 static mg_real mg_border_tangent(mg_context *c, const mg_sensitivity *s, int contact, const mg_real *eta,
                                  const mg_real *eta_dot) {
-  mg_real largest = MG_EPS;
+  mg_real pose_dot[24];
   for (int k = 0; k < 12; k++)
-    largest = fmax(largest, fmax(fabs(s->at.pose[12 * c->contacts.o[contact] + k]),
-                                 fabs(s->at.pose[12 * c->contacts.f[contact] + k])));
-  for (int k = 0; k < c->contacts.n_eta[contact]; k++) largest = fmax(largest, fabs(eta_dot[k]));
-  const mg_real part = pow(MG_EPS, (mg_real)0.2) / largest;
-  mg_real value[2];
-  for (int k = 0; k < 2; k++)
-    value[k] = mg_moved_condition(c, s, contact, eta, eta_dot, (k + 1) * part) -
-               mg_moved_condition(c, s, contact, eta, eta_dot, -(k + 1) * part);
-  return (8 * value[0] - value[1]) / (12 * part);
+    pose_dot[k] = s->at.pose[12 * c->contacts.o[contact] + k],
+    pose_dot[12 + k] = s->at.pose[12 * c->contacts.f[contact] + k];
+  return mg_condition_difference(c, contact, eta, pose_dot, eta_dot);
+}
+
+MG_INTERNAL void mg_border_adjoint(mg_context *c, mg_sensitivity *s, int contact, const mg_real *eta, mg_real weight,
+                                   mg_real *eta_bar) {
+  for (int i = 0; i < 24 + c->contacts.n_eta[contact]; i++) {
+    mg_real pose_dot[24] = {0}, eta_dot[MG_MAX_ETA] = {0};
+    if (i < 24) pose_dot[i] = 1;
+    else eta_dot[i - 24] = 1;
+    const mg_real bar = weight * mg_condition_difference(c, contact, eta, pose_dot, eta_dot);
+    if (i >= 24) eta_bar[i - 24] += bar;
+    else s->at.pose[12 * (i < 12 ? c->contacts.o : c->contacts.f)[contact] + i % 12] += bar;
+  }
 }
 
 MG_INTERNAL void mg_differentiate_event(mg_context *c, mg_sensitivity *s, mg_crossing *crossing, mg_real t) {
@@ -130,8 +148,7 @@ MG_INTERNAL void mg_differentiate_event(mg_context *c, mg_sensitivity *s, mg_cro
   s->is_time = 0, s->t_dot = 0;
 }
 
-/* True if the right-hand side jumps between s->slope_before and `after`, eta apart. */
-static int mg_has_slope_jump(const mg_context *c, const mg_sensitivity *s, const mg_real *after) {
+MG_INTERNAL int mg_has_slope_jump(const mg_context *c, const mg_sensitivity *s, const mg_real *after) {
   const int first = c->system->n_q;
   for (int i = first; i < first + c->system->n_u; i++) {
     const mg_real size = fabs(s->slope_before[i]) + fabs(after[i]) + c->step.scale[i] / c->system->time;

@@ -8,8 +8,6 @@
 #include "forces/forces.h"
 #include "impact/impact.h"
 
-enum { MG_BLOW_STRUCK = 0, MG_BLOW_HELD = 1, MG_BLOW_SLIPS = 2 };
-
 /* Twists of all bodies before the blow, and the change; the context has those after it. */
 static void mg_set_twists(mg_context *c, const mg_real *x) { mg_update_poses(c, c->run->t, x); }
 
@@ -113,9 +111,8 @@ static int mg_classify_blow_rows(mg_context *c, mg_blow *b) {
   return MG_NO_REASON;
 }
 
-/* Force ratio of row k of a slipping constraint at its velocity after the blow, and its derivatives: by the velocities
-   of the rows of the constraint, and by their coefficients. */
-static mg_real mg_blow_force_ratio(const mg_context *c, const mg_blow *b, int r, mg_real *by_rate, mg_real *by_mu) {
+MG_INTERNAL mg_real mg_blow_force_ratio(const mg_context *c, const mg_blow *b, int r, mg_real *by_rate,
+                                        mg_real *by_mu) {
   const int g = b->constraint[r], first = r > 0 && b->constraint[r - 1] == g ? r - 1 : r, k = r - first,
             rows = mg_friction_row_count(c, g);
   const mg_real *mu = c->system->friction_kinetic + 2 * g;
@@ -196,8 +193,7 @@ MG_INTERNAL int mg_recover_impulses(mg_context *c, mg_sensitivity *s) {
   return mg_factor_blow(c, b) ? MG_NO_REASON : MG_BY_REDUNDANT_ROWS;
 }
 
-/* Impulses of the rows of one contact or joint in the order of its kernel. */
-static void mg_impulses_of(const mg_blow *b, int first_row, int below, int rows, mg_real *impulse) {
+MG_INTERNAL void mg_impulses_of(const mg_blow *b, int first_row, int below, int rows, mg_real *impulse) {
   for (int k = 0; k < MG_ROWS_OF_ONE; k++) impulse[k] = 0;
   for (int r = 0; r < b->n; r++) {
     if (b->row[r] == first_row) impulse[0] = b->impulse[r];
@@ -257,15 +253,19 @@ static void mg_blow_rates_tangent(mg_context *c, mg_sensitivity *s, int directio
   }
 }
 
-/* Derivative of u+ at fixed L, into s->at.acceleration: du- + d(M^-1 J^T L). */
-static void mg_blow_velocities_tangent(mg_context *c, mg_sensitivity *s, int direction, const mg_real *dx) {
-  const mg_system *system = c->system;
+MG_INTERNAL void mg_gather_impulses(const mg_context *c, mg_sensitivity *s) {
   const mg_blow *b = s->blow;
-  mg_zero_reals(s->wrench, 6L * system->n_body);
+  mg_zero_reals(s->wrench, 6L * c->system->n_body);
   for (int r = 0; r < b->n; r++)
     for (int k = 0; k < 6; k++)
       s->wrench[6 * c->contacts.o[b->row[r]] + k] += b->impulse[r] * c->rows.J[12 * b->row[r] + k],
           s->wrench[6 * c->contacts.f[b->row[r]] + k] += b->impulse[r] * c->rows.J[12 * b->row[r] + 6 + k];
+}
+
+/* Derivative of u+ at fixed L, into s->at.acceleration: du- + d(M^-1 J^T L). */
+static void mg_blow_velocities_tangent(mg_context *c, mg_sensitivity *s, int direction, const mg_real *dx) {
+  const mg_system *system = c->system;
+  mg_gather_impulses(c, s);
   for (int body = 0; body < system->n_body; body++) {
     if (!mg_is_moved_by_forces(c, body)) continue;
     mg_motion_tangent(c, s, direction, body, c->run->x + system->body_q[body], 0, s->wrench + 6 * body, 0, 0, 0,

@@ -38,6 +38,17 @@ typedef struct {
   mg_real *ratio;        /* [per friction row] of the force ratio of slip */
 } mg_direction_view;
 
+/* An explicit Runge-Kutta method: stage i adds value[k] * slope[column[k]], row[i] <= k < row[i + 1]; the last row
+   gives the end. */
+typedef struct {
+  int stages;
+  const int *row, *column;
+  const mg_real *value, *time;
+} mg_explicit_method;
+
+/* What a blow does to a row: it strikes, is held at zero velocity, or slips. */
+enum { MG_BLOW_STRUCK = 0, MG_BLOW_HELD = 1, MG_BLOW_SLIPS = 2 };
+
 #define MG_BLOW_ROWS 64 /* most rows of a blow that is differentiated */
 
 /* A blow: its rows, in the order of contacts, each normal row before its friction rows, then joints. */
@@ -59,11 +70,30 @@ typedef struct {
   mg_real matrix[MG_BLOW_ROWS * MG_BLOW_ROWS];
 } mg_blow;
 
+/* What the events of a step are to the derivatives. */
+typedef struct {
+  int kind;       /* MG_CROSSES_NOTHING .. */
+  int contact;    /* of the event function */
+  int constraint; /* friction constraint of it, or -1 */
+  int blow;       /* 1: velocities jump */
+  int reason;     /* why they are not certain, or 0 */
+} mg_crossing;
+
+enum {
+  MG_CROSSES_NOTHING = 0, /* no event, or one at which nothing jumps */
+  MG_CROSSES_GAP = 1,     /* a gap closes */
+  MG_CROSSES_SLIP = 2,    /* slip ends */
+  MG_CROSSES_BOUND = 3,   /* a friction force reaches its bound */
+  MG_CROSSES_FORCE = 4,   /* a force becomes tensile */
+  MG_CROSSES_BORDER = 5   /* a contact leaves its feature pair */
+};
+
 /* Memory of the derivatives of a run. */
 typedef struct {
   const mg_directions *directions;
   mg_tangent *tangent;
-  mg_direction_view at;
+  mg_adjoint *adjoint;   /* in the adjoint; else null */
+  mg_direction_view at;  /* derivatives, or in the adjoint cotangents */
   mg_real *wrench;       /* [6 per body] of all forces, at the state evaluated last */
   mg_real *slopes;       /* [12 n n_states] derivatives of the stages */
   mg_real *stage;        /* [n_states] */
@@ -78,8 +108,10 @@ typedef struct {
   mg_real *joint;        /* [6 n_joint] of the wrenches of joints */
   mg_blow *blow;         /* the blow of the event */
   int *closed_before;    /* [n_contact] closed before the event */
+  mg_crossing crossing;  /* of the step treated last */
   mg_real t_dot;         /* derivative of the time in the direction looked at: 1 of time itself */
   int is_time;           /* 1: the direction looked at is time: no number changes */
+  int is_singular;       /* 1: equations of forces under slip were singular */
 } mg_sensitivity;
 
 /* derivative_kernels.c: results in s->y_dot */
@@ -119,6 +151,12 @@ MG_INTERNAL void mg_rhs_tangent(mg_context *c, mg_sensitivity *s, int direction,
    end, and its right-hand side in s->slope_before. Returns a reason why the result is not certain, or 0. */
 MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h);
 
+MG_INTERNAL mg_explicit_method mg_explicit_method_of(const mg_settings *settings);
+
+/* out = from + h sum of value * slopes for one row; slopes of stages are `stride` apart. */
+MG_INTERNAL void mg_combine_stages(const mg_explicit_method *m, int row, int n, long stride, mg_real h,
+                                   const mg_real *from, const mg_real *slopes, mg_real *out);
+
 /* Derivatives of normalised quaternions; x has the quaternions before. */
 MG_INTERNAL void mg_normalise_tangent(const mg_context *c, const mg_real *x, mg_real *dx);
 
@@ -130,30 +168,19 @@ MG_INTERNAL void mg_project_tangents(mg_context *c, mg_sensitivity *s);
 
 /* event_tangent.c */
 
-/* What the events of a step are to the derivatives. */
-typedef struct {
-  int kind;       /* MG_CROSSES_NOTHING .. */
-  int contact;    /* of the event function */
-  int constraint; /* friction constraint of it, or -1 */
-  int blow;       /* 1: velocities jump */
-  int reason;     /* why they are not certain, or 0 */
-} mg_crossing;
-
-enum {
-  MG_CROSSES_NOTHING = 0, /* no event, or one at which nothing jumps */
-  MG_CROSSES_GAP = 1,     /* a gap closes */
-  MG_CROSSES_SLIP = 2,    /* slip ends */
-  MG_CROSSES_BOUND = 3,   /* a friction force reaches its bound */
-  MG_CROSSES_FORCE = 4,   /* a force becomes tensile */
-  MG_CROSSES_BORDER = 5   /* a contact leaves its feature pair */
-};
-
 /* Event of a step from its events first .. of the list. */
 MG_INTERNAL mg_crossing mg_find_crossing(const mg_context *c, const mg_events *events, int first);
 
 /* Derivatives of the event function along all directions and along time, in s->event_rate. Needs c->step.end of
    mg_step_tangent. */
 MG_INTERNAL void mg_differentiate_event(mg_context *c, mg_sensitivity *s, mg_crossing *crossing, mg_real t);
+
+/* True if the right-hand side jumps between s->slope_before and `after`, eta apart. */
+MG_INTERNAL int mg_has_slope_jump(const mg_context *c, const mg_sensitivity *s, const mg_real *after);
+
+/* Adds weight times the derivatives of the condition that a contact violates to s->at.pose and eta_bar. */
+MG_INTERNAL void mg_border_adjoint(mg_context *c, mg_sensitivity *s, int contact, const mg_real *eta, mg_real weight,
+                                   mg_real *eta_bar);
 
 /* Carries the derivatives over the event. c is that of the run after it; s->before and s->slope_before are those before
    it. Returns a reason or 0. */
@@ -167,5 +194,71 @@ MG_INTERNAL void mg_blow_tangent(mg_context *c, mg_sensitivity *s, int direction
 
 /* Finds the impulses of the blow between s->before and the state of the run. Returns a reason or 0. */
 MG_INTERNAL int mg_recover_impulses(mg_context *c, mg_sensitivity *s);
+
+/* Force ratio of row k of a slipping constraint at its velocity after the blow, and its derivatives: by the velocities
+   of the rows of the constraint, and by their coefficients. */
+MG_INTERNAL mg_real mg_blow_force_ratio(const mg_context *c, const mg_blow *b, int r, mg_real *by_rate, mg_real *by_mu);
+
+/* Impulses of the rows of one contact or joint in the order of its kernel. */
+MG_INTERNAL void mg_impulses_of(const mg_blow *b, int first_row, int below, int rows, mg_real *impulse);
+
+/* J^T L of all bodies, in s->wrench. */
+MG_INTERNAL void mg_gather_impulses(const mg_context *c, mg_sensitivity *s);
+
+/* adjoint_kernels.c: cotangents of the results are in s->y_dot */
+
+MG_INTERNAL void mg_contact_adjoint(mg_context *c, mg_sensitivity *s, int contact, const mg_real *eta,
+                                    const mg_real *force, const mg_real *acceleration, mg_real *eta_bar);
+MG_INTERNAL void mg_placement_adjoint(mg_context *c, mg_sensitivity *s, int contact, const mg_real *eta);
+MG_INTERNAL void mg_joint_adjoint(const mg_context *c, mg_sensitivity *s, int joint, mg_real t, const mg_real *force,
+                                  const mg_real *acceleration);
+MG_INTERNAL void mg_load_adjoint(const mg_context *c, mg_sensitivity *s, int load, mg_real t);
+MG_INTERNAL void mg_motion_adjoint(const mg_context *c, mg_sensitivity *s, int body, const mg_real *q, const mg_real *u,
+                                   const mg_real *wrench, const mg_real *gravity, mg_real *q_bar, mg_real *u_bar,
+                                   mg_real *wrench_bar);
+
+/* From the cotangents of poses, twists and accelerations of driven bodies, s->at, to those of the state. */
+MG_INTERNAL void mg_place_bodies_adjoint(const mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x,
+                                         mg_real *x_bar);
+
+/* From the cotangents of what the sensors show to s->at.pose, s->at.twist, s->pair and s->joint. */
+MG_INTERNAL void mg_sensors_adjoint(const mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *sensors_bar);
+
+/* rhs_adjoint.c */
+
+/* Sets all cotangents in s->at to zero. */
+MG_INTERNAL void mg_clear_cotangents(const mg_context *c, mg_sensitivity *s);
+
+/* M^-1 J^T of a row, times a vector of all bodies that forces move. */
+MG_INTERNAL mg_real mg_response_times(const mg_context *c, int row, const mg_real *per_body);
+
+/* Adds to x_bar the cotangent of the state from slope_bar, that of the right-hand side, and from s->at. Needs
+   mg_right_hand_side at (t, x), then mg_gather_wrenches. */
+MG_INTERNAL void mg_rhs_adjoint(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x, const mg_real *slope_bar,
+                                mg_real *x_bar);
+
+/* step_adjoint.c: from the cotangent x_bar of the state after to that before */
+
+MG_INTERNAL void mg_settle_eta_adjoint(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x, mg_real *x_bar);
+
+/* Needs the right-hand side at (t, x). */
+MG_INTERNAL void mg_project_adjoint(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x, mg_real *x_bar);
+
+/* Needs mg_step_tangent without directions. */
+MG_INTERNAL void mg_step_adjoint(mg_context *c, mg_sensitivity *s, mg_real h, mg_real *x_bar);
+
+/* event_adjoint.c */
+
+/* Adds weight times the derivatives of the event function at c->step.end. */
+MG_INTERNAL void mg_event_function_adjoint(mg_context *c, mg_sensitivity *s, const mg_crossing *crossing, mg_real t,
+                                           mg_real weight, mg_real *x_bar);
+
+/* Over an event and the projection after it, c being that of the run after it; `rate` is that of the event function.
+   Returns the cotangent of the event function. */
+MG_INTERNAL mg_real mg_event_adjoint(mg_context *c, mg_sensitivity *s, const mg_crossing *crossing, mg_real rate,
+                                     mg_real *x_bar);
+
+/* Over a blow that mg_recover_impulses has found. */
+MG_INTERNAL void mg_blow_adjoint(mg_context *c, mg_sensitivity *s, mg_real *x_bar);
 
 #endif

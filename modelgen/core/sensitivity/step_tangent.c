@@ -6,28 +6,19 @@
 #include "integrate/integrate.h"
 #include "integrate/dop853_coefficients.h"
 
-/* An explicit Runge-Kutta method: stage i adds value[k] * slope[column[k]], row[i] <= k < row[i + 1]; the last row
-   gives the end. */
-typedef struct {
-  int stages;
-  const int *row, *column;
-  const mg_real *value, *time;
-} mg_explicit_method;
-
 static const int mg_rk4_row[] = {0, 0, 1, 2, 3, 7}, mg_rk4_column[] = {0, 1, 2, 0, 1, 2, 3};
 static const mg_real mg_rk4_value[] = {(mg_real)0.5,   (mg_real)0.5,  1, (mg_real)1 / 6, (mg_real)1 / 3,
                                        (mg_real)1 / 3, (mg_real)1 / 6},
                      mg_rk4_time[] = {0, (mg_real)0.5, (mg_real)0.5, 1};
 
-static mg_explicit_method mg_explicit_method_of(const mg_settings *settings) {
+MG_INTERNAL mg_explicit_method mg_explicit_method_of(const mg_settings *settings) {
   const mg_explicit_method rk4 = {4, mg_rk4_row, mg_rk4_column, mg_rk4_value, mg_rk4_time},
                            dop853 = {12, mg_dop_row, mg_dop_column, mg_dop_value, mg_dop_time};
   return settings->method == MG_RK4 ? rk4 : dop853;
 }
 
-/* out = from + h sum of value * slopes for one row; slopes of stages are `stride` apart. */
-static void mg_combine_stages(const mg_explicit_method *m, int row, int n, long stride, mg_real h, const mg_real *from,
-                              const mg_real *slopes, mg_real *out) {
+MG_INTERNAL void mg_combine_stages(const mg_explicit_method *m, int row, int n, long stride, mg_real h,
+                                   const mg_real *from, const mg_real *slopes, mg_real *out) {
   for (int i = 0; i < n; i++) {
     mg_real sum = 0;
     for (int k = m->row[row]; k < m->row[row + 1]; k++) sum += m->value[k] * slopes[m->column[k] * stride + i];

@@ -217,6 +217,9 @@ DIRECTION_ARRAYS = (
     *("start", "parameters", "gravity", "restitution", "friction_static", "friction_kinetic"),
     *("input", "moves_borders"),
 )
+COTANGENT_ARRAYS = (
+    *("x", "parameters", "gravity", "restitution", "friction_static", "friction_kinetic", "input"),
+)
 EVENT_ARRAYS = ("t", "kind", "contact", "feature_pair", "speed")
 QUERY_GIVEN = ("parameters", "pose_o", "pose_f", "step_limit")
 QUERY_FOUND = ("eta", "d", "normal", "point_o", "point_f", "margin", "outcome")
@@ -280,9 +283,15 @@ class Tables:
                 *[("x", pointer), ("capacity", integer), ("count", integer)],
                 *[("event_t", pointer), ("event_contact", pointer), ("event_t_dot", pointer)],
                 *[("verdict", integer), ("reason", integer), ("reason_t", real), ("reason_contact", integer)],
-                *[("work", pointer), ("iwork", pointer)],
+                *[("work", pointer), ("iwork", pointer), ("tape", pointer)],
             ],
         )
+        self.Tape = structure(
+            "Tape",
+            [(n, ctypes.c_long) for n in ("capacity", "count")]
+            + [(n, pointer) for n in ("bytes", "crossing")],
+        )
+        self.Adjoint = structure("Adjoint", [(n, pointer) for n in (*COTANGENT_ARRAYS, "work", "iwork")])
         self.Controller = structure(
             "Controller",
             [

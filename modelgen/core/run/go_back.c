@@ -1,0 +1,116 @@
+/* Cotangents of a run (mg_go_back): the steps of a tape in reverse order. Each step is taken again, from the copy of
+   the run before it. Writes the mg_adjoint. */
+#include "run/run.h"
+#include "base/base.h"
+#include "model/model.h"
+#include "forces/forces.h"
+#include "integrate/integrate.h"
+
+static void mg_open_adjoint(const mg_context *c, mg_sensitivity *s, const mg_directions *none, mg_tangent *nothing,
+                            mg_adjoint *adjoint) {
+  s->directions = none, s->tangent = nothing, s->adjoint = adjoint;
+  mg_open_sensitivity(c, s, 0, adjoint->work, adjoint->iwork);
+}
+
+/* Over one step. `bytes`: the run before it; those after it follow. */
+static void mg_go_back_over_step(const mg_system *system, const mg_settings *settings, mg_run *run, mg_sensitivity *s,
+                                 const unsigned char *bytes, const int *known, mg_real *work, int *iwork) {
+  mg_context c;
+  mg_crossing crossing = {known[0], known[1], known[2], known[3], known[4]};
+  const unsigned char *after = bytes + mg_save_size(system);
+  mg_restore_run(system, run, after);
+  const mg_real end = run->t, roundoff = run->t_roundoff;
+  mg_restore_run(system, run, bytes);
+  const mg_real h = end - run->t + (roundoff - run->t_roundoff);
+  mg_open_context(&c, system, settings, run, work, iwork);
+  mg_step_tangent(&c, s, h);
+  if (crossing.kind == MG_CROSSES_NOTHING && !crossing.blow) mg_project_adjoint(&c, s, end, c.step.end, s->adjoint->x);
+  else {
+    mg_differentiate_event(&c, s, &crossing, end);
+    const mg_real rate = s->event_rate[0];
+    mg_copy_states(&c, c.step.end, s->before);
+    for (int i = 0; i < system->n_contact; i++) s->closed_before[i] = run->closed[i];
+    mg_restore_run(system, run, after);
+    mg_open_context(&c, system, settings, run, work, iwork);
+    const mg_real weight = mg_event_adjoint(&c, s, &crossing, rate, s->adjoint->x);
+    mg_restore_run(system, run, bytes);
+    mg_open_context(&c, system, settings, run, work, iwork);
+    mg_step_tangent(&c, s, h);
+    if (weight != 0) mg_event_function_adjoint(&c, s, &crossing, end, weight, s->adjoint->x);
+  }
+  mg_step_adjoint(&c, s, h, s->adjoint->x);
+}
+
+MG_API void mg_go_back(const mg_system *system, const mg_settings *settings, mg_run *run, const mg_tape *tape,
+                       long from, long to, mg_adjoint *adjoint, mg_real *work, int *iwork) {
+  mg_context c;
+  mg_sensitivity s;
+  const mg_directions none = {0};
+  mg_tangent nothing = {0};
+  mg_open_context(&c, system, settings, run, work, iwork);
+  mg_open_adjoint(&c, &s, &none, &nothing, adjoint);
+  for (long k = from - 1; k >= to; k--)
+    mg_go_back_over_step(system, settings, run, &s, tape->bytes + k * mg_save_size(system), tape->crossing + 5 * k,
+                         work, iwork);
+  mg_restore_run(system, run, tape->bytes + to * mg_save_size(system));
+}
+
+MG_API void mg_go_back_to_start(const mg_system *system, const mg_settings *settings, mg_run *run, mg_adjoint *adjoint,
+                                mg_real *work, int *iwork) {
+  mg_context c;
+  mg_sensitivity s;
+  const mg_directions none = {0};
+  mg_tangent nothing = {0};
+  mg_open_context(&c, system, settings, run, work, iwork);
+  mg_open_adjoint(&c, &s, &none, &nothing, adjoint);
+  mg_evaluate_run_state(&c);
+  mg_project_adjoint(&c, &s, run->t, run->x, adjoint->x);
+  mg_settle_eta_adjoint(&c, &s, run->t, run->x, adjoint->x);
+  mg_normalise_tangent(&c, run->x, adjoint->x);
+}
+
+/* From the cotangents of gap and force of each pair and of the wrench of each joint to those of rows and joints. */
+static void mg_sensed_forces_adjoint(mg_context *c, mg_sensitivity *s) {
+  const mg_system *system = c->system;
+  for (int p = mg_next_pair(c, -1); p < system->n_pair; p = mg_next_pair(c, p)) {
+    int nearest = -1;
+    for (int i = system->pair_contact[p]; i < system->pair_contact[p + 1]; i++) {
+      if (!mg_is_on_feature_pair(c, i)) continue;
+      if (nearest < 0 || c->rows.d[i] < c->rows.d[nearest]) nearest = i;
+      if (c->run->active[i]) s->at.force[i] += s->pair[2 * p + 1];
+    }
+    if (nearest >= 0) s->at.value[nearest] += s->pair[2 * p];
+  }
+  for (int i = c->layout.support_begin; i < system->n_contact; i++)
+    if (mg_is_on_feature_pair(c, i)) s->at.force[i] += s->pair[2 * system->contact_pair[i] + 1];
+  for (int j = 0; j < system->n_joint; j++) {
+    const int rows = c->kernels->joint_kinds[system->joint_kind[j]].n_rows,
+              first = c->layout.joint_row_begin + system->joint_row[j];
+    if (!rows) continue;
+    mg_zero_reals(s->y_dot, MG_Y_VALUE + MG_ROWS_OF_ONE);
+    for (int k = 0; k < 6; k++) {
+      s->y_dot[MG_Y_SECOND + k] = s->joint[6 * j + k];
+      for (int r = first; r < first + rows; r++) s->at.force[r] += c->rows.J[12 * r + 6 + k] * s->joint[6 * j + k];
+    }
+    mg_joint_adjoint(c, s, j, c->run->t, c->solution.force + first, 0);
+  }
+}
+
+MG_API void mg_sense_adjoint(const mg_system *system, const mg_settings *settings, mg_run *run,
+                             const mg_real *sensors_bar, mg_adjoint *adjoint, mg_real *work, int *iwork) {
+  mg_context c;
+  mg_sensitivity s;
+  const mg_directions none = {0};
+  mg_tangent nothing = {0};
+  mg_run copy = *run;
+  mg_open_context(&c, system, settings, &copy, work, iwork);
+  mg_open_adjoint(&c, &s, &none, &nothing, adjoint);
+  mg_evaluate_run_state(&c);
+  mg_gather_wrenches(&c, &s, run->t);
+  mg_read_sensors(&c, run->t, run->x + system->n_q + system->n_u, run->force, 1, s.y_dot);
+  mg_clear_cotangents(&c, &s);
+  mg_sensors_adjoint(&c, &s, run->t, sensors_bar);
+  mg_sensed_forces_adjoint(&c, &s);
+  mg_zero_reals(s.stage, c.layout.n_states);
+  mg_rhs_adjoint(&c, &s, run->t, run->x, s.stage, adjoint->x);
+}

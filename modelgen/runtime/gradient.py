@@ -1,0 +1,174 @@
+"""The gradient of a number that depends on a run, by going through the run backwards (discrete adjoint)."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Unpack
+
+import numpy as np
+
+from modelgen.codegen.library import Library
+from modelgen.errors import SimulationError, expect
+from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.arguments import check_keywords, with_parameters
+from modelgen.runtime.directions import direction_arrays, directions_of
+from modelgen.runtime.inputs import Inputs
+from modelgen.runtime.sensitivity import Outputs, TangentRun, Verdict, times_of
+from modelgen.runtime.session import Session
+from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
+from modelgen.runtime.tables.ctypes_structures import COTANGENT_ARRAYS, INTEGER, Array, address
+
+KEYWORDS = ("loss", "of", "by", "t", "inputs", "parameters", "accuracy", *STEPPING)
+CROSSING = 5  # numbers of an event function on the tape
+FIRST_CAPACITY = 256  # steps
+
+
+@dataclass(frozen=True)
+class Gradient:
+    """A number and its derivatives."""
+
+    value: float
+    by: tuple[str, ...]
+    gradient: Array  # (n_by,)
+    verdict: Verdict  # along a combination of all directions
+    forward_difference: float
+    """Difference between the derivative along that combination, forward, and the same from the gradient,
+    relative to the sizes of its terms."""
+
+
+def gradient(
+    library: Library,
+    t: Sequence[float] | float,
+    loss: Any,
+    *,
+    of: Sequence[str] | None = None,
+    by: Sequence[str],
+    inputs: Mapping[str, float] | None = None,
+    parameters: Mapping[str, float] | None = None,
+    accuracy: Accuracy | str | None = None,
+    **stepping: Unpack[Stepping],
+) -> Gradient:
+    """Differentiate a number that depends on a run by any number of parameters, at the cost of a few runs.
+
+    The run keeps a copy of its state before each step; cotangents are then taken backwards over steps and
+    events. One forward derivative, along a combination of all directions, gives the verdict and a check.
+
+    Args:
+        library: what `build(emit(derivation, derivatives=True))` returned.
+        t: ascending times, s.
+        loss: a CasADi function of the values (nt, n_of) with one scalar result.
+        of, by, inputs, parameters, accuracy, stepping: as those of `sensitivity`.
+
+    Raises:
+        ModelgenError: as `sensitivity` does, or `loss` is no such function, or the run ends early.
+    """
+    expect("gradient", library, Library)
+    check_keywords("gradient", stepping, KEYWORDS)
+    library = with_parameters(library, parameters)
+    times = times_of(t)
+    session = Session(library, accuracy_of(library.manifest.instance, accuracy, stepping))
+    Inputs(session).update(inputs or {})
+    outputs = Outputs(session, of)
+    shape = len(times), len(outputs.names)
+    check_loss(loss, shape)
+    directions = directions_of(library, by)
+    rows = direction_arrays(library, directions, parameters or {})
+    weights = np.random.default_rng(0).uniform(0.5, 1.0, len(directions))
+    combined = {
+        name: np.ascontiguousarray((weights @ array)[None, :])
+        for name, array in rows.items()
+        if name != "moves_borders"
+    }
+    combined["moves_borders"] = np.array([np.any(rows["moves_borders"])], dtype=INTEGER)
+    run = _TapedRun(session, combined)
+    marks, shown = [], []
+    for time in times:
+        run.go_on(float(time))
+        marks.append(run.steps)
+        shown.append(run.shown(outputs))
+    if run.outcome is not None:
+        found = f"the run ended at t = {float(session.run.t):.6g} s: {run.outcome.name.lower()}"
+        raise SimulationError("gradient", found, "", run.outcome.value)
+    values = np.array([value for value, _, _ in shown])
+    along = np.array([slope[:, 0] for _, slope, _ in shown])
+    number = loss(values)
+    seeds = np.array(loss.reverse(1)(values, number, 1.0)).reshape(shape)
+    bars = run.cotangents(outputs, marks, seeds)
+    terms = [(rows["start"] @ bars["x"]), *(rows[name] @ bars[name] for name in COTANGENT_ARRAYS[1:])]
+    found_gradient = np.sum(terms, axis=0)
+    forward, size = float(np.sum(seeds * along)), float(np.sum(np.abs(seeds * along)))
+    return Gradient(
+        value=float(number),
+        by=tuple(direction.name for direction in directions),
+        gradient=found_gradient,
+        verdict=shown[-1][2],
+        forward_difference=abs(forward - float(weights @ found_gradient)) / size if size else 0.0,
+    )
+
+
+def check_loss(loss: Any, shape: tuple[int, int]) -> None:
+    """Raises SimulationError unless it is a CasADi function from that shape to a scalar."""
+    if not hasattr(loss, "reverse") or (loss.n_in(), loss.n_out()) != (1, 1):
+        raise SimulationError("loss", repr(loss), f"a CasADi function of one matrix of shape {shape}")
+    if loss.size_in(0) != shape or loss.size_out(0) != (1, 1):
+        found = f"a function from {loss.size_in(0)} to {loss.size_out(0)}"
+        raise SimulationError("loss", found, f"a function from {shape} to (1, 1)")
+
+
+class _TapedRun(TangentRun):
+    """A run along one direction that keeps what is needed to go back."""
+
+    def __init__(self, session: Session, arrays: Mapping[str, Array]) -> None:
+        self._capacity = 0
+        self._bytes, self._crossing = np.zeros(0, dtype=np.uint8), np.zeros(0, dtype=INTEGER)
+        super().__init__(session, arrays, 1)
+        self._size = session.shared.checkpoint_size
+        self._tape = session.tables.Tape(0, 0, None, None)
+        self._grow()
+        self._tangent.tape = ctypes.addressof(self._tape)
+
+    def _grow(self) -> None:
+        capacity = max(2 * self._capacity, FIRST_CAPACITY)
+        bytes_ = np.zeros((capacity + 1) * self._size, dtype=np.uint8)
+        crossing = np.zeros(CROSSING * capacity, dtype=INTEGER)
+        bytes_[: len(self._bytes)], crossing[: len(self._crossing)] = self._bytes, self._crossing
+        self._bytes, self._crossing, self._capacity = bytes_, crossing, capacity
+        self._tape.capacity, self._tape.bytes = capacity, address(bytes_)
+        self._tape.crossing = address(crossing)
+
+    @property
+    def steps(self) -> int:
+        """Steps on the tape."""
+        return int(self._tape.count)
+
+    def on_full(self) -> None:
+        if self._tape.count >= self._tape.capacity:
+            self._grow()
+
+    def cotangents(self, outputs: Outputs, marks: Sequence[int], seeds: Array) -> dict[str, Array]:
+        """Derivatives of a number by start and tables, from those by the values at the times of the marks."""
+        session, tables, cdll = self._session, self._session.tables, self._cdll
+        bars = {
+            name: np.zeros(self._arrays["start" if name == "x" else name].shape[1], dtype=tables.dtype)
+            for name in COTANGENT_ARRAYS
+        }
+        memory = self._memory
+        adjoint = tables.Adjoint(*(address(bars[name]) for name in COTANGENT_ARRAYS), *map(address, memory))
+        given, tape = ctypes.byref(adjoint), ctypes.byref(self._tape)
+        end = marks[-1]
+        for mark, seed in zip(reversed(marks), reversed(seeds), strict=True):
+            cdll.mg_go_back(*self._head, tape, ctypes.c_long(end), ctypes.c_long(mark), given, *self._scratch)
+            end = mark
+            sensed = np.zeros(max(session.shared.n_sensor, 1), dtype=tables.dtype)
+            for weight, sensor, state in zip(seed, outputs.sensors, outputs.states, strict=True):
+                if sensor >= 0:
+                    sensed[sensor] += weight
+                else:
+                    bars["x"][state] += weight
+            if np.any(sensed):
+                cdll.mg_sense_adjoint(*self._head, ctypes.c_void_p(address(sensed)), given, *self._scratch)
+        cdll.mg_go_back(*self._head, tape, ctypes.c_long(end), ctypes.c_long(0), given, *self._scratch)
+        cdll.mg_go_back_to_start(*self._head, given, *self._scratch)
+        return bars
