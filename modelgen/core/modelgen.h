@@ -644,6 +644,7 @@ typedef struct {
   long capacity;        /* steps for which there is room */
   long count;           /* steps so far */
   unsigned char *bytes; /* [(capacity + 1) mg_save_size] the run before each step, and after the last */
+  mg_real *slopes;      /* [12 (n_q + n_u + n_eta + 1) capacity] right-hand sides of the stages of each step */
   int *crossing;        /* [5 capacity] event function of each step: kind, contact, constraint, whether it is a blow,
                            reason */
 } mg_tape;

@@ -23,6 +23,7 @@ from modelgen.runtime.tables.ctypes_structures import COTANGENT_ARRAYS, INTEGER,
 KEYWORDS = ("loss", "of", "by", "t", "inputs", "parameters", "accuracy", *STEPPING)
 CROSSING = 5  # numbers of an event function on the tape
 FIRST_CAPACITY = 256  # steps
+SLOPES = 12  # of the stages of a step, on the tape
 
 
 @dataclass(frozen=True)
@@ -123,9 +124,10 @@ class _TapedRun(TangentRun):
     def __init__(self, session: Session, arrays: Mapping[str, Array]) -> None:
         self._capacity = 0
         self._bytes, self._crossing = np.zeros(0, dtype=np.uint8), np.zeros(0, dtype=INTEGER)
+        self._slopes = np.zeros(0, dtype=session.tables.dtype)
         super().__init__(session, arrays, 1)
         self._size = session.shared.checkpoint_size
-        self._tape = session.tables.Tape(0, 0, None, None)
+        self._tape = session.tables.Tape(0, 0, None, None, None)
         self._grow()
         self._tangent.tape = ctypes.addressof(self._tape)
 
@@ -133,10 +135,12 @@ class _TapedRun(TangentRun):
         capacity = max(2 * self._capacity, FIRST_CAPACITY)
         bytes_ = np.zeros((capacity + 1) * self._size, dtype=np.uint8)
         crossing = np.zeros(CROSSING * capacity, dtype=INTEGER)
+        slopes = np.zeros(SLOPES * self._session.n_x * capacity, dtype=self._session.tables.dtype)
         bytes_[: len(self._bytes)], crossing[: len(self._crossing)] = self._bytes, self._crossing
-        self._bytes, self._crossing, self._capacity = bytes_, crossing, capacity
+        slopes[: len(self._slopes)] = self._slopes
+        self._bytes, self._slopes, self._crossing, self._capacity = bytes_, slopes, crossing, capacity
         self._tape.capacity, self._tape.bytes = capacity, address(bytes_)
-        self._tape.crossing = address(crossing)
+        self._tape.slopes, self._tape.crossing = address(slopes), address(crossing)
 
     @property
     def steps(self) -> int:

@@ -84,9 +84,15 @@ MG_API int mg_begin_tangent(const mg_system *system, const mg_settings *settings
   tangent->reason_t = 0, tangent->reason_contact = -1;
   mg_evaluate_run_state(&c);
   mg_settle_eta_tangents(&c, &s, run->t, run->x);
-  mg_project_tangents(&c, &s);
+  mg_project_tangents(&c, &s, run->t, run->x);
   if (mg_is_time_stepping(&c)) mg_doubt_tangent(tangent, MG_BY_TIME_STEPPING, run->t, -1);
   return MG_DONE;
+}
+
+/* Writes the slopes of the stages of a step to a tape. */
+static void mg_store_slopes(const mg_context *c, mg_tape *tape) {
+  const long n = MG_SLOPES_KEPT * (long)c->layout.n_states;
+  memcpy(tape->slopes + n * tape->count, c->step.slopes, (size_t)n * sizeof(mg_real));
 }
 
 /* Carries the derivatives over the step between two states of the run; the events first .. of the list belong to it.
@@ -103,16 +109,21 @@ static void mg_follow_step(const mg_system *system, const mg_settings *settings,
   int reason = run->singular_passages != passages ? MG_BY_SINGULAR_CONTACT : MG_NO_REASON;
   if (mg_is_time_stepping(&c) || run->fallbacks + run->chatters != fallbacks) reason = MG_BY_TIME_STEPPING;
   const int unsure = mg_step_tangent(&c, s, h);
+  if (s->tangent->tape) mg_store_slopes(&c, s->tangent->tape);
   if (!reason) reason = unsure;
-  mg_crossing crossing = mg_find_crossing(&c, events, first);
+  mg_crossing crossing = s->crossing = mg_find_crossing(&c, events, first);
+  if (events->count == first) { /* the modes are those of the step */
+    mg_project_tangents(&c, s, end, c.step.end);
+    mg_doubt_tangent(s->tangent, reason, end, -1);
+    return;
+  }
   mg_differentiate_event(&c, s, &crossing, end);
   mg_copy_states(&c, c.step.end, s->before);
   for (int i = 0; i < system->n_contact; i++) s->closed_before[i] = run->closed[i];
   mg_restore_run(system, run, after);
   mg_open_context(&c, system, settings, run, work, iwork);
-  s->crossing = crossing;
   const int of_event = mg_cross_event(&c, s, &crossing);
-  mg_project_tangents(&c, s);
+  mg_project_tangents(&c, s, run->t, run->x);
   mg_doubt_tangent(s->tangent, reason ? reason : of_event, end, crossing.contact);
 }
 

@@ -14,7 +14,8 @@ static void mg_open_adjoint(const mg_context *c, mg_sensitivity *s, const mg_dir
 
 /* Over one step. `bytes`: the run before it; those after it follow. */
 static void mg_go_back_over_step(const mg_system *system, const mg_settings *settings, mg_run *run, mg_sensitivity *s,
-                                 const unsigned char *bytes, const int *known, mg_real *work, int *iwork) {
+                                 const unsigned char *bytes, const mg_real *slopes, const int *known, mg_real *work,
+                                 int *iwork) {
   mg_context c;
   mg_crossing crossing = {known[0], known[1], known[2], known[3], known[4]};
   const unsigned char *after = bytes + mg_save_size(system);
@@ -23,7 +24,7 @@ static void mg_go_back_over_step(const mg_system *system, const mg_settings *set
   mg_restore_run(system, run, bytes);
   const mg_real h = end - run->t + (roundoff - run->t_roundoff);
   mg_open_context(&c, system, settings, run, work, iwork);
-  mg_step_tangent(&c, s, h);
+  mg_restore_step(&c, s, h, slopes);
   if (crossing.kind == MG_CROSSES_NOTHING && !crossing.blow) mg_project_adjoint(&c, s, end, c.step.end, s->adjoint->x);
   else {
     mg_differentiate_event(&c, s, &crossing, end);
@@ -35,7 +36,7 @@ static void mg_go_back_over_step(const mg_system *system, const mg_settings *set
     const mg_real weight = mg_event_adjoint(&c, s, &crossing, rate, s->adjoint->x);
     mg_restore_run(system, run, bytes);
     mg_open_context(&c, system, settings, run, work, iwork);
-    mg_step_tangent(&c, s, h);
+    mg_restore_step(&c, s, h, slopes);
     if (weight != 0) mg_event_function_adjoint(&c, s, &crossing, end, weight, s->adjoint->x);
   }
   mg_step_adjoint(&c, s, h, s->adjoint->x);
@@ -50,8 +51,8 @@ MG_API void mg_go_back(const mg_system *system, const mg_settings *settings, mg_
   mg_open_context(&c, system, settings, run, work, iwork);
   mg_open_adjoint(&c, &s, &none, &nothing, adjoint);
   for (long k = from - 1; k >= to; k--)
-    mg_go_back_over_step(system, settings, run, &s, tape->bytes + k * mg_save_size(system), tape->crossing + 5 * k,
-                         work, iwork);
+    mg_go_back_over_step(system, settings, run, &s, tape->bytes + k * mg_save_size(system),
+                         tape->slopes + k * MG_SLOPES_KEPT * c.layout.n_states, tape->crossing + 5 * k, work, iwork);
   mg_restore_run(system, run, tape->bytes + to * mg_save_size(system));
 }
 

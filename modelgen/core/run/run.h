@@ -22,6 +22,8 @@ MG_INTERNAL void mg_restore_run(const mg_system *system, mg_run *run, const unsi
 
 /* advance_tangent.c */
 
+#define MG_SLOPES_KEPT 12 /* slopes of a step on a tape: stages of DOP853 */
+
 /* Divides the memory of derivatives along n directions. */
 MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int n, mg_real *work, int *iwork);
 

@@ -151,6 +151,9 @@ MG_INTERNAL void mg_rhs_tangent(mg_context *c, mg_sensitivity *s, int direction,
    end, and its right-hand side in s->slope_before. Returns a reason why the result is not certain, or 0. */
 MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h);
 
+/* The same without directions, from the slopes of the stages. */
+MG_INTERNAL void mg_restore_step(mg_context *c, mg_sensitivity *s, mg_real h, const mg_real *slopes);
+
 MG_INTERNAL mg_explicit_method mg_explicit_method_of(const mg_settings *settings);
 
 /* out = from + h sum of value * slopes for one row; slopes of stages are `stride` apart. */
@@ -163,8 +166,8 @@ MG_INTERNAL void mg_normalise_tangent(const mg_context *c, const mg_real *x, mg_
 /* Derivatives of eta of all contacts from those of the poses. */
 MG_INTERNAL void mg_settle_eta_tangents(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x);
 
-/* Removes from the derivatives what the held rows forbid. Needs rows and forces at the run's state. */
-MG_INTERNAL void mg_project_tangents(mg_context *c, mg_sensitivity *s);
+/* Removes from the derivatives what the held rows forbid. Needs the right-hand side at (t, x). */
+MG_INTERNAL void mg_project_tangents(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x);
 
 /* event_tangent.c */
 
@@ -244,7 +247,7 @@ MG_INTERNAL void mg_settle_eta_adjoint(mg_context *c, mg_sensitivity *s, mg_real
 /* Needs the right-hand side at (t, x). */
 MG_INTERNAL void mg_project_adjoint(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x, mg_real *x_bar);
 
-/* Needs mg_step_tangent without directions. */
+/* Needs mg_restore_step. */
 MG_INTERNAL void mg_step_adjoint(mg_context *c, mg_sensitivity *s, mg_real h, mg_real *x_bar);
 
 /* event_adjoint.c */

@@ -93,12 +93,41 @@ static int mg_turns_slip_onset(const mg_context *c, const mg_sensitivity *s) {
   return 0;
 }
 
+/* Evaluates the state of the run, and lets slip begin as at the start of its step. */
+static void mg_begin_step_again(mg_context *c) {
+  mg_evaluate_run_state(c);
+  if (c->system->n_friction) mg_begin_step_friction(c), mg_begin_step_patch_friction(c);
+}
+
+/* End of the step from the slopes of the stages. */
+static void mg_end_step_again(mg_context *c, const mg_explicit_method *method, mg_real h) {
+  mg_combine_stages(method, method->stages, c->layout.n_states, c->layout.n_states, h, c->run->x, c->step.slopes,
+                    c->step.end);
+}
+
+/* Settles the end of the step, and evaluates its right-hand side. */
+static void mg_settle_step_end(mg_context *c, mg_sensitivity *s, mg_real t) {
+  mg_normalise_quaternions(c, c->step.end);
+  mg_place_all_contacts(c, t, c->step.end);
+  mg_settle_eta_tangents(c, s, t, c->step.end);
+  mg_right_hand_side(c, t, c->step.end, s->slope_before);
+  mg_update_gap_rates(c);
+  mg_gather_wrenches(c, s, t);
+}
+
+MG_INTERNAL void mg_restore_step(mg_context *c, mg_sensitivity *s, mg_real h, const mg_real *slopes) {
+  const mg_explicit_method method = mg_explicit_method_of(c->settings);
+  mg_begin_step_again(c);
+  for (long i = 0; i < (long)method.stages * c->layout.n_states; i++) c->step.slopes[i] = slopes[i];
+  mg_end_step_again(c, &method, h);
+  mg_settle_step_end(c, s, c->run->t + h);
+}
+
 MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h) {
   const mg_explicit_method method = mg_explicit_method_of(c->settings);
   const int n = s->directions->n, states = c->layout.n_states;
   const mg_real t = c->run->t, *x = c->run->x;
-  mg_evaluate_run_state(c);
-  if (c->system->n_friction) mg_begin_step_friction(c), mg_begin_step_patch_friction(c);
+  mg_begin_step_again(c);
   int reason = mg_uncertain_step(c, h);
   for (int stage = 0; stage < method.stages; stage++) {
     const mg_real time = t + method.time[stage] * h;
@@ -112,20 +141,15 @@ MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h) {
       mg_rhs_tangent(c, s, j, time, c->step.stage, s->stage, s->slopes + ((long)stage * n + j) * states);
     }
   }
-  mg_combine_stages(&method, method.stages, states, states, h, x, c->step.slopes, c->step.end);
+  mg_end_step_again(c, &method, h);
   for (int j = 0; j < n; j++) {
     mg_real *dx = s->tangent->x + (long)j * states;
     mg_combine_stages(&method, method.stages, states, (long)n * states, h, dx, s->slopes + (long)j * states, s->stage);
     mg_copy_states(c, s->stage, dx);
     mg_normalise_tangent(c, c->step.end, dx);
   }
-  mg_normalise_quaternions(c, c->step.end);
-  mg_place_all_contacts(c, t + h, c->step.end);
-  mg_settle_eta_tangents(c, s, t + h, c->step.end);
-  mg_right_hand_side(c, t + h, c->step.end, s->slope_before);
-  mg_update_gap_rates(c);
-  mg_gather_wrenches(c, s, t + h);
-  for (int j = 0; j < n && !reason && c->system->n_friction; j++) {
+  mg_settle_step_end(c, s, t + h);
+  for (int j = 0; j < n && !reason && mg_has_slip_onset(c); j++) {
     mg_rhs_tangent(c, s, j, t + h, c->step.end, s->tangent->x + (long)j * states, s->stage);
     if (mg_turns_slip_onset(c, s)) reason = MG_BY_SLIP_ONSET;
   }
@@ -150,17 +174,17 @@ static void mg_add_correction(const mg_context *c, const mg_real *x, int of_velo
   }
 }
 
-MG_INTERNAL void mg_project_tangents(mg_context *c, mg_sensitivity *s) {
+MG_INTERNAL void mg_project_tangents(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x) {
   if (!c->settings->project) return;
-  mg_gather_wrenches(c, s, c->run->t);
+  mg_gather_wrenches(c, s, t);
   for (int j = 0; j < s->directions->n; j++) {
     mg_real *dx = s->tangent->x + (long)j * c->layout.n_states;
-    mg_rhs_tangent(c, s, j, c->run->t, c->run->x, dx, s->stage);
+    mg_rhs_tangent(c, s, j, t, x, dx, s->stage);
     mg_solve_row_correction(c, c->run->closed, s->at.value);
-    mg_add_correction(c, c->run->x, 0, dx);
+    mg_add_correction(c, x, 0, dx);
     mg_solve_row_correction(c, c->run->closed, s->at.rate);
-    mg_add_correction(c, c->run->x, 1, dx);
+    mg_add_correction(c, x, 1, dx);
   }
   mg_zero_reals(c->bodies.wrench, 6L * c->system->n_body);
-  mg_settle_eta_tangents(c, s, c->run->t, c->run->x);
+  mg_settle_eta_tangents(c, s, t, x);
 }

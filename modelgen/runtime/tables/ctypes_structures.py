@@ -289,7 +289,7 @@ class Tables:
         self.Tape = structure(
             "Tape",
             [(n, ctypes.c_long) for n in ("capacity", "count")]
-            + [(n, pointer) for n in ("bytes", "crossing")],
+            + [(n, pointer) for n in ("bytes", "slopes", "crossing")],
         )
         self.Adjoint = structure("Adjoint", [(n, pointer) for n in (*COTANGENT_ARRAYS, "work", "iwork")])
         self.Controller = structure(
