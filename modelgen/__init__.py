@@ -3,7 +3,7 @@
 The verbs are read -> require -> derive -> emit -> build -> simulate, with one value between two of them.
 Their modules load when a verb is first asked for.
 `start` begins a run that its caller drives, step by step, in place of `simulate`.
-`sensitivity` runs a scene and differentiates what it shows.
+`sensitivity` runs a scene and differentiates what it shows, `gradient` a number that depends on it.
 `measure` finds what accuracy of a scene costs, `tune` picks a setting from that.
 `normal_rates` gives the rates of the contact normals at the samples of a trajectory.
 `record_of` joins a trajectory and its library to what `save` writes, `load` reads and `draw` draws.
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from modelgen.runtime.batch import simulate_batch as simulate_batch
     from modelgen.runtime.closest_points import closest_points as closest_points
     from modelgen.runtime.distance_minima import distance_minima as distance_minima
+    from modelgen.runtime.gradient import gradient as gradient
     from modelgen.runtime.sensitivity import sensitivity as sensitivity
     from modelgen.runtime.simulate import simulate as simulate
     from modelgen.runtime.simulation import start as start
@@ -48,6 +49,7 @@ __all__ = [
     "distance_minima",
     "draw",
     "emit",
+    "gradient",
     "linearise",
     "load",
     "measure",
@@ -75,6 +77,7 @@ _HOMES = {
     "start_many": "modelgen.runtime.simulations",
     "closest_points": "modelgen.runtime.closest_points",
     "distance_minima": "modelgen.runtime.distance_minima",
+    "gradient": "modelgen.runtime.gradient",
     "sensitivity": "modelgen.runtime.sensitivity",
     "simulate_batch": "modelgen.runtime.batch",
     "linearise": "modelgen.linearisation.equilibrium_and_modes",

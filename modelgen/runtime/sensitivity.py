@@ -254,6 +254,10 @@ class TangentRun:
         self._code = code
         return self
 
+    def state_derivatives(self) -> Array:
+        """(n_by, n_x) derivatives of the present state: the core's own array."""
+        return self._dx
+
     def on_full(self) -> None:
         """Make room where the core has none left."""
 
