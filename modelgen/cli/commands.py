@@ -17,6 +17,7 @@ from modelgen.cli.options import (
     AsJson,
     At,
     Brief,
+    Derivatives,
     Estimated,
     Fallback,
     Form,
@@ -65,6 +66,7 @@ from modelgen.cli.pipeline import (
     run_scene,
     run_settings,
 )
+from modelgen.cli.sensitivity import sensitivity
 
 app = typer.Typer(
     help="From a scene file to a compiled model of rigid bodies in smooth contact, and its trajectory.",
@@ -106,12 +108,13 @@ def build(
     real: RealName = None,
     form: Form = None,
     main: MainFile = None,
+    derivatives: Derivatives = False,
     as_json: AsJson = False,
 ) -> None:
     """Generate and compile the library of a scene; compiles nothing that is already there."""
     name = read_main(main)
     what = read_scene(scene, form)
-    library = build_scene(what, out or folder_of(what, form), read_option("real", real))
+    library = build_scene(what, out or folder_of(what, form), read_option("real", real), derivatives)
     program = None if name is None else write_main(library, name)
     manifest = library.manifest
     facts = {
@@ -174,6 +177,7 @@ def linearise(scene: SceneFile, form: Form = None, as_json: AsJson = False) -> N
 app.command()(measure)
 app.command()(tune)
 app.command()(manual)
+app.command()(sensitivity)
 
 
 @app.command()

@@ -79,6 +79,7 @@ RealName = Annotated[
     str | None,
     typer.Option(help="the real type of the library; default: the scene's own", metavar=_among(REALS)),
 ]
+Derivatives = Annotated[bool, typer.Option(help="with derivatives of runs (mg_advance_tangent)")]
 MainFile = Annotated[
     str | None,
     typer.Option(help="write a C program of the run beside the generated C, such as run.c", metavar="NAME.c"),

@@ -63,16 +63,18 @@ def _no_place(folder: Path, found: str) -> ModelgenError:
     return ModelgenError(str(folder), found, allowed, remedy)
 
 
-def build_scene(scene: Scene, folder: Path, real: str | None = None) -> Library:
+def build_scene(scene: Scene, folder: Path, real: str | None = None, derivatives: bool = False) -> Library:
     check_folder(folder)
-    return build_derivation(derive_scene(scene), folder, real)
+    return build_derivation(derive_scene(scene), folder, real, derivatives)
 
 
-def build_derivation(derivation: Derivation, folder: Path, real: str | None = None) -> Library:
+def build_derivation(
+    derivation: Derivation, folder: Path, real: str | None = None, derivatives: bool = False
+) -> Library:
     check_folder(folder)
     with progress("compiling"):
         try:
-            return modelgen.build(modelgen.emit(derivation), real=real, folder=folder)
+            return modelgen.build(modelgen.emit(derivation, derivatives), real=real, folder=folder)
         except OSError as cause:
             raise _no_place(folder, f"it cannot be written: {cause.strerror}") from cause
 
@@ -80,7 +82,7 @@ def build_derivation(derivation: Derivation, folder: Path, real: str | None = No
 def run_scene(path: Path, form: str | None, settings: dict[str, Any]) -> tuple[Trajectory, Library]:
     """Build a scene and run it with keywords of `simulate`. If the start is refused, a new folder is removed
     again."""
-    with _removed_if_refused(_folder(scene_name(path.name), form)) as folder:
+    with removed_if_refused(_folder(scene_name(path.name), form)) as folder:
         library = _known_or_built(path, form, folder)
         with progress("simulating") as report:
             trajectory = modelgen.simulate(library, on_progress=report, **settings)
@@ -102,7 +104,7 @@ def _known_or_built(path: Path, form: str | None, folder: Path) -> Library:
 def linearise_scene(path: Path, form: str | None) -> Linearised:
     """The small motions of a scene. If there is no equilibrium, a new folder is removed again."""
     scene = read_scene(path, form)
-    with _removed_if_refused(folder_of(scene, form)) as folder:
+    with removed_if_refused(folder_of(scene, form)) as folder:
         derivation = derive_scene(scene)
         library = build_derivation(derivation, folder)
         with progress("linearising"):
@@ -110,7 +112,7 @@ def linearise_scene(path: Path, form: str | None) -> Linearised:
 
 
 @contextmanager
-def _removed_if_refused(folder: Path) -> Iterator[Path]:
+def removed_if_refused(folder: Path) -> Iterator[Path]:
     made = [path for path in (folder, *folder.parents) if not path.exists()]
     try:
         yield folder

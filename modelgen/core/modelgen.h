@@ -688,7 +688,8 @@ MG_API long mg_sensitivity_int_size(const mg_system *system);
 MG_API int mg_begin_tangent(const mg_system *system, const mg_settings *settings, mg_run *run,
                             const mg_directions *directions, mg_tangent *tangent, mg_real *work, int *iwork);
 
-/* As mg_advance, with the derivatives of the state. The run is the same to the last bit. Returns MG_LIST_FULL as well
+/* As mg_advance, with the derivatives of the state. The run is the same to the last bit, but for more and shorter steps
+   to an instant at which slip dies whose direction changes. Returns MG_LIST_FULL as well
    where the tape has no room for another step. */
 MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settings, mg_run *run,
                               const mg_directions *directions, mg_tangent *tangent, mg_real t_stop, long max_steps,

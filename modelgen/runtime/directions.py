@@ -147,21 +147,29 @@ def _table_derivatives(library: Library, name: str, parameters: Mapping[str, flo
         return np.concatenate([np.asarray(tables[key], dtype=float) for key in keys])
 
     keys = (*TABLES, "gravity", "start")
-    flat = extrapolated(read, step) if step > 0 else _one_sided(read, value, low, high)
+    flat = _derivative(read, step, value, low, high)
     sizes = [len(_tables(library)[key]) for key in keys]
     return dict(zip(keys, np.split(flat, np.cumsum(sizes)[:-1]), strict=True))
 
 
-def _one_sided(read: Callable[[float], Array], value: float, low: float, high: float) -> Array:
-    """The same at an end of the range of the parameter, from within it."""
-    step = min(RELATIVE_STEP * (abs(value) or 1.0), (high - low) / 2)
-    sign = 1.0 if value <= low else -1.0
+def _derivative(read: Callable[[float], Array], step: float, value: float, low: float, high: float) -> Array:
+    """By central differences; at the end of what the parameter or the scene permits, by those of one side."""
+    whole = min(RELATIVE_STEP * (abs(value) or 1.0), high - low)
+    try:
+        return extrapolated(read, step) if step > 0 else _one_sided(read, whole if value <= low else -whole)
+    except SimulationError:
+        try:
+            return _one_sided(read, -whole)
+        except SimulationError:
+            return _one_sided(read, whole)
+
+
+def _one_sided(read: Callable[[float], Array], step: float) -> Array:
+    """Derivative at 0 by differences with steps step, step/2, .., extrapolated to zero."""
     at_start = read(0.0)
-    table: list[Array] = [
-        (read(sign * step / 2**k) - at_start) / (sign * step / 2**k) for k in range(2 * LEVELS)
-    ]
+    table: list[Array] = [(read(step / 2**k) - at_start) / (step / 2**k) for k in range(2 * LEVELS)]
     for order in range(1, len(table)):
-        table = [(2**order * b - a) / (2**order - 1) for a, b in pairwise(table)]
+        table = [(2.0**order * b - a) / (2.0**order - 1) for a, b in pairwise(table)]
     return table[0]
 
 

@@ -182,6 +182,12 @@ class Outputs:
                 names.append(components[at] if name in sensors else f"{name}_{'xyz'[k]}")
         self.names = tuple(names)
 
+    def values(self, session: Session) -> Array:
+        """(n_of,) at the state of a session."""
+        session.sense()
+        pairs = zip(self.sensors, self.states, strict=True)
+        return np.array([session.sensed[i] if i >= 0 else session.x[j] for i, j in pairs], dtype=float)
+
 
 def _states_of(body: Mapping[str, Any], n_q: int) -> list[tuple[str, int]]:
     if body["motion"] not in ("point", "free"):
@@ -264,14 +270,13 @@ class TangentRun:
     def shown(self, outputs: Outputs) -> tuple[Array, Array, Verdict]:
         """Values (n_of,), derivatives (n_of, n_by), verdict."""
         session, n_sensor = self._session, self._session.shared.n_sensor
-        session.sense()
         sensed = np.zeros((self._n, max(n_sensor, 1)), dtype=session.tables.dtype)
         if n_sensor and self._n:
             self._cdll.mg_sense_tangent(
                 *self._head, *self._given, ctypes.c_void_p(address(sensed)), *self._scratch
             )
         pairs = list(zip(outputs.sensors, outputs.states, strict=True))
-        value = np.array([session.sensed[i] if i >= 0 else session.x[j] for i, j in pairs], dtype=float)
+        value = outputs.values(session)
         jacobian = np.array([sensed[:, i] if i >= 0 else self._dx[:, j] for i, j in pairs], dtype=float)
         if self._code:
             value[:], jacobian[:] = np.nan, np.nan

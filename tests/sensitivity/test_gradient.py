@@ -15,6 +15,7 @@ from tests.sensitivity.test_differences import moving
 from tests.stories.test_parameters import NUMBERS, with_parameter
 
 SLOPPY = ("cube_toss", "painleve_rod", "sliding_puck", "ellipsoids_in_bowl", "gears")  # not differentiable
+NUMBER = 1e-3  # the numbers of these scenes are larger, but for a few
 ALIKE = 1e-10  # of the largest derivative; both are sums of the same numbers in another order
 
 
@@ -47,7 +48,8 @@ def test_backward_equals_forward_by_numbers_of_a_scene(case: str) -> None:
     found = gradient(library, [0.25], loss, of=of, by=["number"])
     expected = 2 * np.einsum("ij,ijk->k", forward.value, forward.jacobian)
     size = 2 * np.sum(np.abs(forward.value * forward.jacobian[:, :, 0]))
-    assert abs(found.gradient[0] - expected[0]) <= ALIKE * size
+    rounding = 1e-14 * np.sum(forward.value**2) / NUMBER  # where all parts of the derivative cancel
+    assert abs(found.gradient[0] - expected[0]) <= ALIKE * size + rounding
 
 
 def test_a_loss_that_is_no_function_of_the_values_is_refused() -> None:

@@ -22,7 +22,7 @@ static long mg_sensitivity_rows(const mg_system *s) { return s->n_contact + 1L +
 MG_API long mg_sensitivity_size(const mg_system *s, int n) {
   const long states = (long)s->n_q + s->n_u + s->n_eta + 1;
   return 2 * mg_count_reals(mg_save_size(s), 1) + mg_count_reals(1, sizeof(mg_blow)) + 36L * s->n_body +
-         4 * mg_sensitivity_rows(s) + s->n_friction_row + (12L * (n ? n : 1) + 3) * states + 3 * mg_packed_size(s) +
+         4 * mg_sensitivity_rows(s) + s->n_friction_row + (12L * (n ? n : 1) + n + 3) * states + 3 * mg_packed_size(s) +
          18 + n + 1 + 2L * s->n_pair + 6L * s->n_joint;
 }
 
@@ -55,6 +55,7 @@ static void mg_open_tangent(const mg_context *c, mg_sensitivity *s, const mg_dir
   *before = mg_take_memory(&work, mg_save_size(c->system), 1),
   *after = mg_take_memory(&work, mg_save_size(c->system), 1);
   s->directions = directions, s->tangent = tangent, s->adjoint = 0;
+  s->start = mg_take_reals(&work, (long)directions->n * c->layout.n_states);
   mg_open_sensitivity(c, s, directions->n, work, tangent->iwork);
 }
 
@@ -97,9 +98,9 @@ static void mg_store_slopes(const mg_context *c, mg_tape *tape) {
 
 /* Carries the derivatives over the step between two states of the run; the events first .. of the list belong to it.
    Leaves the run as it is after the step. */
-static void mg_follow_step(const mg_system *system, const mg_settings *settings, mg_run *run, mg_sensitivity *s,
-                           const unsigned char *before, const unsigned char *after, const mg_events *events, int first,
-                           mg_real *work, int *iwork) {
+static int mg_follow_step(const mg_system *system, const mg_settings *settings, mg_run *run, mg_sensitivity *s,
+                          const unsigned char *before, const unsigned char *after, const mg_events *events, int first,
+                          mg_real *work, int *iwork) {
   mg_context c;
   const mg_real end = run->t, roundoff = run->t_roundoff;
   const long passages = run->singular_passages, fallbacks = run->fallbacks + run->chatters;
@@ -114,8 +115,7 @@ static void mg_follow_step(const mg_system *system, const mg_settings *settings,
   mg_crossing crossing = s->crossing = mg_find_crossing(&c, events, first);
   if (events->count == first) { /* the modes are those of the step */
     mg_project_tangents(&c, s, end, c.step.end);
-    mg_doubt_tangent(s->tangent, reason, end, -1);
-    return;
+    return reason;
   }
   mg_differentiate_event(&c, s, &crossing, end);
   mg_copy_states(&c, c.step.end, s->before);
@@ -124,7 +124,7 @@ static void mg_follow_step(const mg_system *system, const mg_settings *settings,
   mg_open_context(&c, system, settings, run, work, iwork);
   const int of_event = mg_cross_event(&c, s, &crossing);
   mg_project_tangents(&c, s, run->t, run->x);
-  mg_doubt_tangent(s->tangent, reason ? reason : of_event, end, crossing.contact);
+  return reason ? reason : of_event;
 }
 
 /* Writes a step to a tape. */
@@ -144,6 +144,28 @@ static int mg_has_state_jump(const mg_context *c, const mg_real *before) {
   return 0;
 }
 
+/* Approach to an instant at which slip dies: the derivative of its direction is the quotient of two numbers that both
+   vanish there, so that steps towards it are halved again and again. */
+typedef struct {
+  mg_real end;   /* the instant, s */
+  mg_real least; /* the last step, s */
+} mg_approach;
+
+#define MG_APPROACH_HALVINGS 30
+
+/* Where the next step is to end at the latest. */
+static mg_real mg_approach_stop(const mg_approach *a, mg_real t, mg_real t_stop) {
+  return a->end - t > a->least ? fmin(t + (a->end - t) / 2, t_stop) : t_stop;
+}
+
+/* Begins the approach to the end of a step; returns 0 if that was the last step of one. */
+static int mg_begin_approach(mg_approach *a, mg_real t, mg_real end) {
+  const mg_real least = ldexp(end - t, -MG_APPROACH_HALVINGS);
+  if (a->least > 0 && fabs(a->end - end) <= 2 * a->least) return 0;
+  a->end = end, a->least = least;
+  return least > 0;
+}
+
 MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settings, mg_run *run,
                               const mg_directions *directions, mg_tangent *tangent, mg_real t_stop, long max_steps,
                               mg_record *record, mg_events *events, mg_real *work, int *iwork) {
@@ -157,18 +179,30 @@ MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settin
   int outcome = mg_advance(system, settings, run, t_stop, 0, record, events, work, iwork); /* inputs take effect */
   mg_open_context(&c, system, settings, run, work, iwork);
   if (mg_has_state_jump(&c, s.before)) mg_doubt_tangent(tangent, MG_BY_JUMP, run->t, -1);
+  mg_approach approach = {0, 0};
+  const long n_dx = (long)directions->n * c.layout.n_states;
   for (long step = 0; outcome == MG_CONTINUE; step++) {
     mg_tape *tape = tangent->tape;
     if (step >= max_steps) return MG_CONTINUE;
     if (tape && tape->count >= tape->capacity) return MG_LIST_FULL;
-    const int first = events->count;
+    const int first = events->count, recorded = record->count, counted = tangent->count;
     const long steps = run->steps;
-    const mg_real t = run->t;
+    const mg_real t = run->t, stop = mg_approach_stop(&approach, t, t_stop);
     mg_store_run(system, run, before);
-    outcome = mg_advance(system, settings, run, t_stop, 1, record, events, work, iwork);
+    memcpy(s.start, tangent->x, (size_t)n_dx * sizeof(mg_real));
+    outcome = mg_advance(system, settings, run, stop, 1, record, events, work, iwork);
+    if (outcome == MG_DONE && stop < t_stop) outcome = MG_CONTINUE;
     if (run->steps == steps && run->t == t && events->count == first) continue;
     mg_store_run(system, run, after);
-    mg_follow_step(system, settings, run, &s, before, after, events, first, work, iwork);
+    const mg_real end = run->t;
+    const int reason = mg_follow_step(system, settings, run, &s, before, after, events, first, work, iwork);
+    if (reason == MG_BY_SLIP_STOP && outcome <= MG_CONTINUE && mg_begin_approach(&approach, t, end)) {
+      mg_restore_run(system, run, before);
+      memcpy(tangent->x, s.start, (size_t)n_dx * sizeof(mg_real));
+      events->count = first, record->count = recorded, tangent->count = counted, outcome = MG_CONTINUE;
+      continue;
+    }
+    mg_doubt_tangent(tangent, reason, end, s.crossing.kind == MG_CROSSES_NOTHING ? -1 : s.crossing.contact);
     mg_restore_run(system, run, after);
     if (tape) mg_store_step(system, tape, &s, before, after);
   }

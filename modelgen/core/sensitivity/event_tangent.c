@@ -172,14 +172,24 @@ static void mg_shift_by_event_times(const mg_context *c, mg_sensitivity *s, cons
   }
 }
 
+/* Sum of the sizes of the parts of the derivative of a row's rate that velocities make. */
+static mg_real mg_rate_tangent_size(const mg_context *c, const mg_sensitivity *s, int row) {
+  mg_real sum = 0;
+  for (int k = 0; k < 6; k++)
+    sum += fabs(c->rows.J[12 * row + k] * s->at.twist[6 * c->contacts.o[row] + k]) +
+           fabs(c->rows.J[12 * row + 6 + k] * s->at.twist[6 * c->contacts.f[row] + k]);
+  return sum;
+}
+
 /* True if slip that ends at the event would not end in a changed run: it is left with a part across its direction. */
 static int mg_leaves_slip_across(mg_context *c, mg_sensitivity *s, const mg_crossing *crossing) {
   const int row = mg_first_friction_row(c, crossing->contact, crossing->constraint);
   if (mg_friction_row_count(c, crossing->constraint) < 2) return 0;
   for (int j = 0; j < s->directions->n; j++) {
     mg_rhs_tangent(c, s, j, c->run->t, c->run->x, s->tangent->x + (long)j * c->layout.n_states, s->stage);
-    const mg_real left = sqrt(mg_dot2(s->at.rate + row, s->at.rate + row)), rate = fabs(s->event_rate[j]);
-    if (left > sqrt(c->settings->slip_speed) * (rate + MG_EPS * c->system->length / c->system->time)) return 1;
+    const mg_real left = sqrt(mg_dot2(s->at.rate + row, s->at.rate + row)),
+                  size = mg_rate_tangent_size(c, s, row) + mg_rate_tangent_size(c, s, row + 1);
+    if (left > sqrt(c->settings->slip_speed) * (fabs(s->event_rate[j]) + size)) return 1;
   }
   return 0;
 }

@@ -102,24 +102,23 @@ static void mg_slip_ratio_adjoint(mg_context *c, mg_sensitivity *s, int contact,
             first = row - c->layout.friction_row_begin;
   const mg_real *mu = c->system->friction_kinetic + 2 * constraint, *ratio = c->friction.force_ratio + first,
                 *slip = c->rows.d_dot + row;
-  const mg_real least = 2 * mg_slip_velocity_tolerance(c, constraint);
   mg_real *mu_bar = s->adjoint->friction_kinetic + 2 * constraint, *bar = s->at.ratio + first;
   for (int k = 0; k < rows; k++) bar[k] -= c->solution.force[contact] * mg_wrench_along_row(c, row + k, s->at.wrench);
   if (rows == 1) {
     mu_bar[0] += ratio[0] < 0 ? -bar[0] : bar[0];
     return;
   }
-  const mg_real size = sqrt(slip[0] * slip[0] + slip[1] * slip[1]);
+  const int turns = mg_is_turned_by_slip(c, constraint, slip);
   mg_real along[2], v[2], v_bar[2];
   for (int k = 0; k < 2; k++)
-    along[k] = size > least ? slip[k] : mu[k] > 0 ? ratio[k] / (mu[k] * mu[k]) : 0, v[k] = mu[k] * along[k];
+    along[k] = turns ? slip[k] : mu[k] > 0 ? ratio[k] / (mu[k] * mu[k]) : 0, v[k] = mu[k] * along[k];
   const mg_real n = sqrt(v[0] * v[0] + v[1] * v[1]), turned = v[0] * ratio[0] + v[1] * ratio[1] < 0 ? -1 : 1;
   if (!(n > 0)) return;
   const mg_real mixed = (mu[0] * v[0] * bar[0] + mu[1] * v[1] * bar[1]) / (n * n);
   for (int k = 0; k < 2; k++) {
     v_bar[k] = turned * (mu[k] * bar[k] - v[k] * mixed) / n;
     mu_bar[k] += turned * bar[k] * v[k] / n + v_bar[k] * along[k];
-    if (size > least) s->at.rate[row + k] += v_bar[k] * mu[k];
+    if (turns) s->at.rate[row + k] += v_bar[k] * mu[k];
   }
 }
 

@@ -3,6 +3,7 @@
    derivatives of the forces then follow from the equations of the forces themselves, (J M^-1 J^T) df = -(J da_free +
    d(J a + gamma)), with the matrix of the state. Writes s->at. */
 #include "sensitivity/sensitivity.h"
+#include "base/base.h"
 #include "model/model.h"
 #include "forces/forces.h"
 
@@ -43,6 +44,10 @@ MG_INTERNAL void mg_gather_wrenches(mg_context *c, mg_sensitivity *s, mg_real t)
     if (c->solution.force[i] != 0) mg_add_row_wrench(c, i, c->solution.force[i], s->wrench);
 }
 
+MG_INTERNAL int mg_is_turned_by_slip(const mg_context *c, int constraint, const mg_real *slip) {
+  return sqrt(mg_dot2(slip, slip)) > 2 * mg_slip_velocity_tolerance(c, constraint);
+}
+
 /* Derivative of the force ratios of a slipping constraint, and the wrench of its part that does not depend on the
    derivative of the normal force. Needs the derivatives of its slip. */
 static void mg_slip_ratio_tangent(mg_context *c, mg_sensitivity *s, int direction, int contact, int constraint) {
@@ -50,7 +55,6 @@ static void mg_slip_ratio_tangent(mg_context *c, mg_sensitivity *s, int directio
             first = row - c->layout.friction_row_begin;
   const mg_real *mu = c->system->friction_kinetic + 2 * constraint, *ratio = c->friction.force_ratio + first,
                 *slip = c->rows.d_dot + row;
-  const mg_real least = 2 * mg_slip_velocity_tolerance(c, constraint);
   mg_real mu_dot[2];
   for (int k = 0; k < 2; k++)
     mu_dot[k] =
@@ -58,13 +62,13 @@ static void mg_slip_ratio_tangent(mg_context *c, mg_sensitivity *s, int directio
   if (rows == 1) {
     s->at.ratio[first] = ratio[0] < 0 ? -mu_dot[0] : mu_dot[0];
   } else {
-    const mg_real size = sqrt(slip[0] * slip[0] + slip[1] * slip[1]);
+    const int turns = mg_is_turned_by_slip(c, constraint, slip);
     mg_real along[2], along_dot[2] = {0, 0}, v[2], v_dot[2];
-    for (int k = 0; k < 2; k++) /* below the tolerance, slip has the direction in which it begins */
-      along[k] = size > least ? slip[k]
-                 : mu[k] > 0  ? ratio[k] / (mu[k] * mu[k])
-                              : 0,
-      along_dot[k] = size > least ? s->at.rate[row + k] : 0;
+    for (int k = 0; k < 2; k++)
+      along[k] = turns       ? slip[k]
+                 : mu[k] > 0 ? ratio[k] / (mu[k] * mu[k])
+                             : 0,
+      along_dot[k] = turns ? s->at.rate[row + k] : 0;
     for (int k = 0; k < 2; k++) v[k] = mu[k] * along[k], v_dot[k] = mu_dot[k] * along[k] + mu[k] * along_dot[k];
     const mg_real n = sqrt(v[0] * v[0] + v[1] * v[1]), turned = v[0] * ratio[0] + v[1] * ratio[1] < 0 ? -1 : 1;
     for (int k = 0; k < 2; k++)

@@ -107,6 +107,7 @@ typedef struct {
   mg_real *pair;         /* [2 n_pair] of gap and force of each pair, as sensors show them */
   mg_real *joint;        /* [6 n_joint] of the wrenches of joints */
   mg_blow *blow;         /* the blow of the event */
+  mg_real *start;        /* [n n_states] derivatives before the step */
   int *closed_before;    /* [n_contact] closed before the event */
   mg_crossing crossing;  /* of the step treated last */
   mg_real t_dot;         /* derivative of the time in the direction looked at: 1 of time itself */
@@ -139,6 +140,9 @@ MG_INTERNAL mg_real mg_number_dot(const mg_sensitivity *s, const mg_real *array,
 
 /* Wrench of loads and of all rows on each body, at the state that mg_right_hand_side evaluated last. */
 MG_INTERNAL void mg_gather_wrenches(mg_context *c, mg_sensitivity *s, mg_real t);
+
+/* True if the friction of a slipping constraint follows its slip: not while that begins or has almost ended. */
+MG_INTERNAL int mg_is_turned_by_slip(const mg_context *c, int constraint, const mg_real *slip);
 
 /* Derivative slope of the right-hand side along a direction, of which dx is that of the state. Needs
    mg_right_hand_side at (t, x), then mg_gather_wrenches. Leaves s->at. */
@@ -260,6 +264,8 @@ MG_INTERNAL void mg_event_function_adjoint(mg_context *c, mg_sensitivity *s, con
    Returns the cotangent of the event function. */
 MG_INTERNAL mg_real mg_event_adjoint(mg_context *c, mg_sensitivity *s, const mg_crossing *crossing, mg_real rate,
                                      mg_real *x_bar);
+
+/* impact_adjoint.c */
 
 /* Over a blow that mg_recover_impulses has found. */
 MG_INTERNAL void mg_blow_adjoint(mg_context *c, mg_sensitivity *s, mg_real *x_bar);

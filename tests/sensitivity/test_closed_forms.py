@@ -1,0 +1,209 @@
+"""Derivatives of runs whose motion is known in closed form, differentiated by a complex step."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import pytest
+
+from modelgen import sensitivity
+from modelgen.codegen.library import Library
+from modelgen.scene.read import read_text
+from tests.sensitivity.differences import differentiable
+
+G, R = 9.81, 0.1
+FLOOR = """
+gravity = [0.0, 0.0, -9.81]
+[[body]]
+name = "floor"
+motion = "fixed"
+shape = { kind = "plane" }
+"""
+
+
+def built(text: str, parameters: dict[str, float]) -> Library:
+    tables = "".join(
+        f'[[parameter]]\nname = "{name}"\nvalue = {value}\n' for name, value in parameters.items()
+    )
+    return differentiable(read_text(text + tables, "scene.toml"))
+
+
+def complex_step(function: Callable[..., complex], values: Sequence[float]) -> np.ndarray:
+    """The gradient of a function that is analytic near real arguments."""
+    found = []
+    for k in range(len(values)):
+        moved = [complex(value, 1e-30 if i == k else 0.0) for i, value in enumerate(values)]
+        found.append(function(*moved).imag / 1e-30)
+    return np.array(found)
+
+
+BALL = (
+    FLOOR
+    + """
+[[body]]
+name = "ball"
+shape = { kind = "sphere", radius = 0.1 }
+mass = 2.0
+inertia = [0.008, 0.008, 0.008]
+position = [0.0, 0.0, "high"]
+velocity = [0.3, 0.0, "up"]
+
+[[contact]]
+between = ["ball", "floor"]
+restitution = "bounce"
+"""
+)
+
+
+def thrown(high: complex, up: complex, bounce: complex, t: float) -> tuple[complex, complex, complex]:
+    """Height and velocity after one bounce, and its time."""
+    speed = np.sqrt(up * up + 2 * G * (high - R))
+    strikes = (up + speed) / G
+    later = t - strikes
+    return R + bounce * speed * later - G * later * later / 2, bounce * speed - G * later, strikes
+
+
+@pytest.mark.parametrize(("high", "up", "bounce", "t"), [(0.9, 1.1, 0.8, 0.8), (0.4, -0.5, 1.0, 0.5)])
+def test_a_ball_thrown_on_a_floor(high: float, up: float, bounce: float, t: float) -> None:
+    library = built(BALL, {"high": high, "up": up, "bounce": bounce})
+    by = ["high", "up", "bounce"]
+    found = sensitivity(library, t, of=["ball.position", "ball.velocity"], by=by, accuracy="tight")
+    assert found.verdict
+    for row, entry in ((2, 0), (5, 1)):
+        expected = complex_step(lambda *v, entry=entry: thrown(*v, t)[entry], (high, up, bounce))
+        assert np.allclose(found.jacobian[0, row], expected, rtol=1e-10, atol=1e-10)
+    assert np.allclose(found.jacobian[0, 0], 0, atol=1e-14)
+    (event,) = found.events
+    assert event.t == pytest.approx(thrown(high, up, bounce, t)[2].real, abs=1e-12)
+    assert np.allclose(event.by, complex_step(lambda *v: thrown(*v, t)[2], (high, up, bounce)), atol=1e-10)
+
+
+TWO = """
+gravity = [0.0, 0.0, 0.0]
+[[body]]
+name = "one"
+shape = { kind = "sphere", radius = 0.1 }
+mass = "light"
+inertia = [0.01, 0.01, 0.01]
+velocity = ["fast", 0.0, 0.0]
+
+[[body]]
+name = "two"
+shape = { kind = "sphere", radius = "wide" }
+mass = 3.0
+inertia = [0.01, 0.01, 0.01]
+position = [1.0, 0.0, 0.0]
+velocity = [-0.5, 0.0, 0.0]
+
+[[contact]]
+between = ["one", "two"]
+restitution = "bounce"
+"""
+
+
+def test_a_ball_struck_by_one_that_moves() -> None:
+    """Its velocity does not depend on where they meet, its place does."""
+    values = {"light": 0.7, "fast": 2.0, "wide": 0.2, "bounce": 0.6}
+    t = 0.6
+
+    def two(light: complex, fast: complex, wide: complex, bounce: complex) -> tuple[complex, complex]:
+        strikes = (1.0 - R - wide) / (fast + 0.5)
+        after = (light * fast - 3.0 * 0.5 + light * bounce * (fast + 0.5)) / (light + 3.0)
+        return 1.0 - 0.5 * strikes + after * (t - strikes), after
+
+    found = sensitivity(
+        built(TWO, values), t, of=["two.position", "two.velocity"], by=list(values), accuracy="tight"
+    )
+    assert found.verdict
+    for row, entry in ((0, 0), (3, 1)):
+        expected = complex_step(lambda *v, entry=entry: two(*v)[entry], tuple(values.values()))
+        assert np.allclose(found.jacobian[0, row], expected, rtol=1e-11, atol=1e-11)
+
+
+SLIDER = (
+    FLOOR
+    + """
+[[body]]
+name = "ball"
+shape = { kind = "sphere", radius = 0.1 }
+mass = 2.0
+inertia = [0.008, 0.008, 0.008]
+position = [0.0, 0.0, 0.1]
+velocity = ["along", "aside", 0.0]
+angular_velocity = ["spin", 0.0, 0.0]
+
+[[contact]]
+between = ["ball", "floor"]
+friction = "rough"
+"""
+)
+
+
+@pytest.mark.parametrize("spin", [0.0, 8.0])
+def test_a_ball_that_slides_until_it_rolls(spin: float) -> None:
+    """Straight, and obliquely: the slip keeps its direction, and ends after 2 |slip| / (7 mu g)."""
+    values = {"along": 1.5, "aside": 0.4, "spin": spin, "rough": 0.3}
+    t = 0.5
+
+    def rolled(
+        along: complex, aside: complex, spin: complex, rough: complex
+    ) -> tuple[complex, complex, complex]:
+        slip_x, slip_y = along, aside + spin * R
+        slip = np.sqrt(slip_x * slip_x + slip_y * slip_y)
+        ends = 2 * slip / (7 * rough * G)
+        vx, vy = along - 2 / 7 * slip_x, aside - 2 / 7 * slip_y
+        x = along * ends - rough * G * slip_x / slip * ends * ends / 2 + vx * (t - ends)
+        return x, vy, ends
+
+    found = sensitivity(
+        built(SLIDER, values), t, of=["ball.position", "ball.velocity"], by=list(values), accuracy="tight"
+    )
+    assert found.verdict
+    for row, entry in ((0, 0), (4, 1)):
+        expected = complex_step(lambda *v, entry=entry: rolled(*v)[entry], tuple(values.values()))
+        assert np.allclose(found.jacobian[0, row], expected, rtol=1e-7, atol=1e-8)
+    expected = complex_step(lambda *v: rolled(*v)[2], tuple(values.values()))
+    assert np.allclose(found.events[0].by, expected, rtol=1e-7, atol=1e-8)
+
+
+PENDULUM = """
+gravity = [0.0, 0.0, 0.0]
+[[body]]
+name = "arm"
+mass = 1.3
+inertia = [0.02, 0.02, 0.02]
+position = [0.5, 0.0, 0.0]
+velocity = [0.0, 0.0, 0.0]
+
+[[joint]]
+kind = "revolute"
+name = "hinge"
+between = ["world", "arm"]
+position = [0.0, 0.0, 0.0]
+stiffness = "stiff"
+rest = 0.6
+limits = [-1.0, "stop"]
+restitution = "bounce"
+"""
+
+
+def test_a_pendulum_with_a_stop() -> None:
+    """A sine about the rest angle of its spring, turned back at the stop."""
+    values = {"stiff": 2.0, "stop": 0.9, "bounce": 0.7}
+    inertia, t = 0.02 + 1.3 * 0.25, 1.5
+
+    def turned(stiff: complex, stop: complex, bounce: complex) -> tuple[complex, complex]:
+        w = np.sqrt(stiff / inertia)
+        strikes = np.arccos((0.6 - stop) / 0.6) / w  # 0.6 (1 - cos w t) = stop
+        speed = -bounce * 0.6 * w * np.sin(w * strikes)
+        angle = 0.6 + (stop - 0.6) * np.cos(w * (t - strikes)) + speed / w * np.sin(w * (t - strikes))
+        return 0.5 * np.sin(angle), strikes
+
+    found = sensitivity(built(PENDULUM, values), t, of=["arm.position"], by=list(values), accuracy="tight")
+    assert found.verdict
+    expected = complex_step(lambda *v: turned(*v)[0], tuple(values.values()))
+    assert np.allclose(found.jacobian[0, 1], expected, rtol=1e-9, atol=1e-9)
+    assert np.allclose(
+        found.events[0].by, complex_step(lambda *v: turned(*v)[1], tuple(values.values())), atol=1e-9
+    )
