@@ -109,6 +109,8 @@ MG_API long mg_iwork_size(const mg_system *s) {
          mg_listing_int_memory_size(s);
 }
 
+MG_API mg_digest mg_shapes_digest(const mg_system *system) { return mg_digest_searched_shapes(system); }
+
 MG_API int mg_abi(void) { return MG_ABI; }
 
 MG_API int mg_real_size(void) { return (int)sizeof(mg_real); }
