@@ -46,7 +46,7 @@ class Readings(Mapping[str, "float | Array"]):
 class Sensors(Readings):
     """The sensors of a run at its present state, which is sensed once.
 
-    A gap is NaN while no closest points of its pair are followed; torques and forces of joints are NaN in
+    A gap is NaN while no closest points of its pair are followed; accelerations and forces of joints are NaN in
     time-stepping.
     """
 
