@@ -15,7 +15,7 @@ from itertools import accumulate
 from modelgen.assembly.characteristic_scales import scales_of
 from modelgen.assembly.contact_count import Following, confined, following
 from modelgen.assembly.contact_form_choice import Owner, contact_names, find_body, find_shape
-from modelgen.assembly.contact_inputs import contact_inputs, contact_inputs_of
+from modelgen.assembly.contact_inputs import have_same_contacts, with_coefficients
 from modelgen.assembly.contact_warnings import soundness
 from modelgen.assembly.coplanar_faces import Shown, Unions
 from modelgen.assembly.feature_pairs import Whole, feature_pairs_of
@@ -224,10 +224,11 @@ def _body_entry(piece: Piece, q: int, u: int, scene: Scene, kinds: KindList[Body
 def _taken_over(scene: Scene, pieces: Sequence[Piece], known: Model) -> Touching | None:
     """The contacts of another model of the scene, where they are the same in this one."""
     motions, centres = [piece.motion for piece in pieces], [piece.centre for piece in pieces]
-    if contact_inputs(scene, motions, centres) != contact_inputs_of(known):
+    if not have_same_contacts(scene, motions, centres, known):
         return None
+    pairs, patches = with_coefficients(scene, known)
     return Touching(
-        known.pairs, known.feature_pairs, known.contacts, known.faces, known.patches,
+        pairs, known.feature_pairs, known.contacts, known.faces, patches,
         known.shape_kinds, known.contact_kinds, known.warnings[len(known.scene.remarks) :],
     )  # fmt: skip
 

@@ -67,7 +67,7 @@ class Unions:
             yield from _complete(each)
 
     def _belongs(self, a: Member, b: Member, shown: Sequence[Shown]) -> bool:
-        if a[0] == b[0] or _terms(shown[a[0]].pair) != _terms(shown[b[0]].pair):
+        if a[0] == b[0] or terms_of(shown[a[0]].pair) != terms_of(shown[b[0]].pair):
             return False
         return all(self._level(one, two) for one, two in zip(a[1].faces, b[1].faces, strict=True))
 
@@ -147,7 +147,8 @@ def _vector(x: Any) -> Vector:
     return float(x[0]), float(x[1]), float(x[2])
 
 
-def _terms(pair: ContactPair) -> ContactPair:
+def terms_of(pair: ContactPair) -> ContactPair:
+    """A pair without its shapes: the terms that patches must have in common to be one."""
     return replace(pair, between=(("", ""), ("", "")), features=(), form="auto", normal=None)
 
 

@@ -7,7 +7,7 @@ from math import isfinite
 from typing import Any
 
 from modelgen.assembly import Q_SIZE, U_SIZE
-from modelgen.assembly.contact_inputs import contact_inputs_of
+from modelgen.assembly.contact_inputs import models_have_same_contacts
 from modelgen.assembly.masses import pose_numbers
 from modelgen.codegen.manifest_planar_contacts import face_table, patch_table
 from modelgen.codegen.manifest_unlisted import unlisted_of
@@ -252,9 +252,13 @@ def _contacts(model: Model) -> dict[str, Any]:
 def _contacts_like(model: Model, other: Model, known: dict[str, Any]) -> dict[str, Any]:
     """The same, taken over from another model where that has the same contacts and joined bodies."""
     joined = [[(joint.a, joint.b) for joint in each.joints] for each in (model, other)]
-    if joined[0] == joined[1] and contact_inputs_of(model) == contact_inputs_of(other):
-        return {key: known[key] for key in CONTACTS}
-    return _contacts(model)
+    if joined[0] != joined[1] or not models_have_same_contacts(model, other):
+        return _contacts(model)
+    found = {key: known[key] for key in CONTACTS}
+    if model.scene.contacts != other.scene.contacts:
+        found["pairs"] = [_pair(entry) for entry in model.pairs]
+        found["patches"] = [patch_table(entry) for entry in model.patches]
+    return found
 
 
 def parameters_of(scene: Scene) -> dict[str, Any]:

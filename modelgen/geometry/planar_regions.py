@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import casadi as ca
@@ -54,7 +54,7 @@ class Region:
     radius: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _Run:
     """A boundary curve in the axes of the face with its direction, before it has a place in a loop."""
 
@@ -62,7 +62,15 @@ class _Run:
     ends: tuple[float, float]
 
     def at(self, t: float) -> Array:
-        return to_outer(self.curve.pose, point_of(self.curve, t))
+        return self._points((t,))[0]
+
+    @cached_property
+    def start(self) -> Array:
+        return self.at(self.ends[0])
+
+    @cached_property
+    def end(self) -> Array:
+        return self.at(self.ends[1])
 
     @property
     def turned(self) -> _Run | None:
@@ -73,9 +81,13 @@ class _Run:
         curve = replace(self.curve, pose=compose(self.curve.pose, Pose(quaternion=mirror)))
         return _Run(curve, (-self.ends[1], -self.ends[0]))
 
+    @cached_property
     def samples(self) -> Array:
         """Points (SAMPLES + 1, 3) from its start to its end."""
-        return np.array([self.at(t) for t in np.linspace(*self.ends, SAMPLES + 1)])
+        return self._points(np.linspace(*self.ends, SAMPLES + 1))
+
+    def _points(self, t: Sequence[float] | Array) -> Array:
+        return to_outer(self.curve.pose, points_of(self.curve, t))
 
 
 @lru_cache(maxsize=512)
@@ -88,12 +100,22 @@ def regions_of(shape: Shape) -> tuple[Region, ...]:
 
 def point_of(curve: Shape, t: float) -> Array:
     """The point (3,) of a curve at t in its own axes, m."""
+    return points_of(curve, (t,))[0]
+
+
+def points_of(curve: Shape, t: Sequence[float] | Array) -> Array:
+    """Points (n, 3) of a curve at t (n,) in its own axes, m."""
+    at = np.asarray(t, dtype=float)
+    found: Array = np.zeros((len(at), 3))
     if curve.kind == "edge":
-        return np.array([t, 0.0, 0.0])
-    if curve.kind in ("circle", "ellipse_curve"):
+        found[:, 0] = at
+    elif curve.kind in ("circle", "ellipse_curve"):
         a, b = curve.parameters[0][1], curve.parameters[-1][1]
-        return np.array([a * np.cos(t), b * np.sin(t), 0.0])
-    return np.asarray(_evaluated(replace(curve, pose=Pose()))(t), dtype=float).ravel()
+        found[:, 0], found[:, 1] = a * np.cos(at), b * np.sin(at)
+    else:
+        evaluate = _evaluated(replace(curve, pose=Pose()))
+        found[:] = [np.asarray(evaluate(each), dtype=float).ravel() for each in at]
+    return found
 
 
 @lru_cache(maxsize=128)
@@ -158,7 +180,7 @@ def _region(shape: Shape, members: Sequence[Feature]) -> Region | None:
     if loops is None:
         return None
     arcs = tuple(Arc(run.curve, run.ends, k) for k, loop in enumerate(loops) for run in loop)
-    points = np.vstack([run.samples()[:, :2] for run in runs])
+    points = np.vstack([run.samples[:, :2] for run in runs])
     centre = (points.min(axis=0) + points.max(axis=0)) / 2
     radius = float(np.linalg.norm(points - centre, axis=1).max())
     inside = frozenset(_in_plane(shape, pose, radius)) | {each.name for each in members}
@@ -242,18 +264,18 @@ def _side(a: Array, b: Array) -> _Run:
 
 def _loops(runs: Sequence[_Run]) -> list[list[_Run]] | None:
     """The curves end to start; None where they do not close."""
-    size = max((float(np.abs(run.samples()).max()) for run in runs), default=0.0)
+    size = max((float(np.abs(run.samples).max()) for run in runs), default=0.0)
     left, loops = list(runs), []
     while left:
         loop = [left.pop(0)]
-        start = loop[0].at(loop[0].ends[0])
-        while not _meet(loop[-1].at(loop[-1].ends[1]), start, size):
-            end = loop[-1].at(loop[-1].ends[1])
+        start = loop[0].start
+        while not _meet(loop[-1].end, start, size):
+            end = loop[-1].end
             after = next((k for k, run in enumerate(left) if _touches(run, end, size)), None)
             if after is None:
                 return None
             run = left.pop(after)
-            on = run if _meet(run.at(run.ends[0]), end, size) else run.turned
+            on = run if _meet(run.start, end, size) else run.turned
             if on is None:
                 return None
             loop.append(on)
@@ -262,7 +284,7 @@ def _loops(runs: Sequence[_Run]) -> list[list[_Run]] | None:
 
 
 def _touches(run: _Run, x: Array, size: float) -> bool:
-    return any(_meet(run.at(end), x, size) for end in run.ends)
+    return _meet(run.start, x, size) or _meet(run.end, x, size)
 
 
 def _meet(a: Array, b: Array, size: float) -> bool:
@@ -274,14 +296,12 @@ def _in_plane(shape: Shape, pose: Pose, radius: float) -> list[str]:
     return [
         feature.name
         for feature in features_of(shape).features
-        if feature.dimension < 2
-        and all(abs(to_inner(pose, x)[2]) <= LEVEL * radius for x in _places(feature))
+        if feature.dimension < 2 and (np.abs(to_inner(pose, _places(feature))[:, 2]) <= LEVEL * radius).all()
     ]
 
 
-def _places(feature: Feature) -> list[Array]:
-    """Points of an edge or vertex."""
+def _places(feature: Feature) -> Array:
+    """Points (n, 3) of an edge or vertex."""
     if not is_curve(feature.shape):
-        return [to_outer(feature.shape.pose, [value for _, value in feature.shape.parameters])]
-    run = _Run(feature.shape, _range(feature))
-    return list(run.samples())
+        return to_outer(feature.shape.pose, [[value for _, value in feature.shape.parameters]])
+    return _Run(feature.shape, _range(feature)).samples

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -14,7 +15,8 @@ UPSIDE_DOWN: Quaternion = (0.0, 1.0, 0.0, 0.0)  # half a turn about x
 
 def frame(origin: Sequence[float] | Array, x: Array, z: Array) -> Pose:
     """The pose at `origin` (3) m whose first and third axes are the orthogonal unit vectors x and z."""
-    return Pose(_vector(origin), quaternion_of(np.column_stack([x, np.cross(z, x), z])))
+    y = np.array([z[1] * x[2] - z[2] * x[1], z[2] * x[0] - z[0] * x[2], z[0] * x[1] - z[1] * x[0]])
+    return Pose(_vector(origin), quaternion_of(np.column_stack([x, y, z])))
 
 
 def compose(outer: Pose, inner: Pose) -> Pose:
@@ -28,14 +30,21 @@ def compose(outer: Pose, inner: Pose) -> Pose:
 
 
 def to_outer(pose: Pose, x: Sequence[float] | Array) -> Array:
-    """The point x (3) of the frame in the frame that its pose is given in."""
-    return np.array(pose.position) + rotation_of(pose.quaternion) @ np.asarray(x, dtype=np.float64)
+    """The point x (3), or points (n, 3), of the frame in the frame that its pose is given in."""
+    return np.array(pose.position) + np.asarray(x, dtype=np.float64) @ _rotation(pose.quaternion).T
 
 
 def to_inner(pose: Pose, x: Sequence[float] | Array) -> Array:
     """The inverse of `to_outer`."""
     arm: Array = np.asarray(x, dtype=np.float64) - np.array(pose.position)
-    return rotation_of(pose.quaternion).T @ arm
+    return arm @ _rotation(pose.quaternion)
+
+
+@lru_cache(maxsize=4096)
+def _rotation(quaternion: Quaternion) -> Array:
+    found = rotation_of(quaternion)
+    found.setflags(write=False)
+    return found
 
 
 def _vector(x: Sequence[float] | Array) -> tuple[float, float, float]:
