@@ -1,5 +1,5 @@
-"""What the contacts of a scene follow from: where it is the same in two scenes, so are their contacts, but for
-the coefficients of friction and restitution."""
+"""What the contacts of a scene follow from: where it is the same in two scenes, so are their contacts, but
+for the coefficients of friction and restitution."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ Inputs = tuple[Any, ...]
 def have_same_contacts(
     scene: Scene, motions: Iterable[BodyMotion], centres: Iterable[Vector], known: Model
 ) -> bool:
-    """Whether the pairs, feature pairs, contacts, faces and patches of a model follow from a scene as well, whose
-    bodies have these motions and centres of mass, but for the coefficients of its pairs."""
+    """Whether the pairs, feature pairs, contacts, faces and patches of a model follow from a scene as well,
+    whose bodies have these motions and centres of mass, but for the coefficients of its pairs."""
     mine, other = _inputs(scene, motions, centres), _inputs(known.scene, *_motions(known))
     if mine != other:
         return False

@@ -62,7 +62,8 @@ class _Run:
     ends: tuple[float, float]
 
     def at(self, t: float) -> Array:
-        return self._points((t,))[0]
+        found: Array = self._points((t,))[0]
+        return found
 
     @cached_property
     def start(self) -> Array:
@@ -100,7 +101,8 @@ def regions_of(shape: Shape) -> tuple[Region, ...]:
 
 def point_of(curve: Shape, t: float) -> Array:
     """The point (3,) of a curve at t in its own axes, m."""
-    return points_of(curve, (t,))[0]
+    found: Array = points_of(curve, (t,))[0]
+    return found
 
 
 def points_of(curve: Shape, t: Sequence[float] | Array) -> Array:
@@ -303,5 +305,5 @@ def _in_plane(shape: Shape, pose: Pose, radius: float) -> list[str]:
 def _places(feature: Feature) -> Array:
     """Points (n, 3) of an edge or vertex."""
     if not is_curve(feature.shape):
-        return to_outer(feature.shape.pose, [[value for _, value in feature.shape.parameters]])
+        return to_outer(feature.shape.pose, np.array([[value for _, value in feature.shape.parameters]]))
     return _Run(feature.shape, _range(feature)).samples

@@ -51,6 +51,12 @@ class Controller:
     def instants(self, value: tuple[int, float]) -> None:
         self.structure.calls, self.structure.start = value
 
+    def call_after(self, t: float) -> float:
+        """The time of the first call after the one that is due at t, s, or after t."""
+        each, real = self.structure, self._sensors.dtype.type  # as the core computes it
+        due, after = (real(each.start) + real(each.period) * real(each.calls + k) for k in (0, 1))
+        return float(due if t < due else after)
+
     def wrong_command(self) -> str:
         """The name of an input whose command is not finite; empty if there is none."""
         bad = np.flatnonzero(~np.isfinite(self._command[:-1]))

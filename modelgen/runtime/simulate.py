@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple, Unpack
 
@@ -43,6 +43,7 @@ KEYWORDS = (
 CHUNK_S = 0.2  # wall time between two looks at the keyboard, s
 
 Report = Callable[[float], None] | None  # told the share that is done
+Schedule = Sequence[tuple[float, Array]]  # times, s, and the settings of the inputs up to each
 
 
 def simulate(
@@ -87,12 +88,15 @@ def simulate(
     chosen = accuracy_of(instance, accuracy, stepping)
     doubled = instance["run"].get("estimate", True) if estimate is None else estimate
     half = _part(on_progress, 0.0, 0.5 if doubled else 1.0)
-    path = _path(_session(library, chosen, inputs), end, np.linspace(0.0, end, intervals + 1), half)
+    session = Session(library, chosen)
+    Inputs(session).update(inputs or {})
+    schedule = [(end, session.input.copy())]
+    path = _path(session, schedule, np.linspace(0.0, end, intervals + 1), half)
     if instance["unlisted"]["shapes"]:
         path = _with_passages(path, chosen, instance)
     if doubled and len(path.t):
         told = _part(on_progress, 0.5, 1.0)
-        path = replace(path, estimate=_estimate(library, chosen, inputs, path, told))
+        path = replace(path, estimate=_estimate(library, chosen, schedule, path, told))
     return replace(path, doubts=doubts(path, chosen, instance))
 
 
@@ -110,28 +114,32 @@ def _part(report: Report, start: float, end: float) -> Report:
     return report and (lambda share: report(start + (end - start) * share))
 
 
-def _path(session: Session, end: float, times: Array, report: Report) -> Trajectory:
+def estimate_of_steps(library: Library, accuracy: Accuracy, schedule: Schedule) -> Estimate:
+    """The error estimate of a run that was driven by these inputs, with samples at the ends of the schedule.
+
+    The run is made again, and its companion under the same inputs. Raises SimulationError if it cannot
+    start.
+    """
+    times = np.unique([0.0, *(until for until, _ in schedule)])
+    path = _path(Session(library, accuracy), schedule, times, None)
+    return _estimate(library, accuracy, schedule, path, None)
+
+
+def _path(session: Session, schedule: Schedule, times: Array, report: Report) -> Trajectory:
     """One run, with samples at `times`."""
     started = time.perf_counter()
+    session.input[:] = schedule[0][1]
     begin(session)
     recording = Recording(session, times)
-    ending = _run(session, end, recording, report)
+    ending = _run(session, schedule, recording, report)
     recording.end()
     return _trajectory(session, recording, ending, session.accuracy, time.perf_counter() - started)
-
-
-def _session(library: Library, accuracy: Accuracy, inputs: Mapping[str, float] | None) -> Session:
-    """A run before its start, with its inputs set."""
-    session = Session(library, accuracy)
-    if inputs:
-        Inputs(session).update(inputs)
-    return session
 
 
 def _estimate(
     library: Library,
     accuracy: Accuracy,
-    inputs: Mapping[str, float] | None,
+    schedule: Schedule,
     path: Trajectory,
     report: Report,
 ) -> Estimate:
@@ -140,9 +148,10 @@ def _estimate(
     if path.interrupted:
         return estimate_of(path, None, accuracy, instance, "the run was interrupted: no companion followed")
     try:
-        twin = _session(library, accuracy.companion(float(np.finfo(library.dtype).eps)), inputs)
+        twin = Session(library, accuracy.companion(float(np.finfo(library.dtype).eps)))
         nudge(twin)
-        return estimate_of(path, _path(twin, path.t_end, path.t, report), accuracy, instance)
+        followed = [(min(until, path.t_end), settings) for until, settings in schedule]
+        return estimate_of(path, _path(twin, followed, path.t, report), accuracy, instance)
     except SimulationError as refused:
         why = f"the companion run did not start: {refused}"
         return estimate_of(path, None, accuracy, instance, why)
@@ -170,23 +179,27 @@ class _Ending(NamedTuple):
     interrupted: bool = False  # by Ctrl-C, maybe in the call of the core that came to the end
 
 
-def _run(session: Session, end: float, recording: Recording, report: Report) -> _Ending:
+def _run(session: Session, schedule: Schedule, recording: Recording, report: Report) -> _Ending:
     if session.start_code:
         return _Ending(OUTCOME_OF_CODE[session.start_code], session.drain_events())
     events: list[Event] = []
-    chunk = 100
+    chunk, end, code = 100, schedule[-1][0], CONTINUE
     try:
-        while True:
-            before = time.perf_counter()
-            code = session.advance(end, chunk, recording.record)
-            events += session.drain_events()
-            if code not in (CONTINUE, FULL):
-                return _Ending(OUTCOME_OF_CODE[code], events)
-            if code == CONTINUE:
-                elapsed = max(time.perf_counter() - before, 1e-6)
-                chunk = int(min(max(chunk * CHUNK_S / elapsed, 10), 10 * chunk))
-            if report:
-                report(float(session.run.t) / end)
+        for until, settings in schedule:
+            session.input[:] = settings
+            code = CONTINUE
+            while code in (CONTINUE, FULL):
+                before = time.perf_counter()
+                code = session.advance(until, chunk, recording.record)
+                events += session.drain_events()
+                if code == CONTINUE:
+                    elapsed = max(time.perf_counter() - before, 1e-6)
+                    chunk = int(min(max(chunk * CHUNK_S / elapsed, 10), 10 * chunk))
+                if report and code in (CONTINUE, FULL):
+                    report(float(session.run.t) / end)
+            if code:
+                break
+        return _Ending(OUTCOME_OF_CODE[code], events)
     except KeyboardInterrupt:
         outcome = Outcome.DONE if session.run.t >= end else Outcome.INTERRUPTED
         return _Ending(outcome, events + session.drain_events(), interrupted=True)

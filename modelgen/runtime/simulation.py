@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import struct
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Unpack
 
 from modelgen.codegen.library import Library
@@ -13,17 +13,19 @@ from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_keywords, with_parameters
 from modelgen.runtime.contacts import Contact, contacts_of
 from modelgen.runtime.controllers import ControlFunction, Controller
+from modelgen.runtime.error_statement import Estimate
 from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.sensors import Sensors
 from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
+from modelgen.runtime.simulate import estimate_of_steps
 from modelgen.runtime.start import begin
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome
 
 _HEAD = struct.Struct("<qdq")  # of a saved run: calls of the controller, time of its first, the core's code
 STEPS = 1_000_000  # in one call of the core
-START_KEYWORDS = ("inputs", "parameters", "accuracy", *STEPPING)  # of `start`
+START_KEYWORDS = ("inputs", "parameters", "accuracy", "estimate", *STEPPING)  # of `start`
 
 
 def start(
@@ -32,6 +34,7 @@ def start(
     inputs: Mapping[str, float] | None = None,
     parameters: Mapping[str, float] | None = None,
     accuracy: Accuracy | str | None = None,
+    estimate: bool = False,
     **stepping: Unpack[Stepping],
 ) -> Simulation:
     """Start a run that the caller drives.
@@ -41,6 +44,7 @@ def start(
         inputs: values of inputs at t = 0, by name; the scene's defaults for the others.
         parameters: values of parameters of the scene by name; others keep the scene's own.
         accuracy: every tolerance and choice, or "fast", "balanced", "tight"; the scene's own when None.
+        estimate: note the inputs of the run, so that its error can be estimated (`Simulation.estimate`).
         stepping: method, step, scheme, solver, fallback, in place of the accuracy's or scene's (`Accuracy`).
 
     Raises:
@@ -51,7 +55,7 @@ def start(
     check_keywords("start", stepping, START_KEYWORDS)
     library = with_parameters(library, parameters)
     session = Session(library, accuracy_of(library.manifest.instance, accuracy, stepping))
-    simulation = Simulation(session)
+    simulation = Simulation(session, estimate)
     simulation.inputs.update(inputs or {})
     simulation.begin()
     return simulation
@@ -63,8 +67,11 @@ class Simulation:
     `session` is the run in the core's memory, with its statistics in `session.run` (modelgen.h).
     """
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, session: Session, estimate: bool = False) -> None:
         self.session = session
+        self._driven: list[tuple[float, Array]] | None = (
+            [] if estimate else None
+        )  # times, settings up to them
         self._record = session.tables.Record()
         self._code: int | None = None  # of the core, once the run has ended
         self.sensors = Sensors(session)
@@ -79,6 +86,7 @@ class Simulation:
         """Settle the start on its constraints with the inputs as they are; raises SimulationError."""
         begin(self.session)
         self.inputs.begun = True
+        self._note()
         self.sensors.forget()
         if self.session.start_code:
             self._code = self.session.start_code
@@ -116,13 +124,43 @@ class Simulation:
         events, self._early = self._early, ()
         code = CONTINUE
         self.sensors.forget()
-        while code in (CONTINUE, FULL):
-            code = self._advance(*self._head, self._real(until), *self._tail)
-            if session.events.count:
-                events += tuple(session.drain_events())
-        if code:
-            self._stop(code)
+        for stop in (until,) if self._driven is None else self._stops(until):
+            code = CONTINUE
+            while code in (CONTINUE, FULL):
+                code = self._advance(*self._head, self._real(stop), *self._tail)
+                if session.events.count:
+                    events += tuple(session.drain_events())
+            self._note()
+            if code:
+                self._stop(code)
+                break
         return events
+
+    def estimate(self) -> Estimate:
+        """The estimated error of the run so far, as of `simulate`, at the ends of its steps: it is made again
+        with the inputs that it had, those that its controller set included, and with its companion.
+
+        Raises SimulationError where the inputs were not noted: for `start(.., estimate=True)` they are, until
+        a saved state is loaded.
+        """
+        if not self._driven:
+            found, remedy = "the inputs of the run are not known", "write start(.., estimate=True)"
+            raise SimulationError("estimate", found, "those since the start are needed", remedy)
+        return estimate_of_steps(self.session.library, self.session.accuracy, self._driven)
+
+    def _note(self) -> None:
+        """Note the settings of the inputs up to the present time."""
+        if self._driven is not None:
+            self._driven.append((float(self.session.run.t), self.session.input.copy()))
+
+    def _stops(self, until: float) -> Iterator[float]:
+        """The times, up to one, between which no controller is called."""
+        while self._controller is not None:
+            next_call = self._controller.call_after(self.session.run.t)
+            if next_call >= until:
+                break
+            yield next_call
+        yield until
 
     @property
     def contacts(self) -> Mapping[str, Contact]:
@@ -140,6 +178,7 @@ class Simulation:
         is not what `save` returned for the same library, parameters and settings; it says what differs."""
         self.session.load(mark[_HEAD.size :])
         self.sensors.forget()
+        self._driven = None
         calls, start, code = _HEAD.unpack(mark[: _HEAD.size])
         self._code, self._early = code or None, ()
         if self._controller is not None:

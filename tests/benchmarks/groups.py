@@ -2,8 +2,8 @@
 
 Run with `python -m tests.benchmarks.groups [--seeds 50]`. The first run takes all pairs as candidates
 (`[contacts]` with `between = "all"`); the second lists the pairs that met in the first. With --seeds, so many
-groups are dropped instead, and the deepest penetration of any two bodies in the samples of each run is told by
-an independent distance: the largest gap along a direction, by support functions in closed form.
+groups are dropped instead, and the deepest penetration of any two bodies in the samples of each run is told
+by an independent distance: the largest gap along a direction, by support functions in closed form.
 """
 
 from __future__ import annotations

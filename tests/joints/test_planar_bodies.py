@@ -57,3 +57,45 @@ def test_what_leads_out_of_the_plane_is_left_out_with_a_warning() -> None:
 def test_a_plane_has_a_normal() -> None:
     with pytest.raises(SceneError, match=r"normal: a normal of length zero"):
         make.planar("slab", mass=1.0, inertia=[1, 1, 1], normal=[0, 0, 0])
+
+
+def sliding(planar: bool, across: float, spin: float = 0.0) -> Scene:
+    """An ellipsoid that slides, then rolls in its plane of symmetry, y = 0, kept there by a joint if it is
+    `planar`; with a force across the plane, N."""
+    kind = make.planar if planar else make.dynamic
+    normal = {"normal": [0, 1, 0]} if planar else {}
+    body = kind(
+        "egg", make.ellipsoid(0.12, 0.09, 0.07), mass=1.2, inertia=[0.003, 0.0046, 0.0054],
+        position=[0, 0, 0.07], velocity=[0.4, 0, 0], angular_velocity=[0, spin, 0], **normal,
+    )  # fmt: skip
+    load = {"force": [{"body": "egg", "force": ["0", f"{across}", "0"]}]} if across else {}
+    contact = [{"between": ["egg", "table"], "friction": 0.3}]
+    return make.scene("sliding", [make.fixed("table", make.plane()), body], contact=contact, **load)
+
+
+@pytest.mark.parametrize("spin", [0.0, 2.0])
+def test_a_planar_body_with_friction_moves_as_a_body_in_its_plane_of_symmetry(spin: float) -> None:
+    """Friction across the plane, which the joint holds, is no unknown: the run is trusted as the other is."""
+    runs = [
+        simulate(library_of(sliding(planar, 0.0, spin)), until=0.8, accuracy="tight")
+        for planar in (True, False)
+    ]
+    egg = [path.body_names.index("egg") for path in runs]
+    assert "slip-stop" in [event.kind for event in runs[0].events]
+    assert [e.kind for e in runs[0].events] == [e.kind for e in runs[1].events]
+    assert [e.t for e in runs[0].events] == pytest.approx([e.t for e in runs[1].events], abs=1e-10)
+    for quantity in ("p", "v", "w"):
+        mine, other = (getattr(path, quantity)[:, k] for path, k in zip(runs, egg, strict=True))
+        assert np.abs(mine - other).max() < 1e-9 * max(1.0, np.abs(other).max()), quantity
+    for path in runs:
+        assert path.redundant_max == 0
+        assert path.estimate is not None
+        assert path.estimate.uncertified == ()
+        assert path.friction[:, 0, 1] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_load_across_the_plane_that_friction_might_share_leaves_the_forces_open() -> None:
+    path = simulate(library_of(sliding(True, 1.0)), until=0.8)
+    assert path.redundant_max == 1
+    assert path.estimate is not None
+    assert any("not unique" in reason for reason in path.estimate.uncertified)

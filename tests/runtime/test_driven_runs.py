@@ -418,3 +418,43 @@ def test_samples_of_a_run_hold_the_forces_and_gaps_that_sensors_show() -> None:
     assert columns["load"] == pytest.approx(20.0)
     assert columns["load"] == pytest.approx(sim.sensors["load"])
     assert columns["gap"] == pytest.approx(path.gap[-1, 0], abs=1e-15)
+
+
+def test_the_estimate_of_a_driven_run_bounds_its_error_and_that_of_simulate() -> None:
+    """Against a run at `tight` under the same inputs; and with one input for the whole run, as `simulate`."""
+    model = scene_of("balancing_wheel")
+    runs = [start(model, accuracy=name, estimate=name == "fast") for name in ("fast", "tight")]
+    for k in range(5):
+        for sim in runs:
+            sim.inputs["torque"] = (-1) ** k * 0.5
+            sim.step(until=0.02 * (k + 1))
+    found = runs[0].estimate()
+    n_q = model.manifest.instance["n_q"]
+    places = [body["q"] for body in model.manifest.instance["bodies"] if body["motion"] == "free"]
+    apart = max(np.linalg.norm((runs[0].state - runs[1].state)[q : q + 3]) for q in places)
+    assert n_q
+    assert 0 < apart < found.position[-1] < 1e-2
+    assert len(found.position) == 6
+    whole = start(model, inputs={"torque": 0.5}, accuracy="fast", estimate=True)
+    whole.step(until=0.1)
+    path = simulate(model, inputs={"torque": 0.5}, accuracy="fast", until=0.1, samples=1)
+    assert path.estimate is not None
+    assert whole.estimate().position[-1] == path.estimate.position[-1]
+
+
+def test_the_estimate_of_a_controlled_run_is_that_under_the_inputs_that_were_set() -> None:
+    model = scene_of("balancing_wheel")
+    controlled, set_by_hand = (start(model, accuracy="fast", estimate=True) for _ in "ab")
+    controlled.controller(lambda t, shown: {"torque": 40 * shown["lean"]}, every=0.01)
+    controlled.step(until=0.045)
+    for k in range(5):
+        set_by_hand.inputs["torque"] = 40 * set_by_hand.sensors["lean"]  # type: ignore[operator]
+        set_by_hand.step(until=min(0.01 * (k + 1), 0.045))
+    assert np.array_equal(controlled.state, set_by_hand.state)
+    assert np.array_equal(controlled.estimate().position, set_by_hand.estimate().position)
+    with pytest.raises(ModelgenError, match=r"estimate: the inputs of the run are not known"):
+        start(model).estimate()
+    controlled.load(controlled.save())
+    controlled.step(until=0.05)
+    with pytest.raises(ModelgenError, match="those since the start are needed"):
+        controlled.estimate()

@@ -105,6 +105,10 @@ MG_INTERNAL void mg_monitor_joint_rank(mg_context *c);
 MG_INTERNAL int mg_solve_friction_with_bilaterals(mg_context *c, const mg_friction_problem *p, mg_real *z,
                                                   mg_friction_report *report);
 
+/* How many contacts of a problem stick whose slip bilateral rows hold in one direction in which friction need not carry
+   anything, in the solution z. Needs the marks of the solution. */
+MG_INTERNAL int mg_count_held_slip(mg_context *c, const mg_friction_problem *p, const mg_real *z);
+
 /* Factor A P = Q R with column pivoting: A becomes R, y becomes Q^T y, `order` holds P. Returns the rank: the
    number of pivots above `floor`. */
 MG_INTERNAL int mg_factor_pivoted_qr(int n, mg_real *A, mg_real *y, int *order, mg_real floor);

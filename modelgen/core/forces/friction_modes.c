@@ -310,9 +310,12 @@ static void mg_resolve_redundant_forces(mg_context *c, const int *skip, const mg
   mg_try_reduced_friction_bounds(c, skip);
 }
 
-/* Record redundancy and residual of the friction solution in the statistics of the run. */
-static void mg_record_friction_report(mg_context *c, const mg_friction_report *report, int dependent_joint_rows) {
-  const int redundant = report->active - report->rank - dependent_joint_rows;
+/* Record redundancy and residual of the friction solution in the statistics of the run. A direction of slip that joints
+   hold, as across the plane of a planar body, needs no friction and counts for none. */
+static void mg_record_friction_report(mg_context *c, const mg_friction_problem *p, const mg_friction_report *report,
+                                      int dependent_joint_rows) {
+  int redundant = report->active - report->rank - dependent_joint_rows;
+  if (redundant > c->run->redundant_max) redundant -= mg_count_held_slip(c, p, c->lcp.z);
   if (redundant > c->run->redundant_max) c->run->redundant_max = redundant;
   if (report->residual > c->run->lcp_residual_max) c->run->lcp_residual_max = report->residual;
 }
@@ -338,7 +341,7 @@ MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip) {
       return MG_NO_FRICTION;
     yielding_count = mg_mark_yielding_friction(c, &p);
   } while (mg_use_kinetic_bounds(c));
-  mg_record_friction_report(c, &report, dependent_joint_rows);
+  mg_record_friction_report(c, &p, &report, dependent_joint_rows);
   mg_note_painleve_paradox(c, &p);
   mg_store_friction_modes(c, &p);
   c->run->forces_redundant = 0;

@@ -34,6 +34,49 @@ static void mg_solve_bilateral_forces(mg_context *c, const mg_friction_problem *
   for (int i = 0; i < k; i++) x[c->lcp.iwork[i]] = scaled[i] * d[c->lcp.iwork[i]];
 }
 
+/* True if bilateral rows hold the slip of the contact k of a problem along one of its tangents, and forces of least
+   norm have no friction along it: the block of its rows, less what bilateral rows do and with the gap closed, is
+   singular in that direction, not in its normal row, and the bilateral forces that friction there might replace are
+   zero. */
+static int mg_is_slip_held(mg_context *c, const mg_friction_problem *p, int m, int k, const mg_real *z) {
+  const int first = p->first[k], n = p->n, bilateral = n - m;
+  const mg_real part = c->settings->contact_rank_tolerance;
+  mg_real S[9], *x = c->lcp.work + bilateral * (bilateral + 4); /* behind the scratch of the bilateral forces */
+  for (int j = 0; j < 3; j++, x += bilateral) {
+    mg_solve_bilateral_forces(c, p, m, p->A + (long)n * (first + j) + m, x);
+    for (int i = 0; i < 3; i++) {
+      S[i + 3 * j] = p->A[first + i + (long)n * (first + j)];
+      for (int r = 0; r < bilateral; r++) S[i + 3 * j] += p->A[first + i + (long)n * (m + r)] * x[r];
+    }
+  }
+  if (!(S[0] > part * p->A[first + (long)n * first])) return 0;
+  const mg_real xx = S[4] - S[1] * S[3] / S[0], yy = S[8] - S[2] * S[6] / S[0],
+                xy = (S[5] - S[2] * S[3] / S[0] + S[7] - S[1] * S[6] / S[0]) / 2,
+                size = p->A[first + 1 + (long)n * (first + 1)] + p->A[first + 2 + (long)n * (first + 2)],
+                least = (xx + yy) / 2 - hypot((xx - yy) / 2, xy);
+  if (!(least <= part * size)) return 0;
+  const mg_real angle = atan2(2 * xy, xx - yy) / 2; /* of the direction that is free; across it slip is held */
+  const mg_real across[2] = {-sin(angle), cos(angle)}, *second = x - bilateral, *one = second - bilateral;
+  mg_real replaced = 0;
+  for (int r = 0; r < bilateral; r++)
+    replaced += (across[0] * one[r] + across[1] * second[r]) * (c->solution.force[c->lcp.rows[m + r]] + z[m + r]);
+  return fabs(across[0] * z[first + 1] + across[1] * z[first + 2]) + fabs(replaced) <=
+         c->settings->friction_bound_margin * fabs(z[first]);
+}
+
+MG_INTERNAL int mg_count_held_slip(mg_context *c, const mg_friction_problem *p, const mg_real *z) {
+  int m = 0, count = 0;
+  for (int k = 0; k < p->n_contact; k++) m += p->rows[k];
+  for (int k = 0; m < p->n && k < p->n_contact; k++) {
+    const int g = c->system->contact_friction[c->friction.cone_contact[k]];
+    const int sticks = p->rows[k] >= 3 && c->system->friction_kind[g] == MG_FRICTION_SLIP &&
+                       c->friction.bound[g] != MG_BOUND_SLIP && (c->friction.marks[k] & MG_MARK_FORCE) &&
+                       !(c->friction.marks[k] & MG_MARK_SLIP);
+    count += sticks && mg_is_slip_held(c, p, m, k, z);
+  }
+  return count;
+}
+
 MG_INTERNAL int mg_solve_friction_with_bilaterals(mg_context *c, const mg_friction_problem *p, mg_real *z,
                                                   mg_friction_report *report) {
   int m = 0;
