@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ from modelgen.benchmark.scene_under_measurement import Subject
 from modelgen.benchmark.setting_evaluation import Bench, counted, point_of, scaled
 from modelgen.benchmark.work_precision_front import Point, front, place, spaced
 from modelgen.errors import ModelgenError, expect, nearest
+from modelgen.scene.reading_again import scene_with
 from modelgen.scene.scene_types import Scene
 
 INTERRUPTED, TIME_UP = "interrupted", "the time was up"  # why a measurement stopped early
@@ -88,6 +89,7 @@ def measure(
     count: bool = True,
     limit: float | None = None,
     fresh: bool = False,
+    parameters: Mapping[str, float] | None = None,
     root: str | Path = "generated",
     on_progress: Report | None = None,
 ) -> Measurement:
@@ -101,6 +103,7 @@ def measure(
         count: count the instructions of the settings that a table shows, where valgrind is installed.
         limit: wall time, s, after which no further setting is tried.
         fresh: measure again what was measured before.
+        parameters: values of parameters of the scene by name; others keep the scene's own.
         root: the folder that generated libraries lie in.
         on_progress: called with the settings that are tried next.
 
@@ -108,6 +111,7 @@ def measure(
     or a simulator that is not installed, before anything is measured.
     """
     expect("measure", scene, Scene)
+    scene = scene_with(scene, parameters)
     peers = [PEERS[name] for name in _known("--against", against, list(PEERS)) or ()]
     turned = [knob.name for table in (KNOBS, *(peer.knobs for peer in peers)) for knob in table]
     chosen = _known("--knobs", knobs, turned)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import ROUND_CEILING, Context
 from math import log
@@ -81,13 +81,14 @@ def tune(
     until: float | None = None,
     knobs: Sequence[str] | None = None,
     limit: float | None = None,
+    parameters: Mapping[str, float] | None = None,
     root: str | Path = "generated",
     on_progress: Report | None = None,
 ) -> Tuned:
     """The cheapest setting that errs at most `error`, or the most accurate one within `budget`.
 
     Args:
-        scene, until, knobs, limit, root, on_progress: as for `measure`.
+        scene, until, knobs, limit, parameters, root, on_progress: as for `measure`.
         error: over the characteristic length.
         budget: ns of CPU time per simulated second; the fresh run may exceed it by 20 %.
 
@@ -100,8 +101,9 @@ def tune(
     demand = Demand(error, budget)
     report = on_progress or (lambda text: None)
     found = measure(
-        scene, until=until, knobs=knobs, count=False, limit=limit, root=root, on_progress=on_progress
-    )
+        scene, until=until, knobs=knobs, count=False, limit=limit, parameters=parameters, root=root,
+        on_progress=on_progress,
+    )  # fmt: skip
     if found.was_stopped:
         raise KeyboardInterrupt
     _refuse_beyond_horizon(found, demand)

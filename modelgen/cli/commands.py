@@ -166,11 +166,11 @@ def simulate(
 
 @app.command()
 @guarded
-def linearise(scene: SceneFile, form: Form = None, as_json: AsJson = False) -> None:
+def linearise(scene: SceneFile, form: Form = None, values: Values = None, as_json: AsJson = False) -> None:
     """Find the equilibrium near the start of a scene; print frequencies and shapes of its small motions."""
     from modelgen.report.linearisation_output import mode_facts, print_modes
 
-    facts = mode_facts(linearise_scene(scene, form))
+    facts = mode_facts(linearise_scene(scene, form, read_values(values, "--set")))
     print_facts(facts, as_json, lambda: print_modes(facts, Console()))
 
 

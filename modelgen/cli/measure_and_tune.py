@@ -12,7 +12,16 @@ from rich.console import Console
 
 import modelgen
 from modelgen.cli import INTERRUPTED
-from modelgen.cli.options import AsJson, OutPicture, Samples, SceneFile, Until, read_option
+from modelgen.cli.options import (
+    AsJson,
+    OutPicture,
+    Samples,
+    SceneFile,
+    Until,
+    Values,
+    read_option,
+    read_values,
+)
 from modelgen.cli.output import FAILED, check_file, check_outputs, guarded, print_facts
 from modelgen.cli.pipeline import check_folder, folder_of
 from modelgen.cli.progress import activity
@@ -73,6 +82,7 @@ def measure(
     against: Against = None,
     limit: Limit = None,
     fresh: Fresh = False,
+    values: Values = None,
     plot: OutPicture = None,
     extremes: Extremes = False,
     only: Only = None,
@@ -84,7 +94,9 @@ def measure(
 
     if extremes or scene is None:
         others = {"until": until, "samples": samples, "knobs": knobs, "against": against, "limit": limit}
-        _survey(scene, extremes, only, others | {"fresh": fresh or None, "plot": plot}, as_json)
+        _survey(
+            scene, extremes, only, others | {"fresh": fresh or None, "set": values, "plot": plot}, as_json
+        )
         return
     _refuse({"only": only}, f"with the scene {scene}", "--extremes and no scene go with it")
     check_outputs(None, plot)
@@ -99,6 +111,7 @@ def measure(
             against=_names("against", against) or (),
             limit=_seconds(limit),
             fresh=fresh,
+            parameters=read_values(values, "--set"),
             on_progress=report,
         )
     _show(found, plot, as_json)
@@ -145,6 +158,7 @@ def tune(
     until: Until = None,
     knobs: Knobs = None,
     limit: Limit = None,
+    values: Values = None,
     out: OutScene = None,
     in_place: InPlace = False,
     as_json: AsJson = False,
@@ -167,6 +181,7 @@ def tune(
             until=read_option("until", until),
             knobs=_names("knobs", knobs),
             limit=_seconds(limit),
+            parameters=read_values(values, "--set"),
             on_progress=report,
         )
     target.write_text(with_run(text, found.point.settings, str(scene)), encoding="utf-8")

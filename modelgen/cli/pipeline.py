@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -101,14 +101,14 @@ def _known_or_built(path: Path, form: str | None, folder: Path) -> Library:
     return library
 
 
-def linearise_scene(path: Path, form: str | None) -> Linearised:
+def linearise_scene(path: Path, form: str | None, parameters: Mapping[str, float]) -> Linearised:
     """The small motions of a scene. If there is no equilibrium, a new folder is removed again."""
     scene = read_scene(path, form)
     with removed_if_refused(folder_of(scene, form)) as folder:
         derivation = derive_scene(scene)
         library = build_derivation(derivation, folder)
         with progress("linearising"):
-            return modelgen.linearise(derivation, library)
+            return modelgen.linearise(derivation, library, parameters=parameters)
 
 
 @contextmanager

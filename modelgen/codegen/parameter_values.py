@@ -9,8 +9,6 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Iterable, Iterator, Mapping
-from math import isfinite
-from numbers import Real
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -18,11 +16,10 @@ from modelgen.assembly import require
 from modelgen.codegen.library import Library
 from modelgen.codegen.manifest import Json
 from modelgen.codegen.manifest_instance import instance_of, kinds_of
-from modelgen.errors import LibraryError, SceneError, SimulationError, nearest
+from modelgen.errors import LibraryError, SceneError, SimulationError
 from modelgen.model import Model, Scales
-from modelgen.scene.parameters import out_of_range
-from modelgen.scene.reading_again import SceneReader
-from modelgen.scene.scalar_types import HUGE
+from modelgen.scene.parameters import checked_values
+from modelgen.scene.reading_again import SceneReader, changed_scene
 from modelgen.scene.scene_types import Origin
 
 KEPT = 64  # sets of values of a library that are kept
@@ -46,7 +43,8 @@ def library_with(library: Library, values: Values) -> Library:
     """
     known = {each["name"]: each for each in library.manifest.instance.get("parameters", ())}
     own = {name: each["value"] for name, each in known.items()}
-    chosen = own | {name: _checked(name, value, known) for name, value in values.items()}
+    ranges = {name: (each["minimum"], each["maximum"]) for name, each in known.items()}
+    chosen = own | checked_values(values, ranges)
     if chosen == own:
         return library
     variants = _VARIANTS.get(library)
@@ -61,21 +59,6 @@ def library_with(library: Library, values: Values) -> Library:
     return kept[key]
 
 
-def _checked(name: str, value: object, known: Mapping[str, Json]) -> float:
-    if name not in known:
-        told = ", ".join(known) or "none; a scene names them in its [[parameter]] tables"
-        raise SimulationError("parameters", f"no parameter {name!r}", f"known: {told}", nearest(name, known))
-    where = f"parameters: {name}"
-    if isinstance(value, bool) or not isinstance(value, Real):
-        raise SimulationError(where, repr(value), "a number is allowed")
-    number = float(value) + 0.0  # no negative zero, which equals zero and is another number
-    if not isfinite(number) or abs(number) > HUGE:
-        raise SimulationError(where, repr(number), f"a number from {-HUGE:g} to {HUGE:g} is allowed")
-    if outside := out_of_range(number, known[name]["minimum"], known[name]["maximum"]):
-        raise SimulationError(where, f"the number {number!r}", outside)
-    return number
-
-
 class _Variants:
     """Instances of the scene of a library with other values of its parameters, over the same kinds."""
 
@@ -83,10 +66,7 @@ class _Variants:
         instance = library.manifest.instance
         origin = instance["origin"]
         if origin is None:
-            raise SimulationError(
-                "parameters", "the scene was changed after it was read, and cannot be read again",
-                "parameters need a scene as its tables say", "write the change into its tables",
-            )  # fmt: skip
+            raise changed_scene()
         self.kept: OrderedDict[tuple[float, ...], Library] = OrderedDict()
         self._own, self._parameters, self._origin = own, instance["parameters"], origin
         self._scales = Scales(**instance["scales"])

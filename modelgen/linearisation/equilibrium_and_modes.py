@@ -7,11 +7,13 @@ without slip, and K need not be symmetric.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from modelgen.assembly import require
 from modelgen.codegen.library import Library
 from modelgen.derivation import Derivation
 from modelgen.errors import SimulationError, expect
@@ -20,6 +22,8 @@ from modelgen.linearisation.eigenmodes import Mode, small_motions
 from modelgen.linearisation.rest_forces import Friction, resting_forces
 from modelgen.linearisation.rest_state import DEPENDENT, NoPlaceError, Place, Touching
 from modelgen.model import Model, Scales
+from modelgen.runtime.arguments import with_parameters
+from modelgen.scene.reading_again import scene_with
 
 STEPS = 100  # of Newton's method towards the equilibrium
 FARTHEST = 0.2  # of one step, rad or characteristic lengths
@@ -55,7 +59,9 @@ class Linearised:
         return np.array([mode.frequency for mode in self.modes if mode.frequency])
 
 
-def linearise(derivation: Derivation, library: Library) -> Linearised:
+def linearise(
+    derivation: Derivation, library: Library, *, parameters: Mapping[str, float] | None = None
+) -> Linearised:
     """The small motions about the equilibrium near the start of a scene, at rest and without bounces.
 
     An equilibrium that the scene starts in is kept, stable or not; from elsewhere the search goes downhill.
@@ -66,14 +72,18 @@ def linearise(derivation: Derivation, library: Library) -> Linearised:
     Args:
         derivation: of the scene.
         library: what `build` made of it, which finds the contact points of the start.
+        parameters: values of parameters of the scene by name; others keep the scene's own.
 
     Raises:
-        ModelgenError: what is given is something else.
+        ModelgenError: what is given is something else, or a parameter is refused.
         SimulationError: a body is driven, there are joints, a contact with friction slips at the start, no
             equilibrium is near, or a contact would have to pull there or hold more than its friction does.
     """
     expect("linearise", derivation, Derivation)
     expect("linearise", library, Library)
+    if parameters:
+        library = with_parameters(library, parameters)
+        derivation = replace(derivation, model=require(scene_with(derivation.model.whole, parameters)))
     touching = Touching(derivation, library)
     place = equilibrium(touching)
     force, friction = resting_forces(touching, place)

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from math import isfinite
+from numbers import Real
 from typing import Any
 
+from modelgen.errors import SimulationError, nearest
 from modelgen.scene.constants import NAME_OF_CONSTANT
 from modelgen.scene.list_types import Field, Several, Table
-from modelgen.scene.scalar_types import NUMBER, Text
+from modelgen.scene.scalar_types import HUGE, NUMBER, Text
 from modelgen.scene.scene_types import Parameter
 from modelgen.scene.source_location import Place, Use
 
@@ -66,6 +69,28 @@ def out_of_range(value: float, minimum: float | None, maximum: float | None) -> 
     if maximum is None:
         return f"at least {minimum:g} is allowed"
     return f"at most {maximum:g} is allowed" if minimum is None else f"{minimum:g} to {maximum:g} are allowed"
+
+
+def checked_values(
+    values: Mapping[str, object], ranges: Mapping[str, tuple[float | None, float | None]]
+) -> dict[str, float]:
+    """Values that a run gives to parameters with these minima and maxima; raises SimulationError."""
+    return {name: _checked(name, value, ranges) for name, value in values.items()}
+
+
+def _checked(name: str, value: object, ranges: Mapping[str, tuple[float | None, float | None]]) -> float:
+    if name not in ranges:
+        told = ", ".join(ranges) or "none; a scene names them in its [[parameter]] tables"
+        raise SimulationError("parameters", f"no parameter {name!r}", f"known: {told}", nearest(name, ranges))
+    where = f"parameters: {name}"
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise SimulationError(where, repr(value), "a number is allowed")
+    number = float(value) + 0.0  # no negative zero, which equals zero and is another number
+    if not isfinite(number) or abs(number) > HUGE:
+        raise SimulationError(where, repr(number), f"a number from {-HUGE:g} to {HUGE:g} is allowed")
+    if outside := out_of_range(number, *ranges[name]):
+        raise SimulationError(where, f"the number {number!r}", outside)
+    return number
 
 
 def with_uses(parameters: Iterable[Parameter], uses: Iterable[Use], place: Place) -> tuple[Parameter, ...]:

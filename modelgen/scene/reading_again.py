@@ -7,13 +7,43 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
+from modelgen.errors import SimulationError
 from modelgen.scene.assemble import place_of, scene_from_bodies, with_form
 from modelgen.scene.list_types import Several
-from modelgen.scene.parameters import parameters_of, with_uses
+from modelgen.scene.parameters import checked_values, parameters_of, with_uses
 from modelgen.scene.scene_format import SCENE
 from modelgen.scene.scene_types import Body, Input, Origin, Parameter, Scene
 from modelgen.scene.shapes_and_bodies import read_body
 from modelgen.scene.source_location import Place
+
+
+def changed_scene() -> SimulationError:
+    """The error of a scene that its tables do not give."""
+    return SimulationError(
+        "parameters", "the scene was changed after it was read, and cannot be read again",
+        "parameters need a scene as its tables say", "write the change into its tables",
+    )  # fmt: skip
+
+
+def scene_with(scene: Scene, values: Mapping[str, float] | None) -> Scene:
+    """A scene with other values of its parameters, by name; scales stay those of the nominal values.
+
+    Raises SimulationError for a name or value that is refused, or a scene that was changed after it was read;
+    SceneError where the scene refuses the values.
+    """
+    if not values:
+        return scene
+    ranges = {each.name: (each.minimum, each.maximum) for each in scene.parameters}
+    own = {each.name: each.value for each in scene.parameters}
+    chosen = own | checked_values(values, ranges)
+    if scene.origin is None:
+        raise changed_scene()
+    reader = SceneReader(scene.name, scene.source, scene.origin)
+    if reader.scene(own) != replace(scene, nominal=None):
+        raise changed_scene()
+    found = reader.scene(chosen)
+    at_nominal = all(each.value == each.nominal for each in found.parameters)
+    return replace(found, nominal=None if at_nominal else scene.nominal or replace(scene, origin=None))
 
 
 class _Part(NamedTuple):

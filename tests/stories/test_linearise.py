@@ -53,3 +53,19 @@ def test_a_scene_without_rest_is_refused_and_leaves_nothing(
     assert (answer.code, answer.out) == (2, "")
     assert "no equilibrium near the start" in answer.err
     assert [path.name for path in tmp_path.iterdir()] == ["ball.toml"]
+
+
+def test_values_of_parameters_are_those_of_a_scene_with_these_numbers(
+    modelgen: Modelgen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rings = Path(RINGS).read_text()
+    monkeypatch.chdir(tmp_path)
+    assert "gravity" not in rings
+    named = '\n[[parameter]]\nname = "pull"\nvalue = 9.81\nmaximum = 20\n'
+    Path("rings.toml").write_text('gravity = [0, 0, "-pull"]\n' + rings + named)
+    facts = modelgen("linearise", "rings.toml", "--set", "pull=2.5", "--json").json
+    across = [mode for mode in facts["modes"] if abs(mode["shape"]["ring"]["v"][1]) == 1]
+    assert [mode["frequency"] for mode in across] == pytest.approx([np.sqrt(2.5 / 0.15)])
+    refused = modelgen("linearise", "rings.toml", "--set", "pull=30")
+    assert refused.code == 2
+    assert "parameters: pull: the number 30.0; at most 20 is allowed" in refused.err
