@@ -22,6 +22,7 @@ STEPPING = ("tests/oracles/friction/test_time_stepping.py",)
 SPRINGS = ("tests/oracles/test_stepping_springs.py",)
 RUBBING = ("tests/core/test_rubbing_laws.py",)
 BLOWS = ("tests/oracles/friction/test_blow_laws.py", "tests/oracles/friction/test_impact.py")
+SENSITIVITY = ("tests/sensitivity",)
 CLOSEST = ("tests/oracles/test_closest_features.py",)
 JOINTS = ("tests/joints",)
 
@@ -214,5 +215,26 @@ FAULTS = (
         r"fabs\(third\) \* change \* change \* change / 6",
         "0 * fabs(third) * change",
         ("tests/core/test_taylor_models.py",),
+    ),
+    Fault(
+        "sensitivity",
+        "the time of an event does not change with the direction (no saltation)",
+        r"dx\[i\] -= sign \* slope\[i\] \* s->event_rate\[j\] / s->event_rate\[s->directions->n\];",
+        "dx[i] -= 0 * sign * slope[i];",
+        SENSITIVITY,
+    ),
+    Fault(
+        "sensitivity",
+        "the normal does not turn with the direction at a blow",
+        r"mg_blow_rates_tangent\(c, s, direction, dx, 1, b->rate_after_dot\);",
+        "mg_blow_rates_tangent(c, s, direction, dx, 0, b->rate_after_dot);",
+        SENSITIVITY,
+    ),
+    Fault(
+        "sensitivity",
+        "derivatives are not projected onto what the start permits",
+        r"if \(!c->settings->project\) return;\n  mg_gather_wrenches\(c, s, t\);\n  for",
+        "if (c->settings->project) return;\n  mg_gather_wrenches(c, s, t);\n  for",
+        SENSITIVITY,
     ),
 )
