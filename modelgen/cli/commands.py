@@ -67,6 +67,7 @@ from modelgen.cli.pipeline import (
     run_settings,
 )
 from modelgen.cli.sensitivity import sensitivity
+from modelgen.cli.view import view
 
 app = typer.Typer(
     help="From a scene file to a compiled model of rigid bodies in smooth contact, and its trajectory.",
@@ -178,6 +179,7 @@ app.command()(measure)
 app.command()(tune)
 app.command()(manual)
 app.command()(sensitivity)
+app.command()(view)
 
 
 @app.command()

@@ -22,6 +22,7 @@ TOPICS = (
         "python_api",
         "driven_runs",
         "sensitivities",
+        "view",
     ),
     *("casadi", "c", "command_line", "limits", "troubleshooting", "development", "design_notes"),
     *("measurements", "glossary", "changelog"),

@@ -23,6 +23,7 @@ PIPELINE = (
     ("runtime",),
     ("gym", "linearisation"),
     ("report",),
+    ("view",),
     ("benchmark",),
     ("cli",),
 )

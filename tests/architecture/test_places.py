@@ -28,7 +28,10 @@ IO_CALLS = {
     *("open", "print", "write_text", "write_bytes", "read_text", "read_bytes", "unlink", "mkdir"),
     *("rename", "rmdir", "savez", "savez_compressed", "savetxt", "loadtxt"),
 }
-PACKAGE_DATA = {"codegen/amalgamation.py": {"read_text"}}  # the text of the core is part of the program
+PACKAGE_DATA = {  # part of the program: the text of the core, the page that plays a run
+    "codegen/amalgamation.py": {"read_text"},
+    "view/page.py": {"read_text", "write_text"},
+}
 C_CALLERS = ("codegen/library.py", "runtime/")
 
 # Numbers below 1e-3 in runtime/ outside Accuracy, and why each is no tolerance of a run.

@@ -1,9 +1,10 @@
 """Derivatives of runs beside differences of runs: pairs of a direction and a time, by verdict.
 
-Run with `python -m tests.benchmarks.sensitivity_pairs [--only NAME,...] [--bodies 3]`. For each shipped scene, starts
-of its first bodies, and for the scenes of tests/stories/test_parameters.py their number; at three times each. A pair
-is `wrong` where the derivative is called differentiable and differs from the difference by more than 1e-6 of its
-size and by more than the difference itself is known to; `beyond 1e-9` likewise.
+Run with `python -m tests.benchmarks.sensitivity_pairs [--only NAME,...] [--bodies 3]`. For each shipped
+scene, starts of its first bodies, and for the scenes of tests/stories/test_parameters.py their number; at
+three times each. A pair is `wrong` where the derivative is called differentiable and differs from the
+difference by more than 1e-6 of its size and by more than the difference itself is known to; `beyond 1e-9`
+likewise.
 """
 
 from __future__ import annotations
