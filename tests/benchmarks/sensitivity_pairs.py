@@ -70,7 +70,7 @@ def pairs_of(scene: str, library: Library, by: list[str], times: list[float]) ->
         for k, t in enumerate(times):
             for column, direction in enumerate(found.by):
                 exact = fine[k, :, column]
-                size = max(float(np.max(np.abs(exact))), 1e-6)
+                size = max(float(np.max(np.abs(exact))), 1e-3)
                 error = float(np.max(np.abs(found.jacobian[k, :, column] - exact))) / size
                 noise = float(np.max(np.abs(exact - coarse[k, :, column]))) / size
                 verdict = found.verdicts[k]
