@@ -157,8 +157,7 @@ MG_INTERNAL int mg_has_slope_jump(const mg_context *c, const mg_sensitivity *s, 
   return 0;
 }
 
-/* True if the event function crosses zero too slowly. */
-static int mg_is_graze(const mg_context *c, const mg_crossing *crossing, mg_real rate) {
+MG_INTERNAL int mg_is_graze(const mg_context *c, const mg_crossing *crossing, mg_real rate) {
   const mg_real least = c->settings->rest_speed * c->system->length / c->system->time;
   return crossing->kind == MG_CROSSES_GAP ? fabs(rate) < least : rate == 0;
 }
@@ -194,6 +193,18 @@ static int mg_leaves_slip_across(mg_context *c, mg_sensitivity *s, const mg_cros
   return 0;
 }
 
+/* True if the rows that held before the event hold the gap of a contact as well, so that its closing changes nothing:
+   as of the next tooth of a gear. */
+static int mg_is_row_held_already(mg_context *c, mg_sensitivity *s, int contact) {
+  mg_gather_wrenches(c, s, c->run->t);
+  for (int j = 0; j < s->directions->n; j++) {
+    mg_rhs_tangent(c, s, j, c->run->t, c->run->x, s->tangent->x + (long)j * c->layout.n_states, s->stage);
+    const mg_real size = mg_rate_tangent_size(c, s, contact) + MG_EPS * c->system->length / c->system->time;
+    if (fabs(s->at.rate[contact]) > sqrt(c->settings->event_tolerance) * size) return 0;
+  }
+  return 1;
+}
+
 /* True if a direction moves borders of features. */
 static int mg_has_moving_border(const mg_sensitivity *s) {
   for (int j = 0; j < s->directions->n; j++)
@@ -220,7 +231,11 @@ MG_INTERNAL int mg_cross_event(mg_context *c, mg_sensitivity *s, const mg_crossi
     return MG_NO_REASON;
   }
   if (!knows_time) return MG_BY_JUMP;
-  if (mg_is_graze(c, crossing, s->event_rate[n])) return MG_BY_GRAZE;
+  if (mg_is_graze(c, crossing, s->event_rate[n])) {
+    if (mg_has_slope_jump(c, s, after) || !mg_is_row_held_already(c, s, crossing->contact)) return MG_BY_GRAZE;
+    mg_settle_eta_tangents(c, s, c->run->t, c->run->x);
+    return MG_NO_REASON;
+  }
   int reason = crossing->reason;
   if (!reason && crossing->kind == MG_CROSSES_BORDER && mg_has_moving_border(s)) reason = MG_BY_BORDER;
   mg_shift_by_event_times(c, s, s->slope_before, 1);

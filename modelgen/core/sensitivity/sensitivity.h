@@ -185,6 +185,9 @@ MG_INTERNAL void mg_differentiate_event(mg_context *c, mg_sensitivity *s, mg_cro
 /* True if the right-hand side jumps between s->slope_before and `after`, eta apart. */
 MG_INTERNAL int mg_has_slope_jump(const mg_context *c, const mg_sensitivity *s, const mg_real *after);
 
+/* True if the event function crosses zero too slowly to tell the time of the event. */
+MG_INTERNAL int mg_is_graze(const mg_context *c, const mg_crossing *crossing, mg_real rate);
+
 /* Adds weight times the derivatives of the condition that a contact violates to s->at.pose and eta_bar. */
 MG_INTERNAL void mg_border_adjoint(mg_context *c, mg_sensitivity *s, int contact, const mg_real *eta, mg_real weight,
                                    mg_real *eta_bar);
