@@ -1,4 +1,4 @@
-"""A body thrown so that it reaches a place after it has struck the floor: derivatives against what needs none.
+"""A body thrown so that it reaches a place after it has struck the floor: three ways to find the throw.
 
 Run with `python -m tests.benchmarks.throws [--starts 20]`. The velocity and spin of an ellipsoid with
 friction and restitution are sought, from perturbed starts, such that after 0.6 s, with one or two blows on
