@@ -8,7 +8,7 @@ N mu^2 s / |mu s|). Where rows are dependent, forces are those of least norm in 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -17,6 +17,8 @@ from modelgen.composition.constraint_rows import Row, SceneRows
 from modelgen.composition.contact_mode import (
     DIRECTION,
     OF_FRICTION,
+    PATCH_FRICTION_ROWS,
+    SUPPORT_POINTS,
     ContactMode,
     contact_count,
     friction_of_contacts,
@@ -26,6 +28,7 @@ from modelgen.model import FrictionConstraint, Model
 
 REGULARISATION = 1e-11  # of A A^T with unit diagonal of A: singular values above 1e-4 are exact after REFINED
 REFINED = 5  # passes of refinement, each of which divides what is left by 1 + sigma^2 / REGULARISATION
+TimesMatrix = Callable[[Expression], Expression]
 SLOW = 2.0  # times slip_speed: slip below this has the direction that the mode tells
 
 
@@ -61,7 +64,7 @@ def fixed_switches(
     begin = contact_count(model)
     ratios = [None] * begin + flat + [None] * (len(rows.rows) - begin - len(flat))
     holds = [float(_holds(model, mode, row, k)) for k, row in enumerate(rows.rows)]
-    reference = ca.DM(list(mode.reference) or [0.0] * len(rows.rows))
+    reference = ca.DM(list(mode.reference)) if mode.reference else ca.DM(len(rows.rows), 1)
     return Switches(holds, ratios, reference)
 
 
@@ -73,18 +76,17 @@ def _holds(model: Model, mode: ContactMode, row: Row, place: int) -> bool:
         return mode.active[index] and mode.friction[row.owner].state == "sticks"
     if row.kind == "support":
         supports = [held for each in mode.patches for held in each.holds]
-        first = len(supports) + PATCH_FRICTION * sum(each.sticks for each in mode.patches)
+        first = len(supports) + PATCH_FRICTION_ROWS * sum(each.sticks for each in mode.patches)
         return supports[place - (_row_count(model, mode) - first)]
     return True
 
 
-PATCH_FRICTION = 3
 
 
 def _row_count(model: Model, mode: ContactMode) -> int:
     below = sum(constraint.rows for _, constraint in friction_of_contacts(model))
     joints = sum(joint.rows for joint in model.joints)
-    of_patches = sum(3 + PATCH_FRICTION * each.sticks for each in mode.patches)
+    of_patches = sum(SUPPORT_POINTS + PATCH_FRICTION_ROWS * each.sticks for each in mode.patches)
     return contact_count(model) + below + joints + of_patches
 
 
@@ -147,7 +149,7 @@ class ForcesAndAccelerations:
 
 
 def held_forces(
-    model: Model, rows: SceneRows, switches: Switches, W: Expression, free: Expression, redundant: bool
+    model: Model, rows: SceneRows, switches: Switches, times_inverse_mass: TimesMatrix, free: Expression, redundant: bool
 ) -> ForcesAndAccelerations:
     """Forces of the rows that may hold, others left out; for a mode that is fixed."""
     listed = [k for k, holds in enumerate(switches.holds) if holds]
@@ -156,21 +158,20 @@ def held_forces(
     reference = switches.reference[listed] if listed else ca.DM(0, 1)
     found = ca.DM(0, 1)
     if listed:
-        MG = ca.mtimes(W, G)
-        A, b = ca.mtimes(J, MG), ca.mtimes(J, free) + gamma
         slips = any(ratio is not None for ratio in switches.ratios)
-        scale = _scales(ca.mtimes(J, ca.mtimes(W, J.T)))
-        found = _solution(A, b, scale, reference, symmetric=not slips, redundant=redundant)
-    return _spread(model, rows, switches, listed, found, W, free, G)
+        A, right = ca.mtimes(J, times_inverse_mass(G)), -gamma - ca.mtimes(J, free)
+        own = ca.mtimes(J, times_inverse_mass(J.T)) if slips else A
+        found = _solution(A, right, _scales(own), reference, symmetric=not slips, redundant=redundant)
+    return _spread(model, rows, switches, listed, found, times_inverse_mass, free, G)
 
 
 def switched_forces(
-    model: Model, rows: SceneRows, switches: Switches, W: Expression, free: Expression
+    model: Model, rows: SceneRows, switches: Switches, times_inverse_mass: TimesMatrix, free: Expression
 ) -> ForcesAndAccelerations:
     """Forces of all rows; a row that does not hold has force zero in place of its equation."""
     listed = [k for k, holds in enumerate(switches.holds) if not isinstance(holds, float) or holds]
     if not listed:
-        return _spread(model, rows, switches, listed, ca.DM(0, 1), W, free, ca.DM(model.n_u, 0))
+        return _spread(model, rows, switches, listed, ca.DM(0, 1), times_inverse_mass, free, ca.DM(model.n_u, 0))
     holds = ca.vertcat(*(switches.holds[k] for k in listed))
     mask = ca.diag(holds)
     J = ca.vertcat(*(ca.if_else(holds[i], rows.rows[k].J, 0) for i, k in enumerate(listed)))
@@ -178,11 +179,11 @@ def switched_forces(
         *(ca.if_else(holds[i], column, 0) for i, column in enumerate(_columns(model, rows, switches, listed)))
     )
     gamma = ca.vertcat(*(ca.if_else(holds[i], rows.rows[k].gamma, 0) for i, k in enumerate(listed)))
-    A = ca.mtimes(J, ca.mtimes(W, G)) + ca.DM.eye(len(listed)) - mask
-    b = ca.mtimes(J, free) + gamma
-    scale = _scales(ca.mtimes(J, ca.mtimes(W, J.T)) + ca.DM.eye(len(listed)) - mask)
-    found = _solution(A, b, scale, holds * switches.reference[listed], symmetric=False, redundant=True)
-    return _spread(model, rows, switches, listed, found, W, free, G)
+    A = ca.mtimes(J, times_inverse_mass(G)) + ca.DM.eye(len(listed)) - mask
+    right = -gamma - ca.mtimes(J, free)
+    scale = _scales(ca.mtimes(J, times_inverse_mass(J.T)) + ca.DM.eye(len(listed)) - mask)
+    found = _solution(A, right, scale, holds * switches.reference[listed], symmetric=False, redundant=True)
+    return _spread(model, rows, switches, listed, found, times_inverse_mass, free, G)
 
 
 def _jacobian(rows: SceneRows, listed: list[int]) -> Expression:
@@ -217,19 +218,20 @@ def _scales(A: Expression) -> Expression:
 
 
 def _solution(
-    A: Expression, b: Expression, scale: Expression, reference: Expression, *, symmetric: bool, redundant: bool
+    A: Expression, right: Expression, scale: Expression, reference: Expression, *, symmetric: bool, redundant: bool
 ) -> Expression:
-    """f with A f = -b: `reference` and, of least norm in the scale of the rows, what is to be added to it.
+    """f with A f = right: `reference` and, of least norm in the scale of the rows, what is to be added to it.
 
     Least norm: f = A^T y with (A A^T + delta) y = r, repeated for what is left of r, which leaves nothing of
     the part of A's null space in f.
     """
+    if not redundant and symmetric:
+        return reference + _regular(A, right - ca.mtimes(A, reference), symmetric)
     S = ca.diag(scale)
     scaled = ca.mtimes(S, ca.mtimes(A, S))
-    right = -scale * (b + ca.mtimes(A, reference))
+    right = scale * (right - ca.mtimes(A, reference))
     if int(A.shape[0]) == 1:
-        pivot = scaled + (scaled == 0)
-        return reference + scale * right / pivot
+        return reference + scale * right / (scaled + (scaled == 0))
     if not redundant:
         return reference + scale * _regular(scaled, right, symmetric)
     normal = ca.mtimes(scaled, scaled.T) + REGULARISATION * ca.DM.eye(int(A.shape[0]))
@@ -264,7 +266,7 @@ def _spread(
     switches: Switches,
     listed: list[int],
     found: Expression,
-    W: Expression,
+    times_inverse_mass: TimesMatrix,
     free: Expression,
     G: Expression,
 ) -> ForcesAndAccelerations:
@@ -278,5 +280,5 @@ def _spread(
         if ratio is not None:
             index, _ = friction_of_contacts(model)[row.owner]
             forces[k] = forces[k] - ratio * forces[index]
-    udot = free + ca.mtimes(W, ca.mtimes(G, found)) if listed else free
+    udot = free + ca.mtimes(times_inverse_mass(G), found) if listed else free
     return ForcesAndAccelerations(ca.densify(ca.vertcat(ca.DM(0, 1), *forces)), udot)

@@ -59,17 +59,19 @@ def moving_bodies(
     ]
 
 
-def inverse_mass(bodies: list[MovingBody]) -> Expression:
-    """M^-1 (n_u, n_u), block by block."""
-    blocks: list[Expression] = []
+def times_inverse_mass(bodies: list[MovingBody], wrenches: Expression) -> Expression:
+    """M^-1 times wrenches (n_u, k), body by body."""
+    parts: list[Expression] = []
+    at = 0
     for body in bodies:
         if not body.columns:
             continue
         mass, inertia = mass_and_inertia(body.kind, body.parameters)
-        blocks += [1 / mass] * 3
+        parts.append(wrenches[at : at + 3, :] / mass)
         if body.columns == 6:
-            blocks.append(_inverse_inertia(inertia))
-    return ca.diagcat(*blocks) if blocks else ca.DM(0, 0)
+            parts.append(_times_inverse_inertia(inertia, wrenches[at + 3 : at + 6, :]))
+        at += body.columns
+    return ca.vertcat(*parts) if parts else wrenches
 
 
 def mass_matrix(bodies: list[MovingBody]) -> Expression:
@@ -82,12 +84,12 @@ def mass_matrix(bodies: list[MovingBody]) -> Expression:
     return ca.diagcat(*blocks) if blocks else ca.DM(0, 0)
 
 
-def _inverse_inertia(inertia: Expression) -> Expression:
+def _times_inverse_inertia(inertia: Expression, torques: Expression) -> Expression:
     if inertia.sparsity().is_diag():
-        return ca.diag(1 / ca.diag(inertia))
+        return ca.vertcat(*(torques[k, :] / inertia[k, k] for k in range(3)))
     columns = ca.horzsplit(inertia)
     adjugate = ca.horzcat(*(ca.cross(columns[i - 2], columns[i - 1]) for i in range(3)))
-    return adjugate / ca.dot(columns[0], adjugate[:, 0])
+    return ca.mtimes(adjugate, torques) / ca.dot(columns[0], adjugate[:, 0])
 
 
 def _placed(

@@ -16,8 +16,15 @@ from modelgen.composition.constraint_forces import (
     vector_switches,
 )
 from modelgen.composition.constraint_rows import RowBuilder, SceneRows
-from modelgen.composition.contact_mode import ContactMode, check_mode, contact_entries, mode_size
-from modelgen.composition.moving_bodies import Functions, MovingBody, inverse_mass, moving_bodies
+from modelgen.composition.contact_mode import (
+    ContactMode,
+    FrictionMode,
+    check_mode,
+    contact_entries,
+    friction_of_contacts,
+    mode_size,
+)
+from modelgen.composition.moving_bodies import Functions, MovingBody, moving_bodies, times_inverse_mass
 from modelgen.composition.scene_symbols import (
     Expression,
     SceneSymbols,
@@ -39,7 +46,10 @@ class WrittenScene:
     parameters: SplitParameters
     bodies: list[MovingBody]
     rows: SceneRows
-    inverse_mass: Expression  # (n_u, n_u)
+
+    def times_inverse_mass(self, wrenches: Expression) -> Expression:
+        """M^-1 times wrenches (n_u, k)."""
+        return times_inverse_mass(self.bodies, wrenches)
 
     @property
     def qdot(self) -> Expression:
@@ -72,7 +82,7 @@ def written_scene(model: Model, functions: Functions, mode: ContactMode, symbol:
     parameters = split_parameters(model, symbols.parameters)
     bodies = moving_bodies(model, symbols, parameters, functions)
     rows = RowBuilder(model, symbols, parameters, bodies, functions).scene_rows(mode)
-    return WrittenScene(model, symbols, parameters, bodies, rows, inverse_mass(bodies))
+    return WrittenScene(model, symbols, parameters, bodies, rows)
 
 
 def slip_speeds(model: Model, slip_speed: float = SLIP_SPEED) -> SlipSpeeds:
@@ -83,7 +93,7 @@ def slip_speeds(model: Model, slip_speed: float = SLIP_SPEED) -> SlipSpeeds:
 def in_mode(scene: WrittenScene, mode: ContactMode, slow: SlipSpeeds) -> ForcesAndAccelerations:
     """Forces and accelerations in a fixed mode."""
     switches = fixed_switches(scene.model, mode, scene.rows, scene.parameters.friction, slow)
-    return held_forces(scene.model, scene.rows, switches, scene.inverse_mass, scene.free, mode.redundant)
+    return held_forces(scene.model, scene.rows, switches, scene.times_inverse_mass, scene.free, mode.redundant)
 
 
 def right_hand_side(
@@ -106,13 +116,11 @@ def switched_right_hand_side(
     scene = written_scene(model, functions, fixed, ca.MX)
     vector = ca.MX.sym("mode", mode_size(model, len(scene.rows.rows)))
     switches = vector_switches(model, vector, scene.rows, scene.parameters.friction, slow)
-    found = switched_forces(model, scene.rows, switches, scene.inverse_mass, scene.free)
+    found = switched_forces(model, scene.rows, switches, scene.times_inverse_mass, scene.free)
     return _function("rhs", scene, found, {"mode": vector})
 
 
-def _all_off(model: Model) -> Any:
-    from modelgen.composition.contact_mode import FrictionMode, friction_of_contacts
-
+def _all_off(model: Model) -> tuple[FrictionMode, ...]:
     return tuple(FrictionMode() for _ in friction_of_contacts(model))
 
 
