@@ -11,9 +11,12 @@ import casadi as ca
 from modelgen.composition.closed_form import closed_right_hand_side, why_not_closed
 from modelgen.composition.contact_mode import ContactMode, own_feature_pairs
 from modelgen.composition.right_hand_side import (
+    SLIP_SPEED,
+    SolvedScene,
+    in_all_modes,
+    in_mode,
     right_hand_side,
     slip_speeds,
-    switched_right_hand_side,
 )
 from modelgen.contact.form_table import FORMS, contact_kernels, eta_layout
 from modelgen.contact.separation import aim_kernel, has_separation, seek_kernel
@@ -113,11 +116,23 @@ class Derivation:
 
         Raises ModelgenError where the mode is none of the model.
         """
-        functions, slow = self.functions(), slip_speeds(self.model)
+        return right_hand_side(self.solved(mode, feature_pairs))
+
+    def solved(
+        self,
+        mode: ContactMode | None = None,
+        feature_pairs: Sequence[int] | None = None,
+        slip_speed: float = SLIP_SPEED,
+    ) -> SolvedScene:
+        """The whole scene with its forces, as expressions; arguments as those of `rhs`.
+
+        `slip_speed`: the setting of a run of that name.
+        """
+        functions, slow = self.functions(), slip_speeds(self.model, slip_speed)
         if mode is not None:
-            return right_hand_side(self.model, functions, mode, slow)
+            return in_mode(self.model, functions, mode, slow, ca.MX)
         pairs = own_feature_pairs(self.model) if feature_pairs is None else tuple(feature_pairs)
-        return switched_right_hand_side(self.model, functions, pairs, slow)
+        return in_all_modes(self.model, functions, pairs, slow)
 
     def functions(self) -> Mapping[str, ca.Function]:
         """All functions by name."""

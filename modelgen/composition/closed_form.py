@@ -37,9 +37,8 @@ def closed_right_hand_side(model: Model, functions: Functions) -> ca.Function:
 
     Of a pair that more than one contact follows, the first is closed; the eta of the others stay.
     """
-    mode = held_mode(model)
-    scene = written_scene(model, functions, mode, ca.SX)
-    found = in_mode(scene, mode, slip_speeds(model))
+    solved = in_mode(model, functions, held_mode(model), slip_speeds(model), ca.SX)
+    scene, found = solved.scene, solved.found
     force = ca.vertcat(ca.SX(0, 1), *(found.forces[pair.contacts[0]] for pair in model.pairs))
     outputs = {"qdot": scene.qdot, "udot": found.udot, "eta_dot": scene.eta_dot, "force": force}
     return kernel("mg_rhs", scene.symbols.arguments, outputs)

@@ -282,3 +282,14 @@ def _spread(
             forces[k] = forces[k] - ratio * forces[index]
     udot = free + ca.mtimes(times_inverse_mass(G), found) if listed else free
     return ForcesAndAccelerations(ca.densify(ca.vertcat(ca.DM(0, 1), *forces)), udot)
+
+
+def held_matrix(rows: SceneRows, switches: Switches, times_inverse_mass: TimesMatrix) -> Expression:
+    """J M^-1 J^T over the rows that hold in a fixed mode, scaled to unit diagonal; its rank is theirs."""
+    listed = [k for k, holds in enumerate(switches.holds) if holds]
+    if not listed:
+        return ca.DM(0, 0)
+    J = _jacobian(rows, listed)
+    A = ca.mtimes(J, times_inverse_mass(J.T))
+    S = ca.diag(_scales(A))
+    return ca.mtimes(S, ca.mtimes(A, S))

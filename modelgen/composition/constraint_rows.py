@@ -36,7 +36,7 @@ class Row:
     J: Expression  # (1, n_u)
     gamma: Expression
     rate: Expression  # of what it holds at zero: J u, with what prescribed motion adds
-    wrench_columns: tuple[Expression, ...] = ()  # of a joint: its row of J on the second body
+    second: Expression = None  # of a joint: its row of J (6,) on the second body
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,9 @@ class TouchingContact:
     normal: Expression
     tangents: Expression  # (6,), or none
     rows: tuple[Row, ...]  # N, t1, t2, spin, roll, roll, as far as its kind has them
+    sides: tuple[int, int]  # bodies o, f
+    parameters: Expression
+    place: str  # name of the function that corrects eta
 
 
 @dataclass(frozen=True)
@@ -145,7 +148,10 @@ class RowBuilder:
                 parts[side] = block[k * size : (k + 1) * size]
             rows.append(self._row(kind, owner, entry.name if entry else "", parts, gamma[k]))
         tangents = results.get("tangents", ca.DM(0, 1))
-        return TouchingContact(results["d"], results["eta_dot"], results["normal"], tangents, tuple(rows))
+        return TouchingContact(
+            results["d"], results["eta_dot"], results["normal"], tangents, tuple(rows), sides, parameters,
+            f"mg_{name}_place",
+        )  # fmt: skip
 
     def _row(
         self,
@@ -216,7 +222,7 @@ class RowBuilder:
         for k in range(entry.rows):
             row_a, row_b = J[12 * k : 12 * k + 6], J[12 * k + 6 : 12 * k + 12]
             made = self._row("joint", number, entry.name, {entry.a: row_a, entry.b: row_b}, gamma[k], bias[k])
-            rows.append(Row(made.kind, made.owner, made.name, made.J, made.gamma, made.rate, (row_b,)))
+            rows.append(Row(made.kind, made.owner, made.name, made.J, made.gamma, made.rate, row_b))
         return rows
 
     def _patch(self, each: PatchMode) -> tuple[list[Row], list[Row]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +13,7 @@ from modelgen.composition.constraint_forces import (
     SlipSpeeds,
     fixed_switches,
     held_forces,
+    held_matrix,
     switched_forces,
     vector_switches,
 )
@@ -90,48 +92,65 @@ def slip_speeds(model: Model, slip_speed: float = SLIP_SPEED) -> SlipSpeeds:
     return SlipSpeeds(slip_speed * model.scales.length / model.scales.time, slip_speed / model.scales.time)
 
 
-def in_mode(scene: WrittenScene, mode: ContactMode, slow: SlipSpeeds) -> ForcesAndAccelerations:
-    """Forces and accelerations in a fixed mode."""
-    switches = fixed_switches(scene.model, mode, scene.rows, scene.parameters.friction, slow)
-    return held_forces(scene.model, scene.rows, switches, scene.times_inverse_mass, scene.free, mode.redundant)
+@dataclass(frozen=True)
+class SolvedScene:
+    """A scene with the forces of its rows, in one mode or in all modes."""
+
+    scene: WrittenScene
+    found: ForcesAndAccelerations
+    mode: Expression | None  # mode vector, of all modes
+
+    @property
+    def arguments(self) -> dict[str, Expression]:
+        """t, q, u, eta, gravity, parameters, inputs and mode, as far as there are any."""
+        return self.scene.symbols.arguments | ({} if self.mode is None else {"mode": self.mode})
+
+    def function(self, name: str, outputs: dict[str, Expression]) -> ca.Function:
+        """A function of all arguments."""
+        values = [ca.densify(value) for value in outputs.values()]
+        if isinstance(self.scene.symbols.t, ca.SX):
+            values = ca.cse(values)
+        return ca.Function(name, list(self.arguments.values()), values, list(self.arguments), list(outputs))
 
 
-def right_hand_side(
-    model: Model, functions: Functions, mode: ContactMode, slow: SlipSpeeds, symbol: Any = ca.MX
-) -> ca.Function:
-    """`rhs`: (t, q, u, eta, gravity, parameters, inputs) -> (qdot, udot, eta_dot, force) in a fixed mode.
+def in_mode(model: Model, functions: Functions, mode: ContactMode, slow: SlipSpeeds, symbol: Any) -> SolvedScene:
+    """A scene in a fixed mode."""
+    scene = written_scene(model, functions, mode, symbol)
+    switches = fixed_switches(model, mode, scene.rows, scene.parameters.friction, slow)
+    found = held_forces(model, scene.rows, switches, scene.times_inverse_mass, scene.free, mode.redundant)
+    return SolvedScene(scene, found, None)
+
+
+def in_all_modes(
+    model: Model, functions: Functions, feature_pairs: Sequence[int], slow: SlipSpeeds
+) -> SolvedScene:
+    """A scene with these feature pairs and a mode vector (`mode_numbers`): what carries force, sticks, slips."""
+    off = tuple(FrictionMode() for _ in friction_of_contacts(model))
+    none = ContactMode(tuple(feature_pairs), (False,) * len(contact_entries(model)), off)
+    scene = written_scene(model, functions, none, ca.MX)
+    vector = ca.MX.sym("mode", mode_size(model, len(scene.rows.rows)))
+    switches = vector_switches(model, vector, scene.rows, scene.parameters.friction, slow)
+    found = switched_forces(model, scene.rows, switches, scene.times_inverse_mass, scene.free)
+    return SolvedScene(scene, found, vector)
+
+
+def right_hand_side(solved: SolvedScene) -> ca.Function:
+    """`rhs`: (t, q, u, eta, gravity, parameters, inputs, mode) -> (qdot, udot, eta_dot, force).
 
     `force` is by row: the normal forces of contacts and limits, N, then friction, joints, and the points
     that hold faces (`row_names`).
     """
-    scene = written_scene(model, functions, mode, symbol)
-    return _function("rhs", scene, in_mode(scene, mode, slow), {})
+    scene, found = solved.scene, solved.found
+    outputs = {"qdot": scene.qdot, "udot": found.udot, "eta_dot": scene.eta_dot, "force": found.forces}
+    return solved.function("rhs", outputs)
 
 
-def switched_right_hand_side(
-    model: Model, functions: Functions, feature_pairs: tuple[int, ...], slow: SlipSpeeds
+def held_rows_matrix(
+    model: Model, functions: Functions, mode: ContactMode, slow: SlipSpeeds
 ) -> ca.Function:
-    """The same with a further argument `mode` (`mode_numbers`): which contacts carry force, stick and slip."""
-    fixed = ContactMode(feature_pairs, (False,) * len(contact_entries(model)), _all_off(model))
-    scene = written_scene(model, functions, fixed, ca.MX)
-    vector = ca.MX.sym("mode", mode_size(model, len(scene.rows.rows)))
-    switches = vector_switches(model, vector, scene.rows, scene.parameters.friction, slow)
-    found = switched_forces(model, scene.rows, switches, scene.times_inverse_mass, scene.free)
-    return _function("rhs", scene, found, {"mode": vector})
-
-
-def _all_off(model: Model) -> tuple[FrictionMode, ...]:
-    return tuple(FrictionMode() for _ in friction_of_contacts(model))
-
-
-def _function(
-    name: str, scene: WrittenScene, found: ForcesAndAccelerations, more: dict[str, Expression]
-) -> ca.Function:
-    inputs = scene.symbols.arguments | more
-    outputs = {
-        "qdot": scene.qdot, "udot": found.udot, "eta_dot": scene.eta_dot, "force": found.forces
-    }  # fmt: skip
-    values = [ca.densify(value) for value in outputs.values()]
-    if isinstance(scene.symbols.t, ca.SX):
-        values = ca.cse(values)
-    return ca.Function(name, list(inputs.values()), values, list(inputs), list(outputs))
+    """Of the arguments of `rhs`: the matrix whose rank is that of the rows that hold (`held_matrix`)."""
+    scene = written_scene(model, functions, mode, ca.MX)
+    switches = fixed_switches(model, mode, scene.rows, scene.parameters.friction, slow)
+    matrix = held_matrix(scene.rows, switches, scene.times_inverse_mass)
+    arguments = scene.symbols.arguments
+    return ca.Function("held", list(arguments.values()), [ca.densify(matrix)], list(arguments), ["matrix"])
