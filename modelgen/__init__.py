@@ -4,6 +4,7 @@ The verbs are read -> require -> derive -> emit -> build -> simulate, with one v
 Their modules load when a verb is first asked for.
 `start` begins a run that its caller drives, step by step, in place of `simulate`.
 `sensitivity` runs a scene and differentiates what it shows, `gradient` a number that depends on it.
+`as_casadi` makes CasADi functions of a scene's right-hand side and of a step.
 `measure` finds what accuracy of a scene costs, `tune` picks a setting from that.
 `normal_rates` gives the rates of the contact normals at the samples of a trajectory.
 `record_of` joins a trajectory and its library to what `save` writes, `load` reads and `draw` draws.
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from modelgen.assembly import require as require
     from modelgen.benchmark import measure as measure
     from modelgen.benchmark import tune as tune
+    from modelgen.casadi_functions.as_casadi import as_casadi as as_casadi
     from modelgen.codegen.build import build as build
     from modelgen.codegen.emit import emit as emit
     from modelgen.derivation import derive as derive
@@ -43,6 +45,7 @@ __version__ = "0.1.0"
 __all__ = [
     "Accuracy",
     "ModelgenError",
+    "as_casadi",
     "build",
     "closest_points",
     "derive",
@@ -80,6 +83,7 @@ _HOMES = {
     "gradient": "modelgen.runtime.gradient",
     "sensitivity": "modelgen.runtime.sensitivity",
     "simulate_batch": "modelgen.runtime.batch",
+    "as_casadi": "modelgen.casadi_functions.as_casadi",
     "linearise": "modelgen.linearisation.equilibrium_and_modes",
     "measure": "modelgen.benchmark",
     "tune": "modelgen.benchmark",
