@@ -226,7 +226,7 @@ MG_INTERNAL int mg_cross_event(mg_context *c, mg_sensitivity *s, const mg_crossi
   mg_shift_by_event_times(c, s, s->slope_before, 1);
   mg_settle_eta_tangents(c, s, c->run->t, c->run->x);
   if (crossing->blow) {
-    const int unsolved = mg_recover_impulses(c, s);
+    const int unsolved = mg_recover_impulses(c, s, 1);
     for (int j = 0; j < n && !unsolved; j++) mg_blow_tangent(c, s, j, s->tangent->x + (long)j * c->layout.n_states);
     if (!reason) reason = unsolved;
     mg_evaluate_run_state(c);

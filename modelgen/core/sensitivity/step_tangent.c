@@ -156,8 +156,7 @@ MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h) {
   return reason;
 }
 
-/* Adds the corrections of positions, orientations and velocities in c->bodies.wrench to a derivative. */
-static void mg_add_correction(const mg_context *c, const mg_real *x, int of_velocities, mg_real *dx) {
+MG_INTERNAL void mg_add_correction(const mg_context *c, const mg_real *x, int of_velocities, mg_real *dx) {
   const mg_system *system = c->system;
   for (int b = 0; b < system->n_body; b++) {
     if (!mg_is_moved_by_forces(c, b)) continue;
