@@ -28,6 +28,7 @@ LARGEST, HALVINGS = 1e-3, 7  # change of a number, relative to its size, and how
 FEWEST = 3  # step sizes of an extrapolation
 SAFE = 10.0  # times the estimate of the error of an extrapolation
 AGREES, WRONG = 1e-9, 1e-6  # relative to the size of the derivative
+CURVED = 10.0  # of constraints: by how much a start leaves them, by the square of its relative change
 ROUNDED = 1e-12  # sizes that are not told from zero
 
 Tables = dict[str, Any]
@@ -240,7 +241,7 @@ def changed_run(
 ) -> Shown | None:  # fmt: skip
     """A run with a change along a direction, `along` being that of its settled start, or where it is None from
     the start that the scene says; None where it is refused."""
-    reach = 4 * abs(change)
+    reach = 0.0 if along is None else CURVED * (change / size_of(library, direction)) ** 2
     try:
         if direction.kind == "parameter":
             values = {each["name"]: each["value"] for each in library.manifest.instance["parameters"]}

@@ -194,8 +194,7 @@ static int mg_leaves_slip_across(mg_context *c, mg_sensitivity *s, const mg_cros
   return 0;
 }
 
-/* True if a direction moves borders of features. */
-static int mg_has_moving_border(const mg_sensitivity *s) {
+MG_INTERNAL int mg_has_moving_border(const mg_sensitivity *s) {
   for (int j = 0; j < s->directions->n; j++)
     if (s->directions->moves_borders && s->directions->moves_borders[j]) return 1;
   return 0;
@@ -219,7 +218,7 @@ MG_INTERNAL int mg_cross_event(mg_context *c, mg_sensitivity *s, const mg_crossi
     mg_settle_eta_tangents(c, s, c->run->t, c->run->x);
     return MG_NO_REASON;
   }
-  if (!knows_time) return MG_BY_JUMP;
+  if (!knows_time) return mg_has_closed_support(c, s) ? MG_BY_FACES : MG_BY_JUMP;
   if (mg_is_graze(c, crossing, s->event_rate[n])) return MG_BY_GRAZE;
   int reason = crossing->reason;
   if (!reason && crossing->kind == MG_CROSSES_BORDER && mg_has_moving_border(s)) reason = MG_BY_BORDER;

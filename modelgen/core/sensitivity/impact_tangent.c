@@ -163,8 +163,7 @@ static int mg_is_coulomb_blow(const mg_context *c, const mg_blow *b) {
   return 1;
 }
 
-/* True if a face rests on another, before or after. */
-static int mg_has_closed_support(const mg_context *c, const mg_sensitivity *s) {
+MG_INTERNAL int mg_has_closed_support(const mg_context *c, const mg_sensitivity *s) {
   for (int i = c->layout.support_begin; i < c->system->n_contact; i++)
     if (c->run->closed[i] || s->closed_before[i]) return 1;
   return 0;

@@ -151,6 +151,9 @@ MG_INTERNAL void mg_rhs_tangent(mg_context *c, mg_sensitivity *s, int direction,
 
 /* step_tangent.c */
 
+/* True if faces rest on each other by points that a direction moves within them. */
+MG_INTERNAL int mg_rests_on_moving_points(const mg_context *c, const mg_sensitivity *s);
+
 /* Carries the derivatives over the step from the state of the run, of length h. Leaves in c->step.end the state at its
    end, and its right-hand side in s->slope_before. Returns a reason why the result is not certain, or 0. */
 MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h);
@@ -192,6 +195,9 @@ MG_INTERNAL void mg_start_adjoint(mg_context *c, mg_sensitivity *s, const mg_rea
 
 /* event_tangent.c */
 
+/* True if a direction moves borders of features. */
+MG_INTERNAL int mg_has_moving_border(const mg_sensitivity *s);
+
 /* Event of a step from its events first .. of the list. */
 MG_INTERNAL mg_crossing mg_find_crossing(const mg_context *c, const mg_events *events, int first);
 
@@ -211,6 +217,9 @@ MG_INTERNAL void mg_border_adjoint(mg_context *c, mg_sensitivity *s, int contact
 MG_INTERNAL int mg_cross_event(mg_context *c, mg_sensitivity *s, const mg_crossing *crossing);
 
 /* impact_tangent.c */
+
+/* True if a face rests on another, before or after an event. */
+MG_INTERNAL int mg_has_closed_support(const mg_context *c, const mg_sensitivity *s);
 
 /* Derivative of the velocities after a blow, into dx, of which q holds the derivative at the time of the blow and u
    that of the velocities before it. */
