@@ -201,11 +201,12 @@ class TangentRun:
 
     def __init__(self, session: Session, arrays: Mapping[str, Array], n: int) -> None:
         """`arrays`: the fields of mg_directions, n rows each."""
-        self._session, self._n, self._arrays = session, n, arrays
+        self.session, self._n, self._arrays = session, n, arrays
         tables, dtype = session.tables, session.tables.dtype
         self._cdll = cdll = session.library.cdll
+        self._given_state = session.x.copy()
         self._directions = tables.Directions(
-            self._n, *(address(self._arrays[name]) for name in DIRECTION_ARRAYS)
+            self._n, *(address(self._arrays[name]) for name in DIRECTION_ARRAYS), address(self._given_state)
         )
         cdll.mg_sensitivity_size.restype = cdll.mg_sensitivity_int_size.restype = ctypes.c_long
         size = cdll.mg_sensitivity_size(ctypes.byref(session.system), self._n)
@@ -249,7 +250,7 @@ class TangentRun:
 
     def go_on(self, until: float) -> TangentRun:
         """Advance run and derivatives; a run that has ended stays where it is."""
-        session = self._session
+        session = self.session
         code = self._code or CONTINUE
         while code in (CONTINUE, FULL):
             code = self._cdll.mg_advance_tangent(
@@ -269,7 +270,7 @@ class TangentRun:
 
     def shown(self, outputs: Outputs) -> tuple[Array, Array, Verdict]:
         """Values (n_of,), derivatives (n_of, n_by), verdict."""
-        session, n_sensor = self._session, self._session.shared.n_sensor
+        session, n_sensor = self.session, self.session.shared.n_sensor
         sensed = np.zeros((self._n, max(n_sensor, 1)), dtype=session.tables.dtype)
         if n_sensor and self._n:
             self._cdll.mg_sense_tangent(
@@ -292,7 +293,7 @@ class TangentRun:
         )
 
     def _contact(self, index: int) -> str:
-        names = self._session.contacts
+        names = self.session.contacts
         return names[index] if 0 <= index < len(names) else ""
 
     def events(self) -> tuple[EventSensitivity, ...]:

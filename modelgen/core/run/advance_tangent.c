@@ -84,8 +84,7 @@ MG_API int mg_begin_tangent(const mg_system *system, const mg_settings *settings
   tangent->count = 0, tangent->verdict = MG_VERDICT_DIFFERENTIABLE, tangent->reason = MG_NO_REASON,
   tangent->reason_t = 0, tangent->reason_contact = -1;
   mg_evaluate_run_state(&c);
-  mg_settle_eta_tangents(&c, &s, run->t, run->x);
-  mg_project_tangents(&c, &s, run->t, run->x);
+  mg_doubt_tangent(tangent, mg_start_tangent(&c, &s, directions->given), run->t, -1);
   if (mg_is_time_stepping(&c)) mg_doubt_tangent(tangent, MG_BY_TIME_STEPPING, run->t, -1);
   return MG_DONE;
 }

@@ -65,8 +65,7 @@ MG_API void mg_go_back_to_start(const mg_system *system, const mg_settings *sett
   mg_open_context(&c, system, settings, run, work, iwork);
   mg_open_adjoint(&c, &s, &none, &nothing, adjoint);
   mg_evaluate_run_state(&c);
-  mg_project_adjoint(&c, &s, run->t, run->x, adjoint->x);
-  mg_settle_eta_adjoint(&c, &s, run->t, run->x, adjoint->x);
+  mg_start_adjoint(&c, &s, adjoint->given, adjoint->x);
   mg_normalise_tangent(&c, run->x, adjoint->x);
 }
 

@@ -205,8 +205,7 @@ static int mg_is_row_held_already(mg_context *c, mg_sensitivity *s, int contact)
   return 1;
 }
 
-/* True if a direction moves borders of features. */
-static int mg_has_moving_border(const mg_sensitivity *s) {
+MG_INTERNAL int mg_has_moving_border(const mg_sensitivity *s) {
   for (int j = 0; j < s->directions->n; j++)
     if (s->directions->moves_borders && s->directions->moves_borders[j]) return 1;
   return 0;
@@ -230,7 +229,7 @@ MG_INTERNAL int mg_cross_event(mg_context *c, mg_sensitivity *s, const mg_crossi
     mg_settle_eta_tangents(c, s, c->run->t, c->run->x);
     return MG_NO_REASON;
   }
-  if (!knows_time) return MG_BY_JUMP;
+  if (!knows_time) return mg_has_closed_support(c, s) ? MG_BY_FACES : MG_BY_JUMP;
   if (mg_is_graze(c, crossing, s->event_rate[n])) {
     if (mg_has_slope_jump(c, s, after) || !mg_is_row_held_already(c, s, crossing->contact)) return MG_BY_GRAZE;
     mg_settle_eta_tangents(c, s, c->run->t, c->run->x);
@@ -241,7 +240,7 @@ MG_INTERNAL int mg_cross_event(mg_context *c, mg_sensitivity *s, const mg_crossi
   mg_shift_by_event_times(c, s, s->slope_before, 1);
   mg_settle_eta_tangents(c, s, c->run->t, c->run->x);
   if (crossing->blow) {
-    const int unsolved = mg_recover_impulses(c, s);
+    const int unsolved = mg_recover_impulses(c, s, 1);
     for (int j = 0; j < n && !unsolved; j++) mg_blow_tangent(c, s, j, s->tangent->x + (long)j * c->layout.n_states);
     if (!reason) reason = unsolved;
     mg_evaluate_run_state(c);

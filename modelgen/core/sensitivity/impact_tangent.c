@@ -18,10 +18,10 @@ static int mg_may_be_struck(const mg_context *c, const mg_sensitivity *s, int co
          fabs(c->rows.d[contact]) <= c->settings->contact_gap * c->system->length;
 }
 
-/* Lists the rows of contacts that may be struck, then joints; 0 where there are too many. */
-static int mg_list_blow_rows(mg_context *c, mg_sensitivity *s, mg_blow *b) {
+/* Lists the rows of contacts that may be struck, if any are, then joints; 0 where there are too many. */
+static int mg_list_blow_rows(mg_context *c, mg_sensitivity *s, int of_contacts, mg_blow *b) {
   b->n = 0;
-  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
+  for (int i = mg_next_row(c, -1); of_contacts && i < c->layout.support_begin; i = mg_next_row(c, i)) {
     if (!mg_may_be_struck(c, s, i)) continue;
     if (b->n >= MG_BLOW_ROWS - MG_ROWS_OF_ONE) return 0;
     const int normal = b->n;
@@ -219,17 +219,16 @@ static int mg_factor_blow(mg_context *c, mg_blow *b) {
   return mg_lu(n, b->matrix, b->pivots) > 0;
 }
 
-/* True if a face rests on another, before or after. */
-static int mg_has_closed_support(const mg_context *c, const mg_sensitivity *s) {
+MG_INTERNAL int mg_has_closed_support(const mg_context *c, const mg_sensitivity *s) {
   for (int i = c->layout.support_begin; i < c->system->n_contact; i++)
     if (c->run->closed[i] || s->closed_before[i]) return 1;
   return 0;
 }
 
-MG_INTERNAL int mg_recover_impulses(mg_context *c, mg_sensitivity *s) {
+MG_INTERNAL int mg_recover_impulses(mg_context *c, mg_sensitivity *s, int of_contacts) {
   mg_blow *b = s->blow;
   const int n_twist = 6 * c->system->n_body;
-  if (mg_has_closed_support(c, s)) return MG_BY_FACES;
+  if (of_contacts && mg_has_closed_support(c, s)) return MG_BY_FACES;
   mg_update_gap_rates(c);
   mg_real *change = s->at.twist;
   for (int i = 0; i < n_twist; i++) change[i] = c->bodies.twist[i];
@@ -238,7 +237,7 @@ MG_INTERNAL int mg_recover_impulses(mg_context *c, mg_sensitivity *s) {
   for (int i = 0; i < c->system->n_contact; i++) c->events.gap_dips[i] = 0;
   int reason;
   do {
-    if (!mg_list_blow_rows(c, s, b)) return MG_BY_REDUNDANT_ROWS;
+    if (!mg_list_blow_rows(c, s, of_contacts, b)) return MG_BY_REDUNDANT_ROWS;
     mg_find_blow_rates(c, b, change);
     reason = mg_drop_dependent_rows(c, b) ? mg_solve_blow_impulses(c, b) : MG_BY_REDUNDANT_ROWS;
   } while (!reason && mg_mark_unstruck_contacts(c, b));

@@ -66,8 +66,15 @@ static int mg_has_anisotropic_friction(const mg_context *c) {
   return 0;
 }
 
+MG_INTERNAL int mg_rests_on_moving_points(const mg_context *c, const mg_sensitivity *s) {
+  for (int i = c->layout.support_begin; i < c->system->n_contact; i++)
+    if (c->run->closed[i]) return mg_has_moving_border(s);
+  return 0;
+}
+
 /* What of a step is not differentiated as it was taken, or 0. */
-static int mg_uncertain_step(mg_context *c, mg_real h) {
+static int mg_uncertain_step(mg_context *c, const mg_sensitivity *s, mg_real h) {
+  if (mg_rests_on_moving_points(c, s)) return MG_BY_BORDER;
   if (mg_has_rolling_start(c)) return MG_BY_ROLLING_START;
   if (mg_has_rubbing_patch(c)) return MG_BY_FACES;
   if (mg_has_anisotropic_friction(c)) return MG_BY_ANISOTROPY;
@@ -128,7 +135,7 @@ MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h) {
   const int n = s->directions->n, states = c->layout.n_states;
   const mg_real t = c->run->t, *x = c->run->x;
   mg_begin_step_again(c);
-  int reason = mg_uncertain_step(c, h);
+  int reason = mg_uncertain_step(c, s, h);
   for (int stage = 0; stage < method.stages; stage++) {
     const mg_real time = t + method.time[stage] * h;
     mg_combine_stages(&method, stage, states, states, h, x, c->step.slopes, c->step.stage);
@@ -156,8 +163,7 @@ MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h) {
   return reason;
 }
 
-/* Adds the corrections of positions, orientations and velocities in c->bodies.wrench to a derivative. */
-static void mg_add_correction(const mg_context *c, const mg_real *x, int of_velocities, mg_real *dx) {
+MG_INTERNAL void mg_add_correction(const mg_context *c, const mg_real *x, int of_velocities, mg_real *dx) {
   const mg_system *system = c->system;
   for (int b = 0; b < system->n_body; b++) {
     if (!mg_is_moved_by_forces(c, b)) continue;
