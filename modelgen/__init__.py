@@ -3,7 +3,7 @@
 The verbs are read -> require -> derive -> emit -> build -> simulate, with one value between two of them.
 Their modules load when a verb is first asked for.
 `start` begins a run that its caller drives, step by step, in place of `simulate`.
-`sensitivity` runs a scene and differentiates what it shows.
+`sensitivity` runs a scene and differentiates what it shows; `fit` finds numbers of a scene from recorded motion.
 `measure` finds what accuracy of a scene costs, `tune` picks a setting from that.
 `normal_rates` gives the rates of the contact normals at the samples of a trajectory.
 `record_of` joins a trajectory and its library to what `save` writes, `load` reads and `draw` draws.
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from modelgen.codegen.emit import emit as emit
     from modelgen.derivation import derive as derive
     from modelgen.errors import ModelgenError as ModelgenError
+    from modelgen.identification.fit import fit as fit
     from modelgen.linearisation.equilibrium_and_modes import linearise as linearise
     from modelgen.report.export import load as load
     from modelgen.report.export import save as save
@@ -48,6 +49,7 @@ __all__ = [
     "distance_minima",
     "draw",
     "emit",
+    "fit",
     "linearise",
     "load",
     "measure",
@@ -77,6 +79,7 @@ _HOMES = {
     "distance_minima": "modelgen.runtime.distance_minima",
     "sensitivity": "modelgen.runtime.sensitivity",
     "simulate_batch": "modelgen.runtime.batch",
+    "fit": "modelgen.identification.fit",
     "linearise": "modelgen.linearisation.equilibrium_and_modes",
     "measure": "modelgen.benchmark",
     "tune": "modelgen.benchmark",

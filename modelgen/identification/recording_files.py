@@ -1,0 +1,61 @@
+"""Recordings in CSV files: a line of names, then a row of numbers for each time."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+
+from modelgen.errors import SimulationError
+from modelgen.identification.recordings import Recording, not_finite, recording_of
+
+
+def read_recording(path: Path) -> Recording:
+    """The recording in a CSV file; an empty cell was not measured.
+
+    Raises SimulationError with line and column where the file has no rows, a row has another length than the
+    names, or a cell is no finite number; OSError where it cannot be read.
+    """
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            rows = [(number, row) for number, row in enumerate(csv.reader(file), 1) if _is_said(row)]
+    except UnicodeDecodeError as cause:
+        raise SimulationError(str(path), "it is no text", "a CSV file in UTF-8") from cause
+    if not rows:
+        raise SimulationError(str(path), "the file is empty", "a line of names, then rows of numbers")
+    names = [name.strip() for name in rows[0][1]]
+    _check_names(path, names)
+    if len(rows) == 1:
+        raise SimulationError(str(path), "names, but no rows", "a row of numbers for each time")
+    table = np.ma.masked_all((len(rows) - 1, len(names)))
+    for k, (line, row) in enumerate(rows[1:]):
+        if len(row) != len(names):
+            found = f"{len(row)} cells"
+            raise SimulationError(f"{path}: line {line}", found, f"{len(names)}, as there are names")
+        for j, cell in enumerate(row):
+            if cell.strip():
+                table[k, j] = _number(cell.strip(), f"{path}: line {line}, column {names[j]!r}")
+    return recording_of({name: table[:, j] for j, name in enumerate(names)}, str(path))
+
+
+def _is_said(row: list[str]) -> bool:
+    return any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#")
+
+
+def _check_names(path: Path, names: list[str]) -> None:
+    for name in names:
+        if not name:
+            raise SimulationError(f"{path}: line of names", "a column without a name", "", "name it")
+        if names.count(name) > 1:
+            raise SimulationError(f"{path}: line of names", f"{name!r} twice", "", "leave one out")
+
+
+def _number(cell: str, where: str) -> float:
+    try:
+        value = float(cell)
+    except ValueError:
+        raise SimulationError(where, repr(cell), "a number, with a point, in SI units") from None
+    if not np.isfinite(value):
+        raise not_finite(where, repr(cell))
+    return value
