@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import qr, svd
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from modelgen.identification.recordings import Array
 
@@ -59,7 +59,7 @@ def confidence_of(jacobian: Array, residual: Array, slopes: Array, scales: Array
     correlation[hidden], correlation[:, hidden] = np.nan, np.nan
     deviation[hidden] = np.inf
     vague = ~seen | (np.sqrt(factor) > sizes)
-    quantile = float(student.ppf((1 + LEVEL) / 2, degrees))
+    quantile = float(stdtrit(degrees, (1 + LEVEL) / 2))  # Student's
     return Confidence(
         deviation * scales,
         quantile * deviation * scales,

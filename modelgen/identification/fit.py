@@ -45,6 +45,7 @@ class Residuals:
     name: str
     t: Array  # (nt,)
     of: tuple[str, ...]  # names of the deviations
+    groups: tuple[str, ...]  # the quantity of each
     deviations: Array  # (nt, n) run minus recording; NaN where nothing was measured
     rms: dict[str, float]  # by quantity
 
@@ -288,7 +289,7 @@ def _residuals(run: RecordedRun, deviations: Array) -> Residuals:
         )
         for group in dict.fromkeys(groups)
     }
-    return Residuals(run.recording.name, run.recording.t, run.comparison.names, deviations, rms)
+    return Residuals(run.recording.name, run.recording.t, run.comparison.names, groups, deviations, rms)
 
 
 def _notes(
@@ -304,7 +305,7 @@ def _notes(
         f"{names[j]} and {names[k]} are hard to tell apart: correlation {confidence.correlation[j, k]:+.3f}"
         for j in range(size)
         for k in range(j + 1, size)
-        if abs(confidence.correlation[j, k]) > CLOSE
+        if abs(confidence.correlation[j, k]) > CLOSE and runs.unknowns[j].recording < 0
     ]
     misfit = float(np.sqrt(np.mean(residual**2)))
     if found.noise.given and misfit > MISFIT:
@@ -318,11 +319,12 @@ def _notes(
             "something out, or the fit stopped short; intervals are too narrow"
         )
     counts = found.counts
-    unsure = counts.confirmed + counts.differences
+    unsure = counts.confirmed + counts.differences + counts.kept
     if unsure:
         reasons = sorted(counts.reasons, key=lambda reason: -counts.reasons[reason])
         told.append(
             f"derivatives are not certain in {unsure} of {unsure + counts.certain} rows ({'; '.join(reasons)}): "
-            f"{counts.confirmed} agree with differences of runs, {counts.differences} are such differences"
+            f"{counts.confirmed} agree with differences of runs, {counts.differences} are such differences, "
+            f"{counts.kept} are kept though differences say nothing clear"
         )
     return told

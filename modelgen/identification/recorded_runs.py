@@ -21,7 +21,8 @@ from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.sensitivity import Outputs, TangentRun, outputs_of
 from modelgen.runtime.session import Session
 
-DIFFERENCE = 1e-4  # step of differences, in scales of the unknowns
+DIFFERENCE = 1e-3  # step of differences, in scales of the unknowns; a second one is twice as long
+STEPS = (DIFFERENCE, 2 * DIFFERENCE)
 AGREEMENT = 0.05  # of an uncertain derivative with a difference, relative, for it to be kept
 
 
@@ -32,12 +33,14 @@ class Counts:
     certain: int = 0
     confirmed: int = 0  # not certain, and as differences of runs
     differences: int = 0  # not certain, and replaced by differences
+    kept: int = 0  # not certain, and kept where differences of two steps do not agree with each other
     reasons: dict[str, int] = field(default_factory=dict)  # of what is not certain
 
     def add(self, other: Counts) -> None:
         self.certain += other.certain
         self.confirmed += other.confirmed
         self.differences += other.differences
+        self.kept += other.kept
         for reason, count in other.reasons.items():
             self.reasons[reason] = self.reasons.get(reason, 0) + count
 
@@ -70,13 +73,14 @@ class RecordedRuns:
         self.high = np.array([each.high for each in unknowns])
         self.scales = np.array([each.scale for each in unknowns])
         self.simulated = 0  # runs
+        self._known: tuple[tuple[float, ...] | None, dict[str, Array]] = None, {}
+        self._still = direction_arrays(library, (), {})
 
     def shown(self, run: RecordedRun, x: Array, rows: int) -> Array:
         """(rows, n_of) values at the first times of a recording; NaN after the run has ended early."""
         library = self._library(x)
         session = self._session(library, run, x)
-        arrays = direction_arrays(library, (), {})
-        return self._tangents(session, run, arrays, rows)[0]
+        return self._tangents(session, run, self._still, rows)[0]
 
     def deviations(self, run: RecordedRun, x: Array, rows: int) -> Array:
         """(rows, n) deviations of the run from its recording; NaN where nothing was measured.
@@ -118,32 +122,32 @@ class RecordedRuns:
         }
 
     def _settle(self, run: RecordedRun, x: Array, found: Array, certain: int, counts: Counts) -> None:
-        """Confirm or replace derivatives of the rows from `certain` on."""
+        """Confirm, replace or keep derivatives of the rows from `certain` on."""
         own = np.array([*self.common, *run.parts], dtype=int)
         rows = len(found)
         along = np.zeros(len(x))
         along[own] = self.scales[own] * np.random.default_rng(0).choice([-1.0, 1.0], len(own))
-        difference = self._difference(run, x, along, rows)[certain:]
+        short, long = (self._difference(run, x, step * along, rows)[certain:] / step for step in STEPS)
         told = found[certain:] @ along
-        apart = np.sqrt(np.nanmean((difference - told) ** 2))
-        size = np.sqrt(np.nanmean(difference**2))
-        if apart <= AGREEMENT * size:
+        if _apart(told, short) <= AGREEMENT:
             counts.confirmed += rows - certain
-            return
-        counts.differences += rows - certain
-        for k in own:
-            unit = np.zeros(len(x))
-            unit[k] = self.scales[k]
-            found[certain:, :, k] = self._difference(run, x, unit, rows)[certain:] / self.scales[k]
+        elif _apart(long, short) > AGREEMENT:
+            counts.kept += rows - certain
+        else:
+            counts.differences += rows - certain
+            for k in own:
+                step = np.zeros(len(x))
+                step[k] = STEPS[0] * self.scales[k]
+                found[certain:, :, k] = self._difference(run, x, step, rows)[certain:] / step[k]
 
-    def _difference(self, run: RecordedRun, x: Array, along: Array, rows: int) -> Array:
-        """Derivative (rows, n) of the deviations along a direction by a difference of runs within the ranges
-        of the unknowns; 0 where none of the two ends is a run."""
+    def _difference(self, run: RecordedRun, x: Array, step: Array, rows: int) -> Array:
+        """Change (rows, n) of the deviations with that of the unknowns by a step, from the central difference
+        within the ranges of the unknowns; one-sided where an end has no run, 0 where none has."""
         ends: list[tuple[float, Array]] = []
-        for step in (DIFFERENCE, -DIFFERENCE):
-            moved = np.clip(x + step * along, self.low, self.high)
+        for sign in (1.0, -1.0):
+            moved = np.clip(x + sign * step, self.low, self.high)
             try:
-                ends.append((step, self.deviations(run, moved, rows)))
+                ends.append((sign, self.deviations(run, moved, rows)))
             except SimulationError:
                 ends.append((0.0, self.deviations(run, x, rows)))
         (one, above), (two, below) = ends
@@ -173,7 +177,7 @@ class RecordedRuns:
         self, library: Library, session: Session, run: RecordedRun, x: Array
     ) -> dict[str, Array]:
         """The fields of mg_directions: the common unknowns, then those of the start."""
-        common = direction_arrays(library, [self.unknowns[k].direction for k in self.common], {})
+        common = self._common(library, x)
         n, start = len(run.parts), common["start"].copy()
         start[:, run.start.overwritten] = 0.0
         own = run.start.rows(x[list(run.parts)], len(session.x), session.x)
@@ -187,6 +191,14 @@ class RecordedRuns:
             )
             for name, rows in common.items()
         }
+
+    def _common(self, library: Library, x: Array) -> dict[str, Array]:
+        """The fields of mg_directions of the common unknowns, which all recordings share."""
+        key = tuple(x[list(self.common)])
+        if key != self._known[0]:
+            directions = [self.unknowns[k].direction for k in self.common]
+            self._known = key, direction_arrays(library, directions, {})
+        return self._known[1]
 
     def _tangents(
         self, session: Session, run: RecordedRun, arrays: Mapping[str, Array], rows: int
@@ -215,3 +227,9 @@ class RecordedRuns:
                 "leave its column out",
             )
         return shown
+
+
+def _apart(one: Array, other: Array) -> float:
+    """Root mean square difference, relative to the second."""
+    size = np.nansum(other**2)
+    return float(np.sqrt(np.nansum((one - other) ** 2) / size)) if size > 0 else float(np.any(one))

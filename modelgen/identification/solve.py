@@ -22,7 +22,11 @@ LOSSES = {  # scipy's losses with the deviation, in noise, from which they flatt
     "cauchy": 2.385,  # the same
 }
 SHARES = (0.25, 0.5)  # of the time of each recording, fitted before the whole
-TOLERANCE = 1e-10  # relative, of cost and unknowns
+TOLERANCE = 1e-8  # relative, of cost and unknowns
+ROUGH = 1e-3  # the same for parts of the recordings
+SAME = 1e-3  # relative difference of costs that are one minimum
+NO_EFFECT = 1e-6  # derivative by an unknown, in its scale, over the largest, below which it is not seen
+POINTS = 8  # at which such an unknown is sought
 ROUNDS = 4  # of fits with noise estimated anew
 SETTLED = 0.05  # relative change of an estimated noise
 SPREAD = 0.5  # of first guesses, in logarithms or scales
@@ -127,7 +131,8 @@ def solve(
         except SimulationError as error:
             refused = refused or error
             attempts.append(Attempt(first, np.full(len(first), np.nan), np.inf))
-    best = min(attempts, key=lambda each: each.cost)
+    least = min(each.cost for each in attempts)
+    best = next(each for each in attempts if each.cost <= least * (1 + SAME))
     if not np.isfinite(best.cost) and refused:
         raise refused
     return _whole(runs, noise, loss, best.found, attempts, most, counts, report)
@@ -142,13 +147,44 @@ def _attempt(
     x = first
     for share in SHARES:
         problem = Problem(runs, noise, share, anchor=first)
-        x = _least_squares(problem, runs, x, loss, most).x
+        x = _least_squares(problem, runs, x, loss, most, ROUGH).x
         counts.add(problem.counts)
     problem = Problem(runs, noise)
     costs = [np.sum(problem.residual(each) ** 2) for each in (first, x)]
     result = _least_squares(problem, runs, x if costs[1] <= costs[0] else first, loss, most)
+    elsewhere = _elsewhere(problem, runs, result.x, result.jac)
+    if elsewhere is not None:
+        other = _least_squares(problem, runs, elsewhere, loss, most)
+        result = min(result, other, key=lambda each: float(each.cost))
     counts.add(problem.counts)
     return Attempt(first, result.x, float(result.cost))
+
+
+def _elsewhere(problem: Problem, runs: RecordedRuns, x: Array, jacobian: Array) -> Array | None:
+    """A better point in the ranges of unknowns that the recordings do not show at x, as friction where all
+    contacts stick; None where there is none."""
+    effects = np.linalg.norm(jacobian * runs.scales, axis=0)
+    least, found = (1 - SAME) * np.sum(problem.residual(x) ** 2), None
+    for k in runs.common:
+        if effects[k] > NO_EFFECT * effects.max():
+            continue
+        for value in _grid(runs, x, k):
+            moved = (x if found is None else found).copy()
+            moved[k] = value
+            size = np.sum(problem.residual(moved) ** 2)
+            if size < least:
+                least, found = size, moved
+    return found
+
+
+def _grid(runs: RecordedRuns, x: Array, k: int) -> Array:
+    """Values over the range of an unknown; without one, around its present value."""
+    low, high = runs.low[k], runs.high[k]
+    shares = (np.arange(POINTS) + 0.5) / POINTS
+    if np.isfinite(low) and np.isfinite(high):
+        return np.asarray(low + (high - low) * shares)
+    factors = 2.0 ** np.arange(-POINTS // 2, POINTS // 2 + 1)
+    return np.clip(factors * (x[k] or runs.scales[k]), low, high)
 
 
 def _whole(
@@ -187,7 +223,9 @@ def _deviations(runs: RecordedRuns, x: Array) -> list[Array]:
     return [runs.deviations(run, x, len(run.recording.t)) for run in runs.runs]
 
 
-def _least_squares(problem: Problem, runs: RecordedRuns, x: Array, loss: str, most: int) -> Any:
+def _least_squares(
+    problem: Problem, runs: RecordedRuns, x: Array, loss: str, most: int, tolerance: float = TOLERANCE
+) -> Any:
     inside = np.clip(x, np.nextafter(runs.low, np.inf), np.nextafter(runs.high, -np.inf))
     start = problem.residual(inside)
     if not np.all(np.isfinite(start)):
@@ -200,9 +238,9 @@ def _least_squares(problem: Problem, runs: RecordedRuns, x: Array, loss: str, mo
         x_scale=runs.scales,
         loss=loss,
         f_scale=LOSSES[loss],
-        ftol=TOLERANCE,
-        xtol=TOLERANCE,
-        gtol=TOLERANCE,
+        ftol=tolerance,
+        xtol=tolerance,
+        gtol=tolerance,
         max_nfev=most,
     )
 

@@ -21,7 +21,7 @@ PIPELINE = (
     ("verification",),
     ("codegen",),
     ("runtime",),
-    ("gym", "linearisation"),
+    ("gym", "identification", "linearisation"),
     ("report",),
     ("benchmark",),
     ("cli",),
