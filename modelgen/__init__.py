@@ -3,7 +3,8 @@
 The verbs are read -> require -> derive -> emit -> build -> simulate, with one value between two of them.
 Their modules load when a verb is first asked for.
 `start` begins a run that its caller drives, step by step, in place of `simulate`.
-`sensitivity` runs a scene and differentiates what it shows; `fit` finds numbers of a scene from recorded motion.
+`sensitivity` runs a scene and differentiates what it shows.
+`fit` finds numbers of a scene from recorded motion.
 `measure` finds what accuracy of a scene costs, `tune` picks a setting from that.
 `normal_rates` gives the rates of the contact normals at the samples of a trajectory.
 `record_of` joins a trajectory and its library to what `save` writes, `load` reads and `draw` draws.

@@ -70,7 +70,9 @@ def comparison_of(instance: Mapping[str, Any], recording: Recording) -> Comparis
         if column not in homes:
             known = ", ".join(homes) or "none"
             remedy = nearest(column, homes) or "leave the column out, or add a [[sensor]] to the scene"
-            raise SimulationError(f"{recording.name}: column {column!r}", "unknown", f"known: {known}", remedy)
+            raise SimulationError(
+                f"{recording.name}: column {column!r}", "unknown", f"known: {known}", remedy
+            )
     of = tuple(dict.fromkeys(homes[column] for column in recording.columns))
     places = {part.name: k for k, part in enumerate(part for name in of for part in outputs[name])}
     turned = [name for name in of if len(outputs[name]) == QUATERNION]

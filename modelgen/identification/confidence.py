@@ -71,9 +71,9 @@ def confidence_of(jacobian: Array, residual: Array, slopes: Array, scales: Array
 
 
 def sparse(directions: Array) -> Array:
-    """Another basis (k, n) of the space of directions (k, n), with zeros where k entries can be: reduced rows,
-    the largest entry of each 1."""
-    k, n = directions.shape
+    """Another basis (k, n) of the space of directions (k, n), with zeros where k entries can be: reduced
+    rows, the largest entry of each 1."""
+    k = len(directions)
     if not k:
         return directions
     _, _, order = qr(directions, pivoting=True, mode="economic")

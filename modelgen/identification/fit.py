@@ -107,7 +107,8 @@ def fit(
         library: what `build(emit(derivation, derivatives=True))` returned.
         data: CSV files, or columns by name: "t", s, ascending from the start of the run at 0 on; sensors and
             their components; "ball.position_x" and so on of bodies (`sensitivity` lists what there is).
-            Several recordings are runs of their own.
+            Several recordings are runs of their own. "start", in a file comments `# start ball.velocity =
+            1, 0, 0`, has quantities of bodies at t = 0: fixed, or first guesses of what is in `by`.
         by: parameters and inputs by name, common to all recordings; starts of bodies, whole
             ("ball.velocity") or by component ("ball.velocity_x"), of each recording.
         start: bodies that start as a recording shows, by its first rows, in place of the scene's start.
@@ -165,7 +166,9 @@ def _read(path: Path) -> Recording:
     try:
         return read_recording(path)
     except OSError as cause:
-        raise SimulationError(str(path), f"cannot be read: {cause.strerror}", "", "name a CSV file") from cause
+        raise SimulationError(
+            str(path), f"cannot be read: {cause.strerror}", "", "name a CSV file"
+        ) from cause
 
 
 def _recorded_runs(
@@ -208,10 +211,7 @@ def _result(runs: RecordedRuns, found: Solution, loss: str) -> Fit:
         [(part * w)[mask] for part, w, mask in zip(found.deviations, weights, masks, strict=True)]
     )
     jacobian = np.concatenate(
-        [
-            (part * w[:, None])[mask]
-            for part, w, mask in zip(found.derivatives, weights, masks, strict=True)
-        ]
+        [(part * w[:, None])[mask] for part, w, mask in zip(found.derivatives, weights, masks, strict=True)]
     )
     common = np.array([each.recording < 0 for each in runs.unknowns])
     relative = common & (found.x != 0)
@@ -236,9 +236,7 @@ def _result(runs: RecordedRuns, found: Solution, loss: str) -> Fit:
         unseen=unseen,
         notes=tuple(_notes(runs, found, confidence, names, residual)),
         noise=_noise_told(runs, found),
-        residuals=tuple(
-            _residuals(run, part) for run, part in zip(runs.runs, found.deviations, strict=True)
-        ),
+        residuals=tuple(_residuals(run, part) for run, part in zip(runs.runs, found.deviations, strict=True)),
         starts=tuple(runs.starts(run, found.x) for run in runs.runs),
         counts=found.all_counts,
         counts_at_solution=found.counts,
@@ -310,7 +308,8 @@ def _notes(
     misfit = float(np.sqrt(np.mean(residual**2)))
     if found.noise.given and misfit > MISFIT:
         told.append(
-            f"deviations are {misfit:.3g} times the noise: the scene leaves something out; intervals are widened"
+            f"deviations are {misfit:.3g} times the noise: the scene leaves something out; intervals are "
+            "widened"
         )
     following = lag_correlation([column for part in found.deviations for column in part.T])
     if following > FOLLOWING:
@@ -323,8 +322,9 @@ def _notes(
     if unsure:
         reasons = sorted(counts.reasons, key=lambda reason: -counts.reasons[reason])
         told.append(
-            f"derivatives are not certain in {unsure} of {unsure + counts.certain} rows ({'; '.join(reasons)}): "
-            f"{counts.confirmed} agree with differences of runs, {counts.differences} are such differences, "
+            f"derivatives are not certain in {unsure} of {unsure + counts.certain} rows "
+            f"({'; '.join(reasons)}): {counts.confirmed} agree with differences of runs, "
+            f"{counts.differences} are such differences, "
             f"{counts.kept} are kept though differences say nothing clear"
         )
     return told

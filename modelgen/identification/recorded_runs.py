@@ -116,9 +116,7 @@ class RecordedRuns:
         state = self._session(self._library(x), run, x).x
         parts = outputs_of(self.library.manifest.instance).items()
         return {
-            name: [float(state[each.state]) for each in found]
-            for name, found in parts
-            if found[0].state >= 0
+            name: [float(state[each.state]) for each in found] for name, found in parts if found[0].state >= 0
         }
 
     def _settle(self, run: RecordedRun, x: Array, found: Array, certain: int, counts: Counts) -> None:
@@ -173,9 +171,7 @@ class RecordedRuns:
         run.start.write(session.x, x[list(run.parts)])
         return session
 
-    def _directions(
-        self, library: Library, session: Session, run: RecordedRun, x: Array
-    ) -> dict[str, Array]:
+    def _directions(self, library: Library, session: Session, run: RecordedRun, x: Array) -> dict[str, Array]:
         """The fields of mg_directions: the common unknowns, then those of the start."""
         common = self._common(library, x)
         n, start = len(run.parts), common["start"].copy()

@@ -1,14 +1,21 @@
-"""Recordings in CSV files: a line of names, then a row of numbers for each time."""
+"""Recordings in CSV files: a line of names, then a row of numbers for each time.
+
+Lines that begin with # are comments; `# start ball.velocity = 1.0, 0.0, 0.0` says how the run starts.
+"""
 
 from __future__ import annotations
 
 import csv
+import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from modelgen.errors import SimulationError
-from modelgen.identification.recordings import Recording, not_finite, recording_of
+from modelgen.identification.recordings import START, Array, Recording, not_finite, recording_of
+
+OF_START = re.compile(r"\s*#\s*start\s+([\w.]+)\s*=(.*)")
 
 
 def read_recording(path: Path) -> Recording:
@@ -19,16 +26,18 @@ def read_recording(path: Path) -> Recording:
     """
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = [(number, row) for number, row in enumerate(csv.reader(file), 1) if _is_said(row)]
+            lines = list(enumerate(csv.reader(file), 1))
     except UnicodeDecodeError as cause:
         raise SimulationError(str(path), "it is no text", "a CSV file in UTF-8") from cause
+    rows = [(number, row) for number, row in lines if _is_said(row)]
     if not rows:
         raise SimulationError(str(path), "the file is empty", "a line of names, then rows of numbers")
     names = [name.strip() for name in rows[0][1]]
     _check_names(path, names)
     if len(rows) == 1:
         raise SimulationError(str(path), "names, but no rows", "a row of numbers for each time")
-    table = np.ma.masked_all((len(rows) - 1, len(names)))
+    shape = len(rows) - 1, len(names)
+    table: Any = np.ma.array(np.zeros(shape), mask=np.ones(shape, dtype=bool))
     for k, (line, row) in enumerate(rows[1:]):
         if len(row) != len(names):
             found = f"{len(row)} cells"
@@ -36,7 +45,19 @@ def read_recording(path: Path) -> Recording:
         for j, cell in enumerate(row):
             if cell.strip():
                 table[k, j] = _number(cell.strip(), f"{path}: line {line}, column {names[j]!r}")
-    return recording_of({name: table[:, j] for j, name in enumerate(names)}, str(path))
+    columns = {name: table[:, j] for j, name in enumerate(names)}
+    return recording_of({**columns, START: _start(path, lines)}, str(path))
+
+
+def _start(path: Path, lines: list[tuple[int, list[str]]]) -> dict[str, Array]:
+    """What comments say of the start."""
+    found = {}
+    for number, row in lines:
+        match = OF_START.fullmatch(",".join(row))
+        if match:
+            where = f"{path}: line {number}, start of {match[1]}"
+            found[match[1]] = np.array([_number(cell.strip(), where) for cell in match[2].split(",")])
+    return found
 
 
 def _is_said(row: list[str]) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from modelgen.errors import SimulationError
 from modelgen.notation import component_names
 
 Array = np.ndarray[Any, Any]
-TIME = "t"
+TIME, START = "t", "start"
 
 
 @dataclass(frozen=True)
@@ -23,17 +23,22 @@ class Recording:
     t: Array  # (nt,), s
     columns: tuple[str, ...]
     values: Array  # (nt, n_columns); NaN: not measured
+    start: Mapping[str, Array] = field(default_factory=dict)  # quantities of bodies at t = 0, by name
 
 
 def recording_of(columns: Mapping[str, Any], name: str) -> Recording:
-    """A recording from its columns: "t" (nt,), and sensors or quantities of bodies, (nt,) or (nt, 3 or 4).
+    """A recording from its columns: "t" (nt,), and sensors or quantities of bodies, (nt,) or (nt, 3 or 4);
+    "start" may hold quantities of bodies at t = 0 by name, {"ball.velocity": (3,)}.
 
     Masked entries were not measured. Raises SimulationError where there is no such array, a number is not
     finite, or times do not ascend.
     """
     if TIME not in columns:
         raise SimulationError(name, f"no column {TIME!r}", "times in s", "name the times t")
-    arrays = {str(key): np.ma.asarray(values, dtype=float) for key, values in columns.items()}
+    start = {str(key): np.asarray(value, dtype=float) for key, value in columns.get(START, {}).items()}
+    arrays: dict[str, Any] = {
+        str(key): np.ma.asarray(each, dtype=float) for key, each in columns.items() if key != START
+    }
     t = arrays.pop(TIME)
     _check_times(t, name)
     names: list[str] = []
@@ -51,7 +56,7 @@ def recording_of(columns: Mapping[str, Any], name: str) -> Recording:
         parts.append(np.asarray(block.filled(np.nan)))
     if not names:
         raise SimulationError(name, "only times", "columns of sensors or bodies beside t")
-    return Recording(name, np.asarray(t), tuple(names), np.hstack(parts))
+    return Recording(name, np.asarray(t), tuple(names), np.hstack(parts), start)
 
 
 def not_finite(where: str, found: str) -> SimulationError:

@@ -90,8 +90,7 @@ class Problem:
         """(m, n_unknowns)"""
         parts = [self._runs.derivatives(run, x, n, self.counts) for run, n in self._pairs()]
         rows = [
-            (part * w[:, None])[mask]
-            for part, w, mask in zip(parts, self._weights, self._masks, strict=True)
+            (part * w[:, None])[mask] for part, w, mask in zip(parts, self._weights, self._masks, strict=True)
         ]
         pulls = [] if self._anchor is None else [np.diag(1 / self._runs.scales)]
         return np.concatenate([*rows, *pulls])
@@ -104,7 +103,7 @@ class Problem:
 
 
 def _rows(t: Array, share: float) -> int:
-    return int(max(np.count_nonzero(t <= share * t[-1]), 1))
+    return max(int(np.count_nonzero(t <= share * t[-1])), 1)
 
 
 def _nothing(of: Sequence[str], n: int, runs: RecordedRuns) -> Array:
@@ -138,9 +137,7 @@ def solve(
     return _whole(runs, noise, loss, best.found, attempts, most, counts, report)
 
 
-def _attempt(
-    runs: RecordedRuns, noise: Noise, loss: str, first: Array, most: int, counts: Counts
-) -> Attempt:
+def _attempt(runs: RecordedRuns, noise: Noise, loss: str, first: Array, most: int, counts: Counts) -> Attempt:
     """From a first guess over parts of the recordings to the whole."""
     for run in runs.runs:  # says what is wrong with the guess
         runs.deviations(run, first, len(run.recording.t))
@@ -184,7 +181,7 @@ def _grid(runs: RecordedRuns, x: Array, k: int) -> Array:
     if np.isfinite(low) and np.isfinite(high):
         return np.asarray(low + (high - low) * shares)
     factors = 2.0 ** np.arange(-POINTS // 2, POINTS // 2 + 1)
-    return np.clip(factors * (x[k] or runs.scales[k]), low, high)
+    return np.asarray(np.clip(factors * (x[k] or runs.scales[k]), low, high))
 
 
 def _whole(
@@ -214,9 +211,7 @@ def _whole(
             break
     here = Counts()
     derivatives = [runs.derivatives(run, x, len(run.recording.t), here) for run in runs.runs]
-    return Solution(
-        x, noise, _deviations(runs, x), derivatives, here, counts, converged, message, attempts
-    )
+    return Solution(x, noise, _deviations(runs, x), derivatives, here, counts, converged, message, attempts)
 
 
 def _deviations(runs: RecordedRuns, x: Array) -> list[Array]:
@@ -257,4 +252,4 @@ def _other(runs: RecordedRuns, first: Array, random: np.random.Generator) -> Arr
             found[k] = first[k] * np.exp(SPREAD * random.normal())
         else:
             found[k] = SPREAD * scale * random.normal()
-    return np.clip(found, runs.low, runs.high)
+    return np.asarray(np.clip(found, runs.low, runs.high))

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 
 from modelgen.codegen.library import Library
-from modelgen.errors import SimulationError
+from modelgen.errors import SimulationError, nearest
 from modelgen.identification.recordings import Array, Recording
 from modelgen.identification.unknowns import Unknown
 from modelgen.notation import component_names
 from modelgen.runtime.directions import QUANTITIES, body_entry, turned
+from modelgen.runtime.sensitivity import outputs_of
 from modelgen.runtime.tables.library_tables import library_tables
 
 ROWS = 5  # of a recording, from which its start is guessed
@@ -77,6 +78,7 @@ def start_of(
     body, else from the scene. `bodies`: that start as the recording shows, fitted or not."""
     state = np.array(library_tables(library).start, dtype=float)
     fitted = {(each.direction.owner, each.direction.quantity) for each in unknowns}
+    fitted |= {_of_start(library, recording, name) for name in recording.start}
     wanted = fitted | {(body, quantity) for body in bodies for quantity in _quantities(library, body)}
     given: dict[int, float] = {}
     for body, quantity in sorted(wanted):
@@ -101,6 +103,25 @@ def _quantities(library: Library, body: str) -> tuple[str, ...]:
     return QUANTITIES if bodies[body]["motion"] == "free" else ("position", "velocity")
 
 
+def _normal(values: Array, quantity: str) -> Array:
+    return np.asarray(values / np.linalg.norm(values) if quantity == "orientation" else values)
+
+
+def _of_start(library: Library, recording: Recording, name: str) -> tuple[str, str]:
+    """Body and quantity; SimulationError where there is no such quantity, or it has another size."""
+    outputs = outputs_of(library.manifest.instance)
+    known = [each for each, parts in outputs.items() if parts[0].state >= 0]
+    where = f"{recording.name}: start of {name!r}"
+    if name not in known:
+        raise SimulationError(where, "unknown", f"known: {', '.join(known)}", nearest(name, known))
+    size = len(outputs[name])
+    if recording.start[name].shape != (size,) or not np.all(np.isfinite(recording.start[name])):
+        found = f"an array of shape {recording.start[name].shape}"
+        raise SimulationError(where, found, f"{size} finite numbers")
+    body, _, quantity = name.rpartition(".")
+    return body, quantity
+
+
 def _place(library: Library, body: str, quantity: str) -> int:
     entry: Any = body_entry(library, body)
     velocities = int(library.manifest.instance["n_q"]) + int(entry["u"])
@@ -115,23 +136,25 @@ def _place_of(library: Library, unknown: Unknown) -> int:
 
 
 def shown_at_start(recording: Recording, body: str, quantity: str) -> Array | None:
-    """What a recording shows of a body at t = 0, from its first rows; None where it does not.
+    """What a recording says of a body at t = 0, or shows in its first rows; None where it does not.
 
     Velocities that were not recorded are slopes of parabolas through positions and turns. Raises
     SimulationError where the recording begins later.
     """
+    if f"{body}.{quantity}" in recording.start:
+        return _normal(recording.start[f"{body}.{quantity}"], quantity)
     t, values = _first_rows(recording, f"{body}.{quantity}", SIZES[quantity])
     if values is not None:
         if quantity == "orientation":
-            return np.asarray(values[0] / np.linalg.norm(values[0]))
-        return _parabola(t, values)[0]
+            return _normal(values[0], quantity)
+        return np.asarray(_parabola(t, values)[0])
     derived = {"velocity": "position", "angular_velocity": "orientation"}.get(quantity)
     if derived is None:
         return None
     t, values = _first_rows(recording, f"{body}.{derived}", SIZES[derived])
     if values is None or len(t) == 1:
         return None
-    return _parabola(t, values if derived == "position" else _turns_from_first(values))[1]
+    return np.asarray(_parabola(t, values if derived == "position" else _turns_from_first(values))[1])
 
 
 def _first_rows(recording: Recording, name: str, size: int) -> tuple[Array, Array | None]:

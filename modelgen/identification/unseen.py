@@ -23,7 +23,7 @@ def in_words(direction: Array, names: Sequence[str], relative: Sequence[bool]) -
         relative: (n,) whether the scale of an unknown is its value, so that its change is one of its
             logarithm.
     """
-    members = np.flatnonzero(np.abs(direction) > MENTIONED * np.abs(direction).max())
+    members = np.flatnonzero(np.abs(direction) > MENTIONED * np.abs(direction).max()).tolist()
     told = [names[k] for k in members]
     entries = direction[members]
     if len(members) == 1:
@@ -33,7 +33,9 @@ def in_words(direction: Array, names: Sequence[str], relative: Sequence[bool]) -
             return _product(told, power)
         if np.allclose(entries, entries[0], rtol=NEAR):
             return f"only the ratios of {_listed(told)} are seen"
-    changes = [f"{entry:+.3g}{' %' if relative[k] else ''}" for k, entry in zip(members, entries, strict=True)]
+    changes = [
+        f"{entry:+.3g}{' %' if relative[k] else ''}" for k, entry in zip(members, entries, strict=True)
+    ]
     units = "" if all(relative[k] for k in members) else " (of their scales)"
     return f"{_listed(told)} can change together, unseen, as {', '.join(changes)}{units}"
 

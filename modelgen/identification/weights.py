@@ -9,8 +9,8 @@ from math import isfinite
 import numpy as np
 
 from modelgen.errors import SimulationError, nearest
-from modelgen.identification.recordings import Array
 from modelgen.identification.recorded_runs import RecordedRun
+from modelgen.identification.recordings import Array
 from modelgen.runtime.arguments import is_number
 
 FLOOR = float(np.sqrt(np.finfo(float).eps))  # of an estimated noise, in spreads of what was measured
@@ -35,7 +35,9 @@ class Noise:
         """Whether all of it is."""
         return not self.estimated
 
-    def fitted(self, runs: Sequence[RecordedRun], deviations: Sequence[Array], lost: float, robust: bool) -> Noise:
+    def fitted(
+        self, runs: Sequence[RecordedRun], deviations: Sequence[Array], lost: float, robust: bool
+    ) -> Noise:
         """The noise that deviations [(nt, n) a run] show; `lost`: the share of them that unknowns took."""
         found = {}
         for group in self.estimated:
@@ -59,9 +61,7 @@ def noise_of(runs: Sequence[RecordedRun], given: Mapping[str, float] | None) -> 
     Raises SimulationError where a name is no column or quantity, or a value is not positive.
     """
     given = dict(given or {})
-    pairs = [
-        pair for run in runs for pair in zip(run.comparison.names, run.comparison.groups, strict=True)
-    ]
+    pairs = [pair for run in runs for pair in zip(run.comparison.names, run.comparison.groups, strict=True)]
     known = dict.fromkeys([name for pair in pairs for name in pair])
     for name, value in given.items():
         if name not in known:
@@ -85,7 +85,9 @@ def _spread(runs: Sequence[RecordedRun], group: str) -> float:
             if home == group and name in names
         ]
         if places:
-            columns.append(run.recording.values[:, places] - np.nanmean(run.recording.values[:, places], axis=0))
+            columns.append(
+                run.recording.values[:, places] - np.nanmean(run.recording.values[:, places], axis=0)
+            )
     if not columns:
         return 1.0
     return float(np.sqrt(np.nanmean(np.concatenate([part.ravel() for part in columns]) ** 2))) or 1.0

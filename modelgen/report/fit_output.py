@@ -63,7 +63,9 @@ def print_fit(facts: dict[str, Any], console: Console) -> None:
 
     rows = sum(each["rows"] for each in facts["recordings"])
     state = "fitted" if facts["converged"] else "not converged"
-    say(f"{facts['scene']}: {state} to {rows} rows of {len(facts['recordings'])} recordings in {facts['runs']} runs")
+    many = len(facts["recordings"])
+    files = f"{many} recordings" if many > 1 else "one recording"
+    say(f"{facts['scene']}: {state} to {rows} rows of {files} in {facts['runs']} runs")
     width = max(len(each["name"]) for each in facts["unknowns"])
     for each in facts["unknowns"]:
         known = f"+- {each['half_width']:.2g}" if each["half_width"] < float("inf") else "not seen"
@@ -79,7 +81,8 @@ def print_fit(facts: dict[str, Any], console: Console) -> None:
     for text in facts["notes"]:
         say(f"note: {text}")
     if len(facts["attempts"]) > 1:
-        say(f"first guesses: {len(facts['attempts'])}, of which {_as_good(facts['attempts'])} led to the least cost")
+        good, several = _as_good(facts["attempts"]), len(facts["attempts"])
+        say(f"first guesses: {several}, of which {good} led to the least cost")
 
 
 def _as_good(attempts: list[dict[str, Any]]) -> int:

@@ -1,15 +1,19 @@
-"""Friction and restitution from measured tosses of a cube, and how well they predict tosses that were not fitted.
+"""Friction and restitution from measured tosses of a cube, and how well they predict other tosses.
 
     python -m tests.benchmarks.fitted_tosses [all]
 
-fits five of the ten tosses, friction and restitution common to them, start states by toss, and then prints for
-all ten the mean distance of the centre over the frames and the mean angle of rotation:
+fits five of the ten tosses and prints for all ten the mean distance of the centre over the frames and the
+mean angle of rotation. Coefficients:
 
-- published: the published coefficients, each run from the first two frames (as `tests.benchmarks.tosses`);
-- first frames: the fitted coefficients, from the first two frames;
-- flight: the fitted coefficients, the start fitted to the frames before the first blow alone: a prediction of
-  all that follows;
-- whole: the fitted coefficients, the start fitted to the whole toss.
+- published: as published;
+- free: fitted with a start of each toss that is fitted too;
+- given: fitted with starts that were fitted to the frames before the first blow alone.
+
+Starts of the runs that are compared:
+
+- frames: from the first two frames (as `tests.benchmarks.tosses`);
+- flight: fitted to the frames before the first blow: all that follows is predicted;
+- whole: fitted to the whole toss.
 
 The rows of the tosses that were not fitted are those that count. `all` fits the other five too, and all ten.
 """
@@ -23,7 +27,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from modelgen import emit, derive, fit, require
+from modelgen import derive, emit, fit, require, start_many
 from modelgen.codegen.library import Library
 from modelgen.identification.fit import Fit, Residuals
 from modelgen.scene.read import read_text
@@ -87,22 +91,24 @@ def recording(measured: Toss, frames: int | None = None) -> dict[str, Array]:
     }
 
 
-def frames_of_flight(measured: Toss) -> int:
+def flight(number: int) -> dict[str, Array]:
+    """The columns of the frames before the first blow."""
+    measured = toss(number)
     low = corners(measured.p, measured.rotation)[:, :, 2].min(axis=1)
-    return int(np.argmax(low < TOUCHES))
+    return recording(measured, int(np.argmax(low < TOUCHES)))
 
 
 def errors_of(left: Residuals) -> tuple[float, float]:
-    """Means over the frames of the distance of the centre, mm, and of the angle between rotations, degrees."""
+    """Means over the frames of the distance of the centre, mm, and of the angle of rotation, degrees."""
     distance = np.linalg.norm(left.deviations[:, :3], axis=1)
     half = np.linalg.norm(left.deviations[:, 3:], axis=1) / 2
     return 1e3 * float(distance.mean()), float(np.degrees(2 * np.arcsin(np.minimum(half, 1))).mean())
 
 
-def predicted(library: Library, measured: Toss, coefficients: dict[str, float], start: dict[str, Array]) -> tuple[float, float]:
+def predicted(
+    library: Library, measured: Toss, coefficients: dict[str, float], start: dict[str, Array]
+) -> tuple[float, float]:
     """The errors of a run from a start."""
-    from modelgen import start_many
-
     many = start_many(library, 1, parameters=coefficients, q=start["q"], u=start["u"])
     rows = [many.state[0, :7].copy()]
     for step in np.diff(measured.t):
@@ -129,42 +135,45 @@ def start_of_fit(found: Fit) -> dict[str, Array]:
 
 
 def study(library: Library, numbers: Sequence[int]) -> None:
+    flights = {number: fit(library, flight(number), by=STARTS) for number in NUMBERS}
     began = time.perf_counter()
-    found = fit(
+    tosses = [recording(toss(number)) for number in numbers]
+    free = fit(library, tosses, by=["friction", "restitution", *STARTS], evaluations=40)
+    took = time.perf_counter() - began
+    given = fit(
         library,
-        [recording(toss(number)) for number in numbers],
-        by=["friction", "restitution", *STARTS],
-        evaluations=40,
+        [recording(toss(number)) | {"start": flights[number].starts[0]} for number in numbers],
+        by=["friction", "restitution"],
+        starts=5,
     )
-    print(f"fitted to tosses {', '.join(map(str, numbers))}: {time.perf_counter() - began:.0f} s, {found.simulated} runs")
-    for name in ("friction", "restitution"):
-        low, high = found.interval(name)
-        print(f"  {name} {found[name]:.4f}, 95 % from {low:.4f} to {high:.4f}")
-    for note in found.notes:
-        print(f"  {note}")
-    coefficients = dict(found.parameters)
+    print(f"fitted to tosses {', '.join(map(str, numbers))}: {took:.0f} s, {free.simulated} runs")
+    for word, found in (("free", free), ("given", given)):
+        for name in ("friction", "restitution"):
+            low, high = found.interval(name)
+            print(f"  {word}: {name} {found[name]:.4f}, 95 % from {low:.4f} to {high:.4f}")
+        for note in found.notes:
+            print(f"  {word}: {note}")
     published = {"friction": MU, "restitution": RESTITUTION}
     table = {}
     for number in NUMBERS:
-        measured = toss(number)
-        frames = start_of_frames(measured)
-        flight = fit(library, recording(measured, frames_of_flight(measured)), by=STARTS, parameters=coefficients)
-        if number in numbers:
-            whole = errors_of(found.residuals[numbers.index(number)])
-        else:
-            whole = errors_of(fit(library, recording(measured), by=STARTS, parameters=coefficients).residuals[0])
+        measured, start = toss(number), start_of_fit(flights[number])
+        whole = [
+            fit(library, recording(measured), by=STARTS, parameters=coefficients).residuals[0]
+            for coefficients in (published, free.parameters)
+        ]
         table[number] = [
-            predicted(library, measured, published, frames),
-            predicted(library, measured, coefficients, frames),
-            predicted(library, measured, published, start_of_fit(flight)),
-            predicted(library, measured, coefficients, start_of_fit(flight)),
-            whole,
+            predicted(library, measured, published, start_of_frames(measured)),
+            predicted(library, measured, published, start),
+            predicted(library, measured, free.parameters, start),
+            predicted(library, measured, given.parameters, start),
+            *map(errors_of, whole),
         ]
     print_table(table, numbers)
 
 
 def print_table(table: dict[int, list[tuple[float, float]]], numbers: Sequence[int]) -> None:
-    heads = ("published, frames", "fitted, frames", "published, flight", "fitted, flight", "fitted, whole")
+    heads = ("published, frames", "published, flight", "free, flight", "given, flight")
+    heads += ("published, whole", "free, whole")
     print(f"  {'':10}" + "".join(f"{head:>22}" for head in heads))
     for number, row in table.items():
         mark = "*" if number in numbers else " "

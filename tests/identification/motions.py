@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -174,7 +174,6 @@ class Motion:
     by: tuple[str, ...]
     until: float  # s
     rows: int = 60
-    truth: dict[str, float] = field(default_factory=dict)
 
     @property
     def library(self) -> Library:
@@ -202,12 +201,23 @@ class Motion:
     def other_guess(self, seed: int) -> dict[str, float]:
         """Values of the parameters anywhere in their ranges."""
         random = np.random.default_rng(seed)
-        kinds = {each["name"]: each for each in self.library.manifest.instance["parameters"]}
-        return {
-            name: float(random.uniform(kinds[name]["minimum"], kinds[name]["maximum"]))
-            for name in self.by
-            if name in kinds
-        }
+        ranges = [(each["minimum"], each["maximum"]) for each in self._kinds()]
+        return {name: float(random.uniform(*ends)) for name, ends in zip(self.by, ranges, strict=True)}
+
+    def near_guess(self, seed: int) -> dict[str, float]:
+        """Values of the parameters within half of the truth."""
+        factors = np.random.default_rng(seed).uniform(0.5, 1.5, len(self.by))
+        largest = [each["maximum"] for each in self._kinds()]
+        values = np.minimum(factors * self.true_values, largest)
+        return dict(zip(self.by, values.tolist(), strict=True))
+
+    @property
+    def true_values(self) -> Array:
+        return np.array([each["value"] for each in self._kinds()])
+
+    def _kinds(self) -> list[dict[str, Any]]:
+        known = {each["name"]: each for each in self.library.manifest.instance["parameters"]}
+        return [known[name] for name in self.by]
 
 
 @cache
@@ -231,7 +241,9 @@ MOTIONS = {
         ("friction", "restitution"),
         1.0,
     ),
-    "roll": Motion(ROLL, ("ball.position",), {"ball.position": 1e-3}, ("friction", "resistance", "slope"), 1.5),
+    "roll": Motion(
+        ROLL, ("ball.position",), {"ball.position": 1e-3}, ("friction", "resistance", "slope"), 1.5
+    ),
     "springs": Motion(
         SPRINGS,
         ("shoulder_angle", "elbow_angle"),
