@@ -52,6 +52,8 @@ def recording_of(columns: Mapping[str, Any], name: str) -> Recording:
         if not np.all(np.isfinite(filled)):
             row = int(np.argwhere(~np.isfinite(filled))[0, 0])
             raise not_finite(f"{name}: {key}, row {row + 1}", repr(float(filled[~np.isfinite(filled)][0])))
+        if np.ma.getmaskarray(block).all():
+            raise SimulationError(f"{name}: {key}", "nothing was measured", "", "leave the column out")
         names += component_names([(key, block.shape[1])]) if values.ndim == 2 else [key]
         parts.append(np.asarray(block.filled(np.nan)))
     if not names:

@@ -75,21 +75,26 @@ def start_of(
     library: Library, recording: Recording, unknowns: Sequence[Unknown], bodies: Sequence[str]
 ) -> tuple[Start, list[Unknown]]:
     """The start of a recording, and its unknowns with first guesses: from the recording where it shows the
-    body, else from the scene. `bodies`: that start as the recording shows, fitted or not."""
+    body, else from the scene. Components that are not fitted stay the scene's, unless all three of a quantity
+    are. `bodies`: that start as the recording shows, fitted or not."""
     state = np.array(library_tables(library).start, dtype=float)
-    fitted = {(each.direction.owner, each.direction.quantity) for each in unknowns}
-    fitted |= {_of_start(library, recording, name) for name in recording.start}
-    wanted = fitted | {(body, quantity) for body in bodies for quantity in _quantities(library, body)}
+    fitted = [(each.direction.owner, each.direction.quantity) for each in unknowns]
+    whole = {pair for pair in fitted if fitted.count(pair) == 3}
+    whole |= {_of_start(library, recording, name) for name in recording.start}
+    whole |= {(body, quantity) for body in bodies for quantity in _quantities(library, body)}
     given: dict[int, float] = {}
-    for body, quantity in sorted(wanted):
+    guess = state.copy()
+    for body, quantity in sorted({*fitted, *whole}):
         place = _place(library, body, quantity)
+        part = slice(place, place + SIZES[quantity])
         shown = shown_at_start(recording, body, quantity)
-        guess = state[place : place + SIZES[quantity]] if shown is None else shown
-        if shown is not None or quantity == "orientation":
-            given |= {place + k: float(value) for k, value in enumerate(guess)}
+        if shown is not None and (quantity != "orientation" or (body, quantity) in whole):
+            guess[part] = shown
+        if (shown is not None and (body, quantity) in whole) or quantity == "orientation":
+            given |= {place + k: float(value) for k, value in enumerate(guess[part])}
     places = tuple(_place_of(library, each) for each in unknowns)
     guessed = [
-        each if each.direction.quantity == "orientation" else replace(each, first=given.get(at, state[at]))
+        each if each.direction.quantity == "orientation" else replace(each, first=float(guess[at]))
         for each, at in zip(unknowns, places, strict=True)
     ]
     return Start(given, tuple(guessed), places), guessed

@@ -2,9 +2,9 @@
 
     python -m tests.benchmarks.fits [TRIALS]
 
-prints for each scene of tests/identification/motions.py: of 20 first guesses anywhere in the ranges of the
-parameters, and of 20 within half of the truth, how many lead to the truth, alone and with two more; and of TRIALS (100) recordings with noise, how many have each parameter, and all of them, in
-its 95 % interval.
+prints for each scene of tests/identification/motions.py: of 20 first guesses within half of the truth, and
+of 20 anywhere in the ranges of the parameters, alone and with two more, how many lead to the truth; and of
+TRIALS (100) recordings with noise, how many have each parameter, and all of them, in its 95 % interval.
 """
 
 from __future__ import annotations

@@ -249,6 +249,7 @@ MOTIONS = {
         ("shoulder_angle", "elbow_angle"),
         {"shoulder_angle": 5e-3, "elbow_angle": 5e-3},
         ("stiffness", "damping", "mass"),
-        2.0,
+        1.2,
+        40,
     ),
 }
