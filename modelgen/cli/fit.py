@@ -38,6 +38,10 @@ By = Annotated[
         metavar="A,B,...",
     ),
 ]
+Of = Annotated[
+    str | None,
+    typer.Option(help="columns that count, by name or quantity; default: all", metavar="A,B,..."),
+]
 Shown = Annotated[
     str | None,
     typer.Option(help="bodies that start as each recording shows, not as the scene says", metavar="A,B,..."),
@@ -60,6 +64,7 @@ def fit(
     scene: SceneFile,
     data: Recordings,
     by: By = None,
+    of: Of = None,
     start: Shown = None,
     noise: NoiseValues = None,
     loss: Loss = "linear",
@@ -82,6 +87,7 @@ def fit(
         data,
         {
             "by": _listed(by),
+            "of": None if of is None else _listed(of),
             "start": _listed(start),
             "noise": read_values(noise, "--noise"),
             "loss": loss,

@@ -13,6 +13,7 @@ from modelgen.identification.recordings import Array
 
 LEVEL = 0.95  # of the intervals
 UNSEEN = 1e-8  # singular value, over the largest, below which a direction has no effect
+CHANCE = 3.0  # standard deviations of a correlation of independent deviations, which is 1/sqrt(m)
 SHARE = 1e-3  # of an unknown in such a direction that counts
 
 
@@ -28,7 +29,9 @@ class Confidence:
     degrees: int
 
 
-def confidence_of(jacobian: Array, residual: Array, slopes: Array, scales: Array, given: bool) -> Confidence:
+def confidence_of(
+    jacobian: Array, residual: Array, slopes: Array, scales: Array, given: bool, repeated: float = 1.0
+) -> Confidence:
     """From derivatives (m, n) and deviations (m,) over noise at the solution.
 
     Args:
@@ -37,6 +40,7 @@ def confidence_of(jacobian: Array, residual: Array, slopes: Array, scales: Array
             M-estimators (Huber 1981).
         scales: (n,) changes of the unknowns that matter.
         given: whether the noise is that of the user: then deviations below it do not narrow the intervals.
+        repeated: how many deviations count as one (`repetition`).
     """
     m, n = jacobian.shape
     scaled = jacobian * scales
@@ -45,13 +49,13 @@ def confidence_of(jacobian: Array, residual: Array, slopes: Array, scales: Array
     seen = sizes > UNSEEN * sizes[0] if sizes[0] > 0 else np.zeros(n, dtype=bool)
     degrees = max(m - int(seen.sum()), 1)
     reduced = float(np.sum((slopes * residual) ** 2) / np.sum(slopes**2) * m / degrees)
-    factor = max(reduced, 1.0) if given else reduced
+    factor = repeated * (max(reduced, 1.0) if given else reduced)
     inverse = directions[seen].T / sizes[seen] ** 2 @ directions[seen]
     if np.all(slopes == 1.0):
         covariance = factor * inverse
     else:
         pull = scaled * (slopes * residual)[:, None]
-        covariance = m / degrees * inverse @ (pull.T @ pull) @ inverse
+        covariance = repeated * m / degrees * inverse @ (pull.T @ pull) @ inverse
     deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     hidden = np.sqrt(np.sum(directions[~seen] ** 2, axis=0)) > SHARE
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -81,6 +85,12 @@ def sparse(directions: Array) -> Array:
     rows[np.abs(rows) < SHARE * np.abs(rows).max(axis=1, keepdims=True)] = 0.0
     largest = np.abs(rows).argmax(axis=1)
     return np.asarray(rows / rows[np.arange(k), largest][:, None])
+
+
+def repetition(following: float, m: int) -> float:
+    """How many of m deviations count as one where each has this correlation with that before: that of the
+    variance of a mean over an autoregressive process of order 1; 1 where chance may have made it."""
+    return (1 + following) / max(1 - following, 1 / m) if following > CHANCE / np.sqrt(m) else 1.0
 
 
 def lag_correlation(parts: Sequence[Array]) -> float:

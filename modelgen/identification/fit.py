@@ -13,7 +13,7 @@ import numpy as np
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
 from modelgen.identification.columns import comparison_of
-from modelgen.identification.confidence import Confidence, confidence_of, lag_correlation
+from modelgen.identification.confidence import Confidence, confidence_of, lag_correlation, repetition
 from modelgen.identification.recorded_runs import Counts, RecordedRun, RecordedRuns
 from modelgen.identification.recording_files import read_recording
 from modelgen.identification.recordings import Array, Recording, recording_of
@@ -27,11 +27,12 @@ from modelgen.runtime.arguments import check_keywords, check_name, with_paramete
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 
 KEYWORDS = (
-    *("data", "by", "start", "noise", "parameters", "inputs", "loss", "starts", "seed", "evaluations"),
+    *("data", "by", "of", "start", "noise", "parameters", "inputs", "loss", "starts", "seed", "evaluations"),
     *("accuracy", "on_progress", *STEPPING),
 )
 CLOSE = 0.95  # correlation of two unknowns that is told
 MISFIT = 2.0  # deviations over the noise given, root mean square, that are told
+FAINT = 0.1  # deviations over the noise, root mean square, that are no deviations
 FOLLOWING = 0.3  # correlation of deviations with those of the row before that is told
 AT_BOUND = 1e-6  # distance to the end of a range, in scales
 
@@ -89,6 +90,7 @@ def fit(
     data: Data | Sequence[Data],
     *,
     by: Sequence[str],
+    of: Sequence[str] | None = None,
     start: Sequence[str] = (),
     noise: Mapping[str, float] | None = None,
     parameters: Mapping[str, float] | None = None,
@@ -111,6 +113,7 @@ def fit(
             1, 0, 0`, has quantities of bodies at t = 0: fixed, or first guesses of what is in `by`.
         by: parameters and inputs by name, common to all recordings; starts of bodies, whole
             ("ball.velocity") or by component ("ball.velocity_x"), of each recording.
+        of: columns that count, by name or quantity; all when None.
         start: bodies that start as a recording shows, by its first rows, in place of the scene's start.
         noise: standard deviations by column or quantity ("ball.position"); estimated for others, one a
             quantity.
@@ -132,7 +135,7 @@ def fit(
         if not isinstance(count, int) or count < 1:
             raise SimulationError(name, repr(count), "a whole number from 1 on")
     library = with_parameters(library, parameters)
-    recordings = _recordings(data)
+    recordings = _recordings(data, of)
     unknowns = unknowns_of(library, by, len(recordings), inputs or {})
     chosen, unknowns = _recorded_runs(library, recordings, unknowns, start)
     accuracy = accuracy_of(library.manifest.instance, accuracy, stepping)
@@ -147,24 +150,24 @@ def _silent(_: str) -> None:
     """Tells nobody."""
 
 
-def _recordings(data: Data | Sequence[Data]) -> list[Recording]:
+def _recordings(data: Data | Sequence[Data], of: Sequence[str] | None) -> list[Recording]:
     several = [data] if isinstance(data, str | PathLike | Mapping) else list(data)
     if not several:
         raise SimulationError("data", "no recordings", "CSV files, or columns by name")
     found = []
     for k, each in enumerate(several):
         if isinstance(each, Mapping):
-            found.append(recording_of(each, f"recording {k + 1}"))
+            found.append(recording_of(each, f"recording {k + 1}", of))
         elif isinstance(each, str | PathLike):
-            found.append(_read(Path(each)))
+            found.append(_read(Path(each), of))
         else:
             raise SimulationError("data", f"a {type(each).__name__}", "CSV files, or columns by name")
     return found
 
 
-def _read(path: Path) -> Recording:
+def _read(path: Path, of: Sequence[str] | None) -> Recording:
     try:
-        return read_recording(path)
+        return read_recording(path, of)
     except OSError as cause:
         raise SimulationError(
             str(path), f"cannot be read: {cause.strerror}", "", "name a CSV file"
@@ -216,7 +219,11 @@ def _result(runs: RecordedRuns, found: Solution, loss: str) -> Fit:
     common = np.array([each.recording < 0 for each in runs.unknowns])
     relative = common & (found.x != 0)
     scales = np.where(relative, np.abs(found.x), runs.scales)
-    confidence = confidence_of(jacobian, residual, slopes_of(residual, loss), scales, found.noise.is_given)
+    following = lag_correlation(
+        [column for part, w in zip(found.deviations, weights, strict=True) for column in (part * w).T]
+    )
+    slopes, repeated = slopes_of(residual, loss), repetition(following, len(residual))
+    confidence = confidence_of(jacobian, residual, slopes, scales, found.noise.is_given, repeated)
     names = _names(runs)
     unseen = tuple(in_words(each, names, relative.tolist()) for each in confidence.unseen)
     fitted = {
@@ -234,7 +241,7 @@ def _result(runs: RecordedRuns, found: Solution, loss: str) -> Fit:
         first=np.array([each.first for each in runs.unknowns]),
         confidence=confidence,
         unseen=unseen,
-        notes=tuple(_notes(runs, found, confidence, names, residual)),
+        notes=tuple(_notes(runs, found, confidence, names, residual, following)),
         noise=_noise_told(runs, found),
         residuals=tuple(_residuals(run, part) for run, part in zip(runs.runs, found.deviations, strict=True)),
         starts=tuple(runs.starts(run, found.x) for run in runs.runs),
@@ -291,7 +298,12 @@ def _residuals(run: RecordedRun, deviations: Array) -> Residuals:
 
 
 def _notes(
-    runs: RecordedRuns, found: Solution, confidence: Confidence, names: Sequence[str], residual: Array
+    runs: RecordedRuns,
+    found: Solution,
+    confidence: Confidence,
+    names: Sequence[str],
+    residual: Array,
+    following: float,
 ) -> list[str]:
     told = [] if found.converged else [f"the fit did not converge: {found.message}"]
     for name, unknown, x in zip(names, runs.unknowns, found.x, strict=True):
@@ -311,11 +323,10 @@ def _notes(
             f"deviations are {misfit:.3g} times the noise: the scene leaves something out; intervals are "
             "widened"
         )
-    following = lag_correlation([column for part in found.deviations for column in part.T])
-    if following > FOLLOWING:
+    if following > FOLLOWING and misfit > FAINT:
         told.append(
             f"deviations follow each other (correlation {following:.2f} from row to row): the scene leaves "
-            "something out, or the fit stopped short; intervals are too narrow"
+            "something out; intervals are widened as for fewer rows"
         )
     counts = found.counts
     unsure = counts.confirmed + counts.differences + counts.kept

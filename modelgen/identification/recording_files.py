@@ -7,19 +7,28 @@ from __future__ import annotations
 
 import csv
 import re
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from modelgen.errors import SimulationError
-from modelgen.identification.recordings import START, Array, Recording, not_finite, recording_of
+from modelgen.identification.recordings import (
+    START,
+    Array,
+    Recording,
+    is_wanted,
+    not_finite,
+    recording_of,
+)
 
 OF_START = re.compile(r"\s*#\s*start\s+([\w.]+)\s*=(.*)")
 
 
-def read_recording(path: Path) -> Recording:
-    """The recording in a CSV file; an empty cell was not measured.
+def read_recording(path: Path, of: Collection[str] | None = None) -> Recording:
+    """The recording in a CSV file; an empty cell was not measured. `of`: the columns that count; others are
+    not read.
 
     Raises SimulationError with line and column where the file has no rows, a row has another length than the
     names, or a cell is no finite number; OSError where it cannot be read.
@@ -43,10 +52,10 @@ def read_recording(path: Path) -> Recording:
             found = f"{len(row)} cells"
             raise SimulationError(f"{path}: line {line}", found, f"{len(names)}, as there are names")
         for j, cell in enumerate(row):
-            if cell.strip():
+            if cell.strip() and is_wanted(names[j], of):
                 table[k, j] = _number(cell.strip(), f"{path}: line {line}, column {names[j]!r}")
     columns = {name: table[:, j] for j, name in enumerate(names)}
-    return recording_of({**columns, START: _start(path, lines)}, str(path))
+    return recording_of({**columns, START: _start(path, lines)}, str(path), of)
 
 
 def _start(path: Path, lines: list[tuple[int, list[str]]]) -> dict[str, Array]:

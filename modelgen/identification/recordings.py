@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from modelgen.errors import SimulationError
+from modelgen.errors import SimulationError, nearest
 from modelgen.notation import component_names
 
 Array = np.ndarray[Any, Any]
@@ -26,9 +26,10 @@ class Recording:
     start: Mapping[str, Array] = field(default_factory=dict)  # quantities of bodies at t = 0, by name
 
 
-def recording_of(columns: Mapping[str, Any], name: str) -> Recording:
+def recording_of(columns: Mapping[str, Any], name: str, of: Collection[str] | None = None) -> Recording:
     """A recording from its columns: "t" (nt,), and sensors or quantities of bodies, (nt,) or (nt, 3 or 4);
-    "start" may hold quantities of bodies at t = 0 by name, {"ball.velocity": (3,)}.
+    "start" may hold quantities of bodies at t = 0 by name, {"ball.velocity": (3,)}. `of`: the columns that
+    count, by name or quantity; all when None.
 
     Masked entries were not measured. Raises SimulationError where there is no such array, a number is not
     finite, or times do not ascend.
@@ -36,8 +37,9 @@ def recording_of(columns: Mapping[str, Any], name: str) -> Recording:
     if TIME not in columns:
         raise SimulationError(name, f"no column {TIME!r}", "times in s", "name the times t")
     start = {str(key): np.asarray(value, dtype=float) for key, value in columns.get(START, {}).items()}
+    _check_wanted(columns, name, of)
     arrays: dict[str, Any] = {
-        str(key): np.ma.asarray(each, dtype=float) for key, each in columns.items() if key != START
+        str(key): np.ma.asarray(each, dtype=float) for key, each in columns.items() if is_wanted(key, of)
     }
     t = arrays.pop(TIME)
     _check_times(t, name)
@@ -59,6 +61,24 @@ def recording_of(columns: Mapping[str, Any], name: str) -> Recording:
     if not names:
         raise SimulationError(name, "only times", "columns of sensors or bodies beside t")
     return Recording(name, np.asarray(t), tuple(names), np.hstack(parts), start)
+
+
+def is_wanted(column: str, of: Collection[str] | None) -> bool:
+    """Whether a column counts: one that is named, or whose quantity is, as `ball.velocity` of
+    `ball.velocity_x`; the times do."""
+    if column == TIME or of is None:
+        return column != START
+    return column in of or column.rpartition("_")[0] in of
+
+
+def _check_wanted(columns: Iterable[str], name: str, of: Collection[str] | None) -> None:
+    """Raise SimulationError for a name in `of` that no column has."""
+    known = list(columns)
+    for each in of or ():
+        if not any(is_wanted(column, [each]) for column in known if column != TIME):
+            raise SimulationError(
+                f"{name}: of", repr(each), f"columns: {', '.join(known)}", nearest(each, known)
+            )
 
 
 def not_finite(where: str, found: str) -> SimulationError:

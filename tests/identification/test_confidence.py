@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import linregress
 from scipy.stats import t as student
 
-from modelgen.identification.confidence import confidence_of, lag_correlation, sparse
+from modelgen.identification.confidence import confidence_of, lag_correlation, repetition, sparse
 from modelgen.identification.unseen import in_words
 
 NAMES = ("mass", "stiffness", "damping")
@@ -94,6 +94,23 @@ def test_the_exponents_in_words_are_those_that_stay() -> None:
 def test_starts_change_in_their_scales() -> None:
     told = in_words(np.array([1.0, -0.5, 0.0]), NAMES, [True, False, True])
     assert told == "mass and stiffness can change together, unseen, as +1 %, -0.5 (of their scales)"
+
+
+def test_a_mean_of_deviations_that_follow_each_other_is_as_uncertain_as_it_is() -> None:
+    """Against the spread of 400 means over an autoregressive process; 0.2 is six deviations of it."""
+    random = np.random.default_rng(5)
+    m, follow = 500, 0.8
+    steps = random.normal(size=(400, m))
+    series = np.zeros((400, m))
+    for k in range(1, m):
+        series[:, k] = follow * series[:, k - 1] + steps[:, k]
+    told = []
+    for row in series[:50]:
+        left = row - row.mean()
+        repeated = repetition(lag_correlation([left]), m)
+        told.append(confidence_of(np.ones((m, 1)), left, np.ones(m), np.ones(1), False, repeated).deviation)
+    assert np.mean(told) == pytest.approx(series.mean(axis=1).std(), rel=0.2)
+    assert repetition(0.9 * 3 / np.sqrt(m), m) == 1.0
 
 
 def test_lag_correlation() -> None:
