@@ -72,6 +72,7 @@ def test_a_file_is_refused(text: str, told: str, tmp_path: Path) -> None:
         ({"start": ["floor"]}, "bodies that move freely: ball"),
         ({"parameters": {"restitution": 2.0}}, "restitution"),
         ({"losss": "huber"}, "unknown keyword 'losss'"),
+        ({"of": ["ball.positon"]}, "did you mean"),
     ],
 )
 def test_arguments_are_refused(options: dict[str, Any], told: str) -> None:
@@ -115,6 +116,15 @@ def test_a_file_is_read_as_it_says(tmp_path: Path) -> None:
     assert found.start["ball.velocity"].tolist() == [1.0, 0.5, 0.0]
 
 
+def test_columns_that_do_not_count_are_not_read(tmp_path: Path) -> None:
+    path = tmp_path / "data.csv"
+    path.write_text("t,ball.position_x,other,ball.position_z\n0,0,nan,1\n1,0,x,2\n")
+    found = read_recording(path, ["ball.position"])
+    assert found.columns == ("ball.position_x", "ball.position_z")
+    assert found.values.tolist() == [[0.0, 1.0], [0.0, 2.0]]
+    assert read_recording(path, ["ball.position_z"]).columns == ("ball.position_z",)
+
+
 @pytest.fixture
 def workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder with the scene and a recording of it."""
@@ -144,7 +154,7 @@ def test_the_command_fits_draws_and_prints(workplace: Path) -> None:
 
 def test_facts_are_those_of_the_schema() -> None:
     motion = MOTIONS["bounce"]
-    found = fit(motion.library, motion.recording(1), by=["friction", "restitution"])
+    found = fit(motion.library, motion.recording(1), by=["restitution"], starts=2)
     facts = json.loads(json.dumps(fit_facts(found) | {"plot": None}))
     Draft202012Validator(fitted_schema()).validate(facts)
-    assert facts["unknowns"][0]["value"] == found["friction"]
+    assert facts["unknowns"][0]["value"] == found["restitution"]
