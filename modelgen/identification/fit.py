@@ -336,6 +336,6 @@ def _notes(
             f"derivatives are not certain in {unsure} of {unsure + counts.certain} rows "
             f"({'; '.join(reasons)}): {counts.confirmed} agree with differences of runs, "
             f"{counts.differences} are such differences, "
-            f"{counts.kept} are kept though differences say nothing clear"
+            f"{counts.kept} are kept, because differences say less"
         )
     return told

@@ -23,6 +23,9 @@ from modelgen.runtime.session import Session
 
 DIFFERENCE = 1e-3  # step of differences, in scales of the unknowns; a second one is twice as long
 STEPS = (DIFFERENCE, 2 * DIFFERENCE)
+CLEAR = (
+    0.5  # distance of differences of two steps, over that from the derivative, up to which they replace it
+)
 AGREEMENT = 0.05  # of an uncertain derivative with a difference, relative, for it to be kept
 
 
@@ -33,7 +36,7 @@ class Counts:
     certain: int = 0
     confirmed: int = 0  # not certain, and as differences of runs
     differences: int = 0  # not certain, and replaced by differences
-    kept: int = 0  # not certain, and kept where differences of two steps do not agree with each other
+    kept: int = 0  # not certain, and kept where differences of runs say less
     reasons: dict[str, int] = field(default_factory=dict)  # of what is not certain
 
     def add(self, other: Counts) -> None:
@@ -126,10 +129,10 @@ class RecordedRuns:
         along = np.zeros(len(x))
         along[own] = self.scales[own] * np.random.default_rng(0).choice([-1.0, 1.0], len(own))
         short, long = (self._difference(run, x, step * along, rows)[certain:] / step for step in STEPS)
-        told = found[certain:] @ along
-        if _apart(told, short) <= AGREEMENT:
+        wrong, unclear = _apart(found[certain:] @ along, short), _apart(long, short)
+        if wrong <= AGREEMENT:
             counts.confirmed += rows - certain
-        elif _apart(long, short) > AGREEMENT:
+        elif unclear > CLEAR * wrong:
             counts.kept += rows - certain
         else:
             counts.differences += rows - certain
