@@ -23,9 +23,7 @@ from modelgen.runtime.session import Session
 
 DIFFERENCE = 1e-3  # step of differences, in scales of the unknowns; a second one is twice as long
 STEPS = (DIFFERENCE, 2 * DIFFERENCE)
-CLEAR = (
-    0.5  # distance of differences of two steps, over that from the derivative, up to which they replace it
-)
+CLEAR = 0.5  # distance of two differences, over that from the derivative, up to which they replace it
 AGREEMENT = 0.05  # of an uncertain derivative with a difference, relative, for it to be kept
 
 
