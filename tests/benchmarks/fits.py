@@ -1,10 +1,10 @@
 """How often fits converge, and how often the truth lies in the intervals they state.
 
-    python -m tests.benchmarks.fits [TRIALS]
+    python -m tests.benchmarks.fits [SCENE..]
 
 prints for each scene of tests/identification/motions.py: of 20 first guesses within half of the truth, and
 of 20 anywhere in the ranges of the parameters, alone and with two more, how many lead to the truth; and of
-TRIALS (100) recordings with noise, how many have each parameter, and all of them, in its 95 % interval.
+100 recordings with noise, how many have each parameter, and all of them, in its 95 % interval.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from modelgen import ModelgenError, fit
 from modelgen.identification.fit import Fit
 from tests.identification.motions import MOTIONS, Motion
 
-GUESSES = 20
+GUESSES, TRIALS = 20, 100
 NEAR = 1e-3  # relative: a fit to a recording without noise that found the truth
 
 
@@ -32,14 +32,14 @@ def fitted(motion: Motion, guess: Mapping[str, float], starts: int = 1) -> bool:
 
 
 def covered(motion: Motion, seed: int) -> list[bool]:
-    found: Fit = fit(motion.library, motion.recording(seed), by=motion.by, noise=None)
+    found: Fit = fit(motion.library, motion.recording(seed), by=motion.by)
     ranges = [found.interval(name) for name in motion.by]
     return [low <= true <= high for (low, high), true in zip(ranges, motion.true_values, strict=True)]
 
 
 def main() -> None:
-    trials = int(sys.argv[1]) if len(sys.argv) > 1 else 100
-    for name, motion in MOTIONS.items():
+    for name in sys.argv[1:] or MOTIONS:
+        motion = MOTIONS[name]
         began = time.perf_counter()
         for word, guess, starts in (
             ("within half of the truth", motion.near_guess, 1),
@@ -48,11 +48,11 @@ def main() -> None:
         ):
             good = sum(fitted(motion, guess(seed), starts) for seed in range(GUESSES))
             print(f"{name}: of {GUESSES} first guesses {word} {good} converge", flush=True)
-        inside = np.array([covered(motion, seed) for seed in range(trials)])
+        inside = np.array([covered(motion, seed) for seed in range(TRIALS)])
         each = ", ".join(f"{by} {n}" for by, n in zip(motion.by, inside.sum(axis=0), strict=True))
         took = time.perf_counter() - began
         print(
-            f"{name}: of {trials} trials within: {each}; all {inside.all(axis=1).sum()} ({took:.0f} s)",
+            f"{name}: of {TRIALS} trials within: {each}; all {inside.all(axis=1).sum()} ({took:.0f} s)",
             flush=True,
         )
 
