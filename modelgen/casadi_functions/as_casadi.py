@@ -102,7 +102,14 @@ def rhs_arguments(model: Model, simulation: Simulation) -> list[np.ndarray]:
     session = simulation.session
     x = np.array(session.x, dtype=float)
     q, u, eta = np.split(x[:-1], [model.n_q, model.n_q + model.n_u])
-    given = [np.array([simulation.t]), q, u, eta, np.array(model.scene.gravity), np.array(parameter_values(model))]
+    given = [
+        np.array([simulation.t]),
+        q,
+        u,
+        eta,
+        np.array(model.scene.gravity),
+        np.array(parameter_values(model)),
+    ]
     if model.scene.inputs:
         given.append(np.array(session.applied_input[:-1], dtype=float))
     return given

@@ -11,6 +11,7 @@ import typer
 from rich.console import Console
 
 import modelgen
+from modelgen.cli.fit import fit
 from modelgen.cli.manual import manual, print_page
 from modelgen.cli.measure_and_tune import measure, tune
 from modelgen.cli.options import (
@@ -175,6 +176,7 @@ def linearise(scene: SceneFile, form: Form = None, as_json: AsJson = False) -> N
     print_facts(facts, as_json, lambda: print_modes(facts, Console()))
 
 
+app.command()(fit)
 app.command()(measure)
 app.command()(tune)
 app.command()(manual)
@@ -274,11 +276,12 @@ def _all_schemas() -> dict[str, Any]:
     """The JSON Schema of scene files, with those of results under `$defs`."""
     from modelgen.benchmark.extremes_result_schema import surveyed_schema
     from modelgen.benchmark.result_schema import measured_schema, tuned_schema
+    from modelgen.report.fit_output import fitted_schema
     from modelgen.report.result_schema import linearised_schema, result_schema
     from modelgen.scene.json_schema import scene_schema
 
     document = scene_schema()
-    results = {"result": result_schema(), "linearised": linearised_schema()}
+    results = {"result": result_schema(), "linearised": linearised_schema(), "fitted": fitted_schema()}
     results |= {"measured": measured_schema(), "surveyed": surveyed_schema(), "tuned": tuned_schema()}
     document["$defs"] = {**document.get("$defs", {}), **results}
     return document

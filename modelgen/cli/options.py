@@ -24,6 +24,8 @@ TYPES: dict[str, Type] = {
     "verify": Whole(1, 100_000),
     "at": Whole(0, 2**31 - 1),
     "frames": Whole(1, 16),
+    "starts": Whole(1, 1000),
+    "seed": Whole(0, 2**31 - 1),
 }
 
 

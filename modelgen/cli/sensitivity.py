@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -12,7 +11,14 @@ from rich.table import Table
 import modelgen
 from modelgen.cli.options import AsJson, InputValues, Quality, SceneFile, Values, read_option, read_values
 from modelgen.cli.output import FAILED, guarded, print_facts
-from modelgen.cli.pipeline import build_derivation, derive_scene, folder_of, read_scene, removed_if_refused
+from modelgen.cli.pipeline import (
+    DERIVATIVES,
+    build_derivation,
+    derive_scene,
+    folder_of,
+    read_scene,
+    removed_if_refused,
+)
 from modelgen.errors import ModelgenError
 from modelgen.runtime.sensitivity import Sensitivity
 
@@ -52,7 +58,7 @@ def sensitivity(
         "inputs": read_values(inputs, "--input"),
         "accuracy": read_option("accuracy", accuracy),
     }
-    with removed_if_refused(_folder(what)) as folder:
+    with removed_if_refused(folder_of(what, DERIVATIVES)) as folder:
         library = build_derivation(derive_scene(what), folder, derivatives=True)
         times = times or [float(library.manifest.instance["run"].get("until") or 1.0)]
         found = modelgen.sensitivity(library, times, **settings)
@@ -64,12 +70,6 @@ def sensitivity(
     print_facts(facts, as_json, lambda: _print(facts, Console()))
     if found.outcome is not None:
         raise typer.Exit(FAILED)
-
-
-def _folder(scene: Any) -> Path:
-    """Derivatives have a folder of their own, so that the other library stays."""
-    folder = folder_of(scene, None)
-    return folder.with_name(f"{folder.name}.derivatives")
 
 
 def _names(text: str) -> list[str]:

@@ -109,7 +109,8 @@ def sensitivity(
         library: what `build(emit(derivation, derivatives=True))` returned.
         t: ascending times, s.
         of: sensors, or quantities of bodies: "ball.position" and ".velocity" of the centre of mass, world
-            axes, ".angular_velocity", body axes. All sensors when None.
+            axes, ".angular_velocity", body axes, ".orientation", a unit quaternion (w, x, y, z). All sensors
+            when None.
         by: parameters and inputs of the scene by name, and starts: "ball.position" and ".velocity" of the
             centre of mass, world axes, ".orientation" and ".angular_velocity", body axes. A start on closed
             contacts or joints changes as far as these permit.
@@ -150,37 +151,47 @@ def times_of(t: Sequence[float] | float) -> Array:
     return times
 
 
+@dataclass(frozen=True)
+class Component:
+    """A number that a run shows: its name, and its place in the row of sensors or in the state, else -1."""
+
+    name: str
+    sensor: int
+    state: int
+
+
+def outputs_of(instance: Mapping[str, Any]) -> dict[str, tuple[Component, ...]]:
+    """What can be differentiated, by name: sensors, and quantities of bodies, with their components."""
+    found: dict[str, tuple[Component, ...]] = {}
+    at = 0
+    for name, size in instance["sensors"]["names"]:
+        names = component_names([(name, size)])
+        found[name] = tuple(Component(each, at + k, -1) for k, each in enumerate(names))
+        at += size
+    for body in instance["bodies"]:
+        for quantity, place, size in _states_of(body, instance["n_q"]):
+            name = f"{body['name']}.{quantity}"
+            names = component_names([(name, size)])
+            found[name] = tuple(Component(each, -1, place + k) for k, each in enumerate(names))
+    return found
+
+
 class Outputs:
     """What is differentiated: components of sensors, and entries of the state."""
 
     def __init__(self, session: Session, of: Sequence[str] | None) -> None:
-        instance = session.instance
-        slots = instance["sensors"]["names"]
-        components = component_names(slots)
-        sensors: dict[str, list[int]] = {}
-        for name, size in slots:
-            at = sum(len(found) for found in sensors.values())
-            sensors[name] = list(range(at, at + size))
-        states = {
-            f"{body['name']}.{quantity}": list(range(at, at + 3))
-            for body in instance["bodies"]
-            for quantity, at in _states_of(body, instance["n_q"])
-        }
-        chosen = list(sensors) if of is None else [str(name) for name in of]
+        known = outputs_of(session.instance)
+        sensors = [name for name, _ in session.instance["sensors"]["names"]]
+        chosen = sensors if of is None else [str(name) for name in of]
         if not chosen:
-            raise SimulationError("of", "nothing", f"known: {', '.join([*sensors, *states])}", "name what")
-        self.sensors: list[int] = []  # place in the row of sensors, -1: a state
-        self.states: list[int] = []  # place in the state, -1: a sensor
-        names: list[str] = []
+            raise SimulationError("of", "nothing", f"known: {', '.join(known)}", "name what")
         for name in chosen:
-            if name not in sensors and name not in states:
-                known = [*sensors, *states]
+            if name not in known:
                 raise SimulationError("of", repr(name), f"known: {', '.join(known)}", nearest(name, known))
-            for k, at in enumerate(sensors.get(name) or states[name]):
-                self.sensors.append(at if name in sensors else -1)
-                self.states.append(-1 if name in sensors else at)
-                names.append(components[at] if name in sensors else f"{name}_{'xyz'[k]}")
-        self.names = tuple(names)
+        components = [component for name in chosen for component in known[name]]
+        self.sensors = [component.sensor for component in components]
+        self.states = [component.state for component in components]
+        self.names = tuple(component.name for component in components)
 
     def values(self, session: Session) -> Array:
         """(n_of,) at the state of a session."""
@@ -189,11 +200,14 @@ class Outputs:
         return np.array([session.sensed[i] if i >= 0 else session.x[j] for i, j in pairs], dtype=float)
 
 
-def _states_of(body: Mapping[str, Any], n_q: int) -> list[tuple[str, int]]:
+def _states_of(body: Mapping[str, Any], n_q: int) -> list[tuple[str, int, int]]:
+    """Quantities of a body in the state: name, place, size."""
     if body["motion"] not in ("point", "free"):
         return []
-    found = [("position", body["q"]), ("velocity", n_q + body["u"])]
-    return found + ([("angular_velocity", n_q + body["u"] + 3)] if body["motion"] == "free" else [])
+    q, u = body["q"], n_q + body["u"]
+    found = [("position", q, 3), ("velocity", u, 3)]
+    turning = [("orientation", q + 3, 4), ("angular_velocity", u + 3, 3)]
+    return found + (turning if body["motion"] == "free" else [])
 
 
 class TangentRun:

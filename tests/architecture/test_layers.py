@@ -22,7 +22,7 @@ PIPELINE = (
     ("verification",),
     ("codegen",),
     ("runtime",),
-    ("casadi_functions", "gym", "linearisation"),
+    ("casadi_functions", "gym", "identification", "linearisation"),
     ("report",),
     ("view",),
     ("benchmark",),

@@ -15,6 +15,7 @@ IO_PLACES = (
     "codegen/compiler.py",
     "codegen/library.py",
     "codegen/core_cache.py",
+    "identification/recording_files.py",
     "report/",
     "benchmark/instruction_counts.py",
     "benchmark/peers/",

@@ -67,8 +67,13 @@ def print_scene(name: str, entries: Sequence[dict[str, Any]]) -> None:
     certain = [each for each in entries if each["kind"] == "differentiable"]
     counts = Counter(each["outcome"] for each in certain)
     others = Counter((each["reason"], each["outcome"]) for each in entries if each not in certain)
-    worst = max((each["error"] / (each["size"] or 1) for each in certain if each["outcome"] != "unresolved"), default=0)
-    print(f"{name:22} {len(entries):4} pairs, differentiable {len(certain)}: {dict(counts)} worst {worst:.1e}")
+    worst = max(
+        (each["error"] / (each["size"] or 1) for each in certain if each["outcome"] != "unresolved"),
+        default=0,
+    )
+    print(
+        f"{name:22} {len(entries):4} pairs, differentiable {len(certain)}: {dict(counts)} worst {worst:.1e}"
+    )
     for (reason, outcome), count in sorted(others.items()):
         print(f"    undecided {count:3} {outcome:10} {reason}")
     for each in certain:
@@ -99,7 +104,9 @@ def main() -> None:
         if given.out:
             given.out.write_text(json.dumps(found, default=float))
     print(f"\n{len(found)} pairs")
-    for key, count in sorted(Counter((each["kind"], each["reason"], each["outcome"]) for each in found).items()):
+    for key, count in sorted(
+        Counter((each["kind"], each["reason"], each["outcome"]) for each in found).items()
+    ):
         print(f"{count:5} {' | '.join(filter(None, key))}")
     wrong = [each for each in found if each["kind"] == "differentiable" and each["outcome"] == "wrong"]
     assert not wrong, f"{len(wrong)} derivatives that are called differentiable are wrong"

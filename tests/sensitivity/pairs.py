@@ -102,7 +102,11 @@ def paths_of_numbers(tables: Tables) -> Iterator[tuple[Any, ...]]:
         for way, shape in [(("shape",), shapes)] if isinstance(shapes, dict) else []:
             for key in SHAPE_NUMBERS:
                 yield from _numbers_at(shape.get(key), ("body", k, *way, key))
-    for kind, keys in (("contact", OF_CONTACTS), ("joint", OF_JOINTS), ("spring", ("stiffness", "rest_length"))):
+    for kind, keys in (
+        ("contact", OF_CONTACTS),
+        ("joint", OF_JOINTS),
+        ("spring", ("stiffness", "rest_length")),
+    ):
         for k, entry in enumerate(tables.get(kind, ())):
             for key in keys:
                 yield from _numbers_at(entry.get(key), (kind, k, key))
@@ -245,7 +249,9 @@ def changed_run(
     try:
         if direction.kind == "parameter":
             values = {each["name"]: each["value"] for each in library.manifest.instance["parameters"]}
-            session = opened(with_parameters(library, {direction.owner: values[direction.owner] + change}), reach)
+            session = opened(
+                with_parameters(library, {direction.owner: values[direction.owner] + change}), reach
+            )
         else:
             session = opened(library, reach)
         if along is not None:
