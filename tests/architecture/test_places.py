@@ -15,6 +15,7 @@ IO_PLACES = (
     "codegen/compiler.py",
     "codegen/library.py",
     "codegen/core_cache.py",
+    "casadi_functions/external.py",
     "report/",
     "benchmark/instruction_counts.py",
     "benchmark/peers/",
