@@ -81,8 +81,6 @@ def _holds(model: Model, mode: ContactMode, row: Row, place: int) -> bool:
     return True
 
 
-
-
 def _row_count(model: Model, mode: ContactMode) -> int:
     below = sum(constraint.rows for _, constraint in friction_of_contacts(model))
     joints = sum(joint.rows for joint in model.joints)
@@ -149,7 +147,12 @@ class ForcesAndAccelerations:
 
 
 def held_forces(
-    model: Model, rows: SceneRows, switches: Switches, times_inverse_mass: TimesMatrix, free: Expression, redundant: bool
+    model: Model,
+    rows: SceneRows,
+    switches: Switches,
+    times_inverse_mass: TimesMatrix,
+    free: Expression,
+    redundant: bool,
 ) -> ForcesAndAccelerations:
     """Forces of the rows that may hold, others left out; for a mode that is fixed."""
     listed = [k for k, holds in enumerate(switches.holds) if holds]
@@ -171,7 +174,9 @@ def switched_forces(
     """Forces of all rows; a row that does not hold has force zero in place of its equation."""
     listed = [k for k, holds in enumerate(switches.holds) if not isinstance(holds, float) or holds]
     if not listed:
-        return _spread(model, rows, switches, listed, ca.DM(0, 1), times_inverse_mass, free, ca.DM(model.n_u, 0))
+        return _spread(
+            model, rows, switches, listed, ca.DM(0, 1), times_inverse_mass, free, ca.DM(model.n_u, 0)
+        )
     holds = ca.vertcat(*(switches.holds[k] for k in listed))
     mask = ca.diag(holds)
     J = ca.vertcat(*(ca.if_else(holds[i], rows.rows[k].J, 0) for i, k in enumerate(listed)))
@@ -218,7 +223,13 @@ def _scales(A: Expression) -> Expression:
 
 
 def _solution(
-    A: Expression, right: Expression, scale: Expression, reference: Expression, *, symmetric: bool, redundant: bool
+    A: Expression,
+    right: Expression,
+    scale: Expression,
+    reference: Expression,
+    *,
+    symmetric: bool,
+    redundant: bool,
 ) -> Expression:
     """f with A f = right: `reference` and, of least norm in the scale of the rows, what is to be added to it.
 

@@ -142,7 +142,9 @@ def check_mode(model: Model, mode: ContactMode) -> None:
         first, end = model.pairs[contact.pair].feature_pairs
         if pair != NO_FEATURE_PAIR and not first <= pair < end:
             raise ModelgenError(
-                f"{where}: contact {contact.name!r}", f"feature pair {pair}", f"{first} to {end - 1}, or {ENDS}"
+                f"{where}: contact {contact.name!r}",
+                f"feature pair {pair}",
+                f"{first} to {end - 1}, or {ENDS}",
             )
         if mode.active[index] and pair == NO_FEATURE_PAIR:
             raise ModelgenError(

@@ -113,7 +113,9 @@ class SolvedScene:
         return ca.Function(name, list(self.arguments.values()), values, list(self.arguments), list(outputs))
 
 
-def in_mode(model: Model, functions: Functions, mode: ContactMode, slow: SlipSpeeds, symbol: Any) -> SolvedScene:
+def in_mode(
+    model: Model, functions: Functions, mode: ContactMode, slow: SlipSpeeds, symbol: Any
+) -> SolvedScene:
     """A scene in a fixed mode."""
     scene = written_scene(model, functions, mode, symbol)
     switches = fixed_switches(model, mode, scene.rows, scene.parameters.friction, slow)
@@ -145,9 +147,7 @@ def right_hand_side(solved: SolvedScene) -> ca.Function:
     return solved.function("rhs", outputs)
 
 
-def held_rows_matrix(
-    model: Model, functions: Functions, mode: ContactMode, slow: SlipSpeeds
-) -> ca.Function:
+def held_rows_matrix(model: Model, functions: Functions, mode: ContactMode, slow: SlipSpeeds) -> ca.Function:
     """Of the arguments of `rhs`: the matrix whose rank is that of the rows that hold (`held_matrix`)."""
     scene = written_scene(model, functions, mode, ca.MX)
     switches = fixed_switches(model, mode, scene.rows, scene.parameters.friction, slow)

@@ -82,6 +82,4 @@ def split_parameters(model: Model, parameters: Expression) -> SplitParameters:
 def fitted(function: ca.Function, arguments: list[Expression]) -> list[Expression]:
     """Arguments cut to the sizes that the function takes; size 0 where it takes none."""
     sizes = [int(function.numel_in(k)) for k in range(function.n_in())]
-    return [
-        argument[:size] if size else ca.DM(0, 1) for argument, size in zip(arguments, sizes, strict=True)
-    ]
+    return [argument[:size] if size else ca.DM(0, 1) for argument, size in zip(arguments, sizes, strict=True)]

@@ -71,9 +71,18 @@ def step_function(
 
     def arguments(at: Expression, state: Expression) -> dict[str, Expression]:
         q, v, eta = ca.vertsplit(state, [0, *np.cumsum(sizes).tolist()])
-        given = {"t": at, "q": q, "u": v, "eta": eta, "gravity": inputs["p"][-3:], "parameters": inputs["p"][:-3]}
+        given = {
+            "t": at,
+            "q": q,
+            "u": v,
+            "eta": eta,
+            "gravity": inputs["p"][-3:],
+            "parameters": inputs["p"][:-3],
+        }
         if model.scene.inputs:
-            settings = [part for value in ca.vertsplit(inputs["u"]) for part in (value, ca.MX(0), inputs["t"])]
+            settings = [
+                part for value in ca.vertsplit(inputs["u"]) for part in (value, ca.MX(0), inputs["t"])
+            ]
             given["inputs"] = ca.vertcat(*settings)
         return given | ({} if solved.mode is None else {"mode": inputs["mode"]})
 
