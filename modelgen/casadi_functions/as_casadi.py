@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Literal, cast
 
 import casadi as ca
@@ -27,7 +26,6 @@ from modelgen.derivation import Derivation, derive
 from modelgen.errors import ModelgenError, nearest
 from modelgen.model import Model
 from modelgen.runtime.simulation import Simulation
-from modelgen.scene.read import read
 from modelgen.scene.reading_again import SceneReader
 from modelgen.scene.scene_types import Origin
 
@@ -54,7 +52,7 @@ def as_casadi(
     each input, held over the step, p = [parameters, gravity]; `sensors` only of a scene that has some.
 
     Args:
-        source: a model, a derivation, or a library of a scene that can be read again.
+        source: a model, a derivation, or a library of a scene with parameters.
         mode: what carries force, sticks and slips: a run, whose present mode is taken, or a ContactMode; the
             function then holds the kernels of that mode alone. None: a function of all modes, which takes a
             mode vector (`mode_of`) as its last argument; faces that rest on three points are not in it.
@@ -138,16 +136,14 @@ def derivation_of(source: Source) -> Derivation:
 
 def _model_of(library: Library) -> Model:
     instance = library.manifest.instance
-    origin, path = instance.get("origin"), Path(str(instance["source"]))
-    if origin is not None:
-        own = {each["name"]: each["value"] for each in instance["parameters"]}
-        return require(SceneReader(instance["name"], instance["source"], Origin(**origin)).scene(own))
-    if not path.is_file():
+    origin = instance.get("origin")
+    if origin is None:
         raise ModelgenError(
-            str(library.path), f"its scene {str(path)!r} is not there to be read again", "",
+            str(library.path), "its scene cannot be read again", "libraries of scenes with [[parameter]] tables",
             "give the derivation in place of the library",
         )  # fmt: skip
-    return require(read(path))
+    own = {each["name"]: each["value"] for each in instance["parameters"]}
+    return require(SceneReader(instance["name"], instance["source"], Origin(**origin)).scene(own))
 
 
 def _solved(

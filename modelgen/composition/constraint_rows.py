@@ -36,6 +36,7 @@ class Row:
     J: Expression  # (1, n_u)
     gamma: Expression
     rate: Expression  # of what it holds at zero: J u, with what prescribed motion adds
+    value: Expression = None  # of a joint: what it holds at zero
     second: Expression = None  # of a joint: its row of J (6,) on the second body
 
 
@@ -217,12 +218,12 @@ class RowBuilder:
         a, b = self._bodies[entry.a], self._bodies[entry.b]
         settings = [self._symbols.inputs] if kind.inputs else []
         arguments = [self._symbols.t, a.pose, a.twist, b.pose, b.twist, self._parameters.joints[number]]
-        _, J, gamma, bias = function.call(fitted(function, [*arguments, *settings]))
+        value, J, gamma, bias = function.call(fitted(function, [*arguments, *settings]))
         rows = []
         for k in range(entry.rows):
             row_a, row_b = J[12 * k : 12 * k + 6], J[12 * k + 6 : 12 * k + 12]
             made = self._row("joint", number, entry.name, {entry.a: row_a, entry.b: row_b}, gamma[k], bias[k])
-            rows.append(Row(made.kind, made.owner, made.name, made.J, made.gamma, made.rate, row_b))
+            rows.append(Row(made.kind, made.owner, made.name, made.J, made.gamma, made.rate, value[k], row_b))
         return rows
 
     def _patch(self, each: PatchMode) -> tuple[list[Row], list[Row]]:

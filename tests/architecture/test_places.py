@@ -16,6 +16,7 @@ IO_PLACES = (
     "codegen/library.py",
     "codegen/core_cache.py",
     "identification/recording_files.py",
+    "casadi_functions/external.py",
     "report/",
     "benchmark/instruction_counts.py",
     "benchmark/peers/",
