@@ -31,6 +31,8 @@ MG_API long mg_sensitivity_int_size(const mg_system *s) { return s->n_contact; }
 MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int n, mg_real *work, int *iwork) {
   const mg_system *system = c->system;
   const long b = system->n_body, rows = mg_sensitivity_rows(system), states = c->layout.n_states;
+  const mg_crossing none = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON};
+  s->crossing = none;
   s->t_dot = 0, s->is_time = s->is_singular = 0, s->doubtful = -1;
   s->blow = mg_take_memory(&work, 1, sizeof(mg_blow));
   s->at.pose = mg_take_reals(&work, 12 * b), s->at.twist = mg_take_reals(&work, 6 * b);

@@ -11,11 +11,13 @@
 /* Twists of all bodies before the blow, and the change; the context has those after it. */
 static void mg_set_twists(mg_context *c, const mg_real *x) { mg_update_poses(c, c->run->t, x); }
 
-/* True if a contact may have been struck: it was closed before or is closed or touching now. */
+/* True if a contact may have been struck: it is that of the event, was closed before, or is closed or touching now as
+   far as the error of the step can tell. */
 static int mg_may_be_struck(const mg_context *c, const mg_sensitivity *s, int contact) {
+  const mg_real touching = fmax(c->settings->contact_gap, c->settings->tolerance) * c->system->length;
   if (!mg_is_on_feature_pair(c, contact)) return 0;
-  return s->closed_before[contact] || c->run->closed[contact] ||
-         fabs(c->rows.d[contact]) <= c->settings->contact_gap * c->system->length;
+  return contact == s->crossing.contact || s->closed_before[contact] || c->run->closed[contact] ||
+         fabs(c->rows.d[contact]) <= touching;
 }
 
 /* Lists the rows of contacts that may be struck, if any are, then joints; 0 where there are too many. */
@@ -79,6 +81,21 @@ static int mg_drop_unstruck_contacts(mg_context *c, mg_blow *b) {
   }
   mg_keep_blow_rows(b, keep);
   return dropped;
+}
+
+/* True if the impulses make the change of the velocities, but for the drift that is projected away with it. */
+static int mg_explains_change(mg_context *c, mg_sensitivity *s, const mg_blow *b, const mg_real *change) {
+  const mg_real part = 10 * sqrt(c->settings->tolerance);
+  mg_zero_reals(s->at.acceleration, 6L * c->system->n_body);
+  for (int r = 0; r < b->n; r++) mg_add_row_response(c, b->row[r], b->impulse[r], s->at.acceleration);
+  for (int body = 0; body < c->system->n_body; body++)
+    for (int k = 0; k < 6 && mg_is_moved_by_forces(c, body); k++) {
+      const int i = 6 * body + k;
+      const mg_real size = fabs(change[i]) + fabs(s->at.acceleration[i]),
+                    least = c->system->length / c->system->time / (k < 3 ? 1 : c->system->length);
+      if (fabs(change[i] - s->at.acceleration[i]) > part * (size + least)) return 0;
+    }
+  return 1;
 }
 
 /* True if slip along a path of impulses decides the blow of a listed contact. */
@@ -182,6 +199,7 @@ MG_INTERNAL int mg_recover_impulses(mg_context *c, mg_sensitivity *s, int of_con
   do {
     if (!mg_solve_blow_impulses(c, b, change)) return MG_BY_REDUNDANT_ROWS;
   } while (mg_drop_unstruck_contacts(c, b));
+  if (!mg_explains_change(c, s, b, change)) return MG_BY_JUMP;
   for (int r = 0; r < b->n; r++)
     b->rate_before[r] = mg_row_times(c, b->row[r], c->bodies.twist),
     b->rate_after[r] = b->rate_before[r] + mg_row_times(c, b->row[r], change);
