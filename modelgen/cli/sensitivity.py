@@ -92,6 +92,7 @@ def _facts(found: Sensitivity) -> dict[str, Any]:
         "by": list(found.by),
         "value": found.value.tolist(),
         "jacobian": found.jacobian.tolist(),
+        "error": None if found.error is None else found.error.tolist(),
         "verdicts": [
             {"kind": each.kind, "reason": each.reason, "t": each.t, "contact": each.contact}
             for each in found.verdicts
@@ -104,13 +105,13 @@ def _facts(found: Sensitivity) -> dict[str, Any]:
 def _print(facts: dict[str, Any], console: Console) -> None:
     for k, t in enumerate(facts["t"]):
         table = Table(title=f"t = {t:g} s", title_justify="left", box=None, pad_edge=False)
-        headings = ["", "value", "by", "derivative"] + ["differences"] * ("differences" in facts)
+        headings = ["", "value", "by", "derivative", "error"] + ["differences"] * ("differences" in facts)
         for number, heading in enumerate(headings):
             table.add_column(heading, justify="left" if number in (0, 2) else "right", no_wrap=True)
         for i, name in enumerate(facts["of"]):
             for j, by in enumerate(facts["by"]):
                 row = [name, f"{facts['value'][k][i]:.8g}"] if not j else ["", ""]
-                row += [by, f"{facts['jacobian'][k][i][j]:.8g}"]
+                row += [by, f"{facts['jacobian'][k][i][j]:.8g}", f"{facts['error'][k][i][j]:.1e}"]
                 row += [f"{facts['differences'][k][i][j]:.8g}"] if "differences" in facts else []
                 table.add_row(*row)
         console.print(table, soft_wrap=True)

@@ -80,7 +80,7 @@ def direction_arrays(
     found: dict[str, Array] = {"start": np.zeros((n, len(shared.start)))}
     tables = _tables(library)
     found |= {name: np.zeros((n, len(tables[name]))) for name in (*TABLES, "gravity")}
-    found["input"] = np.zeros((n, SETTING_SIZE * len(library.manifest.instance["inputs"]) + 1))
+    found["input"] = np.zeros((n, SETTING_SIZE * len(library.manifest.instance["inputs"])))
     for row, direction in enumerate(directions):
         if direction.kind == "parameter":
             change = _table_derivatives(library, direction.owner, parameters)

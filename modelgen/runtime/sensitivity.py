@@ -15,6 +15,7 @@ from modelgen.notation import component_names
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_keywords, with_parameters
 from modelgen.runtime.directions import direction_arrays, directions_of
+from modelgen.runtime.error_estimate import ROUNDED, SAFE, nudge
 from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
@@ -24,7 +25,7 @@ from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome
 
 STEPS = 1_000_000  # in one call of the core
 EVENTS = 4096  # of which the derivatives of the time are kept
-KEYWORDS = ("of", "by", "t", "inputs", "parameters", "accuracy", *STEPPING)
+KEYWORDS = ("of", "by", "t", "inputs", "parameters", "accuracy", "estimate", *STEPPING)
 VERDICTS = ("differentiable", "one-sided", "undecided")  # MG_VERDICT_DIFFERENTIABLE ..
 REASONS = (  # MG_NO_REASON ..
     "",
@@ -81,6 +82,9 @@ class Sensitivity:
     verdicts: tuple[Verdict, ...]  # up to each time
     events: tuple[EventSensitivity, ...]
     outcome: Outcome | None  # how the run ended early
+    error: Array | None = None
+    """(nt, n_of, n_by), the estimated error of `jacobian`, from a companion run; infinite where that did not
+    come, None where none was asked for."""
 
     @property
     def verdict(self) -> Verdict:
@@ -97,6 +101,7 @@ def sensitivity(
     inputs: Mapping[str, float] | None = None,
     parameters: Mapping[str, float] | None = None,
     accuracy: Accuracy | str | None = None,
+    estimate: bool = True,
     **stepping: Unpack[Stepping],
 ) -> Sensitivity:
     """Run a scene and differentiate what it shows, through contacts that begin, end, stick and slip.
@@ -117,6 +122,8 @@ def sensitivity(
         inputs: values of inputs, by name; the scene's defaults for the others.
         parameters: values of parameters of the scene by name.
         accuracy, stepping: as those of `start`.
+        estimate: whether a finer companion run, which costs more than the run itself, shows the error of the
+            derivatives.
 
     Raises:
         ModelgenError: the library has no derivatives, a name is unknown, or the start is refused.
@@ -125,22 +132,40 @@ def sensitivity(
     check_keywords("sensitivity", stepping, KEYWORDS)
     library = with_parameters(library, parameters)
     times = times_of(t)
-    session = Session(library, accuracy_of(library.manifest.instance, accuracy, stepping))
+    record = accuracy_of(library.manifest.instance, accuracy, stepping)
+    session = Session(library, record)
     Inputs(session).update(inputs or {})
     directions = directions_of(library, by)
     outputs = Outputs(session, of)
-    run = TangentRun(session, direction_arrays(library, directions, parameters or {}), len(directions))
+    arrays = direction_arrays(library, directions, parameters or {})
+    run = TangentRun(session, arrays, len(directions))
     rows = [run.go_on(float(time)).shown(outputs) for time in times]
+    jacobian = np.array([jacobian for _, jacobian, _ in rows])
+    error = None
+    if estimate:
+        epsilon = float(np.finfo(session.tables.dtype).eps)
+        twin = Session(library, record.companion(epsilon))
+        Inputs(twin).update(inputs or {})
+        nudge(twin)
+        error = _error(jacobian, TangentRun(twin, arrays, len(directions)), outputs, times, epsilon)
     return Sensitivity(
         t=times,
         of=outputs.names,
         by=tuple(direction.name for direction in directions),
         value=np.array([value for value, _, _ in rows]),
-        jacobian=np.array([jacobian for _, jacobian, _ in rows]),
+        jacobian=jacobian,
+        error=error,
         verdicts=tuple(verdict for _, _, verdict in rows),
         events=run.events(),
         outcome=run.outcome,
     )
+
+
+def _error(jacobian: Array, twin: TangentRun, outputs: Outputs, times: Array, epsilon: float) -> Array:
+    """The error of derivatives from those of a companion run."""
+    other = np.array([twin.go_on(float(time)).shown(outputs)[1] for time in times])
+    apart = SAFE * np.abs(jacobian - other) + ROUNDED * epsilon * np.abs(jacobian)
+    return np.where(np.isfinite(apart), apart, np.inf)
 
 
 def times_of(t: Sequence[float] | float) -> Array:

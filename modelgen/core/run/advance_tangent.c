@@ -31,7 +31,9 @@ MG_API long mg_sensitivity_int_size(const mg_system *s) { return s->n_contact; }
 MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int n, mg_real *work, int *iwork) {
   const mg_system *system = c->system;
   const long b = system->n_body, rows = mg_sensitivity_rows(system), states = c->layout.n_states;
-  s->t_dot = 0, s->is_time = s->is_singular = 0;
+  const mg_crossing none = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON};
+  s->crossing = none;
+  s->t_dot = 0, s->is_time = s->is_singular = 0, s->doubtful = -1;
   s->blow = mg_take_memory(&work, 1, sizeof(mg_blow));
   s->at.pose = mg_take_reals(&work, 12 * b), s->at.twist = mg_take_reals(&work, 6 * b);
   s->at.acceleration = mg_take_reals(&work, 6 * b), s->at.wrench = mg_take_reals(&work, 6 * b);
@@ -201,7 +203,8 @@ MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settin
       events->count = first, record->count = recorded, tangent->count = counted, outcome = MG_CONTINUE;
       continue;
     }
-    mg_doubt_tangent(tangent, reason, end, s.crossing.kind == MG_CROSSES_NOTHING ? -1 : s.crossing.contact);
+    const int of_event = s.crossing.kind == MG_CROSSES_NOTHING ? -1 : s.crossing.contact;
+    mg_doubt_tangent(tangent, reason, end, s.doubtful >= 0 ? s.doubtful : of_event);
     mg_restore_run(system, run, after);
     if (tape) mg_store_step(system, tape, &s, before, after);
   }

@@ -18,6 +18,7 @@ static void mg_go_back_over_step(const mg_system *system, const mg_settings *set
                                  int *iwork) {
   mg_context c;
   mg_crossing crossing = {known[0], known[1], known[2], known[3], known[4]};
+  s->crossing = crossing;
   const unsigned char *after = bytes + mg_save_size(system);
   mg_restore_run(system, run, after);
   const mg_real end = run->t, roundoff = run->t_roundoff;

@@ -36,6 +36,7 @@ static int mg_uncertain_event(const mg_context *c, int kind, int contact) {
 
 MG_INTERNAL mg_crossing mg_find_crossing(const mg_context *c, const mg_events *events, int first) {
   mg_crossing found = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON};
+  int several = 0;
   static const int order[] = {0, 5, 4, 3, 2, 1}; /* by MG_CROSSES_..: what jumps most comes first */
   for (int k = first; k < events->count; k++) {
     const int kind = events->kind[k], contact = events->contact[k];
@@ -45,11 +46,12 @@ MG_INTERNAL mg_crossing mg_find_crossing(const mg_context *c, const mg_events *e
     const int constraint =
         kind >= MG_EVENT_SLIP_START && kind < MG_EVENT_FALLBACK_START ? mg_constraint_of_event(c, contact, kind) : -1;
     if (function == found.kind && function != MG_CROSSES_NOTHING && function != MG_CROSSES_BORDER &&
-        (contact != found.contact || constraint != found.constraint) && !found.reason)
-      found.reason = MG_BY_SEVERAL_EVENTS;
+        (contact != found.contact || constraint != found.constraint))
+      several = 1;
     if (order[function] <= order[found.kind]) continue;
     found.kind = function, found.contact = contact, found.constraint = constraint;
   }
+  if (several && !found.reason) found.reason = MG_BY_SEVERAL_EVENTS;
   return found;
 }
 

@@ -10,12 +10,13 @@
 
 #define MG_LARGEST_BLOW_RESIDUAL ((mg_real)1e-6) /* of velocities, relative: beyond it the law is another */
 
-/* True if a contact may have been struck: it was closed before or is closed or touching now, and has not been found to
-   carry no impulse (c->events.gap_dips). */
+/* True if a contact may have been struck: it is that of the event, was closed before, or is closed or touching now as
+   far as the error of the step can tell; and it has not been found to carry no impulse (c->events.gap_dips). */
 static int mg_may_be_struck(const mg_context *c, const mg_sensitivity *s, int contact) {
+  const mg_real touching = fmax(c->settings->contact_gap, c->settings->tolerance) * c->system->length;
   if (!mg_is_on_feature_pair(c, contact) || c->events.gap_dips[contact]) return 0;
-  return s->closed_before[contact] || c->run->closed[contact] ||
-         fabs(c->rows.d[contact]) <= c->settings->contact_gap * c->system->length;
+  return contact == s->crossing.contact || s->closed_before[contact] || c->run->closed[contact] ||
+         fabs(c->rows.d[contact]) <= touching;
 }
 
 /* Lists the rows of contacts that may be struck, if any are, then joints; 0 where there are too many. */
@@ -165,6 +166,21 @@ static int mg_solve_blow_impulses(mg_context *c, mg_blow *b) {
   return residual > MG_LARGEST_BLOW_RESIDUAL * largest ? MG_BY_IMPACT_LAW : MG_NO_REASON;
 }
 
+/* True if the impulses make the change of the velocities, but for the drift that is projected away with it. */
+static int mg_explains_change(mg_context *c, mg_sensitivity *s, const mg_blow *b, const mg_real *change) {
+  const mg_real part = 10 * sqrt(c->settings->tolerance);
+  mg_zero_reals(s->at.acceleration, 6L * c->system->n_body);
+  for (int r = 0; r < b->n; r++) mg_add_row_response(c, b->row[r], b->impulse[r], s->at.acceleration);
+  for (int body = 0; body < c->system->n_body; body++)
+    for (int k = 0; k < 6 && mg_is_moved_by_forces(c, body); k++) {
+      const int i = 6 * body + k;
+      const mg_real size = fabs(change[i]) + fabs(s->at.acceleration[i]),
+                    least = c->system->length / c->system->time / (k < 3 ? 1 : c->system->length);
+      if (fabs(change[i] - s->at.acceleration[i]) > part * (size + least)) return 0;
+    }
+  return 1;
+}
+
 /* Marks contacts without an impulse in c->events.gap_dips; returns whether there were any. */
 static int mg_mark_unstruck_contacts(mg_context *c, const mg_blow *b) {
   int found = 0;
@@ -241,6 +257,7 @@ MG_INTERNAL int mg_recover_impulses(mg_context *c, mg_sensitivity *s, int of_con
     mg_find_blow_rates(c, b, change);
     reason = mg_drop_dependent_rows(c, b) ? mg_solve_blow_impulses(c, b) : MG_BY_REDUNDANT_ROWS;
   } while (!reason && mg_mark_unstruck_contacts(c, b));
+  if (!reason && !mg_explains_change(c, s, b, change)) reason = MG_BY_JUMP;
   mg_update_poses(c, c->run->t, c->run->x);
   if (!reason) reason = mg_classify_normal_rows(c, b);
   if (reason) return reason;

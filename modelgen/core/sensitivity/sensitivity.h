@@ -112,6 +112,7 @@ typedef struct {
   mg_crossing crossing;  /* of the step treated last */
   mg_real t_dot;         /* derivative of the time in the direction looked at: 1 of time itself */
   int is_time;           /* 1: the direction looked at is time: no number changes */
+  int doubtful;          /* contact for which the step treated last is not certain, or -1 */
   int is_singular;       /* 1: equations of forces under slip were singular */
 } mg_sensitivity;
 

@@ -59,25 +59,35 @@ static int mg_has_rubbing_patch(const mg_context *c) {
 }
 
 /* True if a constraint of an active contact has anisotropic friction. */
-static int mg_has_anisotropic_friction(const mg_context *c) {
+static int mg_has_anisotropic_friction(const mg_context *c, mg_sensitivity *s) {
   for (int i = mg_next_row(c, -1); c->system->n_friction && i < c->system->n_contact; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
-      if (c->run->active[i] && c->system->friction_body[g] >= 0) return 1;
+      if (c->run->active[i] && c->system->friction_body[g] >= 0) {
+        s->doubtful = i;
+        return 1;
+      }
   return 0;
+}
+
+/* The first contact that a face rests on, a support point. */
+static int mg_first_closed_support(const mg_context *c) {
+  for (int i = c->layout.support_begin; i < c->system->n_contact; i++)
+    if (c->run->closed[i]) return i;
+  return -1;
 }
 
 MG_INTERNAL int mg_rests_on_moving_points(const mg_context *c, const mg_sensitivity *s) {
-  for (int i = c->layout.support_begin; i < c->system->n_contact; i++)
-    if (c->run->closed[i]) return mg_has_moving_border(s);
-  return 0;
+  return mg_first_closed_support(c) >= 0 && mg_has_moving_border(s);
 }
 
 /* What of a step is not differentiated as it was taken, or 0. */
-static int mg_uncertain_step(mg_context *c, const mg_sensitivity *s, mg_real h) {
+static int mg_uncertain_step(mg_context *c, mg_sensitivity *s, mg_real h) {
+  s->doubtful = mg_first_closed_support(c);
   if (mg_rests_on_moving_points(c, s)) return MG_BY_BORDER;
   if (mg_has_rolling_start(c)) return MG_BY_ROLLING_START;
   if (mg_has_rubbing_patch(c)) return MG_BY_FACES;
-  if (mg_has_anisotropic_friction(c)) return MG_BY_ANISOTROPY;
+  s->doubtful = -1;
+  if (mg_has_anisotropic_friction(c, s)) return MG_BY_ANISOTROPY;
   if (c->settings->method == MG_DOP853 && c->system->n_friction) {
     mg_mark_stiff_slip(c, h);
     if (mg_has_stiff_slip(c)) return MG_BY_STIFF_SLIP;
@@ -85,17 +95,27 @@ static int mg_uncertain_step(mg_context *c, const mg_sensitivity *s, mg_real h) 
   return MG_NO_REASON;
 }
 
+/* True if slip begins in this step. */
+static int mg_has_beginning_slip(const mg_context *c) {
+  for (int g = 0; g < c->system->n_friction; g++)
+    if (c->run->friction_mode[g] == MG_SLIP_ONSET || c->run->friction_mode[g] == MG_SLIP_STARTING) return 1;
+  return 0;
+}
+
 /* True if slip that has begun in this step turns with a direction: then its first direction, a limit, has a derivative
    that the step does not have. Needs the derivatives of the last direction at the end of the step. */
-static int mg_turns_slip_onset(const mg_context *c, const mg_sensitivity *s) {
+static int mg_turns_slip_onset(const mg_context *c, mg_sensitivity *s) {
   for (int i = mg_next_row(c, -1); c->system->n_friction && i < c->layout.support_begin; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
       const int row = mg_first_friction_row(c, i, g);
-      if (c->run->friction_mode[g] != MG_SLIP_ONSET || mg_friction_row_count(c, g) < 2) continue;
+      const int mode = c->run->friction_mode[g];
+      if ((mode != MG_SLIP_ONSET && mode != MG_SLIP_STARTING) || mg_friction_row_count(c, g) < 2) continue;
       const mg_real *slip = c->rows.d_dot + row, *dot = s->at.rate + row;
       const mg_real across = fabs(slip[0] * dot[1] - slip[1] * dot[0]),
                     size = sqrt(mg_dot2(slip, slip) * mg_dot2(dot, dot));
-      if (across > sqrt(MG_EPS) * size) return 1;
+      if (!(across > sqrt(MG_EPS) * size)) continue;
+      s->doubtful = i;
+      return 1;
     }
   return 0;
 }
@@ -156,7 +176,7 @@ MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h) {
     mg_normalise_tangent(c, c->step.end, dx);
   }
   mg_settle_step_end(c, s, t + h);
-  for (int j = 0; j < n && !reason && mg_has_slip_onset(c); j++) {
+  for (int j = 0; j < n && !reason && mg_has_beginning_slip(c); j++) {
     mg_rhs_tangent(c, s, j, t + h, c->step.end, s->tangent->x + (long)j * states, s->stage);
     if (mg_turns_slip_onset(c, s)) reason = MG_BY_SLIP_ONSET;
   }
