@@ -46,7 +46,7 @@
 #include "solve/lcp/lcp.h"
 #include "base/real.h"
 
-#define MG_ABI 16 /* version of these structures; a library and its caller must agree on it (mg_abi) */
+#define MG_ABI 17 /* version of these structures; a library and its caller must agree on it (mg_abi) */
 
 /* Kind of a condition of a feature pair. A condition is a function of the contact point x of one feature in its shape's
    axes, of the chart coordinates (u, v) of x, and of the normal N out of that feature's shape. It holds where the
@@ -220,6 +220,8 @@ typedef struct {
                      the two balls of a pair, at least this */
   mg_real mass;   /* characteristic mass, kg */
   mg_real time;   /* characteristic time, s; settings refer to it as "time" */
+
+  mg_digest shapes_digest; /* mg_shapes_digest of this system; 0: every call makes it, as numbers may have changed */
 } mg_system;
 
 /* Law of restitution; the coefficient e is the ratio of what is restored to what was there before. */
@@ -722,6 +724,9 @@ MG_API int mg_abi(void);
 
 /* Size of mg_real in bytes. */
 MG_API int mg_real_size(void);
+
+/* Digest of the shapes of which bounds are kept in the scratch memory: their kinds, parameters, domains and scales. */
+MG_API mg_digest mg_shapes_digest(const mg_system *system);
 
 /* Length of the scratch array `work` of all functions below, in mg_real. */
 MG_API long mg_work_size(const mg_system *system);

@@ -132,6 +132,8 @@ def _values(record: ctypes.Structure, numbers: Mapping[int, int]) -> str:
             values.append("0")
         elif kind is ctypes.c_void_p:
             values.append(f"a{numbers[value]}" if value else "0")
+        elif kind is ctypes.c_ulonglong:
+            values.append(f"{value}ULL")
         elif isinstance(value, ctypes.Array):
             values.append("{" + ", ".join(float(each).hex() for each in value) + "}")
         else:

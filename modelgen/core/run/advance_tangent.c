@@ -12,7 +12,7 @@
 
 /* Most numbers of a packed vector. */
 static long mg_packed_size(const mg_system *s) {
-  return 64L + s->n_parameters + 3L * s->n_input + 18L * s->n_body + 2L * s->n_pair + 6L * s->n_joint +
+  return 64L + s->n_parameters + 3L * s->n_input + 24L * s->n_body + 2L * s->n_pair + 6L * s->n_joint +
          s->kernels->n_sensor;
 }
 

@@ -252,7 +252,8 @@ class Tables:
             [(KERNELS, pointer)]
             + [(n, integer) for n in SYSTEM_INTEGERS]
             + [(n, pointer) for n in SYSTEM_INDICES + SYSTEM_REALS]
-            + [("gravity", real * 3), ("length", real), ("mass", real), ("time", real)],
+            + [("gravity", real * 3), ("length", real), ("mass", real), ("time", real)]
+            + [("shapes_digest", ctypes.c_ulonglong)],
         )
         self.Settings = structure(
             "Settings",
