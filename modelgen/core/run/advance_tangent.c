@@ -26,7 +26,7 @@ MG_API long mg_sensitivity_size(const mg_system *s, int n) {
          18 + n + 1 + 2L * s->n_pair + 6L * s->n_joint;
 }
 
-MG_API long mg_sensitivity_int_size(const mg_system *s) { return s->n_contact; }
+MG_API long mg_sensitivity_int_size(const mg_system *s) { return (long)s->n_contact + s->n_friction; }
 
 MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int n, mg_real *work, int *iwork) {
   const mg_system *system = c->system;
@@ -48,6 +48,7 @@ MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int
   s->event_rate = mg_take_reals(&work, n + 1);
   s->pair = mg_take_reals(&work, 2L * system->n_pair), s->joint = mg_take_reals(&work, 6L * system->n_joint);
   s->closed_before = mg_take_ints(&iwork, system->n_contact);
+  s->slip_begins = mg_take_ints(&iwork, system->n_friction);
 }
 
 /* Opens the memory of derivatives along directions; the bytes of the run before and after a step come first. */

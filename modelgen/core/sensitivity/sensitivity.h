@@ -109,6 +109,7 @@ typedef struct {
   mg_blow *blow;         /* the blow of the event */
   mg_real *start;        /* [n n_states] derivatives before the step */
   int *closed_before;    /* [n_contact] closed before the event */
+  int *slip_begins;      /* [n_friction] 1: slip begins in the step */
   mg_crossing crossing;  /* of the step treated last */
   mg_real t_dot;         /* derivative of the time in the direction looked at: 1 of time itself */
   int is_time;           /* 1: the direction looked at is time: no number changes */

@@ -95,25 +95,34 @@ static int mg_uncertain_step(mg_context *c, mg_sensitivity *s, mg_real h) {
   return MG_NO_REASON;
 }
 
-/* True if slip begins in this step. */
-static int mg_has_beginning_slip(const mg_context *c) {
-  for (int g = 0; g < c->system->n_friction; g++)
-    if (c->run->friction_mode[g] == MG_SLIP_ONSET || c->run->friction_mode[g] == MG_SLIP_STARTING) return 1;
-  return 0;
+/* Marks the constraints whose slip begins in this step, and has no direction of its own yet. Needs the state of the
+   run. Returns whether there are any. */
+static int mg_mark_beginning_slip(mg_context *c, mg_sensitivity *s) {
+  int any = 0;
+  mg_update_gap_rates(c);
+  for (int i = mg_next_row(c, -1); c->system->n_friction && i < c->layout.support_begin; i = mg_next_row(c, i))
+    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
+      const int mode = c->run->friction_mode[g];
+      s->slip_begins[g] = c->run->active[i] && mg_friction_row_count(c, g) == 2 &&
+                          (mode == MG_SLIP_ONSET || mode == MG_SLIP_STARTING) &&
+                          !mg_is_turned_by_slip(c, g, c->rows.d_dot + mg_first_friction_row(c, i, g));
+      any |= s->slip_begins[g];
+    }
+  return any;
 }
 
 /* True if slip that has begun in this step turns with a direction: then its first direction, a limit, has a derivative
    that the step does not have. Needs the derivatives of the last direction at the end of the step. */
 static int mg_turns_slip_onset(const mg_context *c, mg_sensitivity *s) {
+  const mg_real least = MG_EPS * c->system->length / c->system->time; /* smaller derivatives are rounding */
   for (int i = mg_next_row(c, -1); c->system->n_friction && i < c->layout.support_begin; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
       const int row = mg_first_friction_row(c, i, g);
-      const int mode = c->run->friction_mode[g];
-      if ((mode != MG_SLIP_ONSET && mode != MG_SLIP_STARTING) || mg_friction_row_count(c, g) < 2) continue;
+      if (!s->slip_begins[g]) continue;
       const mg_real *slip = c->rows.d_dot + row, *dot = s->at.rate + row;
       const mg_real across = fabs(slip[0] * dot[1] - slip[1] * dot[0]),
                     size = sqrt(mg_dot2(slip, slip) * mg_dot2(dot, dot));
-      if (!(across > sqrt(MG_EPS) * size)) continue;
+      if (!(across > sqrt(MG_EPS) * size) || !(mg_dot2(dot, dot) > least * least)) continue;
       s->doubtful = i;
       return 1;
     }
@@ -156,6 +165,7 @@ MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h) {
   const mg_real t = c->run->t, *x = c->run->x;
   mg_begin_step_again(c);
   int reason = mg_uncertain_step(c, s, h);
+  const int slip_begins = mg_mark_beginning_slip(c, s);
   for (int stage = 0; stage < method.stages; stage++) {
     const mg_real time = t + method.time[stage] * h;
     mg_combine_stages(&method, stage, states, states, h, x, c->step.slopes, c->step.stage);
@@ -176,7 +186,7 @@ MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h) {
     mg_normalise_tangent(c, c->step.end, dx);
   }
   mg_settle_step_end(c, s, t + h);
-  for (int j = 0; j < n && !reason && mg_has_beginning_slip(c); j++) {
+  for (int j = 0; j < n && !reason && slip_begins; j++) {
     mg_rhs_tangent(c, s, j, t + h, c->step.end, s->tangent->x + (long)j * states, s->stage);
     if (mg_turns_slip_onset(c, s)) reason = MG_BY_SLIP_ONSET;
   }
