@@ -24,6 +24,7 @@ PIPELINE = (
     ("gym", "linearisation"),
     ("report",),
     ("benchmark",),
+    ("export",),
     ("cli",),
 )
 LAYER = {room: number for number, rooms in enumerate(PIPELINE) for room in rooms}
