@@ -11,6 +11,7 @@ import typer
 from rich.console import Console
 
 import modelgen
+from modelgen.cli.export import export
 from modelgen.cli.fit import fit
 from modelgen.cli.manual import manual, print_page
 from modelgen.cli.measure_and_tune import measure, tune
@@ -42,9 +43,9 @@ from modelgen.cli.options import (
     Values,
     Verify,
     read_configuration,
-    read_main,
     read_option,
     read_values,
+    refuse_main,
 )
 from modelgen.cli.output import (
     FAILED,
@@ -52,10 +53,8 @@ from modelgen.cli.output import (
     check_outputs,
     exit_with,
     guarded,
-    print_built,
     print_facts,
     print_text,
-    write_main,
     write_run,
 )
 from modelgen.cli.pipeline import (
@@ -114,10 +113,9 @@ def build(
     as_json: AsJson = False,
 ) -> None:
     """Generate and compile the library of a scene; compiles nothing that is already there."""
-    name = read_main(main)
+    refuse_main(main)
     what = read_scene(scene, form)
     library = build_scene(what, out or folder_of(what, form), read_option("real", real), derivatives)
-    program = None if name is None else write_main(library, name)
     manifest = library.manifest
     facts = {
         "scene": manifest.instance["name"],
@@ -125,9 +123,8 @@ def build(
         "real": library.real,
         "hash": library.record.hash,
         "instructions": {name: entry["instructions"] for name, entry in manifest.functions.items()},
-        "main": program and str(program),
     }
-    print_facts(facts, as_json, lambda: print_built(library, program))
+    print_facts(facts, as_json, lambda: typer.echo(library.path))
 
 
 @app.command()
@@ -182,6 +179,7 @@ app.command()(tune)
 app.command()(manual)
 app.command()(sensitivity)
 app.command()(view)
+app.command()(export)
 
 
 @app.command()

@@ -26,6 +26,7 @@ PIPELINE = (
     ("report",),
     ("view",),
     ("benchmark",),
+    ("export",),
     ("cli",),
 )
 LAYER = {room: number for number, rooms in enumerate(PIPELINE) for room in rooms}

@@ -23,6 +23,7 @@ IO_PLACES = (
     "benchmark/measurement_store.py",
     "benchmark/extremes_table.py",
     "benchmark/measurement_table.py",
+    "export/",
     "cli/",
 )
 IO_MODULES = {"subprocess", "shutil", "tempfile", "socket", "urllib", "http", "multiprocessing"}
@@ -117,7 +118,7 @@ def test_tolerances_are_in_accuracy() -> None:
 
 def test_the_core_neither_allocates_nor_prints() -> None:
     wrong = []
-    for path in C:
+    for path in (path for path in C if short(path).startswith("core/")):
         text = path.read_text(encoding="utf-8")
         called = re.findall(r"\b(malloc|calloc|realloc|free|printf|fprintf|exit|abort)\s*\(", text)
         foreign = set(re.findall(r"#include <(\S+)>", text)) - C_HEADERS
