@@ -65,10 +65,10 @@ class SceneRows:
 
 def row_names(model: Model, mode: ContactMode, joint_rows: Sequence[int]) -> tuple[str, ...]:
     """The names of the rows: `egg-table`, `egg-table:slip_1`, `hinge:0`, `box-table:bottom:support_0`."""
-    entries = (*model.contacts, *model.limits)
-    names = [entry.name for entry in entries]
+    owners = [*(each.name for each in model.contacts), *(each.name for each in model.limits)]
+    names = list(owners)
     for index, constraint in friction_of_contacts(model):
-        names += [f"{entries[index].name}:{name}" for name in FRICTION_NAMES[constraint.kind]]
+        names += [f"{owners[index]}:{name}" for name in FRICTION_NAMES[constraint.kind]]
     for joint, count in zip(model.joints, joint_rows, strict=True):
         names += [f"{joint.name}:{k}" for k in range(count)]
     for each in mode.patches:
@@ -101,8 +101,8 @@ class RowBuilder:
         normals = [touch.rows[0] if touch else self._no_row("normal", k) for k, touch in enumerate(contacts)]
         friction, along = [], []
         for number, (index, constraint) in enumerate(friction_of_contacts(model)):
-            rows, frame = self._friction(number, constraint, contacts[index])
-            friction += rows
+            found, frame = self._friction(number, constraint, contacts[index])
+            friction += found
             along.append(frame)
         joints = [row for number, _ in enumerate(model.joints) for row in self._joint(number)]
         patches = [self._patch(each) for each in mode.patches]
@@ -173,8 +173,8 @@ class RowBuilder:
                 rate = rate + ca.dot(part, body.twist)
             if not body.columns:
                 continue
-            empty = part is None or not part.numel()
-            cells.append(ca.DM(1, body.columns) if empty else part[: body.columns].T)
+            given = part is not None and part.numel()
+            cells.append(part[: body.columns].T if part is not None and given else ca.DM(1, body.columns))
         J = ca.horzcat(*cells) if cells else ca.DM(1, 0)
         return Row(kind, owner, name, J, gamma, rate + ca.mtimes(J, self._symbols.u))
 

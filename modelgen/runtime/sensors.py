@@ -46,8 +46,8 @@ class Readings(Mapping[str, "float | Array"]):
 class Sensors(Readings):
     """The sensors of a run at its present state, which is sensed once.
 
-    A gap is NaN while no closest points of its pair are followed; accelerations and forces of joints are NaN in
-    time-stepping.
+    A gap is NaN while no closest points of its pair are followed; accelerations and forces of joints are NaN
+    in time-stepping.
     """
 
     def __init__(self, session: Session) -> None:

@@ -1,7 +1,7 @@
 """Derivatives of runs of all shipped scenes by many numbers, at three times, beside differences of runs.
 
-Run with `python -m tests.benchmarks.derivative_pairs [--scenes a,b] [--cap SECONDS] [--out FILE]`. A pair is a
-number (a component of a start, or a factor of a number of the scene) and a time. Differences bear the
+Run with `python -m tests.benchmarks.derivative_pairs [--scenes a,b] [--cap SECONDS] [--out FILE]`. A pair
+is a number (a component of a start, or a factor of a number of the scene) and a time. Differences bear the
 derivative out (`agrees`), or it is `off` by more than AGREES and than they resolve, or `wrong` by more than
 WRONG; or they do not resolve WRONG, mostly because changed runs have other events. None that is called
 differentiable may be wrong.

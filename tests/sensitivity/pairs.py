@@ -1,5 +1,5 @@
-"""Pairs of a number of a scene and a time: the derivative of a run by that number up to then, beside differences
-of runs with an estimate of what these resolve."""
+"""Pairs of a number of a scene and a time: the derivative of a run by that number up to then, beside
+differences of runs with an estimate of what these resolve."""
 
 from __future__ import annotations
 
@@ -243,8 +243,8 @@ def changed_run(
     library: Library, direction: Direction, along: Array | None, change: float, times: Sequence[float],
     of: list[str], scales: Array,
 ) -> Shown | None:  # fmt: skip
-    """A run with a change along a direction, `along` being that of its settled start, or where it is None from
-    the start that the scene says; None where it is refused."""
+    """A run with a change along a direction, `along` being that of its settled start, or where it is None
+    from the start that the scene says; None where it is refused."""
     reach = 0.0 if along is None else CURVED * (change / size_of(library, direction)) ** 2
     try:
         if direction.kind == "parameter":
