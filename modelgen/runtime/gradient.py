@@ -159,7 +159,9 @@ class _TapedRun(TangentRun):
             for name in COTANGENT_ARRAYS
         }
         memory = self._memory
-        adjoint = tables.Adjoint(*(address(bars[name]) for name in COTANGENT_ARRAYS), *map(address, (*memory, self._given_state)))
+        adjoint = tables.Adjoint(
+            *(address(bars[name]) for name in COTANGENT_ARRAYS), *map(address, (*memory, self._given_state))
+        )
         given, tape = ctypes.byref(adjoint), ctypes.byref(self._tape)
         end = marks[-1]
         for mark, seed in zip(reversed(marks), reversed(seeds), strict=True):

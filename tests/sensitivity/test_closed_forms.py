@@ -298,9 +298,7 @@ def test_a_bead_on_a_cycloid_falls_to_the_bottom_in_the_same_time_from_anywhere(
     def height(wide: complex, high: complex, pull: complex) -> complex:
         return wide * (1 - np.cos(high)) * np.cos(np.sqrt(pull / (4 * wide)) * t) ** 2
 
-    found = sensitivity(
-        built(CYCLOID, values), t, of=["bead.position"], by=list(values), accuracy="tight"
-    )
+    found = sensitivity(built(CYCLOID, values), t, of=["bead.position"], by=list(values), accuracy="tight")
     assert found.verdict
     assert np.allclose(found.jacobian[0, 2], complex_step(height, tuple(values.values())), atol=1e-9)
     (event,) = found.events
@@ -346,7 +344,11 @@ def test_a_start_that_a_joint_corrects() -> None:
     angle at which the rod is kicked."""
     values = {"turn": 0.5, "kick": 1.7}
     found = sensitivity(
-        built(ROD, values), 0.0, of=["rod.velocity", "rod.angular_velocity"], by=list(values), accuracy="tight"
+        built(ROD, values),
+        0.0,
+        of=["rod.velocity", "rod.angular_velocity"],
+        by=list(values),
+        accuracy="tight",
     )
     assert found.verdict
     inertia = 0.03 + 0.9 * 0.25

@@ -13,7 +13,9 @@ FAR = 300.0  # times the largest error; the estimate is safe by 2, the rest is l
 
 
 @pytest.mark.parametrize("accuracy", ["fast", "balanced"])
-@pytest.mark.parametrize(("name", "t"), [("double_pendulum", 1.2), ("egg_on_spline", 0.8), ("bouncing_ellipsoid", 0.5)])
+@pytest.mark.parametrize(
+    ("name", "t"), [("double_pendulum", 1.2), ("egg_on_spline", 0.8), ("bouncing_ellipsoid", 0.5)]
+)
 def test_the_estimate_is_an_error_bound(name: str, t: float, accuracy: str) -> None:
     library = shipped(name)
     body = moving(library)[0]

@@ -54,7 +54,8 @@ def test_backward_equals_forward_by_numbers_of_a_scene(case: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "values"), [(BALL.replace('"high"', "0.1"), {"up": -2.0, "bounce": 0.6}), (ROD, {"turn": 0.5, "kick": 1.7})]
+    ("text", "values"),
+    [(BALL.replace('"high"', "0.1"), {"up": -2.0, "bounce": 0.6}), (ROD, {"turn": 0.5, "kick": 1.7})],
 )
 def test_backward_equals_forward_over_corrections_of_the_start(text: str, values: dict[str, float]) -> None:
     library = built(text, values)

@@ -105,7 +105,12 @@ def test_a_paradox_of_painleve() -> None:
 
 def test_time_stepping() -> None:
     found = sensitivity(
-        shipped("bouncing_ball"), 0.1, of=["ball.position"], by=["ball.velocity"], method="time-stepping", step=1e-3
+        shipped("bouncing_ball"),
+        0.1,
+        of=["ball.position"],
+        by=["ball.velocity"],
+        method="time-stepping",
+        step=1e-3,
     )
     assert found.verdict.reason == "a part of the run is time-stepping"
     assert found.verdict.t == 0.0

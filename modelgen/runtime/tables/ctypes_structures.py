@@ -293,7 +293,9 @@ class Tables:
             [(n, ctypes.c_long) for n in ("capacity", "count")]
             + [(n, pointer) for n in ("bytes", "slopes", "crossing")],
         )
-        self.Adjoint = structure("Adjoint", [(n, pointer) for n in (*COTANGENT_ARRAYS, "work", "iwork", "given")])
+        self.Adjoint = structure(
+            "Adjoint", [(n, pointer) for n in (*COTANGENT_ARRAYS, "work", "iwork", "given")]
+        )
         self.Controller = structure(
             "Controller",
             [
