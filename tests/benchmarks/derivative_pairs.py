@@ -1,10 +1,10 @@
 """Derivatives of runs of all shipped scenes by many numbers, at three times, beside differences of runs.
 
-Run with `python -m tests.benchmarks.derivative_pairs [--scenes a,b] [--cap SECONDS] [--out FILE]`. A pair
-is a number (a component of a start, or a factor of a number of the scene) and a time. Differences bear the
-derivative out (`agrees`), or it is `off` by more than AGREES and than they resolve, or `wrong` by more than
-WRONG; or they do not resolve WRONG, mostly because changed runs have other events. None that is called
-differentiable may be wrong.
+Run with `python -m tests.benchmarks.derivative_pairs [--scenes a,b] [--cap SECONDS] [--accuracy tight]
+[--out FILE]`. A pair is a number (a component of a start, or a factor of a number of the scene) and a time.
+Differences bear the derivative out (`agrees`), or it is `off` by more than AGREES and than they resolve, or
+`wrong` by more than WRONG; or they do not resolve WRONG, mostly because changed runs have other events. None
+that is called differentiable may be wrong.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ import numpy as np
 from modelgen.errors import ModelgenError
 from modelgen.runtime.directions import QUANTITIES, directions_of
 from tests.running import NAMES
-from tests.sensitivity.pairs import Pair, library_with_factors, opened, pairs_of, scales_of, shown
+from tests.sensitivity.pairs import Pair, Pairs, library_with_factors, opened, scales_of, shown
 
 PARTS = (0.1, 0.35, 0.9)  # of the run
 FACTORS = 6  # numbers of a scene
 
 
-def study(name: str, cap: float) -> list[dict[str, Any]]:
+def study(name: str, cap: float, accuracy: str = "tight") -> list[dict[str, Any]]:
     """The pairs of a scene, of runs that take at most `cap` s of time."""
     library, meanings = library_with_factors(name, FACTORS)
     instance = library.manifest.instance
@@ -38,9 +38,11 @@ def study(name: str, cap: float) -> list[dict[str, Any]]:
     by = [*meanings] + [each["name"] for each in instance["inputs"]]
     by += [f"{body['name']}.{quantity}" for quantity in quantities]
     until = affordable(library, float(instance["run"].get("until") or 1.0), cap)
+    pairs = Pairs(library, [part * until for part in PARTS], accuracy)
     return [
         entry_of(name, pair, meanings.get(pair.by, pair.by))
-        for pair in pairs_of(library, directions_of(library, by), [part * until for part in PARTS])
+        for direction in directions_of(library, by)
+        for pair in pairs.of(direction)
     ]
 
 
@@ -88,13 +90,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--scenes", default=",".join(NAMES), help="names, separated by commas")
     parser.add_argument("--cap", type=float, default=0.1, help="processor time of a run, s")
+    parser.add_argument("--accuracy", default="tight", help="of the derivatives")
     parser.add_argument("--out", type=Path, help="a file of all pairs, JSON")
     given = parser.parse_args()
     found: list[dict[str, Any]] = []
     for name in given.scenes.split(","):
         begun = time.perf_counter()
         try:
-            entries = study(name, given.cap)
+            entries = study(name, given.cap, given.accuracy)
         except ModelgenError as error:
             print(f"{name:22} {error}")
             continue

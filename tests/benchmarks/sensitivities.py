@@ -2,8 +2,8 @@
 
 Run with `python -m tests.benchmarks.sensitivities [--scenes a,b] [--accuracy tight] [--part 0.3]`. Columns:
 the plain run; a run with derivatives along no direction, which takes each step again; along 1, 4 and 12
-directions; what one direction more costs (12 less 4, by 8); the memory of 12 directions, and of the tape of
-a gradient for a step. Times are the least of several of processor time.
+directions; what one direction more costs (12 less 4, by 8); the memory of 12 directions, and of the tape of a
+gradient for a step. Times are the least of several of processor time.
 """
 
 from __future__ import annotations
@@ -87,10 +87,8 @@ def main() -> None:
     parser.add_argument("--accuracy", default="tight")
     parser.add_argument("--part", type=float, default=0.3, help="of the time of the scene")
     given = parser.parse_args()
-    print(
-        f"{'scene':20} {'run':>8} {'none':>6} {'1':>6} {'4':>6} {'12':>6} {'each':>6}",
-        f"{'memory':>9} {'a step':>8}",
-    )
+    headings = " ".join(f"{heading:>6}" for heading in ("none", "1", "4", "12", "each"))
+    print(f"{'scene':20} {'run':>8} {headings} {'memory':>9} {'a step':>8}")
     for name in given.scenes.split(","):
         library = build(emit(derive(require(read(SCENES / f"{name}.toml"))), derivatives=True))
         measured = Measured(library, given.accuracy, given.part)

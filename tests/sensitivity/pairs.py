@@ -274,51 +274,75 @@ def library_start(library: Library) -> Array:
     return session.x.copy()
 
 
-def pairs_of(library: Library, directions: Sequence[Direction], times: Sequence[float]) -> Iterator[Pair]:
-    """The pairs of some directions with some times."""
-    of, scales = scales_of(library)
-    plain = shown(opened(library), times, of, scales)
-    for direction in directions:
-        size = size_of(library, direction)
-        arrays = direction_arrays(library, [direction], {})
-        run = TangentRun(opened(library), arrays, 1)
-        along = run.state_derivatives()[0].copy()
-        outputs = Outputs(run.session, of)
-        found = [run.go_on(float(t)).shown(outputs) for t in times]
+class Pairs:
+    """Pairs of the numbers of a scene with some times."""
+
+    def __init__(self, library: Library, times: Sequence[float], accuracy: str = "tight") -> None:
+        """`accuracy`: of the derivatives; differences are those of runs at `tight`."""
+        self.library, self.times, self._accuracy = library, list(times), accuracy
+        self._of, self._scales = scales_of(library)
+        self._plain = shown(opened(library), times, self._of, self._scales)
+
+    def of(self, direction: Direction) -> Iterator[Pair]:
+        """The pairs of one number."""
+        size = size_of(self.library, direction)
+        found, along = self._derivatives(direction)
         steps = [LARGEST * size / 2**k for k in range(HALVINGS)]
-        ways = [along] if direction.kind == "start" else [None, along]
-        for way in ways:  # a start that contacts hold is changed as far as they permit
-            runs = [
-                [changed_run(library, direction, way, sign * step, times, of, scales) for sign in (1, -1)]
-                for step in steps
-            ]
-            if all(each is not None and each.history[0] == plain.history[0] for each in runs[-1]):
-                break
-        for index, t in enumerate(times):
+        runs = self._changed(direction, along, steps)
+        for index, t in enumerate(self.times):
             _, jacobian, verdict = found[index]
-            exact = jacobian[:, 0] / scales * size
-            alike = [
-                all(each is not None and each.history[index] == plain.history[index] for each in both)
-                for both in runs
-            ]
-            first = max([k + 1 for k, same in enumerate(alike) if not same], default=0)
-            if HALVINGS - first < FEWEST or not np.all(np.isfinite(exact)):
+            exact = jacobian[:, 0] / self._scales * size
+            quotients = self._quotients(runs, steps, index)
+            if len(quotients) < FEWEST or not np.all(np.isfinite(exact)):
                 yield Pair(direction.name, t, verdict, np.inf, float(np.max(np.abs(exact))), np.inf)
                 continue
-            quotients = [
-                (up.values[index] - down.values[index]) * size / (2 * step)
-                for (up, down), step in zip(runs[first:], steps[first:], strict=True)
-                if up is not None and down is not None
-            ]
-            value, noise = extrapolated_with_noise(quotients)
-            yield Pair(
-                direction.name,
-                t,
-                verdict,
-                float(np.max(np.abs(exact - value))),
-                float(np.max(np.abs(value))),
-                noise,
-            )
+            value, noise = extrapolated_with_noise([quotient * size for quotient in quotients])
+            error = float(np.max(np.abs(exact - value)))
+            yield Pair(direction.name, t, verdict, error, float(np.max(np.abs(value))), noise)
+
+    def _derivatives(self, direction: Direction) -> tuple[list[tuple[Array, Array, Verdict]], Array]:
+        """What `TangentRun.shown` says at each time, and the change of the settled start."""
+        arrays = direction_arrays(self.library, [direction], {})
+        record = accuracy_of(self.library.manifest.instance, self._accuracy, {})
+        run = TangentRun(Session(self.library, record), arrays, 1)
+        along, outputs = run.state_derivatives()[0].copy(), Outputs(run.session, self._of)
+        return [run.go_on(float(t)).shown(outputs) for t in self.times], along
+
+    def _changed(
+        self, direction: Direction, along: Array, steps: Sequence[float]
+    ) -> list[tuple[Shown | None, Shown | None]]:
+        """Runs with each step, forth and back. A start that is held is changed as far as that permits."""
+        runs: list[tuple[Shown | None, Shown | None]] = []
+        for way in [along] if direction.kind == "start" else [None, along]:
+            runs = []
+            for step in reversed(steps):
+                up, down = (
+                    changed_run(self.library, direction, way, change, self.times, self._of, self._scales)
+                    for change in (step, -step)
+                )
+                runs.insert(0, (up, down))
+                if not self._alike((up, down), 0):
+                    break
+            else:
+                break
+        return runs
+
+    def _alike(self, both: tuple[Shown | None, Shown | None], index: int) -> bool:
+        """Whether changed runs have the events of the plain one, up to a time."""
+        history = self._plain.history[index]
+        return all(each is not None and each.history[index] == history for each in both)
+
+    def _quotients(
+        self, runs: Sequence[tuple[Shown | None, Shown | None]], steps: Sequence[float], index: int
+    ) -> list[Array]:
+        """Central differences at a time, of those smaller steps whose runs have the plain events."""
+        found: list[Array] = []
+        for both, step in zip(reversed(runs), reversed(steps), strict=False):
+            up, down = both
+            if up is None or down is None or not self._alike(both, index):
+                break
+            found.insert(0, (up.values[index] - down.values[index]) / (2 * step))
+        return found
 
 
 def extrapolated_with_noise(quotients: Sequence[Array]) -> tuple[Array, float]:

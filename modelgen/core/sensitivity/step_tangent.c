@@ -114,7 +114,7 @@ static int mg_mark_beginning_slip(mg_context *c, mg_sensitivity *s) {
 /* True if slip that has begun in this step turns with a direction: then its first direction, a limit, has a derivative
    that the step does not have. Needs the derivatives of the last direction at the end of the step. */
 static int mg_turns_slip_onset(const mg_context *c, mg_sensitivity *s) {
-  const mg_real least = MG_EPS * c->system->length / c->system->time; /* smaller derivatives are rounding */
+  const mg_real least = pow(MG_EPS, (mg_real)0.75) * c->system->length / c->system->time; /* rounding is smaller */
   for (int i = mg_next_row(c, -1); c->system->n_friction && i < c->layout.support_begin; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
       const int row = mg_first_friction_row(c, i, g);
