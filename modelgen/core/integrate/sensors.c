@@ -2,6 +2,7 @@
  * c->sensors. */
 #include "integrate/integrate.h"
 #include "base/base.h"
+#include "base/base.h"
 #include "model/model.h"
 #include "forces/forces.h"
 
