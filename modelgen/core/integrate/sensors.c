@@ -1,8 +1,6 @@
 /* What the sensors of a scene show at an evaluated state. Reads poses, twists, accelerations and forces; writes
  * c->sensors. */
 #include "integrate/integrate.h"
-#include "base/base.h"
-#include "base/base.h"
 #include "model/model.h"
 #include "forces/forces.h"
 
