@@ -160,12 +160,12 @@ static mg_real mg_approach_stop(const mg_approach *a, mg_real t, mg_real t_stop)
   return a->end - t > a->least ? fmin(t + (a->end - t) / 2, t_stop) : t_stop;
 }
 
-/* Begins the approach to the end of a step; returns 0 if that was the last step of one. */
+/* Begins the approach to the end of a step; returns 0 if that was the last step of one, or is too short to halve. */
 static int mg_begin_approach(mg_approach *a, mg_real t, mg_real end) {
-  const mg_real least = ldexp(end - t, -MG_APPROACH_HALVINGS);
+  const mg_real least = fmax(ldexp(end - t, -MG_APPROACH_HALVINGS), 4 * MG_EPS * fabs(end));
   if (a->least > 0 && fabs(a->end - end) <= 2 * a->least) return 0;
   a->end = end, a->least = least;
-  return least > 0;
+  return end - t > least;
 }
 
 MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settings, mg_run *run,
