@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import casadi as ca
 
+from modelgen.composition.closed_form import closed_right_hand_side, why_not_closed
+from modelgen.composition.contact_mode import ContactMode, own_feature_pairs
+from modelgen.composition.right_hand_side import (
+    SLIP_SPEED,
+    SolvedScene,
+    in_all_modes,
+    in_mode,
+    right_hand_side,
+    slip_speeds,
+)
 from modelgen.contact.form_table import FORMS, contact_kernels, eta_layout
 from modelgen.contact.separation import aim_kernel, has_separation, seek_kernel
 from modelgen.dynamics import loads
 from modelgen.dynamics.bodies import body_kernels
-from modelgen.dynamics.closed_form import MAX_CONTACTS, right_hand_side, why_not_closed
 from modelgen.dynamics.sensors import sensor_kernel
-from modelgen.errors import ModelgenError, expect
+from modelgen.errors import expect
 from modelgen.geometry.curves import curve_kernel, is_curve
 from modelgen.geometry.points import is_point, point_kernel
 from modelgen.geometry.surface_kernel import surface_kernel
@@ -97,22 +106,41 @@ class Derivation:
     model: Model
     formulas: tuple[Formula, ...]
 
-    def rhs(self) -> ca.Function:
-        """The composed right-hand side with all contacts closed.
+    def rhs(self, mode: ContactMode | None = None, feature_pairs: Sequence[int] | None = None) -> ca.Function:
+        """The right-hand side of the whole scene (see `as_casadi`).
 
-        Raises ModelgenError, with the reason, where a scene has joints, friction, more than four contacts, or
-        shapes of several pieces that touch (solids, splines, poles of charts).
+        Args:
+            mode: of the contacts; None: a function of all modes, with an argument `mode`.
+            feature_pairs: of a function of all modes, which each contact follows, or -1; None: those of
+                contacts that can follow only one.
+
+        Raises ModelgenError where the mode is none of the model.
         """
-        why = why_not_closed(self.model)
-        if why:
-            allowed = f"up to {MAX_CONTACTS} contacts of single surfaces or curves, no friction, no joints"
-            remedy = "its kernels, `derivation.function(name)`, have all formulas"
-            raise ModelgenError(f"{self.model.scene.source}: rhs", why, allowed, remedy)
-        return next(formula.function for formula in self.formulas if formula.role == "rhs")
+        return right_hand_side(self.solved(mode, feature_pairs))
+
+    def solved(
+        self,
+        mode: ContactMode | None = None,
+        feature_pairs: Sequence[int] | None = None,
+        slip_speed: float = SLIP_SPEED,
+    ) -> SolvedScene:
+        """The whole scene with its forces, as expressions; arguments as those of `rhs`.
+
+        `slip_speed`: the setting of a run of that name.
+        """
+        functions, slow = self.functions(), slip_speeds(self.model, slip_speed)
+        if mode is not None:
+            return in_mode(self.model, functions, mode, slow, ca.MX)
+        pairs = own_feature_pairs(self.model) if feature_pairs is None else tuple(feature_pairs)
+        return in_all_modes(self.model, functions, pairs, slow)
+
+    def functions(self) -> Mapping[str, ca.Function]:
+        """All functions by name."""
+        return {formula.name: formula.function for formula in self.formulas}
 
     def function(self, name: str) -> ca.Function:
         """The function of that name; KeyError if there is none."""
-        return {formula.name: formula.function for formula in self.formulas}[name]
+        return self.functions()[name]
 
 
 def derive(model: Model) -> Derivation:
@@ -127,7 +155,7 @@ def derive(model: Model) -> Derivation:
     )
     if why_not_closed(model):
         return Derivation(model, formulas)
-    rhs = right_hand_side(model, {formula.name: formula.function for formula in formulas})
+    rhs = closed_right_hand_side(model, {formula.name: formula.function for formula in formulas})
     return Derivation(model, (*formulas, _formula(rhs, "rhs", 0, CITATIONS["rhs"])))
 
 

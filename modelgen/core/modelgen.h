@@ -611,6 +611,8 @@ typedef struct {
   const mg_real *friction_kinetic; /* [2 n_friction] */
   const mg_real *input;            /* [3 n_input] settings of inputs */
   const int *moves_borders;        /* [1] 1: numbers of features and conditions change as well */
+  const mg_real *given;            /* [n_q + n_u + n_eta + 1], once: the state that mg_begin was given; null: a state
+                                      that it did not change */
 } mg_directions;
 
 /* How far a derivative can be trusted. */
@@ -662,6 +664,7 @@ typedef struct {
   mg_real *input;            /* [3 n_input] */
   mg_real *work;             /* [mg_sensitivity_size for one direction] scratch memory */
   int *iwork;                /* [mg_sensitivity_int_size] */
+  const mg_real *given;      /* as in mg_directions */
 } mg_adjoint;
 
 /* Derivatives of a run; the caller's arrays. */

@@ -23,8 +23,9 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from modelgen.codegen.library import Library
+from modelgen.composition.closed_form import pushed
+from modelgen.composition.contact_mode import held_mode
 from modelgen.derivation import Derivation
-from modelgen.dynamics.closed_form import pushed
 from modelgen.errors import SimulationError
 from modelgen.linearisation.contact_at_rest import Array, Contact, Facing, call, moving
 from modelgen.model import ContactEntry, FeaturePairEntry, Model, PairEntry
@@ -194,7 +195,7 @@ class Touching:
     def _motion(self) -> ca.Function:
         """(q, u, eta of the contacts, forces along all their rows) -> B, C, D, udot."""
         model = _holding(self.contacts, self.model)
-        rhs = pushed(model, self.functions)
+        rhs = pushed(model, self.functions, held_mode(model))
         q, u, eta, force = (ca.SX.sym(name, rhs.numel_in(name)) for name in ("q", "u", "eta", "force"))
         blocks = (model.bodies, model.feature_pairs, model.loads)
         parameters = [value for block in blocks for entry in block for value in entry.parameters]

@@ -8,9 +8,9 @@ from typing import Any
 
 from modelgen.assembly import require
 from modelgen.codegen.emit import emit
+from modelgen.composition.closed_form import why_not_closed
 from modelgen.contact.form_table import instructions, regular_forms
 from modelgen.derivation import Derivation, derive
-from modelgen.dynamics.closed_form import why_not_closed
 from modelgen.dynamics.planar_motion import in_a_plane
 from modelgen.errors import SceneError
 from modelgen.model import ContactKind, Model
@@ -171,7 +171,7 @@ def _of_the_whole(derivation: Derivation, own: Size) -> list[Saving]:
     motion in a plane, which is not taken up."""
     if why_not_closed(derivation.model):
         return []
-    rhs = derivation.rhs()
+    rhs = derivation.function("mg_rhs")
     whole = replace(own, instructions=int(rhs.n_instructions()), bytes=0)
     slopes = replace(whole, instructions=int(rhs.jacobian().n_instructions()))
     found = [

@@ -16,14 +16,17 @@ PIPELINE = (
     ("geometry",),
     ("contact", "dynamics", "joint"),
     ("assembly",),
+    ("composition",),
     ("derivation",),
     ("differentiation",),
     ("verification",),
     ("codegen",),
     ("runtime",),
-    ("gym", "linearisation"),
+    ("casadi_functions", "gym", "identification", "linearisation"),
     ("report",),
+    ("view",),
     ("benchmark",),
+    ("export",),
     ("cli",),
 )
 LAYER = {room: number for number, rooms in enumerate(PIPELINE) for room in rooms}

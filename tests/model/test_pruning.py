@@ -23,7 +23,7 @@ def ball_on_table(**keys: object) -> Scene:
 
 
 def rhs(what: Scene) -> ca.Function:
-    return derive(require(what)).rhs()
+    return derive(require(what)).function("mg_rhs")
 
 
 def counted(package: Package) -> int:

@@ -194,6 +194,9 @@ MG_INTERNAL void mg_read_sensors(mg_context *c, mg_real t, const mg_real *eta, c
 
 /* samples.c */
 
+/* to = from, n numbers. */
+MG_INTERNAL void mg_copy_reals(mg_real *to, const mg_real *from, int n);
+
 /* Appends the sample of the state x. Needs poses, rows and forces at x. */
 MG_INTERNAL void mg_record_sample(mg_context *c, mg_record *record, mg_real *x);
 

@@ -5,8 +5,7 @@
 #include "model/model.h"
 #include "forces/forces.h"
 
-/* Copies n numbers. */
-static void mg_copy_reals(mg_real *to, const mg_real *from, int n) {
+MG_INTERNAL void mg_copy_reals(mg_real *to, const mg_real *from, int n) {
   for (int i = 0; i < n; i++) to[i] = from[i];
 }
 

@@ -1,0 +1,56 @@
+"""The right-hand side of a small scene as one expression, with all contacts held closed.
+
+M a = f + J^T lambda and J a + gamma = 0 give (J M^-1 J^T) lambda = -(J a_free + gamma) and
+a = a_free + M^-1 J^T lambda (Section 3). It serves proofs and instruction counts.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from modelgen.composition.contact_mode import ContactMode, held_mode
+from modelgen.composition.moving_bodies import Functions
+from modelgen.composition.right_hand_side import in_mode, slip_speeds, written_scene
+from modelgen.dynamics.bodies import kernel
+from modelgen.model import Model
+
+MAX_CONTACTS = 4
+
+
+def why_not_closed(model: Model) -> str:
+    """Reasons why a scene has no right-hand side as one expression; empty if it has one."""
+    if model.joints:
+        return f"joint {model.joints[0].name!r}"
+    if len(model.pairs) > MAX_CONTACTS:
+        return f"{len(model.pairs)} contacts"
+    for pair in model.pairs:
+        n = pair.feature_pairs[1] - pair.feature_pairs[0]
+        if any(model.contact_kinds[model.feature_pairs[k].kind].rows > 1 for k in range(*pair.feature_pairs)):
+            return f"friction at contact {pair.name!r}"
+        if n != 1:
+            return f"contact {pair.name!r} goes over {n} pairs of faces, edges, vertices, pieces or caps"
+    return ""
+
+
+def closed_right_hand_side(model: Model, functions: Functions) -> ca.Function:
+    """`mg_rhs`: (t, q, u, eta, gravity, parameters) -> (qdot, udot, eta_dot, force(n_pair) N).
+
+    Of a pair that more than one contact follows, the first is closed; the eta of the others stay.
+    """
+    solved = in_mode(model, functions, held_mode(model), slip_speeds(model), ca.SX)
+    scene, found = solved.scene, solved.found
+    force = ca.vertcat(ca.SX(0, 1), *(found.forces[pair.contacts[0]] for pair in model.pairs))
+    outputs = {"qdot": scene.qdot, "udot": found.udot, "eta_dot": scene.eta_dot, "force": force}
+    return kernel("mg_rhs", scene.symbols.arguments, outputs)
+
+
+def pushed(model: Model, functions: Functions, mode: ContactMode) -> ca.Function:
+    """(t, q, u, eta, gravity, parameters, force) -> (qdot, udot, eta_dot) under given forces along all rows
+    of all contacts, contact by contact, N or N m."""
+    scene = written_scene(model, functions, mode, ca.SX)
+    rows = [row for touch in scene.rows.contacts if touch for row in touch.rows]
+    force = ca.SX.sym("force", len(rows))
+    push = sum((row.J.T * force[k] for k, row in enumerate(rows)), ca.SX(model.n_u, 1))
+    udot = scene.free + scene.times_inverse_mass(push)
+    outputs = {"qdot": scene.qdot, "udot": udot, "eta_dot": scene.eta_dot}
+    return kernel("pushed", {**scene.symbols.arguments, "force": force}, outputs)

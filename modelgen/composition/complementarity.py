@@ -1,0 +1,116 @@
+"""A scene as complementarity system: M v_dot = f_v + J_n lambda_n + J_t lambda_t + J_j lambda_j, with the
+conditions of contacts, limits and friction as pairs G, H: 0 <= G, 0 <= H, G H = 0.
+
+Coulomb's law of each friction constraint, with f its forces over mu, s its slip times mu, and g >= 0:
+lambda_n s + g f = 0, g complementary to lambda_n^2 - |f|^2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+
+from modelgen.composition.constraint_rows import Row
+from modelgen.composition.contact_mode import ContactMode, FrictionMode, contact_count, friction_of_contacts
+from modelgen.composition.moving_bodies import Functions, mass_matrix
+from modelgen.composition.right_hand_side import WrittenScene, written_scene
+from modelgen.composition.scene_symbols import Expression
+from modelgen.composition.step import settled_state
+from modelgen.model import Model
+
+
+@dataclass(frozen=True)
+class ComplementaritySystem:
+    """Expressions of the symbols of a scene, of the forces of its rows and of the speeds of its friction."""
+
+    scene: WrittenScene
+    forces: Expression  # (rows,): contacts and limits, friction, joints
+    speeds: Expression  # (friction constraints,)
+    contacts: tuple[int, ...]  # places of the contacts and limits among the rows
+    gap: Expression  # of those, m
+    rate: Expression  # of those, m/s
+    gamma: Expression  # of those, Gamma2
+    mass: Expression  # (n_u, n_u)
+    load: Expression  # (n_u,) forces without constraints, f_v
+    J_normal: Expression  # (n_u, contacts)
+    J_tangent: Expression  # (n_u, friction rows)
+    J_joint: Expression  # (n_u, joint rows)
+    joint_value: Expression
+    joint_gamma: Expression
+    udot: Expression
+    eta_error: Expression  # zero where eta gives the closest points
+    first: tuple[Expression, ...]  # G
+    second: tuple[Expression, ...]  # H
+    equal: tuple[Expression, ...]  # zero, of friction
+
+
+def complementarity_system(
+    model: Model, functions: Functions, feature_pairs: tuple[int, ...], symbol: Any
+) -> ComplementaritySystem:
+    """The system of a scene on these feature pairs."""
+    off = tuple(FrictionMode() for _ in friction_of_contacts(model))
+    none = ContactMode(feature_pairs, (False,) * contact_count(model), off)
+    scene = written_scene(model, functions, none, symbol)
+    rows = scene.rows.rows
+    forces = symbol.sym("forces", len(rows))
+    speeds = symbol.sym("speeds", len(off))
+    listed = tuple(k for k, touch in enumerate(scene.rows.contacts) if touch)
+    push = ca.DM(model.n_u, 1)
+    for k, row in enumerate(rows):
+        push = push + row.J.T * forces[k]
+    mass = mass_matrix(scene.bodies)
+    first, second, equal = _conditions(scene, forces, speeds, listed)
+    return ComplementaritySystem(
+        scene=scene,
+        forces=forces,
+        speeds=speeds,
+        contacts=listed,
+        gap=_column([touch.gap for touch in scene.rows.contacts if touch]),
+        rate=_column([rows[k].rate for k in listed]),
+        gamma=_column([rows[k].gamma for k in listed]),
+        mass=mass,
+        load=ca.mtimes(mass, scene.free),
+        J_normal=_columns([rows[k] for k in listed], model.n_u),
+        J_tangent=_columns([row for row in rows if row.kind == "friction"], model.n_u),
+        J_joint=_columns([row for row in rows if row.kind == "joint"], model.n_u),
+        joint_value=_column([row.value for row in rows if row.kind == "joint"]),
+        joint_gamma=_column([row.gamma for row in rows if row.kind == "joint"]),
+        udot=scene.free + scene.times_inverse_mass(push),
+        eta_error=settled_state(scene, functions)[model.n_q + model.n_u :] - scene.symbols.eta,
+        first=tuple(first),
+        second=tuple(second),
+        equal=tuple(equal),
+    )
+
+
+def _conditions(
+    scene: WrittenScene, forces: Expression, speeds: Expression, listed: tuple[int, ...]
+) -> tuple[list[Expression], list[Expression], list[Expression]]:
+    """G, H, and what is zero."""
+    rows = scene.rows.rows
+    first = [forces[k] for k in listed]
+    second = [touch.gap for touch in scene.rows.contacts if touch]
+    equal: list[Expression] = []
+    for number, (index, _) in enumerate(friction_of_contacts(scene.model)):
+        own = [k for k, row in enumerate(rows) if row.kind == "friction" and row.owner == number]
+        if index not in listed:
+            equal += [forces[k] for k in own]
+            continue
+        mu = scene.parameters.friction[number]
+        scaled = [forces[k] / mu[i] for i, k in enumerate(own)]
+        equal += [
+            forces[index] * mu[i] * rows[k].rate + speeds[number] * scaled[i] for i, k in enumerate(own)
+        ]
+        first.append(speeds[number])
+        second.append(forces[index] ** 2 - sum(each**2 for each in scaled))
+    return first, second, equal
+
+
+def _column(parts: list[Expression]) -> Expression:
+    return ca.densify(ca.vertcat(*parts)) if parts else ca.DM(0, 1)
+
+
+def _columns(rows: list[Row], n_u: int) -> Expression:
+    return ca.densify(ca.horzcat(*(row.J.T for row in rows))) if rows else ca.DM(n_u, 0)
