@@ -69,9 +69,8 @@ class Simulation:
 
     def __init__(self, session: Session, estimate: bool = False) -> None:
         self.session = session
-        self._driven: list[tuple[float, Array]] | None = (
-            [] if estimate else None
-        )  # times, settings up to them
+        # the inputs that the run had: times, s, and the settings up to each
+        self._driven: list[tuple[float, Array]] | None = [] if estimate else None
         self._record = session.tables.Record()
         self._code: int | None = None  # of the core, once the run has ended
         self.sensors = Sensors(session)
