@@ -23,12 +23,14 @@ Array = np.ndarray[Any, Any]
 
 @dataclass(frozen=True)
 class MotionGuess:
-    """A run at some times: start (n_x,), x (times, n_x), inputs (times, inputs), forces (times, rows) N."""
+    """A run at some times: start (n_x,), x (times, n_x), inputs (times, inputs), forces (times, rows) N, and
+    rates (times, rows) m/s, slip among them."""
 
     start: Array
     x: Array
     inputs: Array
     forces: Array
+    rates: Array
 
 
 def run_from(library: Library, start: Array | None, inputs: Array | None = None) -> Simulation:
@@ -51,9 +53,8 @@ def guessed_motion(
     model = derivation.model
     simulation = run_from(library, start, None if inputs is None else inputs[0])
     first = np.array(simulation.state[:-1], dtype=float)
-    states, forces, held = [], [], []
-    known: dict[ContactMode, ca.Function] = {}
-    rows = 0
+    states, held, loads = [], [], []
+    functions: dict[ContactMode, ca.Function] = {}
     for k, t in enumerate(times):
         if inputs is not None:
             _set_inputs(simulation, inputs[k])
@@ -61,16 +62,27 @@ def guessed_motion(
             simulation.step(float(t))
         states.append(np.array(simulation.state[:-1], dtype=float))
         held.append(np.array(simulation.session.input[:-1:3], dtype=float))
-        try:
-            mode = mode_of(derivation, simulation)
-            function = known.setdefault(mode, None) or derivation.rhs(mode)
-            known[mode] = function
-            forces.append(np.array(function.call([ca.DM(a) for a in rhs_arguments(model, simulation)])[3]).ravel())
-            rows = len(forces[-1])
-        except ModelgenError:
-            forces.append(np.zeros(0))
-    filled = [each if each.size == rows else np.zeros(rows) for each in forces]
-    return MotionGuess(first, np.array(states), np.array(held).reshape(len(times), -1), np.array(filled))
+        loads.append(_forces_and_rates(derivation, simulation, functions))
+    rows = max((each.shape[1] for each in loads), default=0)
+    filled = np.array([each if each.shape[1] == rows else np.zeros((2, rows)) for each in loads])
+    shown = np.array(held).reshape(len(times), -1)
+    return MotionGuess(first, np.array(states), shown, filled[:, 0], filled[:, 1])
+
+
+def _forces_and_rates(
+    derivation: Derivation, simulation: Simulation, functions: dict[ContactMode, ca.Function]
+) -> Array:
+    """(2, rows) at the present state; none where its mode has no equations of rows."""
+    try:
+        mode = mode_of(derivation, simulation)
+    except ModelgenError:
+        return np.zeros((2, 0))
+    if mode not in functions:
+        solved = derivation.solved(mode)
+        rates = ca.vertcat(ca.DM(0, 1), *(row.rate for row in solved.scene.rows.rows))
+        functions[mode] = solved.function("loads", {"both": ca.horzcat(solved.found.forces, rates)})
+    given = [ca.DM(each) for each in rhs_arguments(derivation.model, simulation)]
+    return np.array(functions[mode].call(given)[0]).T
 
 
 def followed(library: Library, t: Array, x: Array, inputs: Array) -> Array:

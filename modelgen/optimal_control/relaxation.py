@@ -14,16 +14,21 @@ import casadi as ca
 import numpy as np
 
 Array = np.ndarray[Any, Any]
-RELAXATIONS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
+RELAXATIONS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
+ENOUGH = 1e-6  # a relaxation up to which the homotopy has to come
 OPTIONS: dict[str, Any] = {
     "print_time": False,
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
-    "ipopt.tol": 1e-10,
+    "ipopt.tol": 1e-8,
     "ipopt.constr_viol_tol": 1e-10,
-    "ipopt.acceptable_tol": 1e-8,
-    "ipopt.mu_strategy": "adaptive",
-    "ipopt.max_iter": 500,
+    "ipopt.mu_strategy": "monotone",
+    "ipopt.mu_init": 1e-3,  # this and the next four keep the start, which is a motion, as it is
+    "ipopt.bound_push": 1e-6,
+    "ipopt.bound_frac": 1e-6,
+    "ipopt.slack_bound_push": 1e-6,
+    "ipopt.slack_bound_frac": 1e-6,
+    "ipopt.max_iter": 300,
     "ipopt.bound_relax_factor": 0.0,
 }
 
@@ -46,10 +51,11 @@ class ComplementarityProgram:
 
 @dataclass(frozen=True)
 class RelaxedSolution:
-    """What the last relaxation gave.
+    """What the last relaxation that converged gave.
 
     Attributes:
-        success: IPOPT converged at the last relaxation, and `complementarity` is small with it.
+        relaxation: that one; infinite where none converged.
+        success: it is small enough, 1e-6.
         complementarity: max |min(G, H)|.
         violation: largest violation of g.
     """
@@ -59,7 +65,11 @@ class RelaxedSolution:
     complementarity: float
     violation: float
     iterations: int
-    success: bool
+    relaxation: float
+
+    @property
+    def success(self) -> bool:
+        return self.relaxation <= ENOUGH
 
 
 class RelaxedSolver:
@@ -87,20 +97,21 @@ class RelaxedSolver:
 
     def solve(self, start: Array, p: Array | Sequence[float] = ()) -> RelaxedSolution:
         """The solution from a start, relaxation by relaxation."""
-        at, iterations, status = np.asarray(start, dtype=float), 0, False
+        at = best = np.asarray(start, dtype=float)
+        iterations, reached = 0, np.inf
         program = self._program
         for tau in self._relaxations if program.first.numel() else self._relaxations[-1:]:
             answer = self._solver(
                 x0=at, p=[*p, tau], lbx=program.lbx, ubx=program.ubx, lbg=self._lower, ubg=self._upper
             )
-            found = np.array(answer["x"]).ravel()
             stats = self._solver.stats()
             iterations += int(stats["iter_count"])
-            status = bool(stats["success"])
+            found = np.array(answer["x"]).ravel()
             if np.isfinite(found).all():
                 at = found
-        value, g, smaller = (np.array(each).ravel() for each in self._measure(at, list(p)))
+            if stats["success"]:
+                best, reached = found, tau
+        value, g, smaller = (np.array(each).ravel() for each in self._measure(best, list(p)))
         worst = np.maximum(program.lbg - g, g - program.ubg).max(initial=0.0)
         apart = float(np.abs(smaller).max(initial=0.0))
-        success = status and apart <= 2 * float(np.sqrt(self._relaxations[-1]))
-        return RelaxedSolution(at, float(value[0]), apart, float(worst), iterations, success)
+        return RelaxedSolution(best, float(value[0]), apart, float(worst), iterations, float(reached))

@@ -1,9 +1,11 @@
 """Motions of a scene over a horizon as a program with complementarity constraints.
 
 Finite elements with Radau IIA collocation (E. Hairer, G. Wanner, Solving Ordinary Differential Equations II,
-1996). In an element, the force of a contact at each stage is complementary to its gap at each stage, so that
-contacts change at the ends of elements alone; with free lengths of elements, these find the instants. At the
-start of an element, impulses without rebound act on closed contacts. Coulomb's law holds at each stage.
+1996). In an element, the force of a contact at each stage is complementary to its gap at each stage, and slip to
+what is left of the bound of friction, so that contacts open, close, stick and slip at the ends of elements
+alone; with free lengths of elements, these find the instants (as in finite elements with switch detection:
+A. Nurkanovic, M. Sperl, S. Albrecht, M. Diehl, Numer. Math. 156 (2024), 1115-1162). At the start of an element,
+impulses without rebound act on closed contacts.
 """
 
 from __future__ import annotations
@@ -34,7 +36,7 @@ RADAU: Mapping[int, tuple[list[list[float]], list[float]]] = {
     1: ([[1.0]], [1.0]),
     2: ([[5 / 12, -1 / 12], [3 / 4, 1 / 4]], [1 / 3, 1.0]),
 }
-LENGTHS = (0.1, 3.0)  # of free elements, in parts of the mean
+LENGTHS = (0.25, 2.0)  # of free elements, in parts of the mean
 
 
 @dataclass(frozen=True)
@@ -244,13 +246,10 @@ class Transcription:
         for row, stage in zip(self._A, element.stages, strict=True):
             moved = [sum(a * each[k] for a, each in zip(row, found, strict=True)) for k in range(2)]
             self._equal += [stage[0] - q - element.h * moved[0], stage[1] - element.after - element.h * moved[1]]
-        n = self._contacts
-        for k, (_, _, eta_error, joint, first, second, equal) in enumerate(found):
+        for _, _, eta_error, joint, first, _, equal in found:
             self._equal += [eta_error, joint, equal]
-            self._pair(first[n:], second[n:])
-            for other in range(len(found)):
-                self._pair(first[:n], found[other][5][:n])
-            del k
+            for other in found:
+                self._pair(first, other[5])
 
     def _pair(self, first: ca.MX, second: ca.MX) -> None:
         if first.numel():
@@ -272,9 +271,18 @@ class Transcription:
                 parts += [last, np.zeros(self._rows), np.zeros(self._speeds), np.zeros(2 * self._contacts)]
             for place in places:
                 parts += [*np.split(motion.x[place], sizes), motion.forces[place] / force]
-                parts.append(np.full(self._speeds, 0.1) * speed / speed)
+                parts.append(self._friction_speeds(motion.rates[place]) / speed)
             last = np.split(motion.x[places[-1]], sizes)[1]
         return np.concatenate(parts)
+
+    def _friction_speeds(self, rates: Array) -> Array:
+        """g of each friction constraint: its slip times its coefficients."""
+        at, speeds = len(self.model.contacts) + len(self.model.limits), []
+        for _, constraint in friction_of_contacts(self.model):
+            slip = rates[at : at + constraint.rows] * constraint.kinetic[: constraint.rows]
+            speeds.append(np.hypot(*slip) if constraint.rows == 2 else np.abs(slip).max())
+            at += constraint.rows
+        return np.array(speeds)
 
     def _plan(self, found: RelaxedSolution) -> Plan:
         x = ca.vertcat(*self._unknowns)
