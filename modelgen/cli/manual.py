@@ -23,7 +23,7 @@ TOPICS = (
         "driven_runs",
         "sensitivities",
     ),
-    *("casadi", "c", "command_line", "limits", "troubleshooting", "development", "design_notes"),
+    *("casadi", "optimisation", "c", "command_line", "limits", "troubleshooting", "development", "design_notes"),
     *("measurements", "glossary", "changelog"),
 )
 

@@ -137,5 +137,6 @@ def settled_state(scene: WrittenScene, functions: Functions) -> Expression:
         size = int(place.numel_in("eta"))
         sides = [scene.bodies[index].pose for index in touch.sides]
         found = place.call(fitted(place, [*sides, own[:size], touch.parameters]))
-        parts += [dict(zip(place.name_out(), found, strict=True))["eta_next"], own[size:]]
+        parts.append(dict(zip(place.name_out(), found, strict=True))["eta_next"])
+        parts.append(eta[entry.eta + size : entry.eta + entry.room])
     return ca.vertcat(*q, scene.symbols.u, *parts)

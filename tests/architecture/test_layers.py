@@ -23,6 +23,7 @@ PIPELINE = (
     ("codegen",),
     ("runtime",),
     ("casadi_functions", "gym", "linearisation"),
+    ("optimal_control",),
     ("report",),
     ("benchmark",),
     ("cli",),
