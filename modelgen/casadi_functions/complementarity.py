@@ -1,4 +1,4 @@
-"""A scene as a mathematical program with complementarity constraints: the expressions that such tools take."""
+"""A scene as a program with complementarity constraints: the expressions that tools for these take."""
 
 from __future__ import annotations
 

@@ -23,8 +23,8 @@ TOPICS = (
         "driven_runs",
         "sensitivities",
     ),
-    *("casadi", "optimisation", "c", "command_line", "limits", "troubleshooting", "development", "design_notes"),
-    *("measurements", "glossary", "changelog"),
+    *("casadi", "optimisation", "c", "command_line", "limits", "troubleshooting"),
+    *("development", "design_notes", "measurements", "glossary", "changelog"),
 )
 
 Topic = Annotated[str | None, typer.Argument(metavar="TOPIC", help="a page; without it the list of pages")]

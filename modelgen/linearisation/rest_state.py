@@ -23,9 +23,9 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from modelgen.codegen.library import Library
-from modelgen.derivation import Derivation
 from modelgen.composition.closed_form import pushed
 from modelgen.composition.contact_mode import held_mode
+from modelgen.derivation import Derivation
 from modelgen.errors import SimulationError
 from modelgen.linearisation.contact_at_rest import Array, Contact, Facing, call, moving
 from modelgen.model import ContactEntry, FeaturePairEntry, Model, PairEntry

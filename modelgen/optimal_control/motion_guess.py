@@ -46,11 +46,14 @@ def run_from(library: Library, start: Array | None, inputs: Array | None = None)
 
 
 def guessed_motion(
-    derivation: Derivation, library: Library, times: Sequence[float], start: Array | None, inputs: Array | None
+    derivation: Derivation,
+    library: Library,
+    times: Sequence[float],
+    start: Array | None,
+    inputs: Array | None,
 ) -> MotionGuess:
     """A run at these times; `inputs` (times, inputs) are held up to each. A run that ends stays where it is,
     and its forces are zero."""
-    model = derivation.model
     simulation = run_from(library, start, None if inputs is None else inputs[0])
     first = np.array(simulation.state[:-1], dtype=float)
     states, held, loads = [], [], []

@@ -1,10 +1,10 @@
 """Motions of a scene over a horizon as a program with complementarity constraints.
 
 Finite elements with Radau IIA collocation (E. Hairer, G. Wanner, Solving Ordinary Differential Equations II,
-1996). In an element, the force of a contact at each stage is complementary to its gap at each stage, and slip to
-what is left of the bound of friction, so that contacts open, close, stick and slip at the ends of elements
-alone; with free lengths of elements, these find the instants (as in finite elements with switch detection:
-A. Nurkanovic, M. Sperl, S. Albrecht, M. Diehl, Numer. Math. 156 (2024), 1115-1162). At the start of an element,
+1996). In an element, the force of a contact at each stage is complementary to its gap at each stage, and slip
+to what is left of the bound of friction, so that contacts open, close, stick and slip at the ends of elements
+alone; with free lengths of elements, these find the instants (finite elements with switch detection:
+A. Nurkanovic, M. Sperl, S. Albrecht, M. Diehl, Numer. Math. 156 (2024), 1115-1162). At the start of each,
 impulses without rebound act on closed contacts.
 """
 
@@ -220,9 +220,7 @@ class Transcription:
         if self._free:
             self._equal.append(sum(self.lengths) - self.horizon)
 
-    def _kicked(
-        self, t: ca.MX, q: ca.MX, u: ca.MX, eta: ca.MX, inputs: ca.MX
-    ) -> tuple[ca.MX, ca.MX]:
+    def _kicked(self, t: ca.MX, q: ca.MX, u: ca.MX, eta: ca.MX, inputs: ca.MX) -> tuple[ca.MX, ca.MX]:
         """u after impulses, and these."""
         if not self._impacts:
             return u, ca.MX(0, 1)
@@ -230,7 +228,7 @@ class Transcription:
         speeds = self._unknown(self._speeds)
         apart, into = (self._unknown(self._contacts, 0.0) for _ in range(2))
         found = self._kick(t, q, after, eta, inputs, impulse, speeds)
-        response, gap, rate, first, second, equal = found
+        response, _, rate, first, second, equal = found
         self._equal += [after - u - response, equal, rate - apart + into]
         normal = first[: self._contacts]
         self._pair(first, second)
@@ -245,7 +243,10 @@ class Transcription:
         ]
         for row, stage in zip(self._A, element.stages, strict=True):
             moved = [sum(a * each[k] for a, each in zip(row, found, strict=True)) for k in range(2)]
-            self._equal += [stage[0] - q - element.h * moved[0], stage[1] - element.after - element.h * moved[1]]
+            self._equal += [
+                stage[0] - q - element.h * moved[0],
+                stage[1] - element.after - element.h * moved[1],
+            ]
         for _, _, eta_error, joint, first, _, equal in found:
             self._equal += [eta_error, joint, equal]
             for other in found:
@@ -323,12 +324,16 @@ def _units(system: ComplementaritySystem) -> tuple[float, float]:
 
 def _functions(system: ComplementaritySystem, units: tuple[float, float]) -> tuple[ca.Function, ca.Function]:
     """Of a stage: (t, q, u, eta, inputs, forces, speeds) -> (qdot, udot, eta_error, joint_value, G, H, zero);
-    of impulses: the same arguments -> (change of u, gap, rate, G, H, zero). Forces and speeds are in units."""
+    of impulses: the same -> (change of u, gap, rate, G, H, zero). Forces and speeds are in units."""
     scene, (force, speed) = system.scene, units
     model, symbols = scene.model, scene.symbols
     inputs = ca.SX.sym("inputs", len(model.scene.inputs))
     forces, speeds = ca.SX.sym("forces", system.forces.numel()), ca.SX.sym("speeds", system.speeds.numel())
-    settings = [part for value in ca.vertsplit(inputs) for part in (value, ca.SX(0), symbols.t)] if inputs.numel() else []
+    settings = (
+        [part for value in ca.vertsplit(inputs) for part in (value, ca.SX(0), symbols.t)]
+        if inputs.numel()
+        else []
+    )
     known = [symbols.gravity, symbols.parameters, symbols.inputs, system.forces, system.speeds]
     given = [
         ca.SX(ca.DM(list(model.scene.gravity))),

@@ -83,8 +83,7 @@ def test_accelerations_rates_and_forces_are_those_of_the_core(name: str) -> None
         given = rhs_arguments(derivation.model, simulation)
         try:
             mode = mode_of(derivation, simulation)
-        except ModelgenError as error:
-            assert "slips" in str(error)
+        except ModelgenError:
             refused += 1
             continue
         n = contact_count(derivation.model)
@@ -156,7 +155,7 @@ def test_a_step_is_that_of_the_core(name: str) -> None:
 
 @pytest.mark.parametrize(("method", "order", "h"), [("euler", 1, 2e-3), ("rk4", 4, 0.04), ("dop853", 8, 0.2)])
 def test_a_step_has_the_order_of_its_method(method: Any, order: int, h: float) -> None:
-    """The error of one step falls by 2^(order + 1) when the step is halved; the reference takes many steps."""
+    """The error of one step falls by 2^(order + 1) when it is halved; the reference takes many steps."""
     derivation = derived("rolling_ellipsoid")
     simulation = start(scene_of("rolling_ellipsoid"))
     simulation.step(0.02)

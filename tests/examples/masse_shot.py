@@ -2,7 +2,7 @@
 
     python masse_shot.py
 
-Speed and spin of the strike are sought, with least energy. Prints how far from its goal the simulated ball is.
+Speed and spin of the strike are sought, with least energy. Prints how far the simulated ball misses its goal.
 """
 
 from __future__ import annotations
@@ -75,4 +75,6 @@ def missed(library: Any, found: Plan) -> float:
 if __name__ == "__main__":
     plan, library, guess = problem()
     found = plan.solve(guess)
-    print(f"solved: {found.solution.success}, the simulated ball misses its goal by {missed(library, found):.1e} m")
+    print(
+        f"solved: {found.solution.success}, the simulated ball misses its goal by {missed(library, found):.1e} m"
+    )

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from modelgen import derive, read, require
-from modelgen.derivation import Derivation
 from modelgen.composition.constraint_forces import eliminated
+from modelgen.derivation import Derivation
 from tests.model.scenes import WIDE
 from tests.running import SCENES
 

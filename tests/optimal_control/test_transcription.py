@@ -38,7 +38,7 @@ def test_a_plan_without_freedom_converges_to_the_run(name: str, stages: int, ord
 
 
 def test_the_system_of_a_scene_has_the_equations_of_the_core() -> None:
-    """M v_dot = f_v + J lambda with the accelerations and forces of a run, and its pairs are complementary."""
+    """M v_dot = f_v + J lambda with the accelerations and normal forces of a run."""
     model = require(read(SCENES / "balancing_wheel.toml"))
     system, run = mpcc(model), start(scene_of("balancing_wheel"))
     run.step(0.3)
