@@ -76,5 +76,5 @@ if __name__ == "__main__":
     plan, library, guess = problem()
     found = plan.solve(guess)
     print(
-        f"solved: {found.solution.success}, the simulated ball misses its goal by {missed(library, found):.1e} m"
+    print(f"solved: {found.solution.success}; the simulated ball misses by {missed(library, found):.1e} m")
     )
