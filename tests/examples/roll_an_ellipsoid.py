@@ -84,6 +84,4 @@ def missed(library: Any, found: Plan) -> float:
 if __name__ == "__main__":
     plan, library, guess = problem()
     found = plan.solve(guess)
-    print(
     print(f"solved: {found.solution.success}; the simulated plan misses by {missed(library, found):.1e} m")
-    )
