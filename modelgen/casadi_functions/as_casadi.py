@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Literal, cast
+from typing import Literal
 
 import casadi as ca
 import numpy as np
@@ -156,4 +156,4 @@ def _solved(
     if mode is not None and not isinstance(mode, ContactMode):
         raise ModelgenError("as_casadi: mode", type(mode).__name__, "a run, a ContactMode, or None")
     pairs = named_feature_pairs(derivation.model, (named or {}).items()) if mode is None else None
-    return derivation.solved(cast(ContactMode | None, mode), pairs, SLIP_SPEED)
+    return derivation.solved(mode, pairs, SLIP_SPEED)

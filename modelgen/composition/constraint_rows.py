@@ -16,6 +16,7 @@ from modelgen.composition.contact_mode import (
     PATCH_FRICTION_ROWS,
     ContactMode,
     PatchMode,
+    contact_entries,
     friction_of_contacts,
 )
 from modelgen.composition.moving_bodies import Functions, MovingBody
@@ -65,7 +66,7 @@ class SceneRows:
 
 def row_names(model: Model, mode: ContactMode, joint_rows: Sequence[int]) -> tuple[str, ...]:
     """The names of the rows: `egg-table`, `egg-table:slip_1`, `hinge:0`, `box-table:bottom:support_0`."""
-    entries = (*model.contacts, *model.limits)
+    entries = contact_entries(model)
     names = [entry.name for entry in entries]
     for index, constraint in friction_of_contacts(model):
         names += [f"{entries[index].name}:{name}" for name in FRICTION_NAMES[constraint.kind]]
@@ -96,7 +97,9 @@ class RowBuilder:
     def scene_rows(self, mode: ContactMode) -> SceneRows:
         """The rows of a scene whose contacts are on the feature pairs of a mode."""
         model = self._model
-        contacts = [self._contact(k, entry, mode) for k, entry in enumerate(model.contacts)]
+        contacts: list[TouchingContact | None] = [
+            self._contact(k, entry, mode) for k, entry in enumerate(model.contacts)
+        ]
         contacts += [self._limit(k, entry) for k, entry in enumerate(model.limits)]
         normals = [touch.rows[0] if touch else self._no_row("normal", k) for k, touch in enumerate(contacts)]
         friction, along = [], []
@@ -108,8 +111,8 @@ class RowBuilder:
         patches = [self._patch(each) for each in mode.patches]
         supports = [row for rows, _ in patches for row in rows]
         rubbing = [row for _, rows in patches for row in rows]
-        rows = (*normals, *friction, *joints, *supports, *rubbing)
-        return SceneRows(tuple(contacts), tuple(rows), tuple(along))
+        listed = (*normals, *friction, *joints, *supports, *rubbing)
+        return SceneRows(tuple(contacts), listed, tuple(along))
 
     def _contact(self, index: int, entry: ContactEntry, mode: ContactMode) -> TouchingContact | None:
         number = mode.feature_pairs[index]
@@ -173,8 +176,10 @@ class RowBuilder:
                 rate = rate + ca.dot(part, body.twist)
             if not body.columns:
                 continue
-            empty = part is None or not part.numel()
-            cells.append(ca.DM(1, body.columns) if empty else part[: body.columns].T)
+            if part is None or not part.numel():
+                cells.append(ca.DM(1, body.columns))
+            else:
+                cells.append(part[: body.columns].T)
         J = ca.horzcat(*cells) if cells else ca.DM(1, 0)
         return Row(kind, owner, name, J, gamma, rate + ca.mtimes(J, self._symbols.u))
 

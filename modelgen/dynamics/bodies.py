@@ -78,7 +78,7 @@ def _state(kind: BodyKind) -> State:
 
 def mass_and_inertia(kind: BodyKind, parameters: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Mass (kg) and inertia (3,3) (kg m^2, body axes) of a dynamic kind with these parameters."""
-    numbers = parameters if kind.folded is None else ca.DM(list(kind.folded))
+    numbers = parameters if kind.folded is None else type(parameters)(ca.DM(list(kind.folded)))
     return numbers[0], _inertia(kind, numbers[1:])
 
 
