@@ -5,6 +5,7 @@ Their modules load when a verb is first asked for.
 `start` begins a run that its caller drives, step by step, in place of `simulate`.
 `sensitivity` runs a scene and differentiates what it shows, `gradient` a number that depends on it.
 `as_casadi` makes CasADi functions of a scene's right-hand side and of a step.
+`fit` finds numbers of a scene from recorded motion.
 `measure` finds what accuracy of a scene costs, `tune` picks a setting from that.
 `normal_rates` gives the rates of the contact normals at the samples of a trajectory.
 `record_of` joins a trajectory and its library to what `save` writes, `load` reads and `draw` draws.
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from modelgen.codegen.emit import emit as emit
     from modelgen.derivation import derive as derive
     from modelgen.errors import ModelgenError as ModelgenError
+    from modelgen.identification.fit import fit as fit
     from modelgen.linearisation.equilibrium_and_modes import linearise as linearise
     from modelgen.report.export import load as load
     from modelgen.report.export import save as save
@@ -52,6 +54,7 @@ __all__ = [
     "distance_minima",
     "draw",
     "emit",
+    "fit",
     "gradient",
     "linearise",
     "load",
@@ -84,6 +87,7 @@ _HOMES = {
     "sensitivity": "modelgen.runtime.sensitivity",
     "simulate_batch": "modelgen.runtime.batch",
     "as_casadi": "modelgen.casadi_functions.as_casadi",
+    "fit": "modelgen.identification.fit",
     "linearise": "modelgen.linearisation.equilibrium_and_modes",
     "measure": "modelgen.benchmark",
     "tune": "modelgen.benchmark",

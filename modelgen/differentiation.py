@@ -21,7 +21,7 @@ from modelgen.geometry.frames import zeros
 ROWS = 6  # most rows of a contact or joint
 SIZES: Mapping[str, int] = {"t": 1, "q": 7, "u": 6, "wrench": 6, "gravity": 3, "pose": 12, "twist": 6}
 TASKS: Mapping[str, str] = {
-    "pose": "pose", "motion": "motion", "energy": "energy", "path": "path", "wrench": "load",
+    "pose": "pose", "motion": "motion", "path": "path", "wrench": "load",
     "rates": "contact", "place": "placement", "rows": "joint", "sensors": "sensors",
 }  # fmt: skip
 """The task of core/sensitivity that a role serves."""
@@ -72,8 +72,6 @@ def _packed(derivation: Derivation, formula: Formula) -> tuple[ca.SX, ca.SX, ca.
     results = dict(zip(function.name_out(), function.call(values), strict=True))
     if formula.role == "place":
         return ca.SX(0, 1), x, ca.vertcat(results["d"], results["eta_next"])
-    if formula.role == "energy":
-        return ca.SX(0, 1), x, ca.vertcat(results["kinetic"], results["potential"])
     padded = [_padded(value, SIZES.get(_base(name))) for name, value in results.items()]
     return ca.SX(0, 1), x, ca.vertcat(*padded)
 

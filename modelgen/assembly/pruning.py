@@ -67,6 +67,9 @@ def check_observed(scene: Scene, contacts: Iterable[str]) -> None:
             )
 
 
+TURNING = ("orientation", "angular_velocity", "angular_acceleration", "proper_acceleration")  # of a body
+
+
 def watched(scene: Scene) -> tuple[str, ...]:
     """What must be computed: the observed names and, beside them, what sensors measure; empty: everything."""
     if not scene.observe:
@@ -77,7 +80,7 @@ def watched(scene: Scene) -> tuple[str, ...]:
             continue
         name, quantity, base = sensor.measurand.name, sensor.measurand.quantity, sensor.measurand.relative_to
         if sensor.measurand.owner == "body":
-            turning = sensor.measurand.point is not None or quantity in ("orientation", "angular_velocity")
+            turning = sensor.measurand.point is not None or quantity in TURNING
             words += [f"{name}.position", *([f"{name}.orientation"] if turning else [])]
             words += [f"{base}.position", f"{base}.orientation"] if base else []
         else:

@@ -39,7 +39,7 @@ def instructions(library: Library, accuracy: Accuracy, until: float, level: str)
             return None
         if not _compiled(library, level, ["-o", program, source, model, runtime, *LIBRARIES]):
             return None
-        return _counted(program)
+        return counted([str(program)], ENTRY)
 
 
 def _model(library: Library, level: str) -> Path | None:
@@ -72,8 +72,11 @@ def _compiled(library: Library, level: str, rest: list[str | Path]) -> bool:
     return subprocess.run(command, capture_output=True).returncode == 0
 
 
-def _counted(program: Path) -> int | None:
-    tool = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", f"--toggle-collect={ENTRY}"]
-    done = subprocess.run([*tool, str(program)], capture_output=True, text=True, check=False)
+def counted(command: list[str], function: str) -> int | None:
+    """Instructions within a function of a program; None: not counted, or the program fails."""
+    if why_not_counted():
+        return None
+    tool = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", f"--toggle-collect={function}"]
+    done = subprocess.run([*tool, *command], capture_output=True, text=True, check=False)
     found = re.search(r"Collected : (\d+)", done.stderr)
     return int(found[1]) if found and done.returncode == 0 else None

@@ -139,7 +139,8 @@ def _model_of(library: Library) -> Model:
     origin = instance.get("origin")
     if origin is None:
         raise ModelgenError(
-            str(library.path), "its scene cannot be read again",
+            str(library.path),
+            "its scene cannot be read again",
             "libraries of scenes with [[parameter]] tables",
             "give the derivation in place of the library",
         )  # fmt: skip

@@ -11,6 +11,8 @@ import typer
 from rich.console import Console
 
 import modelgen
+from modelgen.cli.export import export
+from modelgen.cli.fit import fit
 from modelgen.cli.manual import manual, print_page
 from modelgen.cli.measure_and_tune import measure, tune
 from modelgen.cli.options import (
@@ -41,9 +43,9 @@ from modelgen.cli.options import (
     Values,
     Verify,
     read_configuration,
-    read_main,
     read_option,
     read_values,
+    refuse_main,
 )
 from modelgen.cli.output import (
     FAILED,
@@ -51,10 +53,8 @@ from modelgen.cli.output import (
     check_outputs,
     exit_with,
     guarded,
-    print_built,
     print_facts,
     print_text,
-    write_main,
     write_run,
 )
 from modelgen.cli.pipeline import (
@@ -67,6 +67,7 @@ from modelgen.cli.pipeline import (
     run_settings,
 )
 from modelgen.cli.sensitivity import sensitivity
+from modelgen.cli.view import view
 
 app = typer.Typer(
     help="From a scene file to a compiled model of rigid bodies in smooth contact, and its trajectory.",
@@ -112,10 +113,9 @@ def build(
     as_json: AsJson = False,
 ) -> None:
     """Generate and compile the library of a scene; compiles nothing that is already there."""
-    name = read_main(main)
+    refuse_main(main)
     what = read_scene(scene, form)
     library = build_scene(what, out or folder_of(what, form), read_option("real", real), derivatives)
-    program = None if name is None else write_main(library, name)
     manifest = library.manifest
     facts = {
         "scene": manifest.instance["name"],
@@ -123,9 +123,8 @@ def build(
         "real": library.real,
         "hash": library.record.hash,
         "instructions": {name: entry["instructions"] for name, entry in manifest.functions.items()},
-        "main": program and str(program),
     }
-    print_facts(facts, as_json, lambda: print_built(library, program))
+    print_facts(facts, as_json, lambda: typer.echo(library.path))
 
 
 @app.command()
@@ -174,10 +173,13 @@ def linearise(scene: SceneFile, form: Form = None, as_json: AsJson = False) -> N
     print_facts(facts, as_json, lambda: print_modes(facts, Console()))
 
 
+app.command()(fit)
 app.command()(measure)
 app.command()(tune)
 app.command()(manual)
 app.command()(sensitivity)
+app.command()(view)
+app.command()(export)
 
 
 @app.command()
@@ -272,11 +274,12 @@ def _all_schemas() -> dict[str, Any]:
     """The JSON Schema of scene files, with those of results under `$defs`."""
     from modelgen.benchmark.extremes_result_schema import surveyed_schema
     from modelgen.benchmark.result_schema import measured_schema, tuned_schema
+    from modelgen.report.fit_output import fitted_schema
     from modelgen.report.result_schema import linearised_schema, result_schema
     from modelgen.scene.json_schema import scene_schema
 
     document = scene_schema()
-    results = {"result": result_schema(), "linearised": linearised_schema()}
+    results = {"result": result_schema(), "linearised": linearised_schema(), "fitted": fitted_schema()}
     results |= {"measured": measured_schema(), "surveyed": surveyed_schema(), "tuned": tuned_schema()}
     document["$defs"] = {**document.get("$defs", {}), **results}
     return document

@@ -14,17 +14,11 @@ from modelgen.errors import ModelgenError, nearest
 FOLDER = Path(__file__).parent.parent / "manual"
 TOPICS = (
     *("first_steps", "scenes", "keys", "shapes", "joints", "contact_and_friction", "impacts"),
-    *(
-        "planar_contact",
-        "accuracy",
-        "time_stepping",
-        "forms_and_formulas",
-        "python_api",
-        "driven_runs",
-        "sensitivities",
-    ),
-    *("casadi", "optimisation", "c", "command_line", "limits", "troubleshooting"),
-    *("development", "design_notes", "measurements", "glossary", "changelog"),
+    *("planar_contact", "accuracy", "time_stepping", "forms_and_formulas", "python_api", "driven_runs"),
+    *("view", "sensitivities", "fit", "casadi", "optimisation", "c", "export"),
+    *("command_line", "limits", "troubleshooting"),
+    *("development", "design_notes"),
+    *("measurements", "glossary", "changelog"),
 )
 
 Topic = Annotated[str | None, typer.Argument(metavar="TOPIC", help="a page; without it the list of pages")]

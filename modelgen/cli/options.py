@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any
@@ -24,6 +23,8 @@ TYPES: dict[str, Type] = {
     "verify": Whole(1, 100_000),
     "at": Whole(0, 2**31 - 1),
     "frames": Whole(1, 16),
+    "starts": Whole(1, 1000),
+    "seed": Whole(0, 2**31 - 1),
 }
 
 
@@ -80,10 +81,7 @@ RealName = Annotated[
     typer.Option(help="the real type of the library; default: the scene's own", metavar=_among(REALS)),
 ]
 Derivatives = Annotated[bool, typer.Option(help="with derivatives of runs (mg_advance_tangent)")]
-MainFile = Annotated[
-    str | None,
-    typer.Option(help="write a C program of the run beside the generated C, such as run.c", metavar="NAME.c"),
-]
+MainFile = Annotated[str | None, typer.Option(hidden=True)]  # of versions before `export`
 Style = Annotated[str, typer.Option("--format", help="how formulas are written", metavar=_among(STYLES))]
 At = Annotated[
     str | None,
@@ -136,15 +134,11 @@ def read_values(texts: list[str] | None, option: str) -> dict[str, float]:
     return found
 
 
-def read_main(name: str | None) -> str | None:
-    """The file name of `--main`. Raises ModelgenError unless it ends in .c and is not the name of a generated
-    file."""
-    from modelgen.codegen.emit import file_names
-
-    if name is None or (re.fullmatch(r"\w[\w.-]*\.c", name) and name not in file_names()):
-        return name
-    allowed = "the name of a C file, in the folder of the generated files, and of none of them"
-    raise ModelgenError("--main", repr(name), allowed, "write run.c; --out names another folder")
+def refuse_main(name: str | None) -> None:
+    """Raises ModelgenError for `--main`, whose place `export` has taken."""
+    if name is not None:
+        remedy = "write: modelgen export SCENE --to c --out FOLDER"
+        raise ModelgenError("--main", repr(name), "C programs of a run are written by `export`", remedy)
 
 
 def read_configuration(text: str | None) -> tuple[int, dict[str, Any]]:

@@ -102,26 +102,6 @@ def write_run(
     return written
 
 
-def write_main(library: Library, name: str) -> Path:
-    """Write the C program of a run, and the core that it needs, beside the library's `model.c`."""
-    from modelgen.codegen.amalgamation import SOURCE, runtime_text
-    from modelgen.runtime.c_program import program_text
-
-    (library.path.parent / SOURCE).write_text(runtime_text(), encoding="utf-8")
-    path = library.path.parent / name
-    path.write_text(program_text(library, name), encoding="utf-8")
-    return path
-
-
-def print_built(library: Library, program: Path | None) -> None:
-    """Print the path of the library; for a program, its file and the command that compiles it."""
-    typer.echo(library.path)
-    if program is not None:
-        from modelgen.runtime.c_program import compile_command
-
-        typer.echo(f"written: {program}\nthere: {compile_command(library, program.name)}")
-
-
 def print_facts(facts: dict[str, Any], as_json: bool, show: Callable[[], None]) -> None:
     if as_json:
         typer.echo(json.dumps(_finite(facts), allow_nan=False))

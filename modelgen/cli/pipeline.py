@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import modelgen
 from modelgen.cli.known_scene import recall, remember, scene_key
 from modelgen.cli.options import read_option
-from modelgen.cli.progress import progress
+from modelgen.cli.progress import activity, progress
 from modelgen.errors import ModelgenError
 from modelgen.scene.assemble import with_form
 from modelgen.scene.scene_name import scene_name
@@ -20,9 +20,12 @@ from modelgen.scene.scene_name import scene_name
 if TYPE_CHECKING:
     from modelgen.codegen.library import Library
     from modelgen.derivation import Derivation
+    from modelgen.identification.fit import Fit
     from modelgen.linearisation.equilibrium_and_modes import Linearised
     from modelgen.runtime.trajectory import Trajectory
     from modelgen.scene.scene_types import Scene
+
+DERIVATIVES = "derivatives"  # end of the name of a folder, as that of a form
 
 
 def read_scene(path: Path, form: str | None) -> Scene:
@@ -99,6 +102,16 @@ def _known_or_built(path: Path, form: str | None, folder: Path) -> Library:
     if key is not None:
         remember(library, key)
     return library
+
+
+def fit_scene(path: Path, data: list[Path], settings: dict[str, Any]) -> Fit:
+    """Fit a scene to recordings with keywords of `fit`. Its library has derivatives, and a folder of its own;
+    if the fit is refused, a new folder is removed again."""
+    scene = read_scene(path, None)
+    with removed_if_refused(folder_of(scene, DERIVATIVES)) as folder:
+        library = build_derivation(derive_scene(scene), folder, derivatives=True)
+        with activity("fitting") as report:
+            return modelgen.fit(library, data, on_progress=report, **settings)
 
 
 def linearise_scene(path: Path, form: str | None) -> Linearised:

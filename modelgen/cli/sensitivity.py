@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -12,7 +11,14 @@ from rich.table import Table
 import modelgen
 from modelgen.cli.options import AsJson, InputValues, Quality, SceneFile, Values, read_option, read_values
 from modelgen.cli.output import FAILED, guarded, print_facts
-from modelgen.cli.pipeline import build_derivation, derive_scene, folder_of, read_scene, removed_if_refused
+from modelgen.cli.pipeline import (
+    DERIVATIVES,
+    build_derivation,
+    derive_scene,
+    folder_of,
+    read_scene,
+    removed_if_refused,
+)
 from modelgen.errors import ModelgenError
 from modelgen.runtime.sensitivity import Sensitivity
 
@@ -52,7 +58,7 @@ def sensitivity(
         "inputs": read_values(inputs, "--input"),
         "accuracy": read_option("accuracy", accuracy),
     }
-    with removed_if_refused(_folder(what)) as folder:
+    with removed_if_refused(folder_of(what, DERIVATIVES)) as folder:
         library = build_derivation(derive_scene(what), folder, derivatives=True)
         times = times or [float(library.manifest.instance["run"].get("until") or 1.0)]
         found = modelgen.sensitivity(library, times, **settings)
@@ -64,12 +70,6 @@ def sensitivity(
     print_facts(facts, as_json, lambda: _print(facts, Console()))
     if found.outcome is not None:
         raise typer.Exit(FAILED)
-
-
-def _folder(scene: Any) -> Path:
-    """Derivatives have a folder of their own, so that the other library stays."""
-    folder = folder_of(scene, None)
-    return folder.with_name(f"{folder.name}.derivatives")
 
 
 def _names(text: str) -> list[str]:
@@ -92,6 +92,7 @@ def _facts(found: Sensitivity) -> dict[str, Any]:
         "by": list(found.by),
         "value": found.value.tolist(),
         "jacobian": found.jacobian.tolist(),
+        "error": None if found.error is None else found.error.tolist(),
         "verdicts": [
             {"kind": each.kind, "reason": each.reason, "t": each.t, "contact": each.contact}
             for each in found.verdicts
@@ -104,13 +105,13 @@ def _facts(found: Sensitivity) -> dict[str, Any]:
 def _print(facts: dict[str, Any], console: Console) -> None:
     for k, t in enumerate(facts["t"]):
         table = Table(title=f"t = {t:g} s", title_justify="left", box=None, pad_edge=False)
-        headings = ["", "value", "by", "derivative"] + ["differences"] * ("differences" in facts)
+        headings = ["", "value", "by", "derivative", "error"] + ["differences"] * ("differences" in facts)
         for number, heading in enumerate(headings):
             table.add_column(heading, justify="left" if number in (0, 2) else "right", no_wrap=True)
         for i, name in enumerate(facts["of"]):
             for j, by in enumerate(facts["by"]):
                 row = [name, f"{facts['value'][k][i]:.8g}"] if not j else ["", ""]
-                row += [by, f"{facts['jacobian'][k][i][j]:.8g}"]
+                row += [by, f"{facts['jacobian'][k][i][j]:.8g}", f"{facts['error'][k][i][j]:.1e}"]
                 row += [f"{facts['differences'][k][i][j]:.8g}"] if "differences" in facts else []
                 table.add_row(*row)
         console.print(table, soft_wrap=True)

@@ -9,7 +9,7 @@ import casadi as ca
 
 from modelgen.codegen.compiler import LIBRARIES, SHARED, find_compiler, run_compiler
 from modelgen.codegen.core_cache import cache_folder, compiled_once, content_hash
-from modelgen.codegen.expression_functions import commands_function
+from modelgen.codegen.expression_functions import expressions_function
 from modelgen.errors import SimulationError, nearest
 
 SOURCE, ENTRY = "controller.c", "mg_controller_call"
@@ -45,7 +45,7 @@ def compiled_controller(
         LibraryError: no compiler, or the compiler fails.
     """
     if isinstance(function, Mapping):
-        function = commands_function(function, inputs, sensors)
+        function = expressions_function(function, sensors, "controller")
     text = _text(function, sensors, [(name, 1) for name in inputs], real)
     compiler = find_compiler()
     flags = (*compiler.flags(real), "-Wno-unused-parameter")

@@ -8,7 +8,7 @@ from typing import Any
 
 import casadi as ca
 
-from modelgen.codegen.amalgamation import HEADER, SOURCE, abi, header_text
+from modelgen.codegen.amalgamation import HEADER, abi, header_text
 from modelgen.codegen.derivative_table import NO_DERIVATIVES, derivatives_text
 from modelgen.codegen.kernel_table import table_text
 from modelgen.codegen.manifest import Json, Manifest
@@ -95,12 +95,6 @@ def emit(derivation: Derivation, derivatives: bool = False) -> Package:
         instance=instance_of(derivation.model) | parameters_of(derivation.model.whole),
     )
     return Package(derivation.model.scene.name, files, manifest)
-
-
-def file_names() -> set[str]:
-    """Names of all C files of a package, with those of the core that a standalone program is compiled
-    with."""
-    return {"kernels.c", "derivatives.c", "model.c", HEADER, SOURCE}
 
 
 def _head(formulas: list[Formula], packed: tuple[PackedFormula, ...]) -> str:

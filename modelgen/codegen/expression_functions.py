@@ -6,23 +6,10 @@ from collections.abc import Mapping, Sequence
 
 import casadi as ca
 
-from modelgen.errors import ExpressionError, SimulationError, nearest
+from modelgen.errors import ExpressionError, SimulationError
 from modelgen.geometry.casadi_expressions import lower
 from modelgen.notation import component_names
 from modelgen.scene.expression import Expression, parse_expression
-
-
-def commands_function(
-    expressions: Mapping[str, str], inputs: Sequence[str], sensors: Sequence[tuple[str, int]]
-) -> ca.Function:
-    """The function (t, sensors) -> (inputs) of expressions by input; raises SimulationError."""
-    for name in expressions:
-        if name not in inputs:
-            allowed = "inputs: " + ", ".join(inputs)
-            raise SimulationError(
-                "controller", f"a command for {name!r}", allowed, nearest(str(name), inputs)
-            )
-    return expressions_function(expressions, sensors, "controller")
 
 
 def expressions_function(

@@ -87,7 +87,8 @@ DISPATCHERS = (
         ("aim",), "contact_aim", ("pose_o", "pose_f", "eta", "parameters"), ("normal", "rounding")
     ),
     Dispatcher(
-        ("sensors",), "sense", ("t", "pose", "twist", "pairs", "joints", "parameters", "inputs"),
+        ("sensors",), "sense",
+        ("t", "pose", "twist", "accel", "pairs", "joints", "gravity", "parameters", "inputs"),
         ("sensors",),
     ),
     Dispatcher(

@@ -16,7 +16,6 @@ from modelgen.composition.contact_mode import (
     PATCH_FRICTION_ROWS,
     ContactMode,
     PatchMode,
-    contact_entries,
     friction_of_contacts,
 )
 from modelgen.composition.moving_bodies import Functions, MovingBody
@@ -66,10 +65,10 @@ class SceneRows:
 
 def row_names(model: Model, mode: ContactMode, joint_rows: Sequence[int]) -> tuple[str, ...]:
     """The names of the rows: `egg-table`, `egg-table:slip_1`, `hinge:0`, `box-table:bottom:support_0`."""
-    entries = contact_entries(model)
-    names = [entry.name for entry in entries]
+    owners = [*(each.name for each in model.contacts), *(each.name for each in model.limits)]
+    names = list(owners)
     for index, constraint in friction_of_contacts(model):
-        names += [f"{entries[index].name}:{name}" for name in FRICTION_NAMES[constraint.kind]]
+        names += [f"{owners[index]}:{name}" for name in FRICTION_NAMES[constraint.kind]]
     for joint, count in zip(model.joints, joint_rows, strict=True):
         names += [f"{joint.name}:{k}" for k in range(count)]
     for each in mode.patches:
@@ -97,22 +96,20 @@ class RowBuilder:
     def scene_rows(self, mode: ContactMode) -> SceneRows:
         """The rows of a scene whose contacts are on the feature pairs of a mode."""
         model = self._model
-        contacts: list[TouchingContact | None] = [
-            self._contact(k, entry, mode) for k, entry in enumerate(model.contacts)
-        ]
+        contacts = [self._contact(k, entry, mode) for k, entry in enumerate(model.contacts)]
         contacts += [self._limit(k, entry) for k, entry in enumerate(model.limits)]
         normals = [touch.rows[0] if touch else self._no_row("normal", k) for k, touch in enumerate(contacts)]
         friction, along = [], []
         for number, (index, constraint) in enumerate(friction_of_contacts(model)):
-            rows, frame = self._friction(number, constraint, contacts[index])
-            friction += rows
+            found, frame = self._friction(number, constraint, contacts[index])
+            friction += found
             along.append(frame)
         joints = [row for number, _ in enumerate(model.joints) for row in self._joint(number)]
         patches = [self._patch(each) for each in mode.patches]
         supports = [row for rows, _ in patches for row in rows]
         rubbing = [row for _, rows in patches for row in rows]
-        listed = (*normals, *friction, *joints, *supports, *rubbing)
-        return SceneRows(tuple(contacts), listed, tuple(along))
+        rows = (*normals, *friction, *joints, *supports, *rubbing)
+        return SceneRows(tuple(contacts), tuple(rows), tuple(along))
 
     def _contact(self, index: int, entry: ContactEntry, mode: ContactMode) -> TouchingContact | None:
         number = mode.feature_pairs[index]
@@ -176,10 +173,8 @@ class RowBuilder:
                 rate = rate + ca.dot(part, body.twist)
             if not body.columns:
                 continue
-            if part is None or not part.numel():
-                cells.append(ca.DM(1, body.columns))
-            else:
-                cells.append(part[: body.columns].T)
+            given = part is not None and part.numel()
+            cells.append(part[: body.columns].T if part is not None and given else ca.DM(1, body.columns))
         J = ca.horzcat(*cells) if cells else ca.DM(1, 0)
         return Row(kind, owner, name, J, gamma, rate + ca.mtimes(J, self._symbols.u))
 

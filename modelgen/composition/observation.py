@@ -5,7 +5,7 @@ from __future__ import annotations
 import casadi as ca
 
 from modelgen.composition.constraint_forces import ForcesAndAccelerations
-from modelgen.composition.moving_bodies import Functions
+from modelgen.composition.moving_bodies import Functions, MovingBody
 from modelgen.composition.right_hand_side import WrittenScene
 from modelgen.composition.scene_symbols import Expression, fitted
 from modelgen.dynamics.sensors import sensor_parameters
@@ -21,12 +21,22 @@ def sensors_of(scene: WrittenScene, found: ForcesAndAccelerations, functions: Fu
         symbols.t,
         ca.vertcat(*(body.pose for body in scene.bodies)),
         ca.vertcat(*(body.twist for body in scene.bodies)),
+        ca.vertcat(*(_acceleration(body, found) for body in scene.bodies)),
         ca.vertcat(ca.DM(0, 1), *_pairs(scene, found)),
         ca.vertcat(ca.DM(0, 1), *_joints(scene, found)),
+        symbols.gravity,
         ca.DM(list(sensor_parameters(model))),
         *([symbols.inputs] if model.scene.inputs else []),
     ]
     return function.call(fitted(function, arguments))[0]
+
+
+def _acceleration(body: MovingBody, found: ForcesAndAccelerations) -> Expression:
+    """The rate of the twist of a body, (6,)."""
+    if body.kind.motion == "driven":
+        return body.accel
+    first, size = body.entry.u, body.columns
+    return ca.vertcat(found.udot[first : first + size], ca.DM(6 - size, 1)) if size else ca.DM(6, 1)
 
 
 def _pairs(scene: WrittenScene, found: ForcesAndAccelerations) -> list[Expression]:

@@ -126,7 +126,7 @@ def in_mode(
 def in_all_modes(
     model: Model, functions: Functions, feature_pairs: Sequence[int], slow: SlipSpeeds
 ) -> SolvedScene:
-    """A scene on these feature pairs with a mode vector (`mode_numbers`)."""
+    """A scene with these feature pairs and a mode vector (`mode_numbers`): what has force, sticks, slips."""
     off = tuple(FrictionMode() for _ in friction_of_contacts(model))
     none = ContactMode(tuple(feature_pairs), (False,) * len(contact_entries(model)), off)
     scene = written_scene(model, functions, none, ca.MX)

@@ -96,8 +96,8 @@ enum {
   MG_TASK_PLACEMENT = 5, /* x = [pose o 12, pose f 12, eta, parameters], y = [d, eta_next] */
   MG_TASK_JOINT = 6,     /* w as of a contact, x = [t, pose a 12, twist a 6, pose b 12, twist b 6, parameters, inputs],
                             y = [J^T force 12, value_ddot 6, value_dot 6, value 6] */
-  MG_TASK_SENSORS = 7,   /* x = [t, pose, twist, pairs, joints, parameters, inputs] of `sense`, y = [sensors] */
-  MG_TASK_ENERGY = 8     /* x = [q 7, u 6, gravity 3, parameters], y = [kinetic, potential] */
+  MG_TASK_SENSORS = 7    /* x = [t, pose, twist, accel, pairs, joints, gravity, parameters, inputs] of `sense`, y =
+                            [sensors] */
 };
 
 /* Derivatives of the formulas of a scene. */
@@ -114,7 +114,7 @@ typedef struct {
   int real_size;                        /* sizeof(mg_real) with which the table was compiled */
   const char *hash;                     /* content hash of the library */
   int n_sensor;                         /* components of all sensors of the scene */
-  int sensors_need_forces;              /* 1: sensors show gaps or forces, or torques of joints */
+  int sensors_need_forces;              /* 1: sensors show accelerations, gaps, forces or torques of joints */
   const mg_body_kind *body_kinds;       /* by number of the kind */
   const mg_contact_kind *contact_kinds; /* by number of the kind */
   const mg_joint_kind *joint_kinds;     /* by number of the kind */
@@ -195,10 +195,11 @@ typedef struct {
                        const mg_real *parameters, mg_real *d, mg_real *slope, mg_real *hessian, mg_real *tangents,
                        mg_real *eta);
 
-  /* What the sensors of the scene show [n_sensor], from time, poses and twists of all bodies, per pair its least gap
-     and the sum of its normal forces, and per joint its wrench on the second body. kind is 0. */
-  void (*sense)(int kind, const mg_real *t, const mg_real *pose, const mg_real *twist, const mg_real *pairs,
-                const mg_real *joints, const mg_real *parameters, const mg_real *inputs, mg_real *sensors);
+  /* What the sensors of the scene show [n_sensor], from time, poses, twists and their rates of all bodies, per pair its
+     least gap and the sum of its normal forces, per joint its wrench on the second body, and gravity. kind is 0. */
+  void (*sense)(int kind, const mg_real *t, const mg_real *pose, const mg_real *twist, const mg_real *accel,
+                const mg_real *pairs, const mg_real *joints, const mg_real *gravity, const mg_real *parameters,
+                const mg_real *inputs, mg_real *sensors);
 
   const mg_derivatives *derivatives; /* derivatives of these functions, or 0: they were not generated */
 } mg_kernels;

@@ -46,7 +46,7 @@
 #include "solve/lcp/lcp.h"
 #include "base/real.h"
 
-#define MG_ABI 16 /* version of these structures; a library and its caller must agree on it (mg_abi) */
+#define MG_ABI 17 /* version of these structures; a library and its caller must agree on it (mg_abi) */
 
 /* Kind of a condition of a feature pair. A condition is a function of the contact point x of one feature in its shape's
    axes, of the chart coordinates (u, v) of x, and of the normal N out of that feature's shape. It holds where the
@@ -220,6 +220,8 @@ typedef struct {
                      the two balls of a pair, at least this */
   mg_real mass;   /* characteristic mass, kg */
   mg_real time;   /* characteristic time, s; settings refer to it as "time" */
+
+  mg_digest shapes_digest; /* mg_shapes_digest of this system; 0: every call makes it, as numbers may have changed */
 } mg_system;
 
 /* Law of restitution; the coefficient e is the ratio of what is restored to what was there before. */
@@ -609,6 +611,8 @@ typedef struct {
   const mg_real *friction_kinetic; /* [2 n_friction] */
   const mg_real *input;            /* [3 n_input] settings of inputs */
   const int *moves_borders;        /* [1] 1: numbers of features and conditions change as well */
+  const mg_real *given;            /* [n_q + n_u + n_eta + 1], once: the state that mg_begin was given; null: a state
+                                      that it did not change */
 } mg_directions;
 
 /* How far a derivative can be trusted. */
@@ -660,6 +664,7 @@ typedef struct {
   mg_real *input;            /* [3 n_input] */
   mg_real *work;             /* [mg_sensitivity_size for one direction] scratch memory */
   int *iwork;                /* [mg_sensitivity_int_size] */
+  const mg_real *given;      /* as in mg_directions */
 } mg_adjoint;
 
 /* Derivatives of a run; the caller's arrays. */
@@ -719,6 +724,9 @@ MG_API int mg_abi(void);
 
 /* Size of mg_real in bytes. */
 MG_API int mg_real_size(void);
+
+/* Digest of the shapes of which bounds are kept in the scratch memory: their kinds, parameters, domains and scales. */
+MG_API mg_digest mg_shapes_digest(const mg_system *system);
 
 /* Length of the scratch array `work` of all functions below, in mg_real. */
 MG_API long mg_work_size(const mg_system *system);

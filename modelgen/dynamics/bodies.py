@@ -7,6 +7,7 @@ exponential map. The quaternion (w, x, y, z) is taken to have unit length.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 
@@ -78,11 +79,11 @@ def _state(kind: BodyKind) -> State:
 
 def mass_and_inertia(kind: BodyKind, parameters: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Mass (kg) and inertia (3,3) (kg m^2, body axes) of a dynamic kind with these parameters."""
-    numbers = parameters if kind.folded is None else type(parameters)(ca.DM(list(kind.folded)))
+    numbers: Any = parameters if kind.folded is None else ca.DM(list(kind.folded))
     return numbers[0], _inertia(kind, numbers[1:])
 
 
-def _inertia(kind: BodyKind, numbers: ca.SX) -> ca.SX:
+def _inertia(kind: BodyKind, numbers: Any) -> Any:
     match kind.inertia:
         case "none":
             return zeros(3, 3)

@@ -1,4 +1,4 @@
-"""The sensors of a scene as one kernel: from poses, twists, gaps and forces to what each sensor shows."""
+"""The sensors of a scene as one kernel: from motions of bodies, gaps and forces to what each shows."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from modelgen.joint.joint_rows import numbers_of, parameters_of
 from modelgen.model import InputKind, Model
 from modelgen.notation import component_names
 from modelgen.scene.scene_types import Measurand, Sensor, Vector
-from modelgen.scene.sensors import sensor_sizes
+from modelgen.scene.sensors import ACCELERATIONS, sensor_sizes
 
 POSE, TWIST, WRENCH, OF_A_PAIR = 12, 6, 6, 2  # numbers of a body; of a joint; of a pair: gap, force
 FORCES = ("force", "torque")  # quantities that need the forces at an instant
 
 
 def need_rates(sensors: Sequence[Sensor]) -> bool:
-    """Whether a sensor shows forces or gaps, so that the right-hand side is evaluated for it."""
+    """Whether a sensor shows accelerations, forces or gaps, for which the right-hand side is evaluated."""
     measured = [sensor.measurand for sensor in sensors if sensor.measurand is not None]
-    return any(each.owner == "pair" or each.quantity in FORCES for each in measured)
+    return any(each.owner == "pair" or each.quantity in (*FORCES, *ACCELERATIONS) for each in measured)
 
 
 def sensor_parameters(model: Model) -> tuple[float, ...]:
@@ -52,9 +52,9 @@ def sensor_parameters(model: Model) -> tuple[float, ...]:
 
 
 def sensor_kernel(model: Model) -> ca.Function:
-    """`mg_sensors`: (t, pose(12 a body), twist(6 a body), pairs(2 a pair: least gap m, normal force N),
-    joints(6 a joint: its wrench on the second body), parameters, inputs) -> (sensors): the components of all
-    sensors in order."""
+    """`mg_sensors`: (t, pose(12 a body), twist(6 a body), accel(6 a body: rate of the twist), pairs(2 a pair:
+    least gap m, normal force N), joints(6 a joint: its wrench on the second body), gravity(3), parameters,
+    inputs) -> (sensors): the components of all sensors in order."""
     symbols = _Symbols.of(model)
     known = dict(symbols.values)
     shown = []
@@ -81,8 +81,10 @@ class _Symbols:
         sizes = {
             "pose": POSE * len(model.bodies),
             "twist": TWIST * len(model.bodies),
+            "accel": TWIST * len(model.bodies),
             "pairs": OF_A_PAIR * len(model.pairs),
             "joints": WRENCH * len(model.joints),
+            "gravity": 3,
             "parameters": len(sensor_parameters(model)),
         }
         named = {name: ca.SX.sym(name, size) for name, size in sizes.items()}
@@ -97,6 +99,32 @@ class _Symbols:
         """Pose and twist of a body."""
         pose, twist = self.arguments["pose"], self.arguments["twist"]
         return pose[POSE * index : POSE * (index + 1)], twist[TWIST * index : TWIST * (index + 1)]
+
+    def motion(self, index: int, arm: ca.SX) -> _Motion:
+        """The motion of a point of a body that is `arm` from its centre of mass, and of its axes."""
+        pose, twist = self.body(index)
+        rate, frame = self.arguments["accel"][TWIST * index : TWIST * (index + 1)], frame_of(pose)
+        spin, spun = twist[3:6], cross(twist[3:6], arm)
+        return _Motion(
+            rotation=frame.rotation,
+            position=frame.position + ca.mtimes(frame.rotation, arm),
+            velocity=twist[0:3] + ca.mtimes(frame.rotation, spun),
+            acceleration=rate[0:3] + ca.mtimes(frame.rotation, cross(rate[3:6], arm) + cross(spin, spun)),
+            spin=spin,
+            spin_rate=rate[3:6],
+        )
+
+
+@dataclass(frozen=True)
+class _Motion:
+    """Motion of a point of a body, in world axes, and of the body's axes, in body axes."""
+
+    rotation: ca.SX
+    position: ca.SX
+    velocity: ca.SX
+    acceleration: ca.SX
+    spin: ca.SX
+    spin_rate: ca.SX
 
 
 def _follows(sensor: Sensor, known: dict[str, ca.SX]) -> ca.SX:
@@ -114,27 +142,51 @@ def _measured(measured: Measurand, model: Model, symbols: _Symbols) -> ca.SX:
 
 
 def _of_body(measured: Measurand, model: Model, symbols: _Symbols) -> ca.SX:
-    pose, twist = symbols.body(_body(model, measured.name))
-    frame, spin = frame_of(pose), twist[3:6]
     arm = symbols.take(3) if measured.point is not None else ca.SX(3, 1)
-    position = frame.position + ca.mtimes(frame.rotation, arm)
-    velocity = twist[0:3] + ca.mtimes(frame.rotation, cross(spin, arm))
-    turned = ca.mtimes(frame.rotation, spin)
+    own = symbols.motion(_body(model, measured.name), arm)
     if measured.relative_to is None:
-        world = {"position": position, "velocity": velocity, "angular_velocity": turned}
-        return quaternion(frame.rotation) if measured.quantity == "orientation" else world[measured.quantity]
-    base_pose, base_twist = symbols.body(_body(model, measured.relative_to))
-    base, base_spin, origin = frame_of(base_pose), base_twist[3:6], symbols.take(3)
-    back = base.rotation.T
-    seen = ca.mtimes(back, position - base.position) - origin
-    if measured.quantity == "position":
-        return seen
-    if measured.quantity == "velocity":
-        swing = base_twist[0:3] + ca.mtimes(base.rotation, cross(base_spin, origin + seen))
-        return ca.mtimes(back, velocity - swing)
-    if measured.quantity == "orientation":
-        return quaternion(ca.mtimes(back, frame.rotation))
-    return ca.mtimes(back, turned) - base_spin
+        return _in_world(measured.quantity, own, symbols.arguments["gravity"])
+    return _seen(measured.quantity, own, symbols.motion(_body(model, measured.relative_to), symbols.take(3)))
+
+
+def _in_world(quantity: str, own: _Motion, gravity: ca.SX) -> ca.SX:
+    match quantity:
+        case "position":
+            return own.position
+        case "velocity":
+            return own.velocity
+        case "acceleration":
+            return own.acceleration
+        case "angular_velocity":
+            return ca.mtimes(own.rotation, own.spin)
+        case "angular_acceleration":
+            return ca.mtimes(own.rotation, own.spin_rate)
+        case "proper_acceleration":
+            return ca.mtimes(own.rotation.T, own.acceleration - gravity)
+    return quaternion(own.rotation)
+
+
+def _seen(quantity: str, own: _Motion, base: _Motion) -> ca.SX:
+    """A quantity seen from the axes of a body, with `base` the motion of their origin: each the derivative of
+    the one before it by time, in these axes."""
+    back, spin = base.rotation.T, base.spin
+    turned = ca.mtimes(back, own.rotation)
+    place = ca.mtimes(back, own.position - base.position)
+    velocity = ca.mtimes(back, own.velocity - base.velocity) - cross(spin, place)
+    angular = ca.mtimes(turned, own.spin) - spin
+    match quantity:
+        case "position":
+            return place
+        case "velocity":
+            return velocity
+        case "acceleration":
+            frame = cross(base.spin_rate, place) + cross(spin, cross(spin, place)) + 2 * cross(spin, velocity)
+            return ca.mtimes(back, own.acceleration - base.acceleration) - frame
+        case "angular_velocity":
+            return angular
+        case "angular_acceleration":
+            return ca.mtimes(turned, own.spin_rate) - base.spin_rate - cross(spin, angular)
+    return quaternion(turned)
 
 
 def _of_joint(measured: Measurand, model: Model, symbols: _Symbols) -> ca.SX:

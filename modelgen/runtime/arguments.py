@@ -65,6 +65,24 @@ def input_range(kind: Mapping[str, Any]) -> tuple[float, float]:
     return -inf if low is None else low, inf if high is None else high
 
 
+def checked_starts(name: str, values: Any, size: int, n: int | None = None) -> np.ndarray[Any, Any]:
+    """Starts of runs as (n, size), of any number of runs where n is None.
+
+    Raises SimulationError unless they are finite numbers of that shape.
+    """
+    allowed, remedy = f"finite numbers, ({'n' if n is None else n}, {size})", "give one row a run"
+    try:
+        array = np.atleast_2d(np.asarray(values, dtype=float))
+    except (TypeError, ValueError):
+        raise SimulationError(name, "no array of numbers", allowed, remedy) from None
+    if array.ndim != 2 or array.shape[1] != size or n not in (None, len(array)):
+        raise SimulationError(name, f"shape {array.shape}", allowed, remedy)
+    if not np.isfinite(array).all():
+        row = int(np.flatnonzero(~np.isfinite(array).all(axis=1))[0])
+        raise SimulationError(f"{name}[{row}]", "not finite", allowed, "")
+    return array
+
+
 def rows_of(where: str, values: Any, size: int) -> np.ndarray[Any, Any]:
     """The values as (rows, size); SimulationError if they have another shape."""
     array = np.asarray(values)

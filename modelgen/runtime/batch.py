@@ -11,7 +11,7 @@ import numpy as np
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.arguments import check_span, with_parameters
+from modelgen.runtime.arguments import check_span, checked_starts, with_parameters
 from modelgen.runtime.lanes import lanes_of
 from modelgen.runtime.session import Session
 from modelgen.runtime.start import REFUSED, refusal
@@ -58,7 +58,7 @@ def simulate_batch(
     library = with_parameters(library, parameters)
     session = Session(library, Accuracy.balanced() if accuracy is None else Accuracy.taken(accuracy))
     n_q, n_u = session.instance["n_q"], session.instance["n_u"]
-    starts = np.concatenate(_as_many(_checked("q", q, n_q), _checked("u", u, n_u)), axis=1)
+    starts = np.concatenate(_as_many(checked_starts("q", q, n_q), checked_starts("u", u, n_u)), axis=1)
     n = len(starts)
     runs, kept = lanes_of(session, n)
     x = kept["x"]
@@ -74,20 +74,6 @@ def simulate_batch(
         energy_drift=np.array([session.energy_drift(run) for run in runs]),
         steps=np.array([run.steps for run in runs]),
     )
-
-
-def _checked(name: str, values: Array, width: int) -> Array:
-    allowed, remedy = f"finite numbers, (n, {width})", "give one row a run"
-    try:
-        array = np.atleast_2d(np.asarray(values, dtype=float))
-    except (TypeError, ValueError):
-        raise SimulationError(name, "no array of numbers", allowed, remedy) from None
-    if array.ndim != 2 or array.shape[1] != width:
-        raise SimulationError(name, f"shape {array.shape}", allowed, remedy)
-    if not np.isfinite(array).all():
-        row = int(np.flatnonzero(~np.isfinite(array).all(axis=1))[0])
-        raise SimulationError(f"{name}[{row}]", "not finite", allowed, "")
-    return array
 
 
 def _as_many(q: Array, u: Array) -> tuple[Array, Array]:

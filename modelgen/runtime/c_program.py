@@ -1,20 +1,18 @@
-"""A run as a C program that needs no Python: the tables and the start as initialisers."""
+"""A run in C: the tables and the start of a scene as initialisers."""
 
 from __future__ import annotations
 
 import ctypes
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from modelgen.codegen.amalgamation import SOURCE
-from modelgen.codegen.library import REAL_FLAGS, Library
+from modelgen.codegen.library import Library
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import CONTINUE, FULL, Session
-from modelgen.runtime.settings import accuracy_of
-from modelgen.runtime.tables.ctypes_structures import KERNELS, Array
+from modelgen.runtime.tables.ctypes_structures import KERNELS, Array, address
 
 CHUNK = 20_000  # steps between two drains of the events
 ENTRY = "mg_advance"  # the function that does the work
@@ -22,7 +20,7 @@ ENTRY = "mg_advance"  # the function that does the work
 MAIN = """
 static mg_real work[{work}];
 static int iwork[{iwork}];
-static mg_record the_record{record};
+static mg_record the_record;
 
 int main(void) {{
   the_system.kernels = mg_kernel_table();
@@ -31,91 +29,91 @@ int main(void) {{
     the_events.count = 0;
     code = {entry}(&the_system, &the_settings, &the_run, {until}, {chunk}, &the_record, &the_events,
       work, iwork);
-  }} while (code == {again} || code == {full});{tell}
+  }} while (code == {again} || code == {full});
   return code;
 }}
-"""
-
-TELL = """
-  for (int k = 0; k < the_record.count; k++) {{
-    printf("%.17g", (double)the_record.t[k]);
-    for (int i = 0; i < {n}; i++)
-      for (int j = 0; j < 12; j++)
-        printf(" %.17g", (double)the_record.pose[12 * ({n_body} * k + moving[i]) + j]);
-    printf("\\n");
-  }}
-  if (code) fprintf(stderr, "ended early at t = %g s: code %d of modelgen.h\\n", (double)the_run.t, code);"""
-
-HEAD = """/* {scene}, from its start to t = {until:g} s, with the tables and settings of its scene file.
-
-   {command}
-
-   Prints {lines} lines: t, s; then for each of {names}: centre of mass p, m, and the columns of
-   the rotation matrix R, world axes. Exit code 0: done; others are in modelgen.h. */
-#include <stdio.h>
 """
 
 
 def driver_text(library: Library, accuracy: Accuracy, until: float) -> str:
     """C99 text that, linked with the scene's `model.c` and the core, runs the scene to `until`, s."""
     session = Session(library, accuracy)
-    return _program(session, session.arrays(), until, " = {0}", "")
-
-
-def compile_command(library: Library, name: str) -> str:
-    """How a program of a scene is compiled in the folder of its library."""
-    program = name.removesuffix(".c")
-    words = ["cc", "-O2", *REAL_FLAGS[library.real], name, "model.c", SOURCE, "-lm", "-o", program]
-    return f"{' '.join(words)} && ./{program}"
-
-
-def program_text(library: Library, name: str) -> str:
-    """C99 text of a whole program, a file `name` beside the library's `model.c`: it runs the scene as its
-    file says and prints its samples. Raises ModelgenError where the scene's settings cannot be."""
-    instance = library.manifest.instance
-    run, bodies = instance["run"], instance["bodies"]
-    session = Session(library, accuracy_of(instance, None, {}))
-    recording = Recording(session, np.linspace(0.0, run["until"], run["samples"] + 1))
-    arrays = session.arrays() | recording.placed
-    moving = [k for k, body in enumerate(bodies) if body["motion"] != "fixed"]
-    head = HEAD.format(
-        scene=instance["name"],
-        until=run["until"],
-        command=compile_command(library, name),
-        lines=run["samples"] + 1,
-        names=", ".join(bodies[k]["name"] for k in moving) or "no body",
-    )
-    index = f"static const int moving[] = {{{', '.join(map(str, [*moving, -1]))}}};\n"
-    tell = TELL.format(n=len(moving), n_body=len(bodies))
-    record = _values(recording.record, _numbers(arrays))
-    return head + index + _program(session, arrays, run["until"], f" = {record}", tell)
-
-
-def _program(session: Session, arrays: Mapping[int, Array], until: float, record: str, tell: str) -> str:
+    arrays = session.arrays()
+    names = {at: f"a{number}" for number, at in enumerate(arrays)}
     parts = ['#include "modelgen.h"']
-    numbers = _numbers(arrays)
-    parts += [_array(f"a{numbers[at]}", array) for at, array in arrays.items()]
+    parts += [array_text(names[at], array) for at, array in arrays.items()]
     for name in ("system", "settings", "run", "events"):
-        parts.append(f"static mg_{name} the_{name} = {_values(getattr(session, name), numbers)};")
+        parts.append(f"static mg_{name} the_{name} = {values_text(getattr(session, name), names)};")
     sizes = {"work": len(session.work) + 1, "iwork": len(session.iwork) + 1}
     loop = {"entry": ENTRY, "until": float(until).hex(), "chunk": CHUNK, "again": CONTINUE, "full": FULL}
-    return "\n".join([*parts, MAIN.format(**sizes, **loop, record=record, tell=tell)])
+    return "\n".join([*parts, MAIN.format(**sizes, **loop)])
 
 
-def _numbers(arrays: Mapping[int, Array]) -> dict[int, int]:
-    """The numbers of the arrays, by address."""
-    return {at: number for number, at in enumerate(arrays)}
+@dataclass(frozen=True, slots=True)
+class RunArray:
+    """An array of an mg_run or an mg_events, with what it holds before the run begins."""
+
+    owner: str  # "run" or "events"
+    field: str
+    start: Array
+
+    @property
+    def type(self) -> str:
+        return type_of(self.start)
 
 
-def _array(name: str, array: Array) -> str:
-    kind = "int" if array.dtype == np.intc else "mg_real"
+@dataclass(frozen=True, slots=True)
+class SceneTables:
+    """The tables of a scene as C text, constant, and the arrays of its runs.
+
+    Attributes:
+        constants: definitions of the arrays to which the system points.
+        system, settings: initialisers of an mg_system and an mg_settings.
+        arrays: of a run.
+    """
+
+    constants: str
+    system: str
+    settings: str
+    arrays: tuple[RunArray, ...]
+
+
+def scene_tables(session: Session, kernels: str) -> SceneTables:
+    """The tables of a session that has not begun; `kernels` is the C expression of its mg_kernels."""
+    shared = {address(array): array for array in session.shared.arrays}
+    names = {at: f"table_{number}" for number, at in enumerate(shared)}
+    constants = [array_text(names[at], array, "static const") for at, array in shared.items()]
+    every = session.arrays()
+    arrays = [
+        RunArray(owner, field, every[getattr(record, field)])
+        for owner, record in (("run", session.run), ("events", session.events))
+        for field, kind in record._fields_
+        if kind is ctypes.c_void_p
+    ]
+    return SceneTables(
+        constants="\n".join(constants),
+        system=values_text(session.system, names, kernels),
+        settings=values_text(session.settings, names),
+        arrays=tuple(arrays),
+    )
+
+
+def type_of(array: Array) -> str:
+    """The C type of the entries of an array."""
+    return "int" if array.dtype == np.intc else "mg_real"
+
+
+def array_text(name: str, array: Array, storage: str = "static") -> str:
+    """The definition of an array in C; one without entries gets one."""
     size = max(array.size, 1)
-    if not array.any():
-        return f"static {kind} {name}[{size}];"
-    return f"static {kind} {name}[{size}] = {{{', '.join(map(_number, array.ravel()))}}};"
+    if not array.any() and storage == "static":
+        return f"{storage} {type_of(array)} {name}[{size}];"
+    values = ", ".join(map(number_text, array.ravel())) or "0"
+    return f"{storage} {type_of(array)} {name}[{size}] = {{{values}}};"
 
 
-def _number(value: Any) -> str:
+def number_text(value: Any) -> str:
+    """A number of an array as C has it, to the last bit."""
     if isinstance(value, np.integer):
         return str(int(value))
     if abs(value) >= np.finfo(type(value)).max:
@@ -123,15 +121,17 @@ def _number(value: Any) -> str:
     return float(value).hex()
 
 
-def _values(record: ctypes.Structure, numbers: Mapping[int, int]) -> str:
-    """The initialiser of a structure, in the order of the header."""
+def values_text(record: ctypes.Structure, names: Mapping[int, str], kernels: str = "0") -> str:
+    """The initialiser of a structure, in the order of the header; `names` has its arrays by address."""
     values = []
     for field, kind in record._fields_:  # type: ignore[misc]
         value = getattr(record, field)
         if field == KERNELS:
-            values.append("0")
+            values.append(kernels)
         elif kind is ctypes.c_void_p:
-            values.append(f"a{numbers[value]}" if value else "0")
+            values.append(names[value] if value else "0")
+        elif kind is ctypes.c_ulonglong:
+            values.append(f"{value}ULL")
         elif isinstance(value, ctypes.Array):
             values.append("{" + ", ".join(float(each).hex() for each in value) + "}")
         else:

@@ -22,6 +22,7 @@ TABLES = ("parameters", "numbers", "restitution", "friction_static", "friction_k
 QUANTITIES = ("position", "orientation", "velocity", "angular_velocity")
 RELATIVE_STEP = 1e-2  # of a parameter, in the differences of the tables
 LEVELS = 4  # of the extrapolation of these differences
+ROUNDING = 4  # units of rounding of a number in the tables
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ def direction_arrays(
     found: dict[str, Array] = {"start": np.zeros((n, len(shared.start)))}
     tables = _tables(library)
     found |= {name: np.zeros((n, len(tables[name]))) for name in (*TABLES, "gravity")}
-    found["input"] = np.zeros((n, SETTING_SIZE * len(library.manifest.instance["inputs"]) + 1))
+    found["input"] = np.zeros((n, SETTING_SIZE * len(library.manifest.instance["inputs"])))
     for row, direction in enumerate(directions):
         if direction.kind == "parameter":
             change = _table_derivatives(library, direction.owner, parameters)
@@ -174,10 +175,16 @@ def _one_sided(read: Callable[[float], Array], step: float) -> Array:
 
 
 def extrapolated(function: Callable[[float], Array], step: float, levels: int = LEVELS) -> Array:
-    """Derivative at 0 by central differences with steps step, step/2, .., extrapolated (Richardson)."""
-    table: list[Array] = [
-        (function(step / 2**k) - function(-step / 2**k)) / (2 * step / 2**k) for k in range(levels)
-    ]  # fmt: skip
+    """Derivative at 0 by central differences with steps step, step/2, .., extrapolated (Richardson); the
+    first difference where it agrees with the second up to rounding, as for a linear function."""
+    table: list[Array] = []
+    for k in range(levels):
+        h = step / 2**k
+        above, below = function(h), function(-h)
+        table.append((above - below) / (2 * h))
+        rounding = ROUNDING * np.finfo(float).eps * np.maximum(np.abs(above), np.abs(below)) / h
+        if k == 1 and np.all(np.abs(table[1] - table[0]) <= rounding):
+            return table[0]
     for order in range(1, levels):
         factor = 4.0**order
         table = [(factor * b - a) / (factor - 1) for a, b in pairwise(table)]

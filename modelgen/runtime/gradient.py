@@ -135,7 +135,7 @@ class _TapedRun(TangentRun):
         capacity = max(2 * self._capacity, FIRST_CAPACITY)
         bytes_ = np.zeros((capacity + 1) * self._size, dtype=np.uint8)
         crossing = np.zeros(CROSSING * capacity, dtype=INTEGER)
-        slopes = np.zeros(SLOPES * self._session.n_x * capacity, dtype=self._session.tables.dtype)
+        slopes = np.zeros(SLOPES * self.session.n_x * capacity, dtype=self.session.tables.dtype)
         bytes_[: len(self._bytes)], crossing[: len(self._crossing)] = self._bytes, self._crossing
         slopes[: len(self._slopes)] = self._slopes
         self._bytes, self._slopes, self._crossing, self._capacity = bytes_, slopes, crossing, capacity
@@ -153,13 +153,15 @@ class _TapedRun(TangentRun):
 
     def cotangents(self, outputs: Outputs, marks: Sequence[int], seeds: Array) -> dict[str, Array]:
         """Derivatives of a number by start and tables, from those by the values at the times of the marks."""
-        session, tables, cdll = self._session, self._session.tables, self._cdll
+        session, tables, cdll = self.session, self.session.tables, self._cdll
         bars = {
             name: np.zeros(self._arrays["start" if name == "x" else name].shape[1], dtype=tables.dtype)
             for name in COTANGENT_ARRAYS
         }
         memory = self._memory
-        adjoint = tables.Adjoint(*(address(bars[name]) for name in COTANGENT_ARRAYS), *map(address, memory))
+        adjoint = tables.Adjoint(
+            *(address(bars[name]) for name in COTANGENT_ARRAYS), *map(address, (*memory, self._given_state))
+        )
         given, tape = ctypes.byref(adjoint), ctypes.byref(self._tape)
         end = marks[-1]
         for mark, seed in zip(reversed(marks), reversed(seeds), strict=True):

@@ -2,14 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, MutableMapping
-from math import inf, isfinite, nan
+from collections.abc import Callable, Iterator, Mapping, MutableMapping
+from math import inf, nan
+from typing import Any
 
 from modelgen.errors import SimulationError
 from modelgen.notation import SETTING_SIZE
 from modelgen.runtime.arguments import check_name, input_range, is_number
 from modelgen.runtime.session import Session
 from modelgen.runtime.tables.ctypes_structures import Array
+
+Kind = Mapping[str, Any]  # an input of a manifest's instance
+
+
+def is_outside(kind: Kind, value: Any) -> Any:
+    """Whether a value, or each of an array, is beyond the range of its input or not finite."""
+    least, largest = input_range(kind)
+    return (value != value) | (abs(value) == inf) | (value < least) | (value > largest)
+
+
+def is_jump(kind: Kind, value: Any, present: Any) -> Any:
+    """Whether a value, or each of an array, is a jump from the present one, which an input with
+    hold = "linear" cannot make during a run."""
+    return (kind["hold"] == "linear") & (value != present)
+
+
+def refused_value(kind: Kind, where: str, value: object, outside: bool) -> SimulationError:
+    """The error of a value that is outside, or a jump; `where` is the input, and of which run."""
+    if not outside:
+        return SimulationError(
+            where, "a jump to another value", "an input with hold = 'linear' is continuous",
+            f"write inputs.ramp({kind['name']!r}, rate), or give the value where the run starts",
+        )  # fmt: skip
+    least, largest = input_range(kind)
+    within = f"from {least:g} to {largest:g}" if largest - least < inf else "that is finite"
+    return SimulationError(where, repr(value), f"a number {within}", "change the value")
+
+
+def refused_rate(where: str, rate: object) -> SimulationError:
+    """The error of a rate that is no finite number."""
+    return SimulationError(where, repr(rate), "a finite rate, per s", "")
 
 
 class Inputs(MutableMapping[str, float]):
@@ -19,8 +51,10 @@ class Inputs(MutableMapping[str, float]):
     value, which is continuous, cannot be set during a run.
     """
 
-    def __init__(self, session: Session) -> None:
-        self._session = session
+    def __init__(self, session: Session, changed: Callable[[], None] = lambda: None) -> None:
+        """`changed` is called after each change."""
+        self._session, self._changed = session, changed
+        self.begun = False  # whether the run has started
         self._kinds = session.instance["inputs"]
         self._index = {kind["name"]: k for k, kind in enumerate(self._kinds)}
 
@@ -29,15 +63,14 @@ class Inputs(MutableMapping[str, float]):
         return float(value + rate * (self._session.run.t - since))
 
     def __setitem__(self, name: str, value: float) -> None:
-        setting, kind = self._setting(name), self._kind(name)
-        self._check(name, value)
-        t = self._session.run.t
-        if kind["hold"] == "linear" and t > 0:
-            raise SimulationError(
-                f"input {name!r}", "a jump to another value", "an input with hold = 'linear' is continuous",
-                f"write sim.inputs.ramp({name!r}, rate), or set it before the run starts",
-            )  # fmt: skip
-        setting[:] = value, 0.0, t
+        kind, present = self._kind(name), self[name]
+        number = float(value) if is_number(value) else nan
+        outside = is_outside(kind, number)
+        if outside or (self.begun and is_jump(kind, number, present)):
+            raise refused_value(kind, f"input {name!r}", value, outside)
+        if kind["hold"] == "linear" and self.begun:
+            return  # its present value, from which it goes on at its rate
+        self._set(name, number, 0.0)
 
     def ramp(self, name: str, rate: float) -> None:
         """Let an input with hold = "linear" change at a rate, per s, from the present time and value on."""
@@ -46,10 +79,9 @@ class Inputs(MutableMapping[str, float]):
             raise SimulationError(
                 f"input {name!r}", f"a rate, but its hold is {kind['hold']!r}", "", "set its value instead"
             )
-        if not is_number(rate) or not abs(rate) < float("inf"):
-            raise SimulationError(f"input {name!r}", repr(rate), "a finite rate, per s", "")
-        value = self[name]
-        self._setting(name)[:] = value, rate, self._session.run.t
+        if not is_number(rate) or not abs(rate) < inf:
+            raise refused_rate(f"input {name!r}", rate)
+        self._set(name, self[name], rate)
 
     def __delitem__(self, name: str) -> None:
         raise SimulationError(f"input {name!r}", "it cannot be removed", "", "set it to its default")
@@ -63,10 +95,10 @@ class Inputs(MutableMapping[str, float]):
     def __repr__(self) -> str:
         return repr(dict(self))
 
-    def _kind(self, name: str) -> Mapping[str, object]:
+    def _kind(self, name: str) -> Kind:
         if name not in self._index:
             check_name("input", name, self._index)
-        kind: Mapping[str, object] = self._kinds[self._index[name]]
+        kind: Kind = self._kinds[self._index[name]]
         return kind
 
     def _setting(self, name: str) -> Array:
@@ -74,10 +106,6 @@ class Inputs(MutableMapping[str, float]):
         at = SETTING_SIZE * self._index[name]
         return self._session.input[at : at + SETTING_SIZE]
 
-    def _check(self, name: str, value: object) -> None:
-        kind = self._kinds[self._index[name]]
-        least, largest = input_range(kind)
-        number = float(value) if is_number(value) else nan  # type: ignore[arg-type]
-        if not isfinite(number) or not least <= number <= largest:
-            within = f"from {least:g} to {largest:g}" if largest - least < inf else "that is finite"
-            raise SimulationError(f"input {name!r}", repr(value), f"a number {within}", "change the value")
+    def _set(self, name: str, value: float, rate: float) -> None:
+        self._setting(name)[:] = value, rate, self._session.run.t
+        self._changed()

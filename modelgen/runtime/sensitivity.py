@@ -15,6 +15,7 @@ from modelgen.notation import component_names
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_keywords, with_parameters
 from modelgen.runtime.directions import direction_arrays, directions_of
+from modelgen.runtime.error_estimate import ROUNDED, SAFE, nudge
 from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
@@ -24,7 +25,7 @@ from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome
 
 STEPS = 1_000_000  # in one call of the core
 EVENTS = 4096  # of which the derivatives of the time are kept
-KEYWORDS = ("of", "by", "t", "inputs", "parameters", "accuracy", *STEPPING)
+KEYWORDS = ("of", "by", "t", "inputs", "parameters", "accuracy", "estimate", *STEPPING)
 VERDICTS = ("differentiable", "one-sided", "undecided")  # MG_VERDICT_DIFFERENTIABLE ..
 REASONS = (  # MG_NO_REASON ..
     "",
@@ -81,6 +82,9 @@ class Sensitivity:
     verdicts: tuple[Verdict, ...]  # up to each time
     events: tuple[EventSensitivity, ...]
     outcome: Outcome | None  # how the run ended early
+    error: Array | None = None
+    """(nt, n_of, n_by), the estimated error of `jacobian`, from a companion run; infinite where that did not
+    come, None where none was asked for."""
 
     @property
     def verdict(self) -> Verdict:
@@ -97,6 +101,7 @@ def sensitivity(
     inputs: Mapping[str, float] | None = None,
     parameters: Mapping[str, float] | None = None,
     accuracy: Accuracy | str | None = None,
+    estimate: bool = True,
     **stepping: Unpack[Stepping],
 ) -> Sensitivity:
     """Run a scene and differentiate what it shows, through contacts that begin, end, stick and slip.
@@ -109,13 +114,16 @@ def sensitivity(
         library: what `build(emit(derivation, derivatives=True))` returned.
         t: ascending times, s.
         of: sensors, or quantities of bodies: "ball.position" and ".velocity" of the centre of mass, world
-            axes, ".angular_velocity", body axes. All sensors when None.
+            axes, ".angular_velocity", body axes, ".orientation", a unit quaternion (w, x, y, z). All sensors
+            when None.
         by: parameters and inputs of the scene by name, and starts: "ball.position" and ".velocity" of the
             centre of mass, world axes, ".orientation" and ".angular_velocity", body axes. A start on closed
             contacts or joints changes as far as these permit.
         inputs: values of inputs, by name; the scene's defaults for the others.
         parameters: values of parameters of the scene by name.
         accuracy, stepping: as those of `start`.
+        estimate: whether a finer companion run, which costs more than the run itself, shows the error of the
+            derivatives.
 
     Raises:
         ModelgenError: the library has no derivatives, a name is unknown, or the start is refused.
@@ -124,22 +132,40 @@ def sensitivity(
     check_keywords("sensitivity", stepping, KEYWORDS)
     library = with_parameters(library, parameters)
     times = times_of(t)
-    session = Session(library, accuracy_of(library.manifest.instance, accuracy, stepping))
+    record = accuracy_of(library.manifest.instance, accuracy, stepping)
+    session = Session(library, record)
     Inputs(session).update(inputs or {})
     directions = directions_of(library, by)
     outputs = Outputs(session, of)
-    run = TangentRun(session, direction_arrays(library, directions, parameters or {}), len(directions))
+    arrays = direction_arrays(library, directions, parameters or {})
+    run = TangentRun(session, arrays, len(directions))
     rows = [run.go_on(float(time)).shown(outputs) for time in times]
+    jacobian = np.array([jacobian for _, jacobian, _ in rows])
+    error = None
+    if estimate:
+        epsilon = float(np.finfo(session.tables.dtype).eps)
+        twin = Session(library, record.companion(epsilon))
+        Inputs(twin).update(inputs or {})
+        nudge(twin)
+        error = _error(jacobian, TangentRun(twin, arrays, len(directions)), outputs, times, epsilon)
     return Sensitivity(
         t=times,
         of=outputs.names,
         by=tuple(direction.name for direction in directions),
         value=np.array([value for value, _, _ in rows]),
-        jacobian=np.array([jacobian for _, jacobian, _ in rows]),
+        jacobian=jacobian,
+        error=error,
         verdicts=tuple(verdict for _, _, verdict in rows),
         events=run.events(),
         outcome=run.outcome,
     )
+
+
+def _error(jacobian: Array, twin: TangentRun, outputs: Outputs, times: Array, epsilon: float) -> Array:
+    """The error of derivatives from those of a companion run."""
+    other = np.array([twin.go_on(float(time)).shown(outputs)[1] for time in times])
+    apart = SAFE * np.abs(jacobian - other) + ROUNDED * epsilon * np.abs(jacobian)
+    return np.where(np.isfinite(apart), apart, np.inf)
 
 
 def times_of(t: Sequence[float] | float) -> Array:
@@ -150,37 +176,47 @@ def times_of(t: Sequence[float] | float) -> Array:
     return times
 
 
+@dataclass(frozen=True)
+class Component:
+    """A number that a run shows: its name, and its place in the row of sensors or in the state, else -1."""
+
+    name: str
+    sensor: int
+    state: int
+
+
+def outputs_of(instance: Mapping[str, Any]) -> dict[str, tuple[Component, ...]]:
+    """What can be differentiated, by name: sensors, and quantities of bodies, with their components."""
+    found: dict[str, tuple[Component, ...]] = {}
+    at = 0
+    for name, size in instance["sensors"]["names"]:
+        names = component_names([(name, size)])
+        found[name] = tuple(Component(each, at + k, -1) for k, each in enumerate(names))
+        at += size
+    for body in instance["bodies"]:
+        for quantity, place, size in _states_of(body, instance["n_q"]):
+            name = f"{body['name']}.{quantity}"
+            names = component_names([(name, size)])
+            found[name] = tuple(Component(each, -1, place + k) for k, each in enumerate(names))
+    return found
+
+
 class Outputs:
     """What is differentiated: components of sensors, and entries of the state."""
 
     def __init__(self, session: Session, of: Sequence[str] | None) -> None:
-        instance = session.instance
-        slots = instance["sensors"]["names"]
-        components = component_names(slots)
-        sensors: dict[str, list[int]] = {}
-        for name, size in slots:
-            at = sum(len(found) for found in sensors.values())
-            sensors[name] = list(range(at, at + size))
-        states = {
-            f"{body['name']}.{quantity}": list(range(at, at + 3))
-            for body in instance["bodies"]
-            for quantity, at in _states_of(body, instance["n_q"])
-        }
-        chosen = list(sensors) if of is None else [str(name) for name in of]
+        known = outputs_of(session.instance)
+        sensors = [name for name, _ in session.instance["sensors"]["names"]]
+        chosen = sensors if of is None else [str(name) for name in of]
         if not chosen:
-            raise SimulationError("of", "nothing", f"known: {', '.join([*sensors, *states])}", "name what")
-        self.sensors: list[int] = []  # place in the row of sensors, -1: a state
-        self.states: list[int] = []  # place in the state, -1: a sensor
-        names: list[str] = []
+            raise SimulationError("of", "nothing", f"known: {', '.join(known)}", "name what")
         for name in chosen:
-            if name not in sensors and name not in states:
-                known = [*sensors, *states]
+            if name not in known:
                 raise SimulationError("of", repr(name), f"known: {', '.join(known)}", nearest(name, known))
-            for k, at in enumerate(sensors.get(name) or states[name]):
-                self.sensors.append(at if name in sensors else -1)
-                self.states.append(-1 if name in sensors else at)
-                names.append(components[at] if name in sensors else f"{name}_{'xyz'[k]}")
-        self.names = tuple(names)
+        components = [component for name in chosen for component in known[name]]
+        self.sensors = [component.sensor for component in components]
+        self.states = [component.state for component in components]
+        self.names = tuple(component.name for component in components)
 
     def values(self, session: Session) -> Array:
         """(n_of,) at the state of a session."""
@@ -189,11 +225,14 @@ class Outputs:
         return np.array([session.sensed[i] if i >= 0 else session.x[j] for i, j in pairs], dtype=float)
 
 
-def _states_of(body: Mapping[str, Any], n_q: int) -> list[tuple[str, int]]:
+def _states_of(body: Mapping[str, Any], n_q: int) -> list[tuple[str, int, int]]:
+    """Quantities of a body in the state: name, place, size."""
     if body["motion"] not in ("point", "free"):
         return []
-    found = [("position", body["q"]), ("velocity", n_q + body["u"])]
-    return found + ([("angular_velocity", n_q + body["u"] + 3)] if body["motion"] == "free" else [])
+    q, u = body["q"], n_q + body["u"]
+    found = [("position", q, 3), ("velocity", u, 3)]
+    turning = [("orientation", q + 3, 4), ("angular_velocity", u + 3, 3)]
+    return found + (turning if body["motion"] == "free" else [])
 
 
 class TangentRun:
@@ -201,11 +240,12 @@ class TangentRun:
 
     def __init__(self, session: Session, arrays: Mapping[str, Array], n: int) -> None:
         """`arrays`: the fields of mg_directions, n rows each."""
-        self._session, self._n, self._arrays = session, n, arrays
+        self.session, self._n, self._arrays = session, n, arrays
         tables, dtype = session.tables, session.tables.dtype
         self._cdll = cdll = session.library.cdll
+        self._given_state = session.x.copy()
         self._directions = tables.Directions(
-            self._n, *(address(self._arrays[name]) for name in DIRECTION_ARRAYS)
+            self._n, *(address(self._arrays[name]) for name in DIRECTION_ARRAYS), address(self._given_state)
         )
         cdll.mg_sensitivity_size.restype = cdll.mg_sensitivity_int_size.restype = ctypes.c_long
         size = cdll.mg_sensitivity_size(ctypes.byref(session.system), self._n)
@@ -249,7 +289,7 @@ class TangentRun:
 
     def go_on(self, until: float) -> TangentRun:
         """Advance run and derivatives; a run that has ended stays where it is."""
-        session = self._session
+        session = self.session
         code = self._code or CONTINUE
         while code in (CONTINUE, FULL):
             code = self._cdll.mg_advance_tangent(
@@ -269,7 +309,7 @@ class TangentRun:
 
     def shown(self, outputs: Outputs) -> tuple[Array, Array, Verdict]:
         """Values (n_of,), derivatives (n_of, n_by), verdict."""
-        session, n_sensor = self._session, self._session.shared.n_sensor
+        session, n_sensor = self.session, self.session.shared.n_sensor
         sensed = np.zeros((self._n, max(n_sensor, 1)), dtype=session.tables.dtype)
         if n_sensor and self._n:
             self._cdll.mg_sense_tangent(
@@ -292,7 +332,7 @@ class TangentRun:
         )
 
     def _contact(self, index: int) -> str:
-        names = self._session.contacts
+        names = self.session.contacts
         return names[index] if 0 <= index < len(names) else ""
 
     def events(self) -> tuple[EventSensitivity, ...]:

@@ -44,16 +44,23 @@ class Readings(Mapping[str, "float | Array"]):
 
 
 class Sensors(Readings):
-    """The sensors of a run at its present state.
+    """The sensors of a run at its present state, which is sensed once.
 
-    A gap is NaN while no closest points of its pair are followed; torques and forces of joints are NaN in
-    time-stepping.
+    A gap is NaN while no closest points of its pair are followed; accelerations and forces of joints are NaN
+    in time-stepping.
     """
 
     def __init__(self, session: Session) -> None:
         super().__init__(session.instance["sensors"]["names"], session.sensed)
         self._session = session
+        self._is_known = False
+
+    def forget(self) -> None:
+        """Sense anew at the next access, as the state or an input has changed."""
+        self._is_known = False
 
     def __getitem__(self, name: str) -> float | Array:
-        self._session.sense()
+        if not self._is_known:
+            self._session.sense()
+            self._is_known = True
         return super().__getitem__(name)

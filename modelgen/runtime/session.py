@@ -21,7 +21,6 @@ from modelgen.runtime.tables.ctypes_structures import (
     settings_of,
 )
 from modelgen.runtime.tables.library_tables import EVENT_PREFIX, library_tables
-from modelgen.runtime.tables.own_numbers import OwnNumbers
 from modelgen.runtime.tables.planar_contacts import SUPPORT_POINTS
 from modelgen.runtime.trajectory import EVENT_KINDS, Event
 
@@ -31,17 +30,17 @@ CONTINUE, FULL = 1, 2
 class Session:
     """The state of a run in the core's memory. Arrays are views: they change as the run advances."""
 
-    def __init__(self, library: Library, accuracy: Accuracy, own: OwnNumbers | None = None) -> None:
-        """`own`: numbers that take the place of those of the library."""
+    def __init__(self, library: Library, accuracy: Accuracy, system: Any = None) -> None:
+        """`system`: an mg_system of the sizes of the library's, whose arrays the caller keeps; None: that of
+        the library."""
         shared = library_tables(library)
-        self.own = own
         self.shared = shared
         self.library = library
         self.accuracy = accuracy
         self.redundant_joints: list[str] = []
         self.instance: Mapping[str, Any] = library.manifest.instance
         self.tables = shared.tables
-        self.system = own.system if own else shared.system
+        self.system = shared.system if system is None else system
         self.feature_pair_names = shared.feature_pair_names  # limits have no features
         self.contacts, self.joints = shared.contact_names, shared.joint_names
         self.n_shown, self.n_patch_slot = len(self.contacts), shared.n_patch_slot
@@ -79,9 +78,8 @@ class Session:
         return np.zeros(n, dtype=self.tables.dtype)
 
     def arrays(self) -> dict[int, Array]:
-        """All arrays that the structures point to, by address."""
-        own = self.own.arrays.values() if self.own else ()
-        return {address(array): array for array in (*self.shared.arrays, *own)} | self._placed
+        """All arrays that the structures of a session of the library's own system point to, by address."""
+        return {address(array): array for array in self.shared.arrays} | self._placed
 
     def poses(self) -> Array:
         """The poses of all bodies at the state, (nb, 12): p, then R column-major."""

@@ -19,7 +19,6 @@ from modelgen.runtime.session import FULL, Session
 from modelgen.runtime.start import REFUSED, refusal
 from modelgen.runtime.tables.array_block import ArrayBlock
 from modelgen.runtime.tables.ctypes_structures import EVENT_ARRAYS, INTEGER, Array, address
-from modelgen.runtime.tables.own_numbers import OwnNumbers
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome
 
 PARTS = 8  # parts of the lanes for each thread, so that threads end together though lanes differ
@@ -56,10 +55,10 @@ class SessionGroup:
         accuracy: Accuracy | str | None = None,
         *,
         n: int,
-        own: Sequence[OwnNumbers | None] | None = None,
+        systems: Sequence[Any] | None = None,
     ) -> None:
-        """`accuracy`: as for `simulate`, `balanced` when None; `own`: n entries, numbers that take the place
-        of those of the library in a lane.
+        """`accuracy`: as for `simulate`, `balanced` when None; `systems`: n entries, the mg_system of each
+        lane, of the sizes of the library's, whose arrays the caller keeps; None: that of the library.
 
         Raises ModelgenError where an argument is not what it says.
         """
@@ -67,18 +66,17 @@ class SessionGroup:
         self.n = _whole("n", n, "give the number of runs")
         self.library = library
         self.accuracy = Accuracy.balanced() if accuracy is None else Accuracy.taken(accuracy)
-        self._own = [None] * self.n if own is None else list(own)
-        if len(self._own) != self.n:
-            found = f"{len(self._own)} entries"
-            raise SimulationError("own", found, f"{self.n}, one for each run", "give None for the others")
         self._like = Session(library, self.accuracy)
+        self._system_of = [self._like.system] * self.n if systems is None else list(systems)
+        if len(self._system_of) != self.n:
+            found = f"{len(self._system_of)} entries"
+            raise SimulationError("systems", found, f"{self.n}, one for each run", "")
         self._runs, self.arrays = lanes_of(self._like, self.n)
         self.x = self.arrays["x"]
         self.x[:] = self._like.x
         self.t = times_of(self._like, self._runs)
         self.codes = np.zeros(self.n, dtype=INTEGER)
         self._ends = np.zeros(self.n, dtype=self._like.tables.dtype)
-        self._system_of = [each.system if each else self._like.system for each in self._own]
         self._systems = (ctypes.c_void_p * self.n)(*map(ctypes.addressof, self._system_of))
         self._columns, self._lists = self._event_lists()
         self._systems_at, self._runs_at, self._lists_at = (
@@ -212,8 +210,9 @@ class SessionGroup:
         return self._pool
 
     def _refusal(self, lane: int, code: int) -> SimulationError:
-        session = Session(self.library, self.accuracy, self._own[lane])
+        session = Session(self.library, self.accuracy, self._system_of[lane])
         session.x[:], session.feature_pair[:] = self.x[lane], self.arrays["feature_pair"][lane]
+        session.input[:] = self.arrays["input"][lane]
         return refusal(session, code, self._runs[lane], f"run {lane}, ")
 
     def _head_at(self, lane: int) -> tuple[Any, ...]:

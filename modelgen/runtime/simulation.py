@@ -67,8 +67,8 @@ class Simulation:
         self.session = session
         self._record = session.tables.Record()
         self._code: int | None = None  # of the core, once the run has ended
-        self.inputs = Inputs(session)
         self.sensors = Sensors(session)
+        self.inputs = Inputs(session, self.sensors.forget)
         self._early: tuple[Event, ...] = ()
         self._controller: Controller | None = None
         self._advance = session.library.cdll.mg_advance
@@ -78,6 +78,8 @@ class Simulation:
     def begin(self) -> None:
         """Settle the start on its constraints with the inputs as they are; raises SimulationError."""
         begin(self.session)
+        self.inputs.begun = True
+        self.sensors.forget()
         if self.session.start_code:
             self._code = self.session.start_code
         self._early = tuple(self.session.drain_events())
@@ -113,6 +115,7 @@ class Simulation:
             raise self._ended()
         events, self._early = self._early, ()
         code = CONTINUE
+        self.sensors.forget()
         while code in (CONTINUE, FULL):
             code = self._advance(*self._head, self._real(until), *self._tail)
             if session.events.count:
@@ -136,6 +139,7 @@ class Simulation:
         """Go to a saved state. The controller stays the one that is set. Raises SimulationError where `mark`
         is not what `save` returned for the same library, parameters and settings; it says what differs."""
         self.session.load(mark[_HEAD.size :])
+        self.sensors.forget()
         calls, start, code = _HEAD.unpack(mark[: _HEAD.size])
         self._code, self._early = code or None, ()
         if self._controller is not None:

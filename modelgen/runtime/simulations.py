@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any, Unpack
 
 import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
-from modelgen.notation import SETTING_SIZE
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.arguments import check_keywords, check_name, check_span, input_range, with_parameters
+from modelgen.runtime.arguments import check_keywords, check_span, checked_starts, with_parameters
+from modelgen.runtime.inputs_by_lane import InputsByLane
 from modelgen.runtime.sensors import parts_of
 from modelgen.runtime.session_group import SessionGroup
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.tables.library_tables import library_tables
-from modelgen.runtime.tables.own_numbers import OwnNumbers
 from modelgen.runtime.trajectory import Event, Outcome
 
 KEYWORDS = ("parameters", "inputs", "q", "u", "accuracy", "threads", *STEPPING)  # of `start_many`
@@ -58,14 +57,14 @@ def start_many(
     check_keywords("start_many", stepping, KEYWORDS)
     chosen = accuracy_of(library.manifest.instance, accuracy, stepping)
     libraries = _libraries(library, n, parameters or {})
-    own = [OwnNumbers(library_tables(each).system, {}) for each in libraries]
-    group = SessionGroup(library, chosen, n=n, own=own)
+    systems = [library_tables(each).system for each in libraries]
+    group = SessionGroup(library, chosen, n=n, systems=systems)
     group.x[:] = [library_tables(each).start for each in libraries]
     _write(group, group.x, q, u)
     many = Simulations(group, libraries, threads)
     for name, values in (inputs or {}).items():
         many.inputs[name][:] = values
-    many.inputs.check()
+    many.inputs.restart(np.arange(n))
     refused = group.begin(threads)
     if len(refused) == n:
         raise refused[0]
@@ -78,7 +77,7 @@ class Simulations:
 
     Attributes:
         n: number of lanes.
-        inputs: by name, (n,) values that are written to: `many.inputs["push"][:] = values`.
+        inputs: by name, (n,) present values that are written to: `many.inputs["push"][:] = values`.
         refused: the errors of lanes that could not start, by lane.
     """
 
@@ -128,6 +127,7 @@ class Simulations:
         self.inputs.check()
         going = True if lanes is None else np.asarray(lanes, dtype=bool)
         self._group.advance(self._group.t + np.where(going, duration, 0.0), self._threads)
+        self.inputs.refresh()
 
     def events(self, lane: int) -> list[Event]:
         """The events of a lane since the last call."""
@@ -140,56 +140,16 @@ class Simulations:
             lanes: (n,) of bool, or indices.
             q, u: other starts, (n, n_q) and (n, n_u), by lane.
 
+        Values of inputs with hold = "linear" may be written to before, from which the lanes start.
+
         Raises SimulationError where such a start is refused.
         """
         chosen = np.flatnonzero(lanes) if np.asarray(lanes).dtype == bool else np.atleast_1d(lanes)
         starts = self._starts.copy()
         _write(self._group, starts, q, u)
+        self.inputs.restart(chosen)
         for lane in chosen.tolist():
-            self._group.arrays["input"][lane, 2::SETTING_SIZE] = 0.0
             self._group.begin_again(lane, starts[lane])
-
-
-class InputsByLane(Mapping[str, Array]):
-    """The inputs of all lanes by name, (n,) each, as arrays that are written to."""
-
-    def __init__(self, group: SessionGroup) -> None:
-        self._group = group
-        self._kinds = group.library.manifest.instance["inputs"]
-        self._index = {kind["name"]: k for k, kind in enumerate(self._kinds)}
-
-    def __getitem__(self, name: str) -> Array:
-        if name not in self._index:
-            check_name("input", name, self._index)
-        values: Array = self._group.arrays["input"][:, SETTING_SIZE * self._index[name]]
-        return values
-
-    def ramp(self, name: str, rates: Any) -> None:
-        """Let an input with hold = "linear" change at rates, one number or (n,) per s, from now on."""
-        kind = self._kinds[self._index[name]] if name in self._index else None
-        if kind is None or kind["hold"] != "linear":
-            check_name("ramp", name, [each["name"] for each in self._kinds if each["hold"] == "linear"])
-        at = SETTING_SIZE * self._index[name]
-        value, rate, since = (self._group.arrays["input"][:, at + k] for k in range(SETTING_SIZE))
-        value += rate * (self._group.t - since)
-        rate[:], since[:] = rates, self._group.t
-
-    def check(self) -> None:
-        """Raises SimulationError where a value is beyond the range of its input."""
-        for name, values in self.items():
-            low, high = input_range(self._kinds[self._index[name]])
-            bad = np.flatnonzero(~(np.isfinite(values) & (values >= low) & (values <= high)))
-            if len(bad):
-                raise SimulationError(
-                    f"input {name!r} of lane {bad[0]}", repr(float(values[bad[0]])),
-                    f"a number from {low:g} to {high:g}", "change the value",
-                )  # fmt: skip
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._index)
-
-    def __len__(self) -> int:
-        return len(self._index)
 
 
 def _libraries(library: Library, n: int, parameters: Values) -> list[Library]:
@@ -212,13 +172,8 @@ def _checked(name: str, values: Any, n: int) -> Array:
 
 
 def _write(group: SessionGroup, x: Array, q: Array | None, u: Array | None) -> None:
-    """Write starts into states (n, n_x); raises SimulationError where their shape does not fit."""
+    """Write starts into states (n, n_x); raises SimulationError where they do not fit."""
     n_q, n_u = (group.library.manifest.instance[key] for key in ("n_q", "n_u"))
     for name, values, first, size in (("q", q, 0, n_q), ("u", u, n_q, n_u)):
-        if values is None:
-            continue
-        array = np.asarray(values, dtype=float)
-        if array.shape != (group.n, size):
-            allowed = f"({group.n}, {size})"
-            raise SimulationError(name, f"an array of shape {array.shape}", allowed, "give one row a lane")
-        x[:, first : first + size] = array
+        if values is not None:
+            x[:, first : first + size] = checked_starts(name, values, size, group.n)

@@ -12,7 +12,8 @@ SENSOR = Table(
         Field("name", Text(NAMED.pattern, NAMED.allowed), "name in results and expressions", required=True),
         Field(
             "of", Text(r"^[A-Za-z][^.\s]*\.[a-z_]+$", "name.quantity is allowed"),
-            "what is measured: body.position, .orientation, .velocity or .angular_velocity, "
+            "what is measured: body.position, .orientation, .velocity, .angular_velocity, .acceleration, "
+            ".angular_acceleration or .proper_acceleration (less gravity, in the body's axes), "
             "body-body.gap (the least, m) or .force (all normal forces, N), "
             "joint.coordinate (the first), .rate, .force or .torque",
         ),

@@ -13,11 +13,13 @@ from modelgen.scene.scene_types import Body, ContactPair, Joint, Measurand, Sens
 from modelgen.scene.source_location import Place
 
 OF_BODIES: Mapping[str, int] = {  # components of each quantity
-    "position": 3, "orientation": 4, "velocity": 3, "angular_velocity": 3
+    "position": 3, "orientation": 4, "velocity": 3, "angular_velocity": 3,
+    "acceleration": 3, "angular_acceleration": 3, "proper_acceleration": 3,
 }  # fmt: skip
+ACCELERATIONS = ("acceleration", "angular_acceleration", "proper_acceleration")
 OF_PAIRS: Mapping[str, int] = {"gap": 1, "force": 1}
 OF_JOINTS: Mapping[str, int] = {"coordinate": 1, "rate": 1, "force": 3, "torque": 3}
-_AT_POINT = ("position", "velocity")  # quantities of a point of a body
+_AT_POINT = ("position", "velocity", "acceleration", "proper_acceleration")  # quantities of a point of a body
 
 
 def sensors_of(
@@ -74,9 +76,14 @@ def _measurand(
     if name in bodies:
         _check_quantity(quantity, OF_BODIES, at)
         if values["point"] is not None and quantity not in _AT_POINT:
-            allowed = f"a point has {' and '.join(_AT_POINT)}"
+            allowed = f"a point has {', '.join(_AT_POINT[:-1])} and {_AT_POINT[-1]}"
             raise place.key("point").error(f"a point with the {quantity} of a body", allowed, "remove it")
         if values["relative_to"] is not None:
+            if quantity == "proper_acceleration":
+                allowed = "it is in the body's own axes and relative to free fall"
+                raise place.key("relative_to").error(
+                    f"it with the {quantity} of a body", allowed, "remove it"
+                )
             _check_body(values["relative_to"], bodies, place.key("relative_to"))
         return Measurand("body", name, quantity, values["point"], values["relative_to"])
     for key in ("point", "relative_to"):

@@ -23,7 +23,7 @@ ROUTE = "homogeneous matrices and their derivatives along the motion"
 
 
 def sensor_inputs(model: Model, random: np.random.Generator) -> dict[str, Array]:
-    """Arguments of the kernel at random poses, twists, gaps, forces and settings of inputs."""
+    """Arguments of the kernel at random motions, gaps, forces, gravity and settings of inputs."""
     from modelgen.dynamics.sensors import sensor_parameters  # of the kernel, as the runtime passes them
 
     kinds = _inputs(model)
@@ -37,8 +37,10 @@ def sensor_inputs(model: Model, random: np.random.Generator) -> dict[str, Array]
         "t": np.array([0.3]),
         "pose": np.concatenate([np.zeros(0), *poses]),
         "twist": random.normal(size=6 * len(model.bodies)),
+        "accel": random.normal(size=6 * len(model.bodies)),
         "pairs": random.normal(size=2 * len(model.pairs)),
         "joints": random.normal(size=6 * len(model.joints)),
+        "gravity": random.normal(size=3),
         "parameters": np.array(sensor_parameters(model)),
     }
     return found | ({"inputs": drawn_settings(kinds, 1, random).ravel()} if kinds else {})
@@ -100,6 +102,10 @@ def _measured(measured: Measurand, derivation: Derivation, given: Mapping[str, A
         turned = Rotation.from_matrix(matrix).as_quat()[[3, 0, 1, 2]]
         return np.asarray(turned if turned[0] >= 0 else -turned)
     shown = {"position": place, "velocity": ca.jacobian(place, s), "angular_velocity": angular}
+    for name in ("velocity", "angular_velocity"):
+        shown[name.replace("velocity", "acceleration")] = ca.jacobian(shown[name], s)
+    fallen = shown["acceleration"] - ca.DM(given["gravity"])
+    shown["proper_acceleration"] = rotation.T @ fallen
     return np.asarray(ca.evalf(ca.substitute(ca.densify(shown[measured.quantity]), s, 0))).ravel()
 
 
@@ -108,8 +114,9 @@ def _placed(model: Model, name: str | None, given: Mapping[str, Array], s: ca.SX
     if name is None:
         return ca.SX.eye(4)
     index = _index(model, name)
-    pose, twist = given["pose"][12 * index : 12 * index + 12], given["twist"][6 * index : 6 * index + 6]
-    moved = _moved(pose, twist, s)
+    pose = given["pose"][12 * index : 12 * index + 12]
+    twist, rate = (given[key][6 * index : 6 * index + 6] for key in ("twist", "accel"))
+    moved = _moved(pose, twist, s, rate)
     rotation = ca.reshape(moved[3:], 3, 3)
     place = moved[:3] - rotation @ ca.DM(list(model.bodies[index].centre_of_mass))
     return ca.vertcat(ca.horzcat(rotation, place), ca.SX(ca.DM([[0, 0, 0, 1]])))
@@ -136,12 +143,13 @@ def _of_joint(measured: Measurand, derivation: Derivation, given: Mapping[str, A
     return np.asarray(ca.evalf(ca.substitute(ca.densify(shown), s, 0))).ravel()
 
 
-def _moved(pose: Array, twist: Array, s: ca.SX) -> ca.SX:
-    """The pose (12,) at time s of the motion, to first order."""
-    rotation = ca.SX(ca.DM(pose[3:].reshape(3, 3, order="F"))) @ (
-        ca.SX.eye(3) + s * ca.skew(ca.SX(ca.DM(twist[3:])))
-    )
-    return ca.vertcat(ca.SX(ca.DM(pose[:3])) + s * ca.DM(twist[:3]), ca.vec(rotation))
+def _moved(pose: Array, twist: Array, s: ca.SX, rate: Array = np.zeros(6)) -> ca.SX:
+    """The pose (12,) at time s of the motion, to second order, with the rate of its twist."""
+    turning, change = (ca.skew(ca.SX(ca.DM(each[3:]))) for each in (twist, rate))
+    turn = ca.SX.eye(3) + s * turning + s**2 / 2 * (turning @ turning + change)
+    rotation = ca.SX(ca.DM(pose[3:].reshape(3, 3, order="F"))) @ turn
+    place = ca.SX(ca.DM(pose[:3])) + s * ca.DM(twist[:3]) + s**2 / 2 * ca.DM(rate[:3])
+    return ca.vertcat(place, ca.vec(rotation))
 
 
 def _index(model: Model, name: str) -> int:

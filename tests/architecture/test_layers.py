@@ -22,10 +22,12 @@ PIPELINE = (
     ("verification",),
     ("codegen",),
     ("runtime",),
-    ("casadi_functions", "gym", "linearisation"),
+    ("casadi_functions", "gym", "identification", "linearisation"),
     ("optimal_control",),
     ("report",),
+    ("view",),
     ("benchmark",),
+    ("export",),
     ("cli",),
 )
 LAYER = {room: number for number, rooms in enumerate(PIPELINE) for room in rooms}

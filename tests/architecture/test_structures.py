@@ -14,7 +14,12 @@ from modelgen.runtime.tables.ctypes_structures import Tables
 from tests.core.compiling import CORE
 
 HEADERS = ("modelgen.h", "region/region_queries.h")
-SCALARS = {"int": ctypes.c_int, "long": ctypes.c_long, "mg_real": ctypes.c_double}
+SCALARS = {
+    "int": ctypes.c_int,
+    "long": ctypes.c_long,
+    "mg_real": ctypes.c_double,
+    "mg_digest": ctypes.c_ulonglong,
+}
 TABLES = Tables(np.dtype(float))
 OUTLINE, REGIONS = planar_regions._structures(np.dtype(float))
 STRUCTURES = {

@@ -73,6 +73,7 @@ def test_instructions_grow_with_the_steps() -> None:
     assert 1.8 < fine / coarse < 2.2
 
 
+@pytest.mark.slow
 @COUNTED
 def test_a_folder_that_holds_another_form_is_not_counted(tmp_path: Path) -> None:
     library, _ = (

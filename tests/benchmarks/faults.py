@@ -24,6 +24,7 @@ RUBBING = ("tests/core/test_rubbing_laws.py",)
 BLOWS = ("tests/oracles/friction/test_blow_laws.py", "tests/oracles/friction/test_impact.py")
 CLOSEST = ("tests/oracles/test_closest_features.py",)
 JOINTS = ("tests/joints",)
+DERIVATIVES = ("tests/sensitivity/test_closed_forms.py", "tests/sensitivity/test_symplectic.py")
 
 FAULTS = (
     Fault(
@@ -214,5 +215,41 @@ FAULTS = (
         r"fabs\(third\) \* change \* change \* change / 6",
         "0 * fabs(third) * change",
         ("tests/core/test_taylor_models.py",),
+    ),
+    Fault(
+        "derivatives of runs",
+        "saltation is left out: the change of an event's time moves nothing",
+        r"dx\[i\] -= sign \* slope\[i\]",
+        "dx[i] -= 0 * sign * slope[i]",
+        DERIVATIVES,
+    ),
+    Fault(
+        "derivatives of runs",
+        "the derivative of the normal at a blow is left out",
+        r"mg_blow_rates_tangent\(c, s, direction, dx, 1, b->rate_after_dot\)",
+        "mg_blow_rates_tangent(c, s, direction, dx, 0, b->rate_after_dot)",
+        DERIVATIVES,
+    ),
+    Fault(
+        "derivatives of runs",
+        "the projector of velocities is left out",
+        r"mg_add_correction\(c, x, 1, dx\);",
+        "mg_add_correction(c, x, 1, s->stage);",
+        DERIVATIVES,
+    ),
+    Fault(
+        "derivatives of runs",
+        "an impact at the start is not differentiated",
+        r"mg_start_blow_tangent\(c, s, given, MG_CONTACTS_STRIKE\)",
+        "0 * mg_start_blow_tangent(c, s, given, MG_JOINTS_HOLD)",
+        DERIVATIVES,
+    ),
+    Fault(
+        "derivatives of runs",
+        "the gap of an event is not that of the direction",
+        r"crossing->kind == MG_CROSSES_GAP\) s->event_rate\[j\] = s->at\.value\[contact\]",
+        "crossing->kind == MG_CROSSES_GAP) s->event_rate[j] = (mg_real)0.999999 * s->at.value[contact] + "
+        "(j == n ? (mg_real)1e-6 * s->at.value[contact] : 0)",
+        DERIVATIVES,
     ),
 )

@@ -83,7 +83,9 @@ def test_accelerations_rates_and_forces_are_those_of_the_core(name: str) -> None
         given = rhs_arguments(derivation.model, simulation)
         try:
             mode = mode_of(derivation, simulation)
-        except ModelgenError:
+        except ModelgenError as error:
+            if "slips" not in str(error):
+                raise
             refused += 1
             continue
         n = contact_count(derivation.model)

@@ -57,6 +57,7 @@ def test_an_almost_conforming_pair_is_refused_by_the_name_of_its_contact() -> No
     assert path.margin_min < 1e-5
 
 
+@pytest.mark.slow
 def test_an_egg_sliding_along_a_trough_that_comes_to_fit_it_stops_at_the_margin() -> None:
     # curvatures across the trough: 10 / m of the egg, 10 - 2 exp(-8 u) of the trough; margin exp(-8 u) / 10
     trough = make.chart("u", "v", "v**2*(5-exp(-8*u))", domain=[(-0.3, 2), (-0.5, 0.5)])

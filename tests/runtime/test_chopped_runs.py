@@ -185,6 +185,7 @@ int main(void) {{
 
 
 @needs_c
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("name", ["gears", "sliding_puck"])
 def test_no_call_allocates_memory(name: str, tmp_path: Path) -> None:
     program = program_of(name, tmp_path, COUNTED, BALANCED)

@@ -20,6 +20,7 @@ from modelgen import ModelgenError, simulate, start
 from modelgen.codegen.compiler import find_compiler
 from modelgen.codegen.library import Library
 from modelgen.errors import SceneError
+from modelgen.runtime.session import Session
 from modelgen.runtime.simulation import Simulation
 from modelgen.scene.read import read_text
 from tests.running import library_of, scene_of
@@ -382,6 +383,27 @@ def test_sensors_show_what_the_samples_of_a_run_hold() -> None:
         assert path.sensors[k] == pytest.approx(shown, abs=1e-10)
     assert path.sensor_names[:4] == ("axle_x", "axle_y", "axle_z", "speed_x")
     assert path.summary()["sensors"]["lean"] == path.sensors[-1, -1]
+
+
+def test_the_state_is_sensed_once_and_anew_after_each_change(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls = []
+    sense = Session.sense
+    monkeypatch.setattr(Session, "sense", lambda session: (calls.append(1), sense(session))[1])
+    sim, other = start(library(PUCK)), start(library(PUCK), inputs={"push": 3.0})
+    mark = other.save()
+    for change in (
+        lambda: None,
+        lambda: sim.inputs.update(push=3.0),
+        lambda: sim.step(until=0.1),
+        lambda: sim.load(mark),
+    ):
+        change()
+        calls.clear()
+        shown = dict(sim.sensors)
+        assert len(calls) == 1
+        fresh = start(library(PUCK))
+        fresh.load(sim.save())
+        assert str(dict(fresh.sensors)) == str(shown)
 
 
 def test_samples_of_a_run_hold_the_forces_and_gaps_that_sensors_show() -> None:

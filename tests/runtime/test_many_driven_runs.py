@@ -58,6 +58,36 @@ def test_lanes_of_a_driven_body_follow_their_own_rates() -> None:
         ]
 
 
+def test_an_input_on_a_line_cannot_jump_in_a_run_alone_or_among_many() -> None:
+    model = library(LIFT.replace("HEIGHT", "height"))
+    many, sim = start_many(model, 3), start(model)
+    many.inputs["height"][1] = 0.0  # its present value
+    many.inputs.ramp("height", [0.1, 0.2, -0.1])
+    many.step(0.5)
+    sim.inputs.ramp("height", 0.2)
+    sim.step(until=0.5)
+    assert many.inputs["height"] == pytest.approx([0.05, 0.1, -0.05])
+    assert sim.inputs["height"] == many.inputs["height"][1]
+    before = many.state.copy()
+    many.inputs["height"][2] = 0.3
+    for setting in (lambda: many.step(0.1), lambda: sim.inputs.__setitem__("height", 0.3)):
+        with pytest.raises(ModelgenError, match="a jump to another value; an input with hold = 'linear'"):
+            setting()
+    with pytest.raises(ModelgenError, match="input 'height' of lane 1: nan; a finite rate"):
+        many.inputs.ramp("height", [0.0, np.nan, 0.0])
+    assert np.array_equal(many.state, before)
+    many.inputs["height"][2] = 0.02
+    with pytest.raises(ModelgenError, match=r"interpenetrate at the start by 0\.02 m"):
+        many.reset([2])
+    many.inputs["height"][2] = -0.02
+    many.reset([2])  # which starts from there
+    sim.inputs["height"] = sim.inputs["height"]
+    many.step(0.5)
+    sim.step(until=1.0)
+    assert many.inputs["height"] == pytest.approx([0.1, 0.2, -0.07])
+    assert np.array_equal(many.state[1], sim.state)
+
+
 def test_lanes_that_are_reset_begin_again_and_the_others_go_on() -> None:
     many = start_many(scene_of("balancing_wheel"), 3, inputs={"torque": [0.5, 1.0, 1.5]})
     many.step(0.2)
@@ -92,8 +122,10 @@ def test_mistakes_of_a_caller_of_many_runs() -> None:
         ModelgenError, match=r"parameter 'heft': an array of shape \(2,\); one number or \(3,\)"
     ):
         start_many(model, 3, parameters={"heft": [1.0, 2.0]})
-    with pytest.raises(ModelgenError, match=r"q: an array of shape \(2, 7\); \(3, 3\)"):
+    with pytest.raises(ModelgenError, match=r"q: shape \(2, 7\); finite numbers, \(3, 3\)"):
         start_many(model, 3, q=np.zeros((2, 7)))
+    with pytest.raises(ModelgenError, match=r"u\[2\]: not finite; finite numbers, \(3, 3\)"):
+        start_many(model, 3, u=[[0.0] * 3, [1.0] * 3, [np.nan] * 3])
     with pytest.raises(ModelgenError, match="n: 0; a whole number"):
         start_many(model, 0)
     many = start_many(model, 3)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -13,8 +13,8 @@ from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError
 from modelgen.runtime.session import FULL, Session
 from modelgen.runtime.session_group import SessionGroup
-from modelgen.runtime.tables.ctypes_structures import address
-from modelgen.runtime.tables.own_numbers import OwnNumbers, own_numbers
+from modelgen.runtime.tables.ctypes_structures import SYSTEM_REALS, address
+from modelgen.runtime.tables.library_tables import library_tables
 from modelgen.runtime.trajectory import Event, Outcome
 from tests.running import scene_of
 
@@ -23,8 +23,25 @@ BALANCED = Accuracy.balanced()
 TIMES = (0.02, 0.05, 0.13)
 
 
+class OwnNumbers(NamedTuple):
+    system: Any  # mg_system
+    arrays: dict[str, np.ndarray]  # its real numbers, by the names of their fields, which may be written to
+
+
+def own_numbers(library: Library) -> OwnNumbers:
+    """A copy of the system of a library with numbers of its own."""
+    shared = library_tables(library)
+    by_address = {address(array): array for array in shared.arrays}
+    system = type(shared.system).from_buffer_copy(shared.system)
+    system.shapes_digest = 0  # made at each call, as the numbers change
+    arrays = {name: by_address[getattr(system, name)].copy() for name in SYSTEM_REALS}
+    for name, array in arrays.items():
+        setattr(system, name, address(array))
+    return OwnNumbers(system, arrays)
+
+
 def alone(library: Library, x: np.ndarray, own: OwnNumbers | None = None) -> Session:
-    session = Session(library, BALANCED, own)
+    session = Session(library, BALANCED, own.system if own else None)
     session.x[:] = x
     session.begin()
     return session
@@ -80,7 +97,8 @@ def test_lanes_have_their_own_numbers() -> None:
         changed(library, friction_static=0.5, friction_kinetic=0.5),
         changed(library, restitution=0.9),
     ]
-    group = SessionGroup(library, n=3, own=own)
+    like = library_tables(library).system
+    group = SessionGroup(library, n=3, systems=[each.system if each else like for each in own])
     sessions = [alone(library, x, each) for x, each in zip(group.x, own, strict=True)]
     group.begin(2)
     group.advance(0.6, 2)
@@ -121,7 +139,7 @@ def test_bounds_are_those_of_the_parameters_of_the_shapes(name: str) -> None:
     a shape that is searched, and with no start, load or mass."""
     library = scene_of(name)
     own = own_numbers(library)
-    session = Session(library, BALANCED, own)
+    session = Session(library, BALANCED, own.system)
 
     def digest() -> bytes:
         session.poses()
@@ -200,7 +218,7 @@ def test_arguments_are_checked() -> None:
     group = SessionGroup(library, n=2)
     cases: tuple[tuple[Any, str], ...] = (
         (lambda: SessionGroup(library, n=0), "n: 0; a whole number, at least 1"),
-        (lambda: SessionGroup(library, n=2, own=[None]), "own: 1 entries; 2, one for each run"),
+        (lambda: SessionGroup(library, n=2, systems=[None]), "systems: 1 entries; 2, one for each run"),
         (lambda: group.begin(1.5), "threads: 1.5"),  # type: ignore[arg-type]
         (lambda: group.advance(np.zeros(3)), r"t: shape \(3,\)"),
         (lambda: group.advance(np.nan), "t: not finite"),

@@ -207,3 +207,156 @@ def test_a_pendulum_with_a_stop() -> None:
     assert np.allclose(
         found.events[0].by, complex_step(lambda *v: turned(*v)[1], tuple(values.values())), atol=1e-9
     )
+
+
+WALL = """
+gravity = [0.0, 0.0, 0.0]
+[[body]]
+name = "wall"
+motion = "driven"
+rpy = [0.0, "-pi/2", 0.0]
+path = { position = ["2.0 - 0.7*t", 0.0, 0.0] }
+shape = { kind = "plane" }
+
+[[body]]
+name = "ball"
+shape = { kind = "sphere", radius = 0.1 }
+mass = 2.0
+inertia = [0.008, 0.008, 0.008]
+position = ["place", 0.0, 0.0]
+velocity = ["fast", 0.0, 0.0]
+
+[[contact]]
+between = ["ball", "wall"]
+restitution = "bounce"
+"""
+
+
+def test_a_ball_struck_by_a_moving_wall() -> None:
+    """By its start, its place changes as -e, and its velocity not at all."""
+    values = {"place": 0.2, "fast": 1.3, "bounce": 0.6}
+    t = 1.5
+
+    def struck(place: complex, fast: complex, bounce: complex) -> tuple[complex, complex, complex]:
+        strikes = (2.0 - R - place) / (fast + 0.7)
+        after = -0.7 - bounce * (fast + 0.7)
+        return place + fast * strikes + after * (t - strikes), after, strikes
+
+    found = sensitivity(
+        built(WALL, values), t, of=["ball.position", "ball.velocity"], by=list(values), accuracy="tight"
+    )
+    assert found.verdict
+    for row, entry in ((0, 0), (3, 1)):
+        expected = complex_step(lambda *v, entry=entry: struck(*v)[entry], tuple(values.values()))
+        assert np.allclose(found.jacobian[0, row], expected, rtol=1e-11, atol=1e-11)
+    assert found.jacobian[0, 0, 0] == pytest.approx(-values["bounce"], abs=1e-11)
+    expected = complex_step(lambda *v: struck(*v)[2], tuple(values.values()))
+    assert np.allclose(found.events[0].by, expected, atol=1e-11)
+
+
+CYCLOID = """
+gravity = [0.0, 0.0, "-pull"]
+[[body]]
+name = "track"
+motion = "fixed"
+
+[body.shape]
+kind = "chart"
+x = "a*(u + sin(u))"
+y = "v"
+z = "a*(1 - cos(u))"
+domain = [[-2.5, 2.5], [-1.0, 1.0]]
+parameters = { a = "wide" }
+
+[[body]]
+name = "wall"
+motion = "fixed"
+rpy = [0.0, "pi/2", 0.0]
+shape = { kind = "plane" }
+
+[[body]]
+name = "bead"
+shape = { kind = "point" }
+mass = 0.4
+inertia = [1e-5, 1e-5, 1e-5]
+position = ["wide*(high + sin(high))", 0.0, "wide*(1 - cos(high))"]
+
+[[contact]]
+between = ["bead", "track"]
+
+[[contact]]
+between = ["bead", "wall"]
+restitution = 1.0
+"""
+
+
+def test_a_bead_on_a_cycloid_falls_to_the_bottom_in_the_same_time_from_anywhere() -> None:
+    """Huygens: its way along the track is a cosine, whatever the amplitude."""
+    values = {"wide": 0.3, "high": 0.8, "pull": 9.81}
+    t = 0.75
+
+    def height(wide: complex, high: complex, pull: complex) -> complex:
+        return wide * (1 - np.cos(high)) * np.cos(np.sqrt(pull / (4 * wide)) * t) ** 2
+
+    found = sensitivity(built(CYCLOID, values), t, of=["bead.position"], by=list(values), accuracy="tight")
+    assert found.verdict
+    assert np.allclose(found.jacobian[0, 2], complex_step(height, tuple(values.values())), atol=1e-9)
+    (event,) = found.events
+    falls = np.pi * np.sqrt(values["wide"] / values["pull"])  # a quarter of the period
+    assert event.t == pytest.approx(falls, abs=1e-10)
+    assert np.allclose(event.by, [falls / 2 / values["wide"], 0.0, -falls / 2 / values["pull"]], atol=1e-9)
+
+
+def test_a_ball_that_strikes_at_its_start() -> None:
+    """The impact of the start is differentiated as any other."""
+    text = BALL.replace('"high"', "0.1")
+    values = {"up": -2.0, "bounce": 0.6}
+    found = sensitivity(
+        built(text, values), 0.1, of=["ball.position"], by=["up", "bounce", "ball.velocity"], accuracy="tight"
+    )
+    assert found.verdict
+    by_up, by_bounce = -values["bounce"], -values["up"]
+    assert np.allclose(found.jacobian[0, 2], np.array([by_up, by_bounce, 0, 0, by_up]) * 0.1, atol=1e-12)
+    assert np.allclose(found.jacobian[0, 0], np.array([0, 0, 1, 0, 0]) * 0.1, atol=1e-12)
+
+
+ROD = """
+gravity = [0.0, 0.0, -9.81]
+[[body]]
+name = "rod"
+mass = 0.9
+inertia = [0.01, 0.03, 0.03]
+position = ["0.5*cos(turn)", 0.0, "0.5*sin(turn)"]
+rpy = [0.0, "-turn", 0.0]
+velocity = [0.0, 0.0, "kick"]
+
+[[joint]]
+kind = "revolute"
+name = "hinge"
+between = ["world", "rod"]
+position = [0.0, 0.0, 0.0]
+rpy = ["-pi/2", 0.0, 0.0]
+"""
+
+
+def test_a_start_that_a_joint_corrects() -> None:
+    """The joint takes from the given velocity what it forbids: the rate of turn that is left changes with the
+    angle at which the rod is kicked."""
+    values = {"turn": 0.5, "kick": 1.7}
+    found = sensitivity(
+        built(ROD, values),
+        0.0,
+        of=["rod.velocity", "rod.angular_velocity"],
+        by=list(values),
+        accuracy="tight",
+    )
+    assert found.verdict
+    inertia = 0.03 + 0.9 * 0.25
+
+    def kicked(turn: complex, kick: complex) -> list[complex]:
+        rate = 0.9 * 0.5 * np.cos(turn) * kick / inertia
+        return [-0.5 * np.sin(turn) * rate, 0.5 * np.cos(turn) * rate, -rate]
+
+    for row, entry in ((0, 0), (2, 1), (4, 2)):
+        expected = complex_step(lambda *v, entry=entry: kicked(*v)[entry], tuple(values.values()))
+        assert np.allclose(found.jacobian[0, row], expected, atol=1e-10)

@@ -11,6 +11,7 @@ from modelgen.errors import SimulationError
 from modelgen.scene.read import read_text
 from tests.running import NAMES
 from tests.sensitivity.differences import differentiable, shipped
+from tests.sensitivity.test_closed_forms import BALL, ROD, built
 from tests.sensitivity.test_differences import moving
 from tests.stories.test_parameters import NUMBERS, with_parameter
 
@@ -50,6 +51,21 @@ def test_backward_equals_forward_by_numbers_of_a_scene(case: str) -> None:
     size = 2 * np.sum(np.abs(forward.value * forward.jacobian[:, :, 0]))
     rounding = 1e-14 * np.sum(forward.value**2) / NUMBER  # where all parts of the derivative cancel
     assert abs(found.gradient[0] - expected[0]) <= ALIKE * size + rounding
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [(BALL.replace('"high"', "0.1"), {"up": -2.0, "bounce": 0.6}), (ROD, {"turn": 0.5, "kick": 1.7})],
+)
+def test_backward_equals_forward_over_corrections_of_the_start(text: str, values: dict[str, float]) -> None:
+    library = built(text, values)
+    (body,) = moving(library)
+    by = [*values, f"{body}.velocity", f"{body}.position"]
+    numbers = ca.MX.sym("values", 1, 6)
+    loss = ca.Function("loss", [numbers], [ca.sumsqr(numbers)])
+    found = gradient(library, [0.2], loss, of=[f"{body}.position", f"{body}.velocity"], by=by)
+    assert found.verdict
+    assert found.forward_difference < 1e-12
 
 
 def test_a_loss_that_is_no_function_of_the_values_is_refused() -> None:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
-import subprocess
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -13,7 +11,6 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 from rich.console import Console
-from scipy.spatial.transform import Rotation
 
 from modelgen import __version__
 from modelgen.report.export import load
@@ -90,48 +87,6 @@ def test_build_in_another_real_type_and_folder(modelgen: Modelgen, tmp_path: Pat
     facts = modelgen("build", EGG, "--real", "float", "--out", tmp_path / "f", "--json").json
     assert facts["real"] == "float"
     assert Path(facts["library"]).parent == tmp_path / "f"
-
-
-@pytest.mark.cases(1)
-@pytest.mark.parametrize(("real", "flag"), [("double", ""), ("long double", "-DMG_REAL_LONG ")])
-def test_build_writes_a_c_program_that_runs_without_python(
-    real: str, flag: str, modelgen: Modelgen, tmp_path: Path
-) -> None:
-    compiler = shutil.which("cc")
-    if compiler is None:
-        pytest.skip("no C compiler")
-    scene = Path("scenes/sphere_slide_to_roll.toml")
-    said = modelgen("build", scene, "--out", tmp_path, "--main", "run.c", "--real", real).out.splitlines()
-    assert said[1:] == [
-        f"written: {tmp_path / 'run.c'}",
-        f"there: cc -O2 {flag}run.c model.c modelgen_runtime.c -lm -o run && ./run",
-    ]
-    strict = [
-        compiler,
-        "-std=c99",
-        "-Wall",
-        "-Werror",
-        "-O0",
-        *flag.split(),
-        "run.c",
-        "model.c",
-        "modelgen_runtime.c",
-        "-lm",
-        "-o",
-        "run",
-    ]
-    subprocess.run(strict, cwd=tmp_path, check=True)
-    lines = subprocess.check_output([tmp_path / "run"], text=True).splitlines()
-    facts = modelgen("simulate", scene, "--json").json
-    ((_, ball),) = [each for each in facts["final"].items() if any(each[1]["v"])]
-    t, *pose = map(float, lines[-1].split())
-    assert (len(lines), t) == (
-        tomllib.loads(scene.read_text())["run"].get("samples", 200) + 1,
-        facts["t_end"],
-    )
-    assert pose[:3] == pytest.approx(ball["p"], abs=1e-9)
-    turned = Rotation.from_quat(ball["quaternion"], scalar_first=True).as_matrix()
-    assert pose[3:] == pytest.approx(turned.T.ravel(), abs=1e-9)
 
 
 def test_simulate_answers_to_its_schema_and_writes_its_files(modelgen: Modelgen, tmp_path: Path) -> None:

@@ -45,9 +45,6 @@ typedef struct {
   int *order; /* [k] row of S in each row of P' S P */
 } mg_factor;
 
-/* A digest of numbers; C99 demands 64 bits of it. */
-typedef unsigned long long mg_digest;
-
 #define MG_DIGEST_START 0x9e3779b97f4a7c15ULL /* digest of nothing */
 
 /* digest.c */

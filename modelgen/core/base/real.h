@@ -1,4 +1,4 @@
-/* The real type of the core, and the linkage of its functions.
+/* The types of numbers of the core, and the linkage of its functions.
 
    mg_real is double; -DMG_REAL_FLOAT or -DMG_REAL_LONG select float or long double. MG_EPS is its rounding unit, MG_MAX
    its largest finite value, which also stands for "no bound". */
@@ -23,6 +23,9 @@ typedef double mg_real;
 #define MG_EPS DBL_EPSILON
 #define MG_MAX DBL_MAX
 #endif
+
+/* A digest of numbers; C99 demands 64 bits of it. */
+typedef unsigned long long mg_digest;
 
 #define MG_PI ((mg_real)3.14159265358979323846264338327950288L)
 

@@ -85,18 +85,16 @@ MG_INTERNAL void mg_forget_cells(mg_context *c) {
   for (int tree = 0; tree < c->system->n_cell_tree; tree++) c->search.tree_root[tree] = 0;
 }
 
-/* Digest of all from which cells are made: the bounds of the shapes, their parameters, domains and scales. */
-static mg_digest mg_digest_searched_shapes(const mg_context *c) {
-  const mg_system *s = c->system;
-  mg_digest digest = mg_digest_text(MG_DIGEST_START, c->kernels->hash);
+MG_INTERNAL mg_digest mg_digest_searched_shapes(const mg_system *s) {
+  mg_digest digest = mg_digest_text(MG_DIGEST_START, s->kernels->hash);
   const int sizes[2] = {s->n_cell_tree, s->n_cell};
   digest = mg_digest_reals(mg_digest_ints(digest, sizes, 2), &s->length, 1);
   for (int k = 0, tree = 0; k < 2 * s->n_feature_pair && tree < s->n_cell_tree; k++) {
     if (s->feature_tree[k] != tree) continue;
     const int kind = s->feature_shape[k];
-    const mg_real *numbers = mg_feature_numbers(c, k / 2, k % 2);
+    const mg_real *numbers = s->numbers + s->feature_numbers[k];
     digest = mg_digest_reals(mg_digest_ints(digest, &kind, 1), s->parameters + s->feature_parameters[k],
-                             c->kernels->shape_bounds[kind].n_parameters);
+                             s->kernels->shape_bounds[kind].n_parameters);
     digest = mg_digest_reals(digest, numbers + MG_FEATURE_DOMAIN, 4);
     digest = mg_digest_reals(digest, numbers + MG_FEATURE_UV_SCALE, 2);
     tree++;
@@ -105,7 +103,9 @@ static mg_digest mg_digest_searched_shapes(const mg_context *c) {
 }
 
 MG_INTERNAL void mg_keep_cells_of_same_shapes(mg_context *c) {
-  const mg_digest digest = c->system->n_cell_tree ? mg_digest_searched_shapes(c) : MG_DIGEST_START;
+  const mg_system *s = c->system;
+  mg_digest digest = MG_DIGEST_START;
+  if (s->n_cell_tree) digest = s->shapes_digest ? s->shapes_digest : mg_digest_searched_shapes(s);
   if (*c->search.cells_digest != digest) mg_forget_cells(c);
   *c->search.cells_digest = digest;
 }

@@ -73,6 +73,9 @@ MG_INTERNAL mg_real mg_search_radius(mg_context *c, int feature_pair);
 /* Forgets all cells. */
 MG_INTERNAL void mg_forget_cells(mg_context *c);
 
+/* Digest of all from which cells are made: the bounds of the shapes, their parameters, domains and scales. */
+MG_INTERNAL mg_digest mg_digest_searched_shapes(const mg_system *s);
+
 /* Forgets the cells in the scratch memory that were not made of the shapes of this system. */
 MG_INTERNAL void mg_keep_cells_of_same_shapes(mg_context *c);
 

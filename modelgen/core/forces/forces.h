@@ -75,6 +75,9 @@ MG_INTERNAL int mg_list_held_rows(mg_context *c);
    Leaves the rows in c->lcp.rows and returns their number. */
 MG_INTERNAL int mg_hold_rows(mg_context *c, const int *marked, const mg_real *rate, mg_real *amount);
 
+/* The same without friction that sticks, which holds no place. */
+MG_INTERNAL int mg_hold_gaps(mg_context *c, const int *marked, const mg_real *rate, mg_real *amount);
+
 /* Evaluate the right-hand side and the gap velocities at the state of the run; writes the slope to the first row
    of the stage slopes, and the contact forces of the run. */
 MG_INTERNAL void mg_evaluate_run_state(mg_context *c);
@@ -370,6 +373,9 @@ MG_INTERNAL mg_real mg_largest_held_violation(const mg_context *c, const mg_real
 /* Compute the correction M^-1 J^T z of all bodies with A z = -value over the marked contacts and all joints.
    Returns the number of those rows, which it lists; their z are left as impulses. */
 MG_INTERNAL int mg_solve_row_correction(mg_context *c, const int *marked, const mg_real *value);
+
+/* The same without friction that sticks. */
+MG_INTERNAL int mg_solve_gap_correction(mg_context *c, const int *marked, const mg_real *value);
 
 /* Rotate a quaternion by a small rotation vector in body axes, to first order. */
 MG_INTERNAL void mg_rotate_quaternion(mg_real *e, const mg_real *angle);

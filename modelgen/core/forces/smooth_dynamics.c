@@ -65,9 +65,9 @@ static int mg_is_one_pair(const mg_context *c, int n) {
   return 1;
 }
 
-/* Lists the marked contacts, joints and sticking friction rows in c->lcp.rows, and sets all amounts to zero. Returns
-   the number of rows. */
-static int mg_list_marked_rows(mg_context *c, const int *marked, mg_real *amount) {
+/* Lists the marked contacts and joints, and where friction `sticks` its rows, in c->lcp.rows, and sets all amounts to
+   zero. Returns the number of rows. */
+static int mg_list_marked_rows(mg_context *c, const int *marked, int sticks, mg_real *amount) {
   int n = 0;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
     amount[i] = 0;
@@ -76,7 +76,7 @@ static int mg_list_marked_rows(mg_context *c, const int *marked, mg_real *amount
   n = mg_append_joint_rows(c, c->lcp.rows, n);
   for (int i = mg_next_row(c, c->layout.friction_row_begin - 1); i < c->layout.friction_row_end; i = mg_next_row(c, i))
     amount[i] = 0;
-  return c->system->n_friction ? mg_append_sticking_rows(c, c->lcp.rows, n) : n;
+  return sticks && c->system->n_friction ? mg_append_sticking_rows(c, c->lcp.rows, n) : n;
 }
 
 MG_INTERNAL int mg_list_held_rows(mg_context *c) {
@@ -106,7 +106,7 @@ static void mg_solve_contact_forces(mg_context *c) {
   c->friction.couples_normal = c->system->n_friction > 0;
   if (c->friction.couples_normal) mg_set_slip_force_ratios(c);
   c->patches.pressure_rounds = 0;
-  const int n = mg_list_marked_rows(c, c->run->active, c->solution.force);
+  const int n = mg_list_marked_rows(c, c->run->active, 1, c->solution.force);
   for (int r = 0; r < n; r++) c->rows.row_rate[c->lcp.rows[r]] = mg_row_acceleration(c, c->lcp.rows[r]);
   mg_solve_listed_rows(c, n, c->rows.row_rate, c->solution.force);
   while (c->friction.couples_normal && mg_has_changed_patch_pressures(c))
@@ -162,7 +162,13 @@ MG_INTERNAL mg_real mg_row_acceleration(const mg_context *c, int contact) {
 }
 
 MG_INTERNAL int mg_hold_rows(mg_context *c, const int *marked, const mg_real *rate, mg_real *amount) {
-  const int n = mg_list_marked_rows(c, marked, amount);
+  const int n = mg_list_marked_rows(c, marked, 1, amount);
+  mg_solve_listed_rows(c, n, rate, amount);
+  return n;
+}
+
+MG_INTERNAL int mg_hold_gaps(mg_context *c, const int *marked, const mg_real *rate, mg_real *amount) {
+  const int n = mg_list_marked_rows(c, marked, 0, amount);
   mg_solve_listed_rows(c, n, rate, amount);
   return n;
 }

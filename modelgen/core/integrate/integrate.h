@@ -194,14 +194,18 @@ MG_INTERNAL void mg_read_sensors(mg_context *c, mg_real t, const mg_real *eta, c
 
 /* samples.c */
 
+/* to = from, n numbers. */
+MG_INTERNAL void mg_copy_reals(mg_real *to, const mg_real *from, int n);
+
 /* Appends the sample of the state x. Needs poses, rows and forces at x. */
 MG_INTERNAL void mg_record_sample(mg_context *c, mg_record *record, mg_real *x);
 
 /* True if the next sample is due at t or before. */
 MG_INTERNAL int mg_is_sample_due(const mg_record *record, mg_real t);
 
-/* Appends the samples within the step h from run->x to c->step.end. */
-MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h);
+/* Appends the samples within the step h from run->x to c->step.end; not one at its very end if an event is there, after
+   which it is taken. */
+MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h, int is_event);
 
 /* Appends the samples that are due at run->t. Needs the rows there. */
 MG_INTERNAL void mg_record_now(mg_context *c, mg_record *record);

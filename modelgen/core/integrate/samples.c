@@ -5,8 +5,7 @@
 #include "model/model.h"
 #include "forces/forces.h"
 
-/* Copies n numbers. */
-static void mg_copy_reals(mg_real *to, const mg_real *from, int n) {
+MG_INTERNAL void mg_copy_reals(mg_real *to, const mg_real *from, int n) {
   for (int i = 0; i < n; i++) to[i] = from[i];
 }
 
@@ -114,12 +113,17 @@ MG_INTERNAL int mg_is_sample_due(const mg_record *record, mg_real t) {
   return record->count < record->capacity && record->t[record->count] <= t;
 }
 
-MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h) {
+/* True if a sample is due before t, or at t unless an event is there. */
+static int mg_is_sample_within(const mg_record *record, mg_real t, int is_event) {
+  return mg_is_sample_due(record, t) && !(is_event && record->t[record->count] == t);
+}
+
+MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h, int is_event) {
   const mg_real t = c->run->t;
-  if (!mg_is_sample_due(record, t + h)) return;
+  if (!mg_is_sample_within(record, t + h, is_event)) return;
   mg_finish_step(c, t, h);
   mg_make_interpolant(c, t, c->run->x, h);
-  while (mg_is_sample_due(record, t + h)) {
+  while (mg_is_sample_within(record, t + h, is_event)) {
     const mg_real theta = (record->t[record->count] - t) / h;
     mg_interpolate(c, c->run->x, theta, c->step.stage);
     mg_normalise_quaternions(c, c->step.stage);

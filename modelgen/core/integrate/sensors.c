@@ -1,4 +1,5 @@
-/* What the sensors of a scene show at an evaluated state. Reads poses, twists and forces; writes c->sensors. */
+/* What the sensors of a scene show at an evaluated state. Reads poses, twists, accelerations and forces; writes
+ * c->sensors. */
 #include "integrate/integrate.h"
 #include "model/model.h"
 #include "forces/forces.h"
@@ -47,6 +48,9 @@ MG_INTERNAL void mg_read_sensors(mg_context *c, mg_real t, const mg_real *eta, c
         for (int k = 0; k < 6; k++) wrench[k] = (mg_real)NAN;
     }
   }
-  c->kernels->sense(0, &t, c->bodies.pose, c->bodies.twist, c->sensors.pair, c->sensors.joint,
-                    s->parameters + s->sensor_parameters, c->run->applied_input, sensors);
+  if (mg_is_time_stepping(c))
+    for (int k = 0; k < 6 * s->n_body; k++) c->sensors.acceleration[k] = (mg_real)NAN;
+  else mg_copy_reals(c->sensors.acceleration, c->bodies.acceleration, 6 * s->n_body);
+  c->kernels->sense(0, &t, c->bodies.pose, c->bodies.twist, c->sensors.acceleration, c->sensors.pair, c->sensors.joint,
+                    s->gravity, s->parameters + s->sensor_parameters, c->run->applied_input, sensors);
 }

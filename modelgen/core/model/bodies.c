@@ -86,6 +86,10 @@ MG_INTERNAL int mg_moving_body(const mg_context *c, int contact) {
   return mg_is_moved_by_forces(c, o) ? o : c->contacts.f[contact];
 }
 
+MG_INTERNAL int mg_is_time_stepping(const mg_context *c) {
+  return c->settings->method == MG_TIME_STEPPING || c->run->fallback_left > 0;
+}
+
 MG_INTERNAL int mg_is_free_body(const mg_context *c, int body) { return c->bodies.motion[body] == MG_FREE; }
 
 MG_INTERNAL int mg_is_driven_body(const mg_system *s, int body) {

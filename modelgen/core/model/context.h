@@ -296,10 +296,11 @@ typedef struct {
   mg_singular_passage passage; /* singular passage */
 } mg_event_workspace;
 
-/* What sensors show the contacts and joints of. */
+/* What sensors show the bodies, contacts and joints of. */
 typedef struct {
-  mg_real *pair;  /* [2 n_pair] least gap, m; sum of the normal forces, N */
-  mg_real *joint; /* [6 n_joint] wrench on the second body */
+  mg_real *acceleration; /* [6 n_body] rates of the twists; NaN in time-stepping, which has none */
+  mg_real *pair;         /* [2 n_pair] least gap, m; sum of the normal forces, N */
+  mg_real *joint;        /* [6 n_joint] wrench on the second body */
 } mg_sensor_workspace;
 
 /* Numbers of rows and states. */

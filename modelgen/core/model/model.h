@@ -59,6 +59,9 @@ MG_INTERNAL int mg_moving_body(const mg_context *c, int contact);
 /* True if the body has six degrees of freedom. */
 MG_INTERNAL int mg_is_free_body(const mg_context *c, int body);
 
+/* True if the next step is one of time-stepping, which has no accelerations. */
+MG_INTERNAL int mg_is_time_stepping(const mg_context *c);
+
 /* True if the motion of the body is prescribed. */
 MG_INTERNAL int mg_is_driven_body(const mg_system *s, int body);
 

@@ -136,7 +136,7 @@ static int mg_shorten_collocated_step(mg_context *c, mg_real *h, mg_real end) {
 
 /* Accepts the step h, and what happens at its end. Returns an outcome. */
 static int mg_finish_accepted_step(mg_context *c, mg_real h, int event, mg_record *record, mg_events *events) {
-  mg_record_until(c, record, h);
+  mg_record_until(c, record, h, event);
   mg_accept_state(c, h);
   int outcome = mg_control_drift(c);
   if (outcome) return outcome;

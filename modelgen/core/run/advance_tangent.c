@@ -12,7 +12,7 @@
 
 /* Most numbers of a packed vector. */
 static long mg_packed_size(const mg_system *s) {
-  return 64L + s->n_parameters + 3L * s->n_input + 18L * s->n_body + 2L * s->n_pair + 6L * s->n_joint +
+  return 64L + s->n_parameters + 3L * s->n_input + 24L * s->n_body + 2L * s->n_pair + 6L * s->n_joint +
          s->kernels->n_sensor;
 }
 
@@ -26,12 +26,14 @@ MG_API long mg_sensitivity_size(const mg_system *s, int n) {
          18 + n + 1 + 2L * s->n_pair + 6L * s->n_joint;
 }
 
-MG_API long mg_sensitivity_int_size(const mg_system *s) { return s->n_contact; }
+MG_API long mg_sensitivity_int_size(const mg_system *s) { return (long)s->n_contact + s->n_friction; }
 
 MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int n, mg_real *work, int *iwork) {
   const mg_system *system = c->system;
   const long b = system->n_body, rows = mg_sensitivity_rows(system), states = c->layout.n_states;
-  s->t_dot = 0, s->is_time = s->is_singular = 0;
+  const mg_crossing none = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON};
+  s->crossing = none;
+  s->t_dot = 0, s->is_time = s->is_singular = 0, s->doubtful = -1;
   s->blow = mg_take_memory(&work, 1, sizeof(mg_blow));
   s->at.pose = mg_take_reals(&work, 12 * b), s->at.twist = mg_take_reals(&work, 6 * b);
   s->at.acceleration = mg_take_reals(&work, 6 * b), s->at.wrench = mg_take_reals(&work, 6 * b);
@@ -46,6 +48,7 @@ MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int
   s->event_rate = mg_take_reals(&work, n + 1);
   s->pair = mg_take_reals(&work, 2L * system->n_pair), s->joint = mg_take_reals(&work, 6L * system->n_joint);
   s->closed_before = mg_take_ints(&iwork, system->n_contact);
+  s->slip_begins = mg_take_ints(&iwork, system->n_friction);
 }
 
 /* Opens the memory of derivatives along directions; the bytes of the run before and after a step come first. */
@@ -84,8 +87,7 @@ MG_API int mg_begin_tangent(const mg_system *system, const mg_settings *settings
   tangent->count = 0, tangent->verdict = MG_VERDICT_DIFFERENTIABLE, tangent->reason = MG_NO_REASON,
   tangent->reason_t = 0, tangent->reason_contact = -1;
   mg_evaluate_run_state(&c);
-  mg_settle_eta_tangents(&c, &s, run->t, run->x);
-  mg_project_tangents(&c, &s, run->t, run->x);
+  mg_doubt_tangent(tangent, mg_start_tangent(&c, &s, directions->given), run->t, -1);
   if (mg_is_time_stepping(&c)) mg_doubt_tangent(tangent, MG_BY_TIME_STEPPING, run->t, -1);
   return MG_DONE;
 }
@@ -158,12 +160,12 @@ static mg_real mg_approach_stop(const mg_approach *a, mg_real t, mg_real t_stop)
   return a->end - t > a->least ? fmin(t + (a->end - t) / 2, t_stop) : t_stop;
 }
 
-/* Begins the approach to the end of a step; returns 0 if that was the last step of one. */
+/* Begins the approach to the end of a step; returns 0 if that was the last step of one, or is too short to halve. */
 static int mg_begin_approach(mg_approach *a, mg_real t, mg_real end) {
-  const mg_real least = ldexp(end - t, -MG_APPROACH_HALVINGS);
+  const mg_real least = fmax(ldexp(end - t, -MG_APPROACH_HALVINGS), 4 * MG_EPS * fabs(end));
   if (a->least > 0 && fabs(a->end - end) <= 2 * a->least) return 0;
   a->end = end, a->least = least;
-  return least > 0;
+  return end - t > least;
 }
 
 MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settings, mg_run *run,
@@ -202,7 +204,8 @@ MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settin
       events->count = first, record->count = recorded, tangent->count = counted, outcome = MG_CONTINUE;
       continue;
     }
-    mg_doubt_tangent(tangent, reason, end, s.crossing.kind == MG_CROSSES_NOTHING ? -1 : s.crossing.contact);
+    const int of_event = s.crossing.kind == MG_CROSSES_NOTHING ? -1 : s.crossing.contact;
+    mg_doubt_tangent(tangent, reason, end, s.doubtful >= 0 ? s.doubtful : of_event);
     mg_restore_run(system, run, after);
     if (tape) mg_store_step(system, tape, &s, before, after);
   }

@@ -18,6 +18,7 @@ static void mg_go_back_over_step(const mg_system *system, const mg_settings *set
                                  int *iwork) {
   mg_context c;
   mg_crossing crossing = {known[0], known[1], known[2], known[3], known[4]};
+  s->crossing = crossing;
   const unsigned char *after = bytes + mg_save_size(system);
   mg_restore_run(system, run, after);
   const mg_real end = run->t, roundoff = run->t_roundoff;
@@ -65,8 +66,7 @@ MG_API void mg_go_back_to_start(const mg_system *system, const mg_settings *sett
   mg_open_context(&c, system, settings, run, work, iwork);
   mg_open_adjoint(&c, &s, &none, &nothing, adjoint);
   mg_evaluate_run_state(&c);
-  mg_project_adjoint(&c, &s, run->t, run->x, adjoint->x);
-  mg_settle_eta_adjoint(&c, &s, run->t, run->x, adjoint->x);
+  mg_start_adjoint(&c, &s, adjoint->given, adjoint->x);
   mg_normalise_tangent(&c, run->x, adjoint->x);
 }
 

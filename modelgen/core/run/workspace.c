@@ -95,7 +95,7 @@ static long mg_listing_int_memory_size(const mg_system *s) {
 MG_API long mg_work_size(const mg_system *s) {
   const long b = s->n_body, m = s->n_contact, r = mg_row_count(s), k = mg_held_row_capacity(s), n = s->closed_capacity,
              x = mg_state_count(s);
-  return mg_count_reals(s->n_ball, sizeof(mg_grid_ball)) + 48 * b + 45 * r + mg_spring_count(s) + 9 * m + 1 +
+  return mg_count_reals(s->n_ball, sizeof(mg_grid_ball)) + 54 * b + 45 * r + mg_spring_count(s) + 9 * m + 1 +
          s->n_joint_row + 4 * m + s->n_eta + k * k + 3 * k + n * n + n + mg_lcp_work_size((int)k) +
          mg_count_reals(mg_max_patch_arcs(s), sizeof(mg_arc)) + mg_hull_memory_max(s) + (MG_STAGES + 12) * x + 32 +
          2 * s->n_eta + mg_search_memory_size(s) + mg_event_margin_size(s) + m * mg_rolling_start_size() +
@@ -108,6 +108,8 @@ MG_API long mg_iwork_size(const mg_system *s) {
          mg_lcp_iwork_size((int)k) + 4L * s->n_body + 1 + mg_friction_int_memory_size(s) +
          mg_listing_int_memory_size(s);
 }
+
+MG_API mg_digest mg_shapes_digest(const mg_system *system) { return mg_digest_searched_shapes(system); }
 
 MG_API int mg_abi(void) { return MG_ABI; }
 
@@ -242,6 +244,7 @@ static void mg_set_arrays(mg_context *c, mg_real *work, int *iwork) {
   c->events.passage.free_twist = mg_take_reals(&work, 6 * b),
   c->events.passage.impulse_work = mg_take_reals(&work, 6 * b);
   c->layout.n_timed = mg_time_function_count(s), c->step.time_samples = mg_take_reals(&work, mg_time_sample_size(s));
+  c->sensors.acceleration = mg_take_reals(&work, 6 * b);
   c->sensors.pair = mg_take_reals(&work, 2L * s->n_pair), c->sensors.joint = mg_take_reals(&work, 6L * s->n_joint);
   c->rows.tangents = c->rows.kernel_rows = 0;
   if (s->n_friction) mg_set_friction_arrays(c, work, iwork);

@@ -150,14 +150,17 @@ MG_INTERNAL void mg_sensors_adjoint(const mg_context *c, mg_sensitivity *s, mg_r
   mg_real *x = s->x;
   *x++ = t;
   x = mg_pack_part(mg_pack_part(x, 12 * bodies, c->bodies.pose), 6 * bodies, c->bodies.twist);
+  x = mg_pack_part(x, 6 * bodies, c->sensors.acceleration);
   x = mg_pack_part(mg_pack_part(x, 2 * system->n_pair, c->sensors.pair), 6 * system->n_joint, c->sensors.joint);
+  x = mg_pack_part(x, 3, system->gravity);
   mg_pack_part(mg_pack_part(x, n, system->parameters + system->sensor_parameters), inputs, c->run->applied_input);
   mg_pack_part(s->y_dot, c->kernels->n_sensor, sensors_bar);
   mg_call_adjoint(c, s, MG_TASK_SENSORS, 0);
   const mg_real *x_bar = mg_add_part(s->at.pose, 12 * bodies, s->x_dot + 1);
-  x_bar = mg_add_part(s->at.twist, 6 * bodies, x_bar);
+  x_bar = mg_add_part(s->at.acceleration, 6 * bodies, mg_add_part(s->at.twist, 6 * bodies, x_bar));
   mg_pack_part(s->pair, 2 * system->n_pair, x_bar), x_bar += 2 * system->n_pair;
   mg_pack_part(s->joint, 6 * system->n_joint, x_bar), x_bar += 6 * system->n_joint;
+  x_bar = mg_add_part(s->adjoint->gravity, 3, x_bar);
   x_bar = mg_add_part(s->adjoint->parameters + system->sensor_parameters, n, x_bar);
   mg_add_part(s->adjoint->input, inputs, x_bar);
 }

@@ -164,8 +164,11 @@ MG_INTERNAL void mg_sensors_tangent(const mg_context *c, mg_sensitivity *s, int 
   *x++ = t, *x_dot++ = s->t_dot;
   x = mg_pack(x, 12 * bodies, c->bodies.pose), x_dot = mg_pack(x_dot, 12 * bodies, s->at.pose);
   x = mg_pack(x, 6 * bodies, c->bodies.twist), x_dot = mg_pack(x_dot, 6 * bodies, s->at.twist);
+  x = mg_pack(x, 6 * bodies, c->sensors.acceleration), x_dot = mg_pack(x_dot, 6 * bodies, s->at.acceleration);
   x = mg_pack(x, 2 * system->n_pair, c->sensors.pair), x_dot = mg_pack(x_dot, 2 * system->n_pair, s->pair);
   x = mg_pack(x, 6 * system->n_joint, c->sensors.joint), x_dot = mg_pack(x_dot, 6 * system->n_joint, s->joint);
+  x = mg_pack(x, 3, system->gravity);
+  x_dot = mg_pack(x_dot, 3, mg_row_of_direction(s, s->directions->gravity, 3, direction));
   x = mg_pack(x, n, system->parameters + system->sensor_parameters);
   x_dot = mg_pack(x_dot, n, mg_parameters_dot(c, s, direction, system->sensor_parameters));
   mg_pack(x, 3 * system->n_input, c->run->applied_input);

@@ -36,6 +36,7 @@ static int mg_uncertain_event(const mg_context *c, int kind, int contact) {
 
 MG_INTERNAL mg_crossing mg_find_crossing(const mg_context *c, const mg_events *events, int first) {
   mg_crossing found = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON};
+  int several = 0;
   static const int order[] = {0, 5, 4, 3, 2, 1}; /* by MG_CROSSES_..: what jumps most comes first */
   for (int k = first; k < events->count; k++) {
     const int kind = events->kind[k], contact = events->contact[k];
@@ -45,11 +46,12 @@ MG_INTERNAL mg_crossing mg_find_crossing(const mg_context *c, const mg_events *e
     const int constraint =
         kind >= MG_EVENT_SLIP_START && kind < MG_EVENT_FALLBACK_START ? mg_constraint_of_event(c, contact, kind) : -1;
     if (function == found.kind && function != MG_CROSSES_NOTHING && function != MG_CROSSES_BORDER &&
-        (contact != found.contact || constraint != found.constraint) && !found.reason)
-      found.reason = MG_BY_SEVERAL_EVENTS;
+        (contact != found.contact || constraint != found.constraint))
+      several = 1;
     if (order[function] <= order[found.kind]) continue;
     found.kind = function, found.contact = contact, found.constraint = constraint;
   }
+  if (several && !found.reason) found.reason = MG_BY_SEVERAL_EVENTS;
   return found;
 }
 
@@ -157,8 +159,7 @@ MG_INTERNAL int mg_has_slope_jump(const mg_context *c, const mg_sensitivity *s, 
   return 0;
 }
 
-/* True if the event function crosses zero too slowly. */
-static int mg_is_graze(const mg_context *c, const mg_crossing *crossing, mg_real rate) {
+MG_INTERNAL int mg_is_graze(const mg_context *c, const mg_crossing *crossing, mg_real rate) {
   const mg_real least = c->settings->rest_speed * c->system->length / c->system->time;
   return crossing->kind == MG_CROSSES_GAP ? fabs(rate) < least : rate == 0;
 }
@@ -194,8 +195,19 @@ static int mg_leaves_slip_across(mg_context *c, mg_sensitivity *s, const mg_cros
   return 0;
 }
 
-/* True if a direction moves borders of features. */
-static int mg_has_moving_border(const mg_sensitivity *s) {
+/* True if the rows that held before the event hold the gap of a contact as well, so that its closing changes nothing:
+   as of the next tooth of a gear. */
+static int mg_is_row_held_already(mg_context *c, mg_sensitivity *s, int contact) {
+  mg_gather_wrenches(c, s, c->run->t);
+  for (int j = 0; j < s->directions->n; j++) {
+    mg_rhs_tangent(c, s, j, c->run->t, c->run->x, s->tangent->x + (long)j * c->layout.n_states, s->stage);
+    const mg_real size = mg_rate_tangent_size(c, s, contact) + MG_EPS * c->system->length / c->system->time;
+    if (fabs(s->at.rate[contact]) > sqrt(c->settings->event_tolerance) * size) return 0;
+  }
+  return 1;
+}
+
+MG_INTERNAL int mg_has_moving_border(const mg_sensitivity *s) {
   for (int j = 0; j < s->directions->n; j++)
     if (s->directions->moves_borders && s->directions->moves_borders[j]) return 1;
   return 0;
@@ -219,14 +231,18 @@ MG_INTERNAL int mg_cross_event(mg_context *c, mg_sensitivity *s, const mg_crossi
     mg_settle_eta_tangents(c, s, c->run->t, c->run->x);
     return MG_NO_REASON;
   }
-  if (!knows_time) return MG_BY_JUMP;
-  if (mg_is_graze(c, crossing, s->event_rate[n])) return MG_BY_GRAZE;
+  if (!knows_time) return mg_has_closed_support(c, s) ? MG_BY_FACES : MG_BY_JUMP;
+  if (mg_is_graze(c, crossing, s->event_rate[n])) {
+    if (mg_has_slope_jump(c, s, after) || !mg_is_row_held_already(c, s, crossing->contact)) return MG_BY_GRAZE;
+    mg_settle_eta_tangents(c, s, c->run->t, c->run->x);
+    return MG_NO_REASON;
+  }
   int reason = crossing->reason;
   if (!reason && crossing->kind == MG_CROSSES_BORDER && mg_has_moving_border(s)) reason = MG_BY_BORDER;
   mg_shift_by_event_times(c, s, s->slope_before, 1);
   mg_settle_eta_tangents(c, s, c->run->t, c->run->x);
   if (crossing->blow) {
-    const int unsolved = mg_recover_impulses(c, s);
+    const int unsolved = mg_recover_impulses(c, s, 1);
     for (int j = 0; j < n && !unsolved; j++) mg_blow_tangent(c, s, j, s->tangent->x + (long)j * c->layout.n_states);
     if (!reason) reason = unsolved;
     mg_evaluate_run_state(c);

@@ -2,6 +2,7 @@
 #include "sensitivity/sensitivity.h"
 #include "base/base.h"
 #include "model/model.h"
+#include "forces/forces.h"
 
 /* Cotangents of the rates of the rows of one contact or joint, with the twists of the context; of J^T L where
    `wrench_bar` is given. */

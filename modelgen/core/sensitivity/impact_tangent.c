@@ -8,20 +8,21 @@
 #include "forces/forces.h"
 #include "impact/impact.h"
 
-/* Twists of all bodies before the blow, and the change; the context has those after it. */
-static void mg_set_twists(mg_context *c, const mg_real *x) { mg_update_poses(c, c->run->t, x); }
+#define MG_LARGEST_BLOW_RESIDUAL ((mg_real)1e-6) /* of velocities, relative: beyond it the law is another */
 
-/* True if a contact may have been struck: it was closed before or is closed or touching now. */
+/* True if a contact may have been struck: it is that of the event, was closed before, or is closed or touching now as
+   far as the error of the step can tell; and it has not been found to carry no impulse (c->events.gap_dips). */
 static int mg_may_be_struck(const mg_context *c, const mg_sensitivity *s, int contact) {
-  if (!mg_is_on_feature_pair(c, contact)) return 0;
-  return s->closed_before[contact] || c->run->closed[contact] ||
-         fabs(c->rows.d[contact]) <= c->settings->contact_gap * c->system->length;
+  const mg_real touching = fmax(c->settings->contact_gap, c->settings->tolerance) * c->system->length;
+  if (!mg_is_on_feature_pair(c, contact) || c->events.gap_dips[contact]) return 0;
+  return contact == s->crossing.contact || s->closed_before[contact] || c->run->closed[contact] ||
+         fabs(c->rows.d[contact]) <= touching;
 }
 
-/* Lists the rows of contacts that may be struck, then joints; 0 where there are too many. */
-static int mg_list_blow_rows(mg_context *c, mg_sensitivity *s, mg_blow *b) {
+/* Lists the rows of contacts that may be struck, if any are, then joints; 0 where there are too many. */
+static int mg_list_blow_rows(mg_context *c, mg_sensitivity *s, int of_contacts, mg_blow *b) {
   b->n = 0;
-  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
+  for (int i = mg_next_row(c, -1); of_contacts && i < c->layout.support_begin; i = mg_next_row(c, i)) {
     if (!mg_may_be_struck(c, s, i)) continue;
     if (b->n >= MG_BLOW_ROWS - MG_ROWS_OF_ONE) return 0;
     const int normal = b->n;
@@ -37,78 +38,47 @@ static int mg_list_blow_rows(mg_context *c, mg_sensitivity *s, mg_blow *b) {
   return 1;
 }
 
+/* Velocities of the listed rows before and after the blow, and which of their friction slips after it. Needs the twists
+   before; `change` is that of the twists. */
+static void mg_find_blow_rates(const mg_context *c, mg_blow *b, const mg_real *change) {
+  for (int r = 0; r < b->n; r++) {
+    b->rate_before[r] = mg_row_times(c, b->row[r], c->bodies.twist);
+    b->rate_after[r] = b->rate_before[r] + mg_row_times(c, b->row[r], change);
+    b->role[r] = b->constraint[r] >= 0 && fabs(b->rate_after[r]) > 2 * mg_slip_velocity_tolerance(c, b->constraint[r])
+                     ? MG_BLOW_SLIPS
+                     : MG_BLOW_HELD;
+  }
+  for (int r = 0; r + 1 < b->n; r++) /* both rows of a constraint slip if one does */
+    if (b->constraint[r] >= 0 && b->constraint[r] == b->constraint[r + 1] &&
+        (b->role[r] == MG_BLOW_SLIPS || b->role[r + 1] == MG_BLOW_SLIPS))
+      b->role[r] = b->role[r + 1] = MG_BLOW_SLIPS;
+}
+
 /* Keeps of the listed rows those that `keep` marks. */
 static void mg_keep_blow_rows(mg_blow *b, const int *keep) {
   int place[MG_BLOW_ROWS], n = 0;
   for (int r = 0; r < b->n; r++) {
     place[r] = n;
     if (!keep[r]) continue;
-    b->row[n] = b->row[r], b->constraint[n] = b->constraint[r], b->impulse[n] = b->impulse[r],
+    b->row[n] = b->row[r], b->constraint[n] = b->constraint[r], b->role[n] = b->role[r];
+    b->rate_before[n] = b->rate_before[r], b->rate_after[n] = b->rate_after[r];
     b->normal[n] = b->normal[r] < 0 ? -1 : place[b->normal[r]];
     n++;
   }
   b->n = n;
 }
 
-/* Solves J M^-1 J^T L = J (u+ - u-) over the listed rows; 0 where L is not unique. */
-static int mg_solve_blow_impulses(mg_context *c, mg_blow *b, const mg_real *change) {
-  mg_real scale[MG_BLOW_ROWS];
-  mg_assemble_delassus(c, b->row, b->n);
-  for (int r = 0; r < b->n; r++) {
-    scale[r] = sqrt(c->lcp.A[r + (long)b->n * r]);
-    if (!(scale[r] > 0)) return 0;
+/* Scaled matrix J M^-1 J^T of the listed rows; 0 where a row moves nothing. */
+static int mg_scale_blow_matrix(mg_context *c, mg_blow *b) {
+  const int n = b->n;
+  mg_assemble_delassus(c, b->row, n);
+  for (int r = 0; r < n; r++) {
+    b->scale[r] = sqrt(c->lcp.A[r + (long)n * r]);
+    if (!(b->scale[r] > 0)) return 0;
   }
-  for (int r = 0; r < b->n; r++)
-    for (int k = 0; k < b->n; k++) b->matrix[r + b->n * k] = c->lcp.A[r + (long)b->n * k] / (scale[r] * scale[k]);
-  if (!(mg_lu(b->n, b->matrix, b->pivots) > sqrt(MG_EPS))) return 0;
-  for (int r = 0; r < b->n; r++) b->impulse[r] = mg_row_times(c, b->row[r], change) / scale[r];
-  mg_lu_solve(b->n, b->matrix, b->pivots, b->impulse);
-  for (int r = 0; r < b->n; r++) b->impulse[r] /= scale[r];
+  for (int r = 0; r < n; r++)
+    for (int k = 0; k < n; k++) b->matrix[r + n * k] = c->lcp.A[r + (long)n * k] / (b->scale[r] * b->scale[k]);
   return 1;
-}
-
-/* Drops contacts without an impulse; returns whether there were any. */
-static int mg_drop_unstruck_contacts(mg_context *c, mg_blow *b) {
-  int keep[MG_BLOW_ROWS], dropped = 0;
-  mg_real largest = 0;
-  for (int r = 0; r < b->n; r++)
-    if (b->normal[r] == r) largest = fmax(largest, b->impulse[r]);
-  for (int r = 0; r < b->n; r++) {
-    keep[r] = b->normal[r] < 0 || b->impulse[b->normal[r]] > sqrt(c->settings->event_tolerance) * largest;
-    dropped |= !keep[r];
-  }
-  mg_keep_blow_rows(b, keep);
-  return dropped;
-}
-
-/* True if slip along a path of impulses decides the blow of a listed contact. */
-static int mg_follows_impulse_path(const mg_context *c, const mg_blow *b) {
-  int by_path = c->settings->sequential, slips = 0;
-  for (int r = 0; r < b->n; r++)
-    by_path |= b->normal[r] == r && c->system->impact_law[b->row[r]] != MG_NEWTON, slips |= b->role[r] == MG_BLOW_SLIPS;
-  return by_path && slips;
-}
-
-/* Finds how each row takes part. Needs its velocities before and after. Returns a reason or 0. */
-static int mg_classify_blow_rows(mg_context *c, mg_blow *b) {
-  for (int r = 0; r < b->n; r++) {
-    const int row = b->row[r], g = b->constraint[r];
-    const mg_real before = fabs(b->rate_before[r]), after = b->rate_after[r];
-    const mg_real noise = sqrt(c->settings->event_tolerance) * (before + fabs(after)) +
-                          c->settings->drift_tolerance * c->system->length / c->system->time;
-    b->role[r] = MG_BLOW_HELD, b->restitution[r] = 0;
-    if (b->normal[r] == r) {
-      const mg_real e = c->system->restitution[row];
-      if (fabs(after) <= noise) continue;
-      if (fabs(after + e * b->rate_before[r]) > noise) return MG_BY_IMPACT_LAW;
-      b->role[r] = MG_BLOW_STRUCK, b->restitution[r] = e;
-    } else if (g >= 0 && fabs(after) > 2 * mg_slip_velocity_tolerance(c, g)) b->role[r] = MG_BLOW_SLIPS;
-  }
-  for (int r = 0; r + 1 < b->n; r++) /* both rows of a constraint slip if one does */
-    if (b->constraint[r] >= 0 && b->constraint[r] == b->constraint[r + 1] &&
-        (b->role[r] == MG_BLOW_SLIPS || b->role[r + 1] == MG_BLOW_SLIPS))
-      b->role[r] = b->role[r + 1] = MG_BLOW_SLIPS;
-  return MG_NO_REASON;
 }
 
 MG_INTERNAL mg_real mg_blow_force_ratio(const mg_context *c, const mg_blow *b, int r, mg_real *by_rate,
@@ -127,14 +97,130 @@ MG_INTERNAL mg_real mg_blow_force_ratio(const mg_context *c, const mg_blow *b, i
   return mu[k] * v[k] / n;
 }
 
+/* Order in which rows are taken as independent: normal rows, joints, friction that sticks. The impulses of slip follow
+   from a law, whether or not its rows depend on others: -1. */
+static int mg_blow_row_order(const mg_blow *b, int r) {
+  if (b->role[r] == MG_BLOW_SLIPS) return -1;
+  return b->normal[r] == r ? 0 : b->constraint[r] < 0 ? 1 : 2;
+}
+
+/* Drops held rows that depend on others: they hold because those do, and any part of the impulse may be theirs. 0 where
+   a normal row depends on others. */
+static int mg_drop_dependent_rows(mg_context *c, mg_blow *b) {
+  int keep[MG_BLOW_ROWS], done[MG_BLOW_ROWS];
+  const int n = b->n;
+  if (!mg_scale_blow_matrix(c, b)) return 0;
+  for (int r = 0; r < n; r++) keep[r] = done[r] = mg_blow_row_order(b, r) < 0;
+  for (int order = 0; order < 3; order++)
+    for (int r = 0; r < n; r++) {
+      if (mg_blow_row_order(b, r) != order) continue;
+      const mg_real pivot = b->matrix[r + n * r];
+      keep[r] = pivot > sqrt(MG_EPS), done[r] = 1;
+      if (!keep[r] && order == 0) return 0;
+      for (int i = 0; i < n && keep[r]; i++)
+        for (int k = 0; k < n && !done[i]; k++)
+          if (!done[k]) b->matrix[i + n * k] -= b->matrix[i + n * r] * b->matrix[r + n * k] / pivot;
+    }
+  mg_keep_blow_rows(b, keep);
+  return 1;
+}
+
+/* Entry of J M^-1 J^T over two listed rows; of a normal row as second with the friction of slip that its impulse
+   brings. */
+static mg_real mg_blow_matrix_entry(const mg_context *c, const mg_blow *b, int r, int k) {
+  mg_real by_rate[2], by_mu[2], entry = c->lcp.A[r + (long)b->n * k];
+  for (int slip = k + 1; b->normal[k] == k && slip < b->n && b->normal[slip] == k; slip++)
+    if (b->role[slip] == MG_BLOW_SLIPS)
+      entry -= mg_blow_force_ratio(c, b, slip, by_rate, by_mu) * c->lcp.A[r + (long)b->n * slip];
+  return entry;
+}
+
+/* Solves J M^-1 J^T L = J (u+ - u-) with the impulses of slip in the ratios of Coulomb's law at the velocities after
+   the blow. Returns a reason, where L is not unique or slip does not follow that law, or 0. */
+static int mg_solve_blow_impulses(mg_context *c, mg_blow *b) {
+  mg_real by_rate[2], by_mu[2], largest = 0, residual = 0;
+  int solved[MG_BLOW_ROWS], m = 0;
+  mg_assemble_delassus(c, b->row, b->n);
+  for (int r = 0; r < b->n; r++) {
+    b->scale[r] = sqrt(c->lcp.A[r + (long)b->n * r]);
+    if (b->role[r] != MG_BLOW_SLIPS) solved[m++] = r;
+  }
+  for (int i = 0; i < m; i++)
+    for (int k = 0; k < m; k++)
+      b->matrix[i + m * k] =
+          mg_blow_matrix_entry(c, b, solved[i], solved[k]) / (b->scale[solved[i]] * b->scale[solved[k]]);
+  if (!(mg_lu(m, b->matrix, b->pivots) > 0)) return MG_BY_REDUNDANT_ROWS;
+  for (int i = 0; i < m; i++)
+    b->change[i] = (b->rate_after[solved[i]] - b->rate_before[solved[i]]) / b->scale[solved[i]];
+  mg_lu_solve(m, b->matrix, b->pivots, b->change);
+  for (int i = 0; i < m; i++) b->impulse[solved[i]] = b->change[i] / b->scale[solved[i]];
+  for (int r = 0; r < b->n; r++)
+    if (b->role[r] == MG_BLOW_SLIPS)
+      b->impulse[r] = -mg_blow_force_ratio(c, b, r, by_rate, by_mu) * b->impulse[b->normal[r]];
+  for (int r = 0; r < b->n; r++) {
+    mg_real change = 0;
+    for (int k = 0; k < b->n; k++) change += c->lcp.A[r + (long)b->n * k] * b->impulse[k];
+    residual = fmax(residual, fabs(change - (b->rate_after[r] - b->rate_before[r])) / b->scale[r]);
+    largest = fmax(largest, fabs(change) / b->scale[r]);
+  }
+  return residual > MG_LARGEST_BLOW_RESIDUAL * largest ? MG_BY_IMPACT_LAW : MG_NO_REASON;
+}
+
+/* True if the impulses make the change of the velocities, but for the drift that is projected away with it. */
+static int mg_explains_change(mg_context *c, mg_sensitivity *s, const mg_blow *b, const mg_real *change) {
+  const mg_real part = 10 * sqrt(c->settings->tolerance);
+  mg_zero_reals(s->at.acceleration, 6L * c->system->n_body);
+  for (int r = 0; r < b->n; r++) mg_add_row_response(c, b->row[r], b->impulse[r], s->at.acceleration);
+  for (int body = 0; body < c->system->n_body; body++)
+    for (int k = 0; k < 6 && mg_is_moved_by_forces(c, body); k++) {
+      const int i = 6 * body + k;
+      const mg_real size = fabs(change[i]) + fabs(s->at.acceleration[i]),
+                    least = c->system->length / c->system->time / (k < 3 ? 1 : c->system->length);
+      if (fabs(change[i] - s->at.acceleration[i]) > part * (size + least)) return 0;
+    }
+  return 1;
+}
+
+/* Marks contacts without an impulse in c->events.gap_dips; returns whether there were any. */
+static int mg_mark_unstruck_contacts(mg_context *c, const mg_blow *b) {
+  int found = 0;
+  mg_real largest = 0;
+  for (int r = 0; r < b->n; r++)
+    if (b->normal[r] == r) largest = fmax(largest, b->impulse[r]);
+  for (int r = 0; r < b->n; r++)
+    if (b->normal[r] == r && !(b->impulse[r] > sqrt(c->settings->event_tolerance) * largest))
+      c->events.gap_dips[b->row[r]] = 1, found = 1;
+  return found;
+}
+
+/* True if slip along a path of impulses decides the blow of a listed contact. */
+static int mg_follows_impulse_path(const mg_context *c, const mg_blow *b) {
+  int by_path = c->settings->sequential, slips = 0;
+  for (int r = 0; r < b->n; r++)
+    by_path |= b->normal[r] == r && c->system->impact_law[b->row[r]] != MG_NEWTON, slips |= b->role[r] == MG_BLOW_SLIPS;
+  return by_path && slips;
+}
+
+/* Finds how each normal row takes part. Returns a reason or 0. */
+static int mg_classify_normal_rows(const mg_context *c, mg_blow *b) {
+  for (int r = 0; r < b->n; r++) {
+    const mg_real before = b->rate_before[r], after = b->rate_after[r];
+    const mg_real noise = sqrt(c->settings->event_tolerance) * (fabs(before) + fabs(after)) +
+                          c->settings->drift_tolerance * c->system->length / c->system->time;
+    b->restitution[r] = 0;
+    if (b->normal[r] != r || fabs(after) <= noise) continue;
+    const mg_real e = c->system->restitution[b->row[r]];
+    if (fabs(after + e * before) > noise) return MG_BY_IMPACT_LAW;
+    b->role[r] = MG_BLOW_STRUCK, b->restitution[r] = e;
+  }
+  return MG_NO_REASON;
+}
+
 /* Factorises the equations of the derivatives of the impulses; 0 where they are singular. */
 static int mg_factor_blow(mg_context *c, mg_blow *b) {
   const int n = b->n;
   mg_real by_rate[2], by_mu[2];
-  mg_assemble_delassus(c, b->row, n);
-  for (int r = 0; r < n; r++) b->scale[r] = sqrt(c->lcp.A[r + (long)n * r]);
-  for (int r = 0; r < n; r++)
-    for (int k = 0; k < n; k++) b->matrix[r + n * k] = c->lcp.A[r + (long)n * k] / (b->scale[r] * b->scale[k]);
+  if (!mg_scale_blow_matrix(c, b)) return 0;
   for (int r = 0; r < n; r++) {
     if (b->role[r] != MG_BLOW_SLIPS) continue;
     const int normal = b->normal[r], first = r > 0 && b->constraint[r - 1] == b->constraint[r] ? r - 1 : r;
@@ -149,47 +235,33 @@ static int mg_factor_blow(mg_context *c, mg_blow *b) {
   return mg_lu(n, b->matrix, b->pivots) > 0;
 }
 
-/* True if the impulses of slip are those of Coulomb's law at the velocities after the blow. */
-static int mg_is_coulomb_blow(const mg_context *c, const mg_blow *b) {
-  mg_real by_rate[2], by_mu[2];
-  for (int r = 0; r < b->n; r++) {
-    if (b->role[r] != MG_BLOW_SLIPS) continue;
-    const mg_real normal = b->impulse[b->normal[r]];
-    const mg_real expected = -mg_blow_force_ratio(c, b, r, by_rate, by_mu) * normal;
-    if (fabs(b->impulse[r] - expected) >
-        sqrt(sqrt(MG_EPS)) * c->system->friction_kinetic[2 * b->constraint[r]] * normal)
-      return 0;
-  }
-  return 1;
-}
-
-/* True if a face rests on another, before or after. */
-static int mg_has_closed_support(const mg_context *c, const mg_sensitivity *s) {
+MG_INTERNAL int mg_has_closed_support(const mg_context *c, const mg_sensitivity *s) {
   for (int i = c->layout.support_begin; i < c->system->n_contact; i++)
     if (c->run->closed[i] || s->closed_before[i]) return 1;
   return 0;
 }
 
-MG_INTERNAL int mg_recover_impulses(mg_context *c, mg_sensitivity *s) {
+MG_INTERNAL int mg_recover_impulses(mg_context *c, mg_sensitivity *s, int of_contacts) {
   mg_blow *b = s->blow;
   const int n_twist = 6 * c->system->n_body;
-  if (mg_has_closed_support(c, s)) return MG_BY_FACES;
+  if (of_contacts && mg_has_closed_support(c, s)) return MG_BY_FACES;
   mg_update_gap_rates(c);
-  if (!mg_list_blow_rows(c, s, b)) return MG_BY_REDUNDANT_ROWS;
   mg_real *change = s->at.twist;
   for (int i = 0; i < n_twist; i++) change[i] = c->bodies.twist[i];
-  mg_set_twists(c, s->before);
+  mg_update_poses(c, c->run->t, s->before);
   for (int i = 0; i < n_twist; i++) change[i] -= c->bodies.twist[i];
+  for (int i = 0; i < c->system->n_contact; i++) c->events.gap_dips[i] = 0;
+  int reason;
   do {
-    if (!mg_solve_blow_impulses(c, b, change)) return MG_BY_REDUNDANT_ROWS;
-  } while (mg_drop_unstruck_contacts(c, b));
-  for (int r = 0; r < b->n; r++)
-    b->rate_before[r] = mg_row_times(c, b->row[r], c->bodies.twist),
-    b->rate_after[r] = b->rate_before[r] + mg_row_times(c, b->row[r], change);
-  mg_set_twists(c, c->run->x);
-  const int reason = mg_classify_blow_rows(c, b);
+    if (!mg_list_blow_rows(c, s, of_contacts, b)) return MG_BY_REDUNDANT_ROWS;
+    mg_find_blow_rates(c, b, change);
+    reason = mg_drop_dependent_rows(c, b) ? mg_solve_blow_impulses(c, b) : MG_BY_REDUNDANT_ROWS;
+  } while (!reason && mg_mark_unstruck_contacts(c, b));
+  if (!reason && !mg_explains_change(c, s, b, change)) reason = MG_BY_JUMP;
+  mg_update_poses(c, c->run->t, c->run->x);
+  if (!reason) reason = mg_classify_normal_rows(c, b);
   if (reason) return reason;
-  if (mg_follows_impulse_path(c, b) || !mg_is_coulomb_blow(c, b)) return MG_BY_IMPACT_LAW;
+  if (mg_follows_impulse_path(c, b)) return MG_BY_IMPACT_LAW;
   return mg_factor_blow(c, b) ? MG_NO_REASON : MG_BY_REDUNDANT_ROWS;
 }
 
@@ -303,9 +375,9 @@ MG_INTERNAL void mg_blow_tangent(mg_context *c, mg_sensitivity *s, int direction
   mg_blow *b = s->blow;
   mg_zero_reals(s->at.wrench, 6L * system->n_body);
   mg_place_bodies_tangent(c, s, direction, c->run->t, c->run->x, dx);
-  mg_set_twists(c, s->before);
+  mg_update_poses(c, c->run->t, s->before);
   mg_blow_rates_tangent(c, s, direction, dx, 0, b->rate_before_dot);
-  mg_set_twists(c, c->run->x);
+  mg_update_poses(c, c->run->t, c->run->x);
   for (int body = 0; body < system->n_body; body++)
     if (mg_is_moved_by_forces(c, body)) mg_zero_reals(s->at.twist + 6 * body, 6);
   mg_blow_rates_tangent(c, s, direction, dx, 1, b->rate_after_dot);

@@ -109,9 +109,11 @@ typedef struct {
   mg_blow *blow;         /* the blow of the event */
   mg_real *start;        /* [n n_states] derivatives before the step */
   int *closed_before;    /* [n_contact] closed before the event */
+  int *slip_begins;      /* [n_friction] 1: slip begins in the step */
   mg_crossing crossing;  /* of the step treated last */
   mg_real t_dot;         /* derivative of the time in the direction looked at: 1 of time itself */
   int is_time;           /* 1: the direction looked at is time: no number changes */
+  int doubtful;          /* contact for which the step treated last is not certain, or -1 */
   int is_singular;       /* 1: equations of forces under slip were singular */
 } mg_sensitivity;
 
@@ -151,6 +153,9 @@ MG_INTERNAL void mg_rhs_tangent(mg_context *c, mg_sensitivity *s, int direction,
 
 /* step_tangent.c */
 
+/* True if faces rest on each other by points that a direction moves within them. */
+MG_INTERNAL int mg_rests_on_moving_points(const mg_context *c, const mg_sensitivity *s);
+
 /* Carries the derivatives over the step from the state of the run, of length h. Leaves in c->step.end the state at its
    end, and its right-hand side in s->slope_before. Returns a reason why the result is not certain, or 0. */
 MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h);
@@ -173,7 +178,27 @@ MG_INTERNAL void mg_settle_eta_tangents(mg_context *c, mg_sensitivity *s, mg_rea
 /* Removes from the derivatives what the held rows forbid. Needs the right-hand side at (t, x). */
 MG_INTERNAL void mg_project_tangents(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x);
 
+/* Adds the corrections of positions and orientations, or of velocities, in c->bodies.wrench to a derivative. */
+MG_INTERNAL void mg_add_correction(const mg_context *c, const mg_real *x, int of_velocities, mg_real *dx);
+
+/* start_tangent.c */
+
+/* Carries the derivatives over the corrections of mg_begin. Returns a reason or 0. */
+MG_INTERNAL int mg_start_tangent(mg_context *c, mg_sensitivity *s, const mg_real *given);
+
+/* Restores for start_adjoint.c the blow of a part of these corrections, MG_JOINTS_HOLD or MG_CONTACTS_STRIKE, between
+   s->before and the state of the run, or the state after all, MG_START_SETTLED. Marks in s->closed_before the contacts
+   that touch. Returns 0 where that part changes nothing, or cannot be differentiated. */
+enum { MG_START_SETTLED = 0, MG_JOINTS_HOLD = 1, MG_CONTACTS_STRIKE = 2 };
+MG_INTERNAL int mg_restore_start(mg_context *c, mg_sensitivity *s, const mg_real *given, int part);
+
+/* start_adjoint.c */
+MG_INTERNAL void mg_start_adjoint(mg_context *c, mg_sensitivity *s, const mg_real *given, mg_real *x_bar);
+
 /* event_tangent.c */
+
+/* True if a direction moves borders of features. */
+MG_INTERNAL int mg_has_moving_border(const mg_sensitivity *s);
 
 /* Event of a step from its events first .. of the list. */
 MG_INTERNAL mg_crossing mg_find_crossing(const mg_context *c, const mg_events *events, int first);
@@ -185,6 +210,9 @@ MG_INTERNAL void mg_differentiate_event(mg_context *c, mg_sensitivity *s, mg_cro
 /* True if the right-hand side jumps between s->slope_before and `after`, eta apart. */
 MG_INTERNAL int mg_has_slope_jump(const mg_context *c, const mg_sensitivity *s, const mg_real *after);
 
+/* True if the event function crosses zero too slowly to tell the time of the event. */
+MG_INTERNAL int mg_is_graze(const mg_context *c, const mg_crossing *crossing, mg_real rate);
+
 /* Adds weight times the derivatives of the condition that a contact violates to s->at.pose and eta_bar. */
 MG_INTERNAL void mg_border_adjoint(mg_context *c, mg_sensitivity *s, int contact, const mg_real *eta, mg_real weight,
                                    mg_real *eta_bar);
@@ -195,12 +223,16 @@ MG_INTERNAL int mg_cross_event(mg_context *c, mg_sensitivity *s, const mg_crossi
 
 /* impact_tangent.c */
 
+/* True if a face rests on another, before or after an event. */
+MG_INTERNAL int mg_has_closed_support(const mg_context *c, const mg_sensitivity *s);
+
 /* Derivative of the velocities after a blow, into dx, of which q holds the derivative at the time of the blow and u
    that of the velocities before it. */
 MG_INTERNAL void mg_blow_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real *dx);
 
-/* Finds the impulses of the blow between s->before and the state of the run. Returns a reason or 0. */
-MG_INTERNAL int mg_recover_impulses(mg_context *c, mg_sensitivity *s);
+/* Finds the impulses of the blow between s->before and the state of the run, of contacts and joints or of joints alone.
+   Returns a reason or 0. */
+MG_INTERNAL int mg_recover_impulses(mg_context *c, mg_sensitivity *s, int of_contacts);
 
 /* Force ratio of row k of a slipping constraint at its velocity after the blow, and its derivatives: by the velocities
    of the rows of the constraint, and by their coefficients. */
@@ -250,6 +282,9 @@ MG_INTERNAL void mg_settle_eta_adjoint(mg_context *c, mg_sensitivity *s, mg_real
 
 /* Needs the right-hand side at (t, x). */
 MG_INTERNAL void mg_project_adjoint(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x, mg_real *x_bar);
+
+/* Of gaps of marked contacts and of joints alone, without friction that sticks. */
+MG_INTERNAL void mg_project_gaps_adjoint(mg_context *c, mg_sensitivity *s, const int *marked, mg_real *x_bar);
 
 /* Needs mg_restore_step. */
 MG_INTERNAL void mg_step_adjoint(mg_context *c, mg_sensitivity *s, mg_real h, mg_real *x_bar);

@@ -41,19 +41,20 @@ static void mg_take_correction_cotangents(const mg_context *c, mg_sensitivity *s
   }
 }
 
-/* Cotangents of the values of the held rows from those of the corrections, into `bar`. */
-static void mg_row_correction_adjoint(mg_context *c, mg_sensitivity *s, mg_real *bar) {
+/* Cotangents of the values of the held rows, of which those of friction count where it `sticks`, from those of the
+   corrections, into `bar`. */
+static void mg_row_correction_adjoint(mg_context *c, mg_sensitivity *s, const int *marked, int sticks, mg_real *bar) {
   mg_real *rate = c->rows.row_rate;
   for (int i = 0; i < c->layout.friction_row_end; i++) rate[i] = 0;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
-    if (c->run->closed[i]) mg_update_inverse_mass_row(c, i), rate[i] = mg_response_times(c, i, s->at.acceleration);
+    if (marked[i]) mg_update_inverse_mass_row(c, i), rate[i] = mg_response_times(c, i, s->at.acceleration);
   for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
     mg_update_inverse_mass_row(c, i), rate[i] = mg_response_times(c, i, s->at.acceleration);
-  int n = c->system->n_friction ? mg_append_sticking_rows(c, c->lcp.rows, 0) : 0;
+  int n = sticks && c->system->n_friction ? mg_append_sticking_rows(c, c->lcp.rows, 0) : 0;
   for (int r = 0; r < n; r++)
     mg_update_inverse_mass_row(c, c->lcp.rows[r]),
         rate[c->lcp.rows[r]] = mg_response_times(c, c->lcp.rows[r], s->at.acceleration);
-  n = mg_hold_rows(c, c->run->closed, rate, c->solution.impulse);
+  n = sticks ? mg_hold_rows(c, marked, rate, c->solution.impulse) : mg_hold_gaps(c, marked, rate, c->solution.impulse);
   for (int r = 0; r < n; r++) bar[c->lcp.rows[r]] = c->solution.impulse[c->lcp.rows[r]];
 }
 
@@ -64,11 +65,24 @@ MG_INTERNAL void mg_project_adjoint(mg_context *c, mg_sensitivity *s, mg_real t,
   mg_zero_reals(s->stage, c->layout.n_states);
   mg_clear_cotangents(c, s);
   mg_take_correction_cotangents(c, s, 0, x, x_bar);
-  mg_row_correction_adjoint(c, s, s->at.value);
+  mg_row_correction_adjoint(c, s, c->run->closed, 1, s->at.value);
   mg_take_correction_cotangents(c, s, 1, x, x_bar);
-  mg_row_correction_adjoint(c, s, s->at.rate);
+  mg_row_correction_adjoint(c, s, c->run->closed, 1, s->at.rate);
   mg_zero_reals(s->at.acceleration, 6L * c->system->n_body);
   for (int i = c->layout.friction_row_begin; i < c->layout.friction_row_end; i++) s->at.value[i] = 0;
+  mg_rhs_adjoint(c, s, t, x, s->stage, x_bar);
+}
+
+MG_INTERNAL void mg_project_gaps_adjoint(mg_context *c, mg_sensitivity *s, const int *marked, mg_real *x_bar) {
+  const mg_real t = c->run->t, *x = c->run->x;
+  if (!c->settings->project) return;
+  mg_settle_eta_adjoint(c, s, t, x, x_bar);
+  mg_gather_wrenches(c, s, t);
+  mg_zero_reals(s->stage, c->layout.n_states);
+  mg_clear_cotangents(c, s);
+  mg_take_correction_cotangents(c, s, 0, x, x_bar);
+  mg_row_correction_adjoint(c, s, marked, 0, s->at.value);
+  mg_zero_reals(s->at.acceleration, 6L * c->system->n_body);
   mg_rhs_adjoint(c, s, t, x, s->stage, x_bar);
 }
 

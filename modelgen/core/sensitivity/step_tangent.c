@@ -59,18 +59,35 @@ static int mg_has_rubbing_patch(const mg_context *c) {
 }
 
 /* True if a constraint of an active contact has anisotropic friction. */
-static int mg_has_anisotropic_friction(const mg_context *c) {
+static int mg_has_anisotropic_friction(const mg_context *c, mg_sensitivity *s) {
   for (int i = mg_next_row(c, -1); c->system->n_friction && i < c->system->n_contact; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
-      if (c->run->active[i] && c->system->friction_body[g] >= 0) return 1;
+      if (c->run->active[i] && c->system->friction_body[g] >= 0) {
+        s->doubtful = i;
+        return 1;
+      }
   return 0;
 }
 
+/* The first contact that a face rests on, a support point. */
+static int mg_first_closed_support(const mg_context *c) {
+  for (int i = c->layout.support_begin; i < c->system->n_contact; i++)
+    if (c->run->closed[i]) return i;
+  return -1;
+}
+
+MG_INTERNAL int mg_rests_on_moving_points(const mg_context *c, const mg_sensitivity *s) {
+  return mg_first_closed_support(c) >= 0 && mg_has_moving_border(s);
+}
+
 /* What of a step is not differentiated as it was taken, or 0. */
-static int mg_uncertain_step(mg_context *c, mg_real h) {
+static int mg_uncertain_step(mg_context *c, mg_sensitivity *s, mg_real h) {
+  s->doubtful = mg_first_closed_support(c);
+  if (mg_rests_on_moving_points(c, s)) return MG_BY_BORDER;
   if (mg_has_rolling_start(c)) return MG_BY_ROLLING_START;
   if (mg_has_rubbing_patch(c)) return MG_BY_FACES;
-  if (mg_has_anisotropic_friction(c)) return MG_BY_ANISOTROPY;
+  s->doubtful = -1;
+  if (mg_has_anisotropic_friction(c, s)) return MG_BY_ANISOTROPY;
   if (c->settings->method == MG_DOP853 && c->system->n_friction) {
     mg_mark_stiff_slip(c, h);
     if (mg_has_stiff_slip(c)) return MG_BY_STIFF_SLIP;
@@ -78,17 +95,36 @@ static int mg_uncertain_step(mg_context *c, mg_real h) {
   return MG_NO_REASON;
 }
 
+/* Marks the constraints whose slip begins in this step, and has no direction of its own yet. Needs the state of the
+   run. Returns whether there are any. */
+static int mg_mark_beginning_slip(mg_context *c, mg_sensitivity *s) {
+  int any = 0;
+  mg_update_gap_rates(c);
+  for (int i = mg_next_row(c, -1); c->system->n_friction && i < c->layout.support_begin; i = mg_next_row(c, i))
+    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
+      const int mode = c->run->friction_mode[g];
+      s->slip_begins[g] = c->run->active[i] && mg_friction_row_count(c, g) == 2 &&
+                          (mode == MG_SLIP_ONSET || mode == MG_SLIP_STARTING) &&
+                          !mg_is_turned_by_slip(c, g, c->rows.d_dot + mg_first_friction_row(c, i, g));
+      any |= s->slip_begins[g];
+    }
+  return any;
+}
+
 /* True if slip that has begun in this step turns with a direction: then its first direction, a limit, has a derivative
    that the step does not have. Needs the derivatives of the last direction at the end of the step. */
-static int mg_turns_slip_onset(const mg_context *c, const mg_sensitivity *s) {
+static int mg_turns_slip_onset(const mg_context *c, mg_sensitivity *s) {
+  const mg_real least = pow(MG_EPS, (mg_real)0.75) * c->system->length / c->system->time; /* rounding is smaller */
   for (int i = mg_next_row(c, -1); c->system->n_friction && i < c->layout.support_begin; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
       const int row = mg_first_friction_row(c, i, g);
-      if (c->run->friction_mode[g] != MG_SLIP_ONSET || mg_friction_row_count(c, g) < 2) continue;
+      if (!s->slip_begins[g]) continue;
       const mg_real *slip = c->rows.d_dot + row, *dot = s->at.rate + row;
       const mg_real across = fabs(slip[0] * dot[1] - slip[1] * dot[0]),
                     size = sqrt(mg_dot2(slip, slip) * mg_dot2(dot, dot));
-      if (across > sqrt(MG_EPS) * size) return 1;
+      if (!(across > sqrt(MG_EPS) * size) || !(mg_dot2(dot, dot) > least * least)) continue;
+      s->doubtful = i;
+      return 1;
     }
   return 0;
 }
@@ -128,7 +164,8 @@ MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h) {
   const int n = s->directions->n, states = c->layout.n_states;
   const mg_real t = c->run->t, *x = c->run->x;
   mg_begin_step_again(c);
-  int reason = mg_uncertain_step(c, h);
+  int reason = mg_uncertain_step(c, s, h);
+  const int slip_begins = mg_mark_beginning_slip(c, s);
   for (int stage = 0; stage < method.stages; stage++) {
     const mg_real time = t + method.time[stage] * h;
     mg_combine_stages(&method, stage, states, states, h, x, c->step.slopes, c->step.stage);
@@ -149,15 +186,14 @@ MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h) {
     mg_normalise_tangent(c, c->step.end, dx);
   }
   mg_settle_step_end(c, s, t + h);
-  for (int j = 0; j < n && !reason && mg_has_slip_onset(c); j++) {
+  for (int j = 0; j < n && !reason && slip_begins; j++) {
     mg_rhs_tangent(c, s, j, t + h, c->step.end, s->tangent->x + (long)j * states, s->stage);
     if (mg_turns_slip_onset(c, s)) reason = MG_BY_SLIP_ONSET;
   }
   return reason;
 }
 
-/* Adds the corrections of positions, orientations and velocities in c->bodies.wrench to a derivative. */
-static void mg_add_correction(const mg_context *c, const mg_real *x, int of_velocities, mg_real *dx) {
+MG_INTERNAL void mg_add_correction(const mg_context *c, const mg_real *x, int of_velocities, mg_real *dx) {
   const mg_system *system = c->system;
   for (int b = 0; b < system->n_body; b++) {
     if (!mg_is_moved_by_forces(c, b)) continue;

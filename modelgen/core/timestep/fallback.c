@@ -15,10 +15,6 @@ enum {
   MG_PROGRESS_TRIES = 2000    /* tries after which progress is checked */
 };
 
-MG_INTERNAL int mg_is_time_stepping(const mg_context *c) {
-  return c->settings->method == MG_TIME_STEPPING || c->run->fallback_left > 0;
-}
-
 MG_INTERNAL mg_real mg_next_step(const mg_context *c) {
   if (c->settings->method == MG_TIME_STEPPING) return c->settings->step;
   return c->run->fallback_left > 0 ? c->run->fallback_step : c->run->h;

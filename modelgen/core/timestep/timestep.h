@@ -99,9 +99,6 @@ MG_INTERNAL void mg_record_next_forces(mg_context *c, const mg_record *record);
 
 /* fallback.c */
 
-/* True if the next step is one of time-stepping. */
-MG_INTERNAL int mg_is_time_stepping(const mg_context *c);
-
 /* Length of the next step, s: the given one, that of a fallback, or the integrator's. */
 MG_INTERNAL mg_real mg_next_step(const mg_context *c);
 

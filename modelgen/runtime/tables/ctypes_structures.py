@@ -252,7 +252,8 @@ class Tables:
             [(KERNELS, pointer)]
             + [(n, integer) for n in SYSTEM_INTEGERS]
             + [(n, pointer) for n in SYSTEM_INDICES + SYSTEM_REALS]
-            + [("gravity", real * 3), ("length", real), ("mass", real), ("time", real)],
+            + [("gravity", real * 3), ("length", real), ("mass", real), ("time", real)]
+            + [("shapes_digest", ctypes.c_ulonglong)],
         )
         self.Settings = structure(
             "Settings",
@@ -276,7 +277,9 @@ class Tables:
             "Events",
             [("capacity", integer), ("count", integer)] + [(n, pointer) for n in EVENT_ARRAYS],
         )
-        self.Directions = structure("Directions", [("n", integer)] + [(n, pointer) for n in DIRECTION_ARRAYS])
+        self.Directions = structure(
+            "Directions", [("n", integer)] + [(n, pointer) for n in (*DIRECTION_ARRAYS, "given")]
+        )
         self.Tangent = structure(
             "Tangent",
             [
@@ -291,7 +294,9 @@ class Tables:
             [(n, ctypes.c_long) for n in ("capacity", "count")]
             + [(n, pointer) for n in ("bytes", "slopes", "crossing")],
         )
-        self.Adjoint = structure("Adjoint", [(n, pointer) for n in (*COTANGENT_ARRAYS, "work", "iwork")])
+        self.Adjoint = structure(
+            "Adjoint", [(n, pointer) for n in (*COTANGENT_ARRAYS, "work", "iwork", "given")]
+        )
         self.Controller = structure(
             "Controller",
             [

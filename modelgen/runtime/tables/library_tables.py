@@ -63,6 +63,9 @@ def _make(library: Library) -> LibraryTables:
     manifest, instance = library.manifest, library.manifest.instance
     tables = tables_of(library.dtype)
     system, arrays = fill_system(tables, manifest, kernel_table(library.cdll), _scales(tables, instance))
+    digest = library.cdll.mg_shapes_digest
+    digest.restype = ctypes.c_ulonglong
+    system.shapes_digest = digest(ctypes.byref(system))
     for array in arrays:
         array.setflags(write=False)
     names = tuple(c["name"] for c in (*instance["contacts"], *instance["limits"]))

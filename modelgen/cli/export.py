@@ -1,0 +1,58 @@
+"""The command `export`: a scene as C, FMU, CasADi functions, MJCF or URDF."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from modelgen.cli.options import AsJson, Form, RealName, SceneFile, read_option
+from modelgen.cli.output import guarded, print_facts
+from modelgen.cli.pipeline import check_folder, derive_scene, read_scene
+from modelgen.cli.progress import progress
+from modelgen.errors import ModelgenError
+
+To = Annotated[
+    str | None, typer.Option(help="c, fmu, casadi, mjcf or urdf", metavar="FORMAT", show_default=False)
+]
+Folder = Annotated[
+    Path | None,
+    typer.Option(help="folder for the files; default: exported/SCENE", metavar="FOLDER", readable=False),
+]
+
+States = Annotated[bool, typer.Option("--states", help="fmu: states of the bodies as outputs as well")]
+Measured = Annotated[
+    bool, typer.Option("--figures/--no-figures", help="c: measure flash, RAM, stack and instructions")
+]
+
+
+@guarded
+def export(
+    scene: SceneFile,
+    to: To = None,
+    out: Folder = None,
+    real: RealName = None,
+    states: States = False,
+    figures: Measured = True,
+    form: Form = None,
+    as_json: AsJson = False,
+) -> None:
+    """Write a scene for use elsewhere: a C program, an FMU, CasADi functions, MJCF or URDF."""
+    from modelgen.export.exporting import Choices, check_format, export
+
+    name = check_format(to)
+    choices = Choices(read_option("real", real), figures, states)
+    what = read_scene(scene, form)
+    folder = Path("exported") / what.name if out is None else out
+    check_folder(folder)
+    derivation = derive_scene(what)
+    with progress("exporting"), tempfile.TemporaryDirectory(prefix="modelgen-") as scratch:
+        try:
+            written = export(derivation, name, folder, Path(scratch), choices)
+        except OSError as cause:
+            remedy = "name another folder with --out"
+            raise ModelgenError(str(folder), f"it cannot be written: {cause.strerror}", "", remedy) from cause
+    facts = {"scene": what.name, "to": name, "files": [str(path) for path in written]}
+    print_facts(facts, as_json, lambda: typer.echo("\n".join(f"written: {path}" for path in written)))

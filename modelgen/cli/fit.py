@@ -1,0 +1,113 @@
+"""The command that finds numbers of a scene from recorded motion."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+import modelgen
+from modelgen.cli.options import (
+    AsJson,
+    InputValues,
+    OutPicture,
+    Quality,
+    SceneFile,
+    Tolerance,
+    Values,
+    read_option,
+    read_values,
+)
+from modelgen.cli.output import FAILED, check_outputs, guarded, print_facts
+from modelgen.cli.pipeline import fit_scene
+
+Recordings = Annotated[
+    list[Path],
+    typer.Argument(
+        metavar="DATA.csv...",
+        help="recordings: t, and components of sensors or bodies",
+        readable=False,
+    ),
+]
+By = Annotated[
+    str | None,
+    typer.Option(
+        help="what is fitted: parameters, inputs, starts such as ball.velocity or ball.velocity_x",
+        metavar="A,B,...",
+    ),
+]
+Of = Annotated[
+    str | None,
+    typer.Option(help="columns that count, by name or quantity; default: all", metavar="A,B,..."),
+]
+Shown = Annotated[
+    str | None,
+    typer.Option(help="bodies that start as each recording shows, not as the scene says", metavar="A,B,..."),
+]
+NoiseValues = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--noise",
+        help="standard deviation of a column or quantity; default: estimated; repeat it",
+        metavar="NAME=NUMBER",
+    ),
+]
+Loss = Annotated[str, typer.Option(help="how deviations count", metavar="[linear|soft_l1|huber|cauchy]")]
+Guesses = Annotated[str | None, typer.Option("--starts", help="number of first guesses", metavar="NUMBER")]
+Seed = Annotated[str | None, typer.Option(help="of first guesses", metavar="NUMBER")]
+
+
+@guarded
+def fit(
+    scene: SceneFile,
+    data: Recordings,
+    by: By = None,
+    of: Of = None,
+    start: Shown = None,
+    noise: NoiseValues = None,
+    loss: Loss = "linear",
+    starts: Guesses = None,
+    seed: Seed = None,
+    accuracy: Quality = None,
+    tolerance: Tolerance = None,
+    values: Values = None,
+    inputs: InputValues = None,
+    plot: OutPicture = None,
+    as_json: AsJson = False,
+) -> None:
+    """Find parameters, inputs and starts of a scene from recorded motion, with their confidence."""
+    from modelgen.report.fit_output import fit_facts, print_fit
+
+    check_outputs(None, plot)
+    own = read_option("tolerance", tolerance)
+    found = fit_scene(
+        scene,
+        data,
+        {
+            "by": _listed(by),
+            "of": None if of is None else _listed(of),
+            "start": _listed(start),
+            "noise": read_values(noise, "--noise"),
+            "loss": loss,
+            "starts": read_option("starts", starts) or 1,
+            "seed": read_option("seed", seed) or 0,
+            "accuracy": read_option("accuracy", accuracy) if own is None else modelgen.Accuracy.of(own),
+            "parameters": read_values(values, "--set"),
+            "inputs": read_values(inputs, "--input"),
+        },
+    )
+    if plot is not None:
+        from modelgen.report.fit_plot import draw_fit
+
+        draw_fit(found, plot)
+    facts = fit_facts(found) | {"plot": None if plot is None else str(plot)}
+    print_facts(facts, as_json, lambda: print_fit(facts, Console()))
+    if not found.converged:
+        raise typer.Exit(FAILED)
+
+
+def _listed(names: str | None) -> list[str]:
+    """The names of an option that is written A,B."""
+    return [name.strip() for name in (names or "").split(",") if name.strip()]

@@ -1,0 +1,46 @@
+int scene_begin(scene_instance *scene) {
+  scene->events.count = 0;
+  return mg_begin(&scene_system, &scene_settings, &scene->run, &scene->events, scene->work, scene->iwork);
+}
+
+int scene_advance(scene_instance *scene, mg_real t_stop) {
+  int code;
+  do code = scene_advance_part(scene, t_stop, 1000000, 0);
+  while (code == MG_CONTINUE || code == MG_LIST_FULL);
+  return code;
+}
+
+int scene_advance_part(scene_instance *scene, mg_real t_stop, long max_steps, mg_record *record) {
+  mg_record none = {0};
+  scene->events.count = 0;
+  return mg_advance(&scene_system, &scene_settings, &scene->run, t_stop, max_steps, record ? record : &none,
+                    &scene->events, scene->work, scene->iwork);
+}
+
+void scene_set_input(scene_instance *scene, int input, mg_real value) {
+  mg_real *setting = scene->run.input + 3 * input;
+  setting[0] = value, setting[1] = 0, setting[2] = scene->run.t;
+}
+
+void scene_set_rate(scene_instance *scene, int input, mg_real rate) {
+  mg_real *setting = scene->run.input + 3 * input;
+  setting[0] += setting[1] * (scene->run.t - setting[2]);
+  setting[1] = rate, setting[2] = scene->run.t;
+}
+
+void scene_sense(scene_instance *scene, mg_real *sensors) {
+  mg_sense(&scene_system, &scene_settings, &scene->run, sensors, scene->work, scene->iwork);
+}
+
+void scene_poses(scene_instance *scene, mg_real *pose) {
+  mg_pose_all(&scene_system, &scene_settings, &scene->run, pose, scene->work, scene->iwork);
+}
+
+void scene_save(const scene_instance *scene, unsigned char *bytes) {
+  mg_save(&scene_system, &scene_settings, &scene->run, bytes);
+}
+
+int scene_load(scene_instance *scene, const unsigned char *bytes, long length) {
+  scene->events.count = 0;
+  return mg_load(&scene_system, &scene_settings, &scene->run, bytes, length);
+}

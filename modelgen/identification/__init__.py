@@ -1,0 +1,1 @@
+"""From recorded motion to numbers of a scene: a library and recordings in; values with confidence out."""

@@ -1,0 +1,92 @@
+"""The inputs of many runs, which their caller sets."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from modelgen.notation import SETTING_SIZE
+from modelgen.runtime.arguments import check_name
+from modelgen.runtime.inputs import is_jump, is_outside, refused_rate, refused_value
+from modelgen.runtime.session_group import SessionGroup
+from modelgen.runtime.tables.ctypes_structures import Array
+
+
+class InputsByLane(Mapping[str, Array]):
+    """The inputs of all lanes by name, (n,) each: arrays of the present values, that are written to.
+
+    A value that is written takes effect at the present time of its lane. An input with hold = "linear" goes
+    on from its present value at a rate: `ramp` sets the rate, and the value, which is continuous, can be
+    written to before a lane starts or is reset.
+    """
+
+    def __init__(self, group: SessionGroup) -> None:
+        self._group = group
+        self._kinds = group.library.manifest.instance["inputs"]
+        self._index = {kind["name"]: k for k, kind in enumerate(self._kinds)}
+        self._shown = {each["name"]: np.empty(group.n) for each in self._kinds if each["hold"] == "linear"}
+        self.refresh()
+
+    def __getitem__(self, name: str) -> Array:
+        if name not in self._index:
+            check_name("input", name, self._index)
+        return self._shown[name] if name in self._shown else self._settings(name)[0]
+
+    def ramp(self, name: str, rates: Any) -> None:
+        """Let an input with hold = "linear" change at rates, one number or (n,) per s, from now on.
+
+        Raises SimulationError where it has another hold, or a rate is not finite.
+        """
+        if name not in self._shown:
+            check_name("ramp", name, self._shown)
+        given = np.broadcast_to(np.asarray(rates, dtype=float), (self._group.n,))
+        if len(bad := np.flatnonzero(~np.isfinite(given))):
+            raise refused_rate(f"input {name!r} of lane {bad[0]}", float(given[bad[0]]))
+        self._check(name)
+        value, rate, since = self._settings(name)
+        value[:], rate[:], since[:] = self._shown[name], given, self._group.t
+
+    def check(self) -> None:
+        """Raises SimulationError where a value that was written is refused."""
+        for name in self._index:
+            self._check(name)
+
+    def refresh(self) -> None:
+        """Show the present values."""
+        for name, shown in self._shown.items():
+            shown[:] = self._present(name)
+
+    def restart(self, lanes: Array) -> None:
+        """Let lanes that go back to t = 0 start with the values that are shown, and their rates."""
+        for name in self._index:
+            self._check(name, lanes, True)
+            value, _, since = self._settings(name)
+            value[lanes], since[lanes] = self[name][lanes], 0.0
+
+    def _check(self, name: str, lanes: Any = slice(None), may_jump: bool = False) -> None:
+        kind, values, present = self._kinds[self._index[name]], self[name], self._present(name)
+        refused = outside = is_outside(kind, values)
+        if not may_jump:
+            refused = outside | is_jump(kind, values, present)
+        if len(bad := np.arange(self._group.n)[lanes][refused[lanes]]):
+            lane = int(bad[0])
+            where = f"input {name!r} of lane {lane}"
+            raise refused_value(kind, where, float(values[lane]), bool(outside[lane]))
+
+    def _present(self, name: str) -> Array:
+        value, rate, since = self._settings(name)
+        present: Array = value + rate * (self._group.t - since)
+        return present
+
+    def _settings(self, name: str) -> tuple[Array, Array, Array]:
+        """Value, rate and time of the settings of an input, (n,) each."""
+        at, settings = SETTING_SIZE * self._index[name], self._group.arrays["input"]
+        return settings[:, at], settings[:, at + 1], settings[:, at + 2]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._index)
+
+    def __len__(self) -> int:
+        return len(self._index)

@@ -1,0 +1,65 @@
+"""`--to c`: the folder compiles without a warning anywhere, and its self-test passes wherever it can run."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from tests.export.folders import ZIG, compiled, exported, needs_gcc, needs_zig, runner, said
+
+TARGETS = ("aarch64-linux-musl", "arm-linux-musleabihf", "x86_64-windows-gnu", "wasm32-wasi")
+SANITIZED = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+SCENES_OF_KINDS = ("box_dropped", "balancing_wheel", "four_bar", "rolling_disc")  # patches, inputs, joints
+
+
+@needs_gcc
+def test_the_self_test_compiles_without_a_warning_and_passes(tmp_path: Path) -> None:
+    folder = exported("sphere_slide_to_roll", "c", tmp_path)
+    _, told = said(compiled(folder, ["gcc"], "selftest", "-O0"))
+    assert re.search(r"11 of 11 vectors, .*saved state goes on alike; passed", told)
+
+
+@needs_gcc
+@pytest.mark.slow
+@pytest.mark.parametrize("real", ["double", "float"])
+@pytest.mark.parametrize("name", SCENES_OF_KINDS)
+def test_the_self_test_passes_under_sanitizers(name: str, real: str, tmp_path: Path) -> None:
+    folder = exported(name, "c", tmp_path, real=real)
+    _, told = said(compiled(folder, ["gcc"], "selftest", "-O1", *SANITIZED, real=real))
+    assert "equal to the last bit" in told
+
+
+@needs_gcc
+@pytest.mark.slow
+def test_a_self_test_fails_where_a_number_is_another(tmp_path: Path) -> None:
+    folder = exported("sphere_slide_to_roll", "c", tmp_path)
+    text = (folder / "scene.c").read_text()
+    assert "scene->input" in text
+    (folder / "scene.c").write_text(text.replace("-0x1.39eb851eb851fp+3", "-0x1.39eb951eb851fp+3"))
+    with pytest.raises(AssertionError, match="FAILED"):
+        said(compiled(folder, ["gcc"], "selftest", "-O1"))
+
+
+@needs_zig
+@pytest.mark.slow
+@pytest.mark.parametrize("target", TARGETS)
+def test_other_targets_compile_and_pass(target: str, tmp_path: Path) -> None:
+    folder = exported("sphere_slide_to_roll", "c", tmp_path)
+    program = compiled(
+        folder, ZIG, "selftest.wasm" if "wasm" in target else "selftest", "-O1", "-target", target
+    )
+    by = runner(target, folder)
+    if by is None:
+        pytest.skip(f"compiled, but nothing runs programs of {target} here")
+    assert "passed" in said(program, by=by)[1]
+
+
+@needs_gcc
+@pytest.mark.slow
+def test_the_readme_tells_what_the_scene_needs(tmp_path: Path) -> None:
+    text = (exported("ball_in_bowl", "c", tmp_path, figures=True) / "README.md").read_text()
+    for row in ("flash", "RAM of one run", "stack"):
+        assert re.search(rf"\| {row} \| .*[1-9]\d* bytes", text), text
+    assert re.search(r"\| right-hand side .* \d+ instructions", text) or "not counted" in text

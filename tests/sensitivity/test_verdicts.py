@@ -1,0 +1,172 @@
+"""What a derivative is not: each cause of doubt is told with its time, its contact and its reason."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import sqrt
+
+import numpy as np
+import pytest
+
+from modelgen import Accuracy, sensitivity
+from modelgen.scene.read import read_text
+from tests.sensitivity.differences import differentiable, shipped
+
+G, R = 9.81, 0.1
+BALL = """
+[[body]]
+name = "ball"
+shape = { kind = "sphere", radius = 0.1 }
+mass = 2.0
+inertia = [0.008, 0.008, 0.008]
+"""
+
+
+def found_in(text: str, t: float, accuracy: Accuracy | str = "tight"):  # type: ignore[no-untyped-def]
+    library = differentiable(read_text(text, "scene.toml"))
+    return sensitivity(library, t, of=["ball.position"], by=["ball.velocity"], accuracy=accuracy)
+
+
+def test_a_ball_that_just_reaches_a_ceiling() -> None:
+    """It strikes more slowly than counts as a blow: a throw that is hardly slower does not strike."""
+    high, fast = 0.5, 1e-4
+    up = sqrt(2 * G * (high - R) + fast * fast)
+    text = f"""{BALL}
+velocity = [0.0, 0.0, {up!r}]
+[[body]]
+name = "ceiling"
+motion = "fixed"
+shape = {{ kind = "plane" }}
+position = [0.0, 0.0, {high}]
+rpy = ["pi", 0.0, 0.0]
+[[contact]]
+between = ["ball", "ceiling"]
+"""
+    verdict = found_in(text, 0.5, replace(Accuracy.tight(), rest_speed=1e-3)).verdict
+    assert verdict.reason == "an event function only touches zero"
+    assert verdict.t == pytest.approx((up - fast) / G, abs=1e-9)
+    assert verdict.contact == "ball-ceiling"
+
+
+def test_bounces_that_end() -> None:
+    library = shipped("bouncing_ball")
+    ends = sqrt(2 / G) * 1.7 / 0.3
+    found = sensitivity(
+        library, [0.9 * ends, 2.9], of=["ball.position"], by=["ball.velocity"], accuracy="tight"
+    )
+    assert found.verdicts[0]
+    verdict = found.verdicts[1]
+    assert verdict.reason == "bounces that grow ever shorter are cut off"
+    assert verdict.t == pytest.approx(ends, abs=1e-5)
+    assert verdict.contact == "ball-table"
+
+
+CORNER = """
+gravity = [0.0, 0.0, 0.0]
+[[body]]
+name = "floor"
+motion = "fixed"
+shape = { kind = "plane" }
+
+[[body]]
+name = "wall"
+motion = "fixed"
+rpy = [0.0, "pi/2", 0.0]
+shape = { kind = "plane" }
+"""
+
+
+@pytest.mark.parametrize("apart", [0.0, 0.1])
+def test_two_walls_are_struck_at_one_time_or_one_after_the_other(apart: float) -> None:
+    text = f"""{CORNER}{BALL}
+position = [0.6, 0.0, {0.6 + apart}]
+velocity = [-1.0, 0.0, -1.0]
+[[contact]]
+between = ["ball", "floor"]
+restitution = 0.5
+[[contact]]
+between = ["ball", "wall"]
+restitution = 0.5
+"""
+    verdict = found_in(text, 1.0).verdict
+    assert bool(verdict) == bool(apart)
+    if not apart:
+        assert verdict.reason == "several events happen at one time"
+        assert verdict.t == pytest.approx(0.5, abs=1e-12)
+        assert verdict.contact in ("ball-floor", "ball-wall")
+
+
+def test_a_paradox_of_painleve() -> None:
+    """No acceleration at the start: a step of time passes it."""
+    found = sensitivity(shipped("painleve_rod"), 0.1, of=["rod.position"], by=["rod.velocity"])
+    assert found.verdict.reason == "a part of the run is time-stepping"
+    assert found.verdict.t == 0.0
+
+
+def test_time_stepping() -> None:
+    found = sensitivity(
+        shipped("bouncing_ball"),
+        0.1,
+        of=["ball.position"],
+        by=["ball.velocity"],
+        method="time-stepping",
+        step=1e-3,
+    )
+    assert found.verdict.reason == "a part of the run is time-stepping"
+    assert found.verdict.t == 0.0
+
+
+def test_a_box_that_falls_on_its_face() -> None:
+    text = """
+[[body]]
+name = "floor"
+motion = "fixed"
+shape = { kind = "plane" }
+
+[[body]]
+name = "ball"
+shape = { kind = "box", size = [0.2, 0.1, 0.2] }
+density = 500.0
+position = [0.0, 0.0, 0.4]
+
+[[contact]]
+between = ["ball", "floor"]
+"""
+    verdict = found_in(text, 0.5).verdict
+    assert verdict.reason == "faces come to rest on each other, or rub"
+    assert verdict.t == pytest.approx(sqrt(2 * 0.3 / G), abs=1e-9)
+    assert verdict.contact.startswith("ball-floor:bottom")
+
+
+@pytest.mark.parametrize(("by", "certain"), [("push", True), ("aside", False)])
+def test_slip_that_begins(by: str, certain: bool) -> None:
+    """A ball is pulled until it slips: by a force along the pull the slip keeps its direction."""
+    text = f"""
+gravity = [0.0, 0.0, -9.81]
+[[body]]
+name = "floor"
+motion = "fixed"
+shape = {{ kind = "plane" }}
+{BALL}
+position = [0.0, 0.0, 0.1]
+[[contact]]
+between = ["ball", "floor"]
+friction = {{ static = 0.4, kinetic = 0.3 }}
+[[input]]
+name = "push"
+default = 1.0
+[[input]]
+name = "aside"
+default = 0.0
+[[force]]
+body = "ball"
+force = ["40*t*push", "aside", 0.0]
+"""
+    library = differentiable(read_text(text, "scene.toml"))
+    found = sensitivity(library, [0.5, 1.5], of=["ball.position"], by=[by], accuracy="tight")
+    assert found.verdicts[0]
+    assert bool(found.verdict) == certain
+    if not certain:
+        assert found.verdict.contact == "ball-floor"
+        assert found.verdict.reason == "slip begins in a direction that depends on the change"
+    assert np.all(np.isfinite(found.jacobian))
