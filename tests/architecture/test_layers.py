@@ -23,6 +23,7 @@ PIPELINE = (
     ("codegen",),
     ("runtime",),
     ("casadi_functions", "gym", "identification", "linearisation"),
+    ("optimal_control",),
     ("report",),
     ("view",),
     ("benchmark",),
