@@ -241,3 +241,13 @@ def test_what_is_trusted_does_not_penetrate(seed: int) -> None:
     """Random solids in flight, in heaps of two, in hollows, tubes and on posts, by decades of clearance."""
     verdict = judge(seed)
     assert not verdict.fails, str(verdict)
+
+
+@pytest.mark.cases(1)
+@pytest.mark.parametrize("seed", range(2, 150, 5))
+def test_a_body_that_fits_into_a_hollow_is_followed_all_around(seed: int) -> None:
+    """Of what a run cannot know only the friction of contacts that wedge the body is left."""
+    verdict = judge(seed)
+    assert verdict.outcome == "DONE", str(verdict)
+    assert all("friction were not unique" in doubt for doubt in verdict.doubts), str(verdict)
+    assert verdict.deepest < 3e-6
