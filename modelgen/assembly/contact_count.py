@@ -10,7 +10,7 @@ from modelgen.geometry.features import features_of, is_composite
 from modelgen.model import ENDS, WATCHED, FeaturePairEntry, Search
 from modelgen.scene.scene_types import ContactPair, Shape
 
-SMOOTH, PIECEWISE = 4, 8  # contacts of a pair that may touch more than once: smooth shapes, others
+SMOOTH, MANY = 4, 8  # contacts of a pair that may touch more than once: smooth shapes side by side, others
 ROUND = ("sphere", "ellipsoid", "superellipsoid")
 
 
@@ -32,9 +32,9 @@ def following(
     A plane is held off by every vertex, edge and bulge at once, unless these run into one another or a single
     surface or curve has several; of a convex body one follows the other down, of others any may come down
     next, so that steps are kept short. Two convex shapes, one of them round, touch once. A body in a hollow
-    may be near to several of its sides, though it touches one at a time. Others touch in several points,
-    searched for as the bodies move, or after every step where there are edges, which come down on faces all
-    along.
+    may be near to several of its sides, though it touches one at a time; where the shapes are not so
+    simple, it may touch all around. Others touch in several points, searched for as the bodies move, or after
+    every step where there are edges, which come down on faces all along.
     """
     hollow = is_hollow(a) or is_hollow(b)
     alone = touches_once(a, b)
@@ -52,7 +52,8 @@ def following(
     if once and (a.kind in ROUND or b.kind in ROUND):
         return Following(1, False, "never")
     smooth = is_smooth(a) and is_smooth(b)
-    count = pair.points or (SMOOTH if smooth else PIECEWISE)
+    around = not alone and (a.cavity or b.cavity)
+    count = pair.points or (SMOOTH if smooth and not around else MANY)
     if alone and smooth and not explicit:
         return Following(count, False, "apart")
     return Following(count, False, "moved" if smooth and not explicit else "always")

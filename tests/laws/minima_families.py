@@ -41,6 +41,10 @@ def _torus(u: ca.SX, v: ca.SX) -> tuple[ca.SX, ...]:
     return (1 + 0.3 * ca.cos(v)) * ca.cos(u), (1 + 0.3 * ca.cos(v)) * ca.sin(u), 0.3 * ca.sin(v)
 
 
+def _duct(u: ca.SX, v: ca.SX) -> tuple[ca.SX, ...]:
+    return (3 + 1.6 * ca.cos(v)) * ca.cos(u), (3 + 1.6 * ca.cos(v)) * ca.sin(u), 1.6 * ca.sin(v)
+
+
 def _ellipsoid(a: float, b: float, c: float, outward: float = 1.0) -> Parametrised:
     def at(t: ca.SX, turn: ca.SX) -> tuple[ca.SX, ...]:
         return a * ca.sin(t) * ca.cos(turn), b * ca.sin(t) * ca.sin(turn), c * ca.cos(t)
@@ -106,6 +110,9 @@ def sides() -> dict[str, Side]:
         "knot": Side(make.curve(*KNOT, domain=[0.0, TURN]), Parametrised("knot", _knot, curve, (True,), 0.0)),
         "rod": Side(make.cylinder(0.4), _round(0.4, 1.0)),
         "bore": Side(make.cylinder(1.6, cavity=True), _round(1.6, -1.0)),
+        "duct": Side(
+            make.torus(3.0, 1.6, cavity=True), Parametrised("duct", _duct, EACH_TURN, (True, True), -1.0)
+        ),
         "ring": Side(make.circle(0.8), Parametrised("ring", _ring, curve, (True,), 0.0)),
         "ellipse": Side(make.ellipse_curve(1.0, 0.5), Parametrised("ellipse", _ellipse, curve, (True,), 0.0)),
     }  # fmt: skip
@@ -115,7 +122,9 @@ PAIRS = (
     ("torus", "torus"), ("wavy", "egg"), ("wavy", "wavy"), ("waist", "torus"), ("waist", "pear"),
     ("pear", "egg"), ("hollow", "egg"), ("hollow", "wavy"), ("hollow", "waist"), ("torus", "knot"),
     ("wavy", "knot"), ("waist", "ellipse"), ("knot", "ellipse"), ("torus", "rod"), ("rod", "rod"),
-    ("bore", "torus"), ("bore", "ring"), ("rod", "ring"), ("bore", "egg"),
+    ("bore", "torus"), ("bore", "ring"), ("rod", "ring"), ("bore", "egg"), ("torus", "egg"),
+    ("torus", "ring"), ("hollow", "torus"), ("wavy", "rod"), ("bore", "waist"), ("duct", "egg"),
+    ("duct", "torus"), ("duct", "waist"), ("duct", "knot"), ("duct", "rod"),
 )  # fmt: skip
 
 
@@ -131,6 +140,7 @@ def library(o: str, f: str) -> Library:
 
 def random_pose(o: str, rng: np.random.Generator) -> Array:
     """A pose of the second body in the axes of the first."""
-    spread = {"hollow": 0.5, "bore": 0.3}.get(o, 1.2)
+    spread = {"hollow": 0.5, "bore": 0.3, "duct": 0.3}.get(o, 1.2)
+    middle = [3.0, 0.0, 0.0] if o == "duct" else [0.0, 0.0, 0.0]
     rotation = Rotation.random(random_state=rng.integers(2**31)).as_matrix()
-    return np.append(spread * rng.normal(size=3), rotation.ravel(order="F"))
+    return np.append(middle + spread * rng.normal(size=3), rotation.ravel(order="F"))

@@ -7,7 +7,10 @@
      surface, point: b - a = d n_A                    ->  (1 + d W_A) y_A = v, along the surface A
      surface, curve: n_A . t_B = 0, b - a = d n_A     ->  (n_A.k_B + w.W_A (1 + d W_A)^-1 w) s_B = ..., w = t_B along A
      two curves: v . t_A = v . t_B = 0                ->  two equations in s_A, s_B
-   The cells bound how far each equation is from its linear part. Axes of A's shape. */
+   A surface at a constant distance, its tube, from a curve or a point is critical where that is: views show the curve
+   or the point, and d is then the gap and the tube. Where all lies outside, its gap is least where the distance is;
+   inside a hollow, the gap is least across the curve only if the distance is greatest. The cells bound how far each
+   equation is from its linear part. Axes of A's shape. */
 #include "closest/closest.h"
 #include "base/base.h"
 
@@ -160,11 +163,14 @@ static mg_real mg_sum_size(const mg_real *a, const mg_real *b) {
   return sqrt(mg_dot3(sum, sum));
 }
 
-/* Gaps of interest where b is a vertex or the centre of a sphere, as distances of that point; of a cavity all. */
-static mg_search_limits mg_limits_of_point(const mg_cell_view *b, const mg_search_limits *limits) {
+/* True if one of the features is a hollow about the curve or point that its view shows. */
+static int mg_is_hollow(const mg_cell_view *a, const mg_cell_view *b) { return a->tube < 0 || b->tube < 0; }
+
+/* Limits of the distance along the normal of a surface, of what the other view shows: the gap and the other's tube. */
+static mg_search_limits mg_limits_along_normal(const mg_cell_view *a, const mg_cell_view *b,
+                                               const mg_search_limits *limits) {
   mg_search_limits moved = *limits;
-  if (b->sphere_radius < 0) moved.gap = moved.depth = MG_MAX;
-  else moved.gap += b->sphere_radius, moved.depth -= b->sphere_radius;
+  moved.gap += a->tube + b->tube, moved.depth -= a->tube + b->tube;
   return moved;
 }
 
@@ -257,9 +263,8 @@ static int mg_judge_surface_plane(const mg_cell_view *surface, const mg_cell_vie
 static int mg_judge_surface_point(const mg_cell_view *a, const mg_cell_view *b, const mg_real *v,
                                   const mg_search_limits *limits) {
   const mg_cell *A = a->cell;
-  const mg_search_limits of_point = mg_limits_of_point(b, limits);
   mg_real t1[3], t2[3], d, gap_error;
-  if (!mg_gap_estimate(a, b, v, &of_point, &d, &gap_error)) return MG_CELLS_APART;
+  if (!mg_gap_estimate(a, b, v, limits, &d, &gap_error)) return MG_CELLS_APART;
   mg_linear_part at = {2, {0}, {0}, a->radius, {0}, {0}, 0, {0}, {0}};
   mg_plane_tangents(a->direction, t1, t2);
   mg_bend_along(a, t1, t2, at.K);
@@ -269,10 +274,24 @@ static int mg_judge_surface_point(const mg_cell_view *a, const mg_cell_view *b, 
   mg_find_directions(&at);
   for (int i = 0; i < 2; i++) mg_set_reach(&at, i, a, t1, t2);
   at.error[0] = at.error[1] = error * a->radius, at.slope_error = (error + a->spread * a->spread) * 5 / 4;
-  const mg_real outward = b->sphere_radius < 0 ? -1 : 1;
+  const mg_real outward = b->tube < 0 ? -1 : 1;
   const mg_real hessian[4] = {outward * at.K[0], outward * at.K[1], outward * at.K[2], outward * at.K[3]};
   if (mg_smallest_eigenvalue(hessian) < -at.slope_error) return MG_CELLS_APART;
   return mg_judge_linear_part(&at);
+}
+
+/* True if the gap between a surface and a tube about a curve cannot be least across the curve, along e: outside the
+   tube the curve, at the distance d, has to be short of the focal point of the surface, in a hollow beyond it.
+   w: tangent of the curve and W: bend of the surface, in its tangents. */
+static int mg_is_focal_side_wrong(const mg_cell_view *a, const mg_cell_view *b, const mg_real *w, const mg_real *W,
+                                  mg_real d, mg_real gap_error) {
+  const mg_real size = mg_length2(w[0], w[1]), turned = a->spread + b->spread, widest = fabs(d) + gap_error;
+  if (!(size > (mg_real)0.5) || (b->tube > 0 ? d - gap_error : -d - gap_error) <= 0) return 0;
+  const mg_real e[2] = {-w[1] / size, w[0] / size};
+  const mg_real along = e[0] * (W[0] * e[0] + W[2] * e[1]) + e[1] * (W[1] * e[0] + W[3] * e[1]);
+  const mg_real error = widest * a->cell->bend_error + gap_error * a->cell->bend_size +
+                        widest * a->cell->bend_size * 4 * turned * (1 + turned);
+  return b->tube > 0 ? 1 + d * along < -error : 1 + d * along > error;
 }
 
 static int mg_judge_surface_curve(const mg_cell_view *a, const mg_cell_view *b, const mg_real *v,
@@ -306,7 +325,8 @@ static int mg_judge_surface_curve(const mg_cell_view *a, const mg_cell_view *b, 
   at.slope_error = (A->bend_error * moved_a + turned_b + A->bend_size * size * (lag * moved_a + b->spread) +
                     a->spread * bend_b + bend_a * moved_a * b->spread) *
                    5 / 4;
-  if (mg_smallest_eigenvalue(N) > (mg_real)0.01 && at.K[0] < -at.slope_error) return MG_CELLS_APART;
+  if (b->tube >= 0 && mg_smallest_eigenvalue(N) > (mg_real)0.01 && at.K[0] < -at.slope_error) return MG_CELLS_APART;
+  if (b->tube != 0 && mg_is_focal_side_wrong(a, b, w, W, d, gap_error)) return MG_CELLS_APART;
   mg_real s, s_error;
   const int verdict = mg_solve_linear_part(&at, &s, &s_error);
   if (verdict != MG_CELLS_REGULAR && verdict != MG_CELLS_SINGLE) return verdict;
@@ -322,7 +342,7 @@ static int mg_judge_curve_plane(const mg_cell_view *curve, const mg_cell_view *p
   mg_curvature_vector(curve, curvature);
   at.K[0] = mg_dot3(plane->direction, curvature), at.r[0] = mg_dot3(plane->direction, curve->direction);
   at.slope_error = mg_curvature_change_along(curve, plane->direction), at.error[0] = at.slope_error * curve->radius;
-  if (at.K[0] < -at.slope_error) return MG_CELLS_APART;
+  if (curve->tube < 0 || at.K[0] < -at.slope_error) return MG_CELLS_APART;
   return mg_judge_linear_part(&at);
 }
 
@@ -334,7 +354,7 @@ static int mg_judge_curve_point(const mg_cell_view *a, const mg_cell_view *b, co
   const mg_real error =
       mg_curvature_change_along(a, v) + a->spread + a->radius * (a->cell->bend_size + a->cell->bend_error);
   at.error[0] = error * a->radius, at.slope_error = error * 5 / 4;
-  if ((b->sphere_radius < 0 ? -1 : 1) * at.K[0] > at.slope_error) return MG_CELLS_APART;
+  if ((b->tube < 0 ? -1 : 1) * at.K[0] > at.slope_error) return MG_CELLS_APART;
   return mg_judge_linear_part(&at);
 }
 
@@ -351,7 +371,9 @@ static int mg_judge_curves(const mg_cell_view *a, const mg_cell_view *b, const m
   mg_find_directions(&at);
   at.error[0] = at.error[1] = sqrt(first * first + second * second);
   at.slope_error = (of_a + of_b + a->spread + b->spread) * 5 / 4;
-  if (at.K[0] > at.slope_error || at.K[3] < -at.slope_error) return MG_CELLS_APART;
+  const mg_real saddle = (mg_is_hollow(a, b) ? -1 : 1) * (at.K[0] * at.K[3] - at.K[1] * at.K[2]);
+  if (saddle > at.slope_error * at.size[0]) return MG_CELLS_APART;
+  if (!mg_is_hollow(a, b) && (at.K[0] > at.slope_error || at.K[3] < -at.slope_error)) return MG_CELLS_APART;
   mg_real s[2], s_error;
   const int verdict = mg_solve_linear_part(&at, s, &s_error);
   if (verdict != MG_CELLS_REGULAR && verdict != MG_CELLS_SINGLE) return verdict;
@@ -387,16 +409,17 @@ static int mg_is_gap_beyond(const mg_cell_view *surface, const mg_cell_view *oth
   return !mg_gap_estimate(surface, other, v, limits, &d, &error);
 }
 
-/* True if the distance of a cell from a plane or a point is beyond the limits. */
-static int mg_is_closed_view_distant(const mg_cell_view *a, const mg_cell_view *b, const mg_real *v, mg_real distance,
-                                     const mg_search_limits *limits) {
-  const mg_real near = distance - a->radius, far = distance + a->radius, r = b->sphere_radius;
+/* True if the gap of a curve and a plane, a curve, or a point is beyond the limits; or of a surface and a plane or a
+   point. */
+static int mg_is_view_distant(const mg_cell_view *a, const mg_cell_view *b, const mg_real *v, mg_real distance,
+                              const mg_search_limits *limits) {
+  const mg_real both = a->radius + b->radius, near = distance - both, far = distance + both, tube = a->tube + b->tube;
   if (b->kind == MG_VIEW_PLANE) {
-    const mg_real height = -mg_dot3(b->direction, v), extent = mg_extent_along(a, b->direction);
+    const mg_real height = -mg_dot3(b->direction, v) - tube, extent = mg_extent_along(a, b->direction);
     return height - extent > limits->gap || height + extent < -limits->depth;
   }
-  return r >= 0 ? near - r > limits->gap || far - r < -limits->depth
-                : -r - far > limits->gap || -r - near < -limits->depth;
+  return mg_is_hollow(a, b) ? -tube - far > limits->gap || -tube - near < -limits->depth
+                            : near - tube > limits->gap || far - tube < -limits->depth;
 }
 
 /* True if the directions of the cells differ too much for a critical pair: two surfaces face each other, a curve is
@@ -416,11 +439,13 @@ static int mg_are_cells_apart(const mg_cell_view *a, const mg_cell_view *b, cons
   const mg_real distance = sqrt(mg_dot3(v, v)), both = a->radius + b->radius;
   mg_real longest = distance + both;
   if (mg_are_directions_apart(a, b)) return 1;
-  if (!b->cell) {
-    if (mg_is_closed_view_distant(a, b, v, distance, limits)) return 1;
-    if (b->kind == MG_VIEW_PLANE) return 0;
-  } else {
-    const mg_real reach = fmax(limits->gap, limits->depth);
+  const int surfaces = (a->kind == MG_VIEW_SURFACE) + (b->kind == MG_VIEW_SURFACE);
+  if ((!b->cell || !surfaces) && mg_is_view_distant(a, b, v, distance, limits)) return 1;
+  if (b->kind == MG_VIEW_PLANE) return 0;
+  if (b->cell) {
+    const mg_search_limits moved = mg_limits_along_normal(a, b, limits);
+    const mg_real reach = fmax(surfaces || !mg_is_hollow(a, b) ? moved.gap : limits->depth - a->tube - b->tube,
+                               surfaces ? moved.depth : 0);
     if (mg_are_cells_distant(a, b, v, distance, reach)) return 1;
     longest = fmin(longest, reach);
   }
@@ -440,18 +465,19 @@ MG_INTERNAL int mg_judge_cells(const mg_cell_view *a, const mg_cell_view *b, con
   if (!(a->radius + b->radius < MG_MAX / 4)) return MG_CELLS_OPEN;
   const mg_real back[3] = {-v[0], -v[1], -v[2]};
   if (mg_are_cells_apart(a, b, v, limits)) return MG_CELLS_APART;
-  if (b->cell && (mg_is_gap_beyond(a, b, v, limits) || mg_is_gap_beyond(b, a, back, limits))) return MG_CELLS_APART;
+  const mg_search_limits moved = mg_limits_along_normal(a, b, limits);
+  if (b->cell && (mg_is_gap_beyond(a, b, v, &moved) || mg_is_gap_beyond(b, a, back, &moved))) return MG_CELLS_APART;
   if (a->spread + b->spread > 1) return MG_CELLS_OPEN;
   const int curve = a->kind == MG_VIEW_CURVE;
   switch (b->kind) {
     case MG_VIEW_PLANE:
       return curve ? mg_judge_curve_plane(a, b) : mg_judge_surface_plane(a, b);
     case MG_VIEW_POINT:
-      return curve ? mg_judge_curve_point(a, b, v) : mg_judge_surface_point(a, b, v, limits);
+      return curve ? mg_judge_curve_point(a, b, v) : mg_judge_surface_point(a, b, v, &moved);
     case MG_VIEW_CURVE:
-      return curve ? mg_judge_curves(a, b, v) : mg_judge_surface_curve(a, b, v, limits);
+      return curve ? mg_judge_curves(a, b, v) : mg_judge_surface_curve(a, b, v, &moved);
     default:
       break;
   }
-  return curve ? mg_judge_surface_curve(b, a, back, limits) : mg_judge_surfaces(a, b, v, limits);
+  return curve ? mg_judge_surface_curve(b, a, back, &moved) : mg_judge_surfaces(a, b, v, &moved);
 }

@@ -1,6 +1,6 @@
 /* Trees of cells of features: boxes of chart coordinates with bounds of points, normals or tangents, and curvature,
-   by Taylor models. Cells are divided when a search asks for it, and are kept for
-   the searches that follow, in the axes of the shape. Writes c->search. */
+   by Taylor models; or with those of the centre curve of a torus or cylinder, in closed form. Cells are divided when a
+   search asks for it, and are kept for the searches that follow, in the axes of the shape. Writes c->search. */
 #include "closest/closest.h"
 #include "base/base.h"
 #include "model/model.h"
@@ -70,19 +70,48 @@ static void mg_bound_cell(mg_context *c, int feature_pair, int side, mg_cell *ce
   cell->direction_to_divide = !is_curve && mg_is_second_wider(c, feature_pair, side, cell->box, out);
 }
 
-/* A new cell; 0 if there is no room. */
-static int mg_new_cell(mg_context *c, int feature_pair, int side, const mg_real *box) {
+/* The same of the centre curve of a feature. Over an angle of 2 `half` of a circle, vectors that turn with it change by
+   the chord of `half`, and points leave the tangent by half the curvature times the square of the arc; `radius` bounds
+   the arc. */
+static void mg_bound_centre_cell(mg_context *c, int feature_pair, int side, mg_cell *cell) {
+  mg_centre_curve curve;
+  mg_read_centre_curve(c, feature_pair, side, &curve);
+  const mg_real *ends = cell->box + 2 * curve.coordinate, half = (ends[1] - ends[0]) / 2, middle = ends[0] + half;
+  const mg_real turn = curve.kind == MG_CENTRE_CIRCLE ? fmin(half, MG_PI) : 0, chord = 2 * sin(turn / 2);
+  const mg_real e[2] = {cos(middle), sin(middle)};
+  for (int k = 0; k < 3; k++) cell->centre[k] = cell->slope[0][k] = cell->slope[1][k] = cell->direction[k] = 0;
+  for (int k = 0; k < 6; k++) cell->bend[k] = cell->bend_change[k] = 0;
+  if (curve.kind == MG_CENTRE_LINE) {
+    cell->centre[2] = middle, cell->slope[0][2] = half, cell->direction[2] = 1;
+    cell->radius = half, cell->rest = 0;
+  } else {
+    cell->direction[0] = -e[1], cell->direction[1] = e[0];
+    cell->radius = curve.radius * turn, cell->rest = cell->radius * turn / 2;
+    for (int k = 0; k < 2; k++) {
+      cell->centre[k] = curve.radius * e[k], cell->slope[0][k] = cell->radius * cell->direction[k];
+      cell->bend[k] = -e[k] / curve.radius, cell->bend_change[k] = chord / curve.radius;
+    }
+  }
+  for (int k = 0; k < 3; k++) cell->extent[k] = cell->radius;
+  cell->spread = chord;
+  cell->bend_size = mg_norm_or(3, cell->bend, MG_MAX), cell->bend_error = mg_norm_or(3, cell->bend_change, MG_MAX);
+  cell->direction_to_divide = curve.coordinate;
+}
+
+/* A new cell, of the centre curve if `is_of_centres`; 0 if there is no room. */
+static int mg_new_cell(mg_context *c, int feature_pair, int side, int is_of_centres, const mg_real *box) {
   if (*c->search.n_cells >= c->system->n_cell) return 0;
   mg_cell *cell = c->search.cells + *c->search.n_cells;
   for (int k = 0; k < 4; k++) cell->box[k] = box[k];
-  cell->halves = 0;
-  mg_bound_cell(c, feature_pair, side, cell);
+  cell->halves = 0, cell->is_of_centres = is_of_centres;
+  if (is_of_centres) mg_bound_centre_cell(c, feature_pair, side, cell);
+  else mg_bound_cell(c, feature_pair, side, cell);
   return (*c->search.n_cells)++;
 }
 
 MG_INTERNAL void mg_forget_cells(mg_context *c) {
   *c->search.n_cells = 1;
-  for (int tree = 0; tree < c->system->n_cell_tree; tree++) c->search.tree_root[tree] = 0;
+  for (int tree = 0; tree < 2 * c->system->n_cell_tree; tree++) c->search.tree_root[tree] = 0;
 }
 
 MG_INTERNAL mg_digest mg_digest_searched_shapes(const mg_system *s) {
@@ -110,33 +139,33 @@ MG_INTERNAL void mg_keep_cells_of_same_shapes(mg_context *c) {
   *c->search.cells_digest = digest;
 }
 
-MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side) {
+MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side, int is_of_centres) {
   const mg_real *domain = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_DOMAIN;
-  const int tree = c->system->feature_tree[2 * feature_pair + side];
+  const int tree = c->system->feature_tree[2 * feature_pair + side], root = 2 * tree + is_of_centres;
   mg_real window[4], bound = 0;
   mg_sample_window(c, feature_pair, side, mg_search_radius(c, feature_pair), window);
   for (int k = 0; k < 4; k++)
     if (fabs(domain[k]) >= MG_MAX / 2) bound = fmax(bound, fabs(window[k]));
   if (!(bound <= c->run->search_bound[tree])) c->run->search_bound[tree] = 2 * bound;
   bound = c->run->search_bound[tree];
-  if (c->search.tree_root[tree] && c->search.tree_bound[tree] == bound) return c->search.tree_root[tree];
+  if (c->search.tree_root[root] && c->search.tree_bound[root] == bound) return c->search.tree_root[root];
   for (int k = 0; k < 4; k++)
     if (fabs(domain[k]) >= MG_MAX / 2) window[k] = k % 2 ? bound : -bound;
-  c->search.tree_bound[tree] = bound;
-  return c->search.tree_root[tree] = mg_new_cell(c, feature_pair, side, window);
+  c->search.tree_bound[root] = bound;
+  return c->search.tree_root[root] = mg_new_cell(c, feature_pair, side, is_of_centres, window);
 }
 
 MG_INTERNAL int mg_divide_cell(mg_context *c, int feature_pair, int side, int cell) {
   if (c->search.cells[cell].halves) return c->search.cells[cell].halves;
   if (*c->search.n_cells + 2 > c->system->n_cell) return 0;
-  const int along = c->search.cells[cell].direction_to_divide;
+  const int along = c->search.cells[cell].direction_to_divide, is_of_centres = c->search.cells[cell].is_of_centres;
   mg_real box[4];
   for (int k = 0; k < 4; k++) box[k] = c->search.cells[cell].box[k];
   const mg_real low = box[2 * along], high = box[2 * along + 1], middle = low + (high - low) / 2;
   box[2 * along + 1] = middle;
-  const int first = mg_new_cell(c, feature_pair, side, box);
+  const int first = mg_new_cell(c, feature_pair, side, is_of_centres, box);
   box[2 * along] = middle, box[2 * along + 1] = high;
-  mg_new_cell(c, feature_pair, side, box);
+  mg_new_cell(c, feature_pair, side, is_of_centres, box);
   return c->search.cells[cell].halves = first;
 }
 

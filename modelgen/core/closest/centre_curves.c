@@ -13,13 +13,13 @@
 #define MG_ANGLE_PARTS 32    /* parts of a turn in which roots are looked for */
 #define MG_ANGLE_HALVINGS 60 /* bisections of a part */
 
-/* A feature at the distance `tube` from its centre curve; negative: a cavity, 0: the curve itself. */
+/* A feature about its centre curve, with the place of that. */
 typedef struct {
   int kind;          /* MG_CENTRE_LINE or MG_CENTRE_CIRCLE */
   mg_real centre[3]; /* of the circle, or a point of the line, m */
   mg_real axes[9];   /* of the shape, by columns: the line is along the third, the circle in the plane of the others */
   mg_real radius;    /* of the circle, m */
-  mg_real tube;      /* m */
+  mg_real tube;      /* as in mg_centre_curve, m */
 } mg_centred_feature;
 
 /* p cos a + q sin a + r cos 2a + s sin 2a */
@@ -31,17 +31,14 @@ static mg_real mg_angle_value(const mg_angle_polynomial *g, mg_real a) {
   return g->p * cos(a) + g->q * sin(a) + g->r * cos(2 * a) + g->s * sin(2 * a);
 }
 
-/* Reads a feature that has a centre curve. */
-static void mg_read_centred_feature(const mg_context *c, int feature_pair, int side, mg_centred_feature *at) {
+MG_INTERNAL void mg_read_centre_curve(const mg_context *c, int feature_pair, int side, mg_centre_curve *at) {
   const mg_system *s = c->system;
   const int shape = s->feature_shape[2 * feature_pair + side];
-  const mg_real *parameters = s->parameters + s->feature_parameters[2 * feature_pair + side],
-                *pose = c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side);
+  const mg_real *parameters = s->parameters + s->feature_parameters[2 * feature_pair + side];
   const mg_real outer[2] = {0, 0}, inner[2] = {0, MG_PI};
   mg_real x[3], n[3], across[3], unused[3];
   at->kind = c->kernels->shape_kinds[shape].centre_curve, at->radius = at->tube = 0;
-  mg_to_world(pose, mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_PLACEMENT, 1, at->centre);
-  mg_shape_rotation(c, feature_pair, side, at->axes);
+  at->coordinate = at->kind == MG_CENTRE_LINE && c->kernels->shape_kinds[shape].dimension == 2;
   c->kernels->shape_point(shape, outer, parameters, x, n);
   if (c->kernels->shape_kinds[shape].dimension == 2) {
     mg_normalise3(n);
@@ -51,6 +48,40 @@ static void mg_read_centred_feature(const mg_context *c, int feature_pair, int s
     }
     at->tube = (x[0] - at->radius) * n[0];
   } else if (at->kind == MG_CENTRE_CIRCLE) at->radius = x[0];
+}
+
+MG_INTERNAL int mg_is_about_centre_curve(const mg_context *c, int feature_pair, int side) {
+  const mg_shape_kind *kind = c->kernels->shape_kinds + c->system->feature_shape[2 * feature_pair + side];
+  return kind->centre_curve && kind->dimension == 2;
+}
+
+MG_INTERNAL void mg_foot_on_centre_curve(const mg_centre_curve *curve, const mg_real *x, mg_real *foot) {
+  const mg_real across = sqrt(x[0] * x[0] + x[1] * x[1]);
+  for (int k = 0; k < 2; k++)
+    foot[k] = curve->kind == MG_CENTRE_LINE || !(across > 0) ? 0 : curve->radius / across * x[k];
+  foot[2] = curve->kind == MG_CENTRE_LINE ? x[2] : 0;
+}
+
+MG_INTERNAL void mg_sample_about_centre_curve(const mg_context *c, int feature_pair, int side, const mg_real *local,
+                                              mg_sample *sample) {
+  const mg_real *x = local, azimuth = atan2(x[1], x[0]);
+  const int is_curve = mg_feature_dimension(c, feature_pair, side) == 1;
+  mg_centre_curve curve;
+  mg_read_centre_curve(c, feature_pair, side, &curve);
+  for (int k = 0; k < 3; k++) sample->local[k] = x[k], sample->direction[k] = 0;
+  if (curve.kind == MG_CENTRE_LINE) sample->uv[0] = is_curve ? x[2] : azimuth, sample->uv[1] = x[2];
+  else
+    sample->uv[0] = azimuth, sample->uv[1] = is_curve ? 0 : atan2(x[2], sqrt(x[0] * x[0] + x[1] * x[1]) - curve.radius);
+}
+
+/* Reads a feature that has a centre curve, and where that is. */
+static void mg_read_centred_feature(const mg_context *c, int feature_pair, int side, mg_centred_feature *at) {
+  const mg_real *pose = c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side);
+  mg_centre_curve curve;
+  mg_read_centre_curve(c, feature_pair, side, &curve);
+  at->kind = curve.kind, at->radius = curve.radius, at->tube = curve.tube;
+  mg_to_world(pose, mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_PLACEMENT, 1, at->centre);
+  mg_shape_rotation(c, feature_pair, side, at->axes);
 }
 
 /* Point of a centre curve: at an angle of the circle, at a distance along the line. */
@@ -139,18 +170,6 @@ static int mg_circle_angles(const mg_centred_feature *circle, const mg_centred_f
   return mg_angle_roots(&g, angle);
 }
 
-/* Sample of a feature at a world point, in the coordinates of its shape. */
-static void mg_sample_centred(const mg_context *c, int feature_pair, int side, const mg_centred_feature *at,
-                              const mg_real *point, mg_sample *sample) {
-  for (int k = 0; k < 3; k++) sample->point[k] = point[k], sample->direction[k] = 0;
-  mg_point_in_shape_axes(c, feature_pair, side, point, sample->local);
-  const mg_real *x = sample->local, azimuth = atan2(x[1], x[0]);
-  const int is_curve = mg_feature_dimension(c, feature_pair, side) == 1;
-  if (at->kind == MG_CENTRE_LINE) sample->uv[0] = is_curve ? x[2] : azimuth, sample->uv[1] = x[2];
-  else
-    sample->uv[0] = azimuth, sample->uv[1] = is_curve ? 0 : atan2(x[2], sqrt(x[0] * x[0] + x[1] * x[1]) - at->radius);
-}
-
 /* The gap where points of the centre curves are `span` apart: the nearer sides face each other, and of a cavity the
    side towards which the other is off the centre. */
 static mg_real mg_gap_at_centres(const mg_centred_feature *o, const mg_centred_feature *f, mg_real span) {
@@ -169,7 +188,11 @@ static void mg_converge_from_centres(mg_context *c, int feature_pair, const mg_c
   if (!mg_normalise3(normal) || d > limits->gap || d < -limits->depth) return;
   const mg_real sign = of[0].tube < 0 || of[1].tube < 0 ? -1 : 1;
   for (int k = 0; k < 3; k++) at[0][k] += sign * of[0].tube * normal[k], at[1][k] -= sign * of[1].tube * normal[k];
-  for (int side = 0; side < 2; side++) mg_sample_centred(c, feature_pair, side, of + side, at[side], sample + side);
+  for (int side = 0; side < 2; side++) {
+    mg_real local[3];
+    mg_point_in_shape_axes(c, feature_pair, side, at[side], local);
+    mg_sample_about_centre_curve(c, feature_pair, side, local, sample + side);
+  }
   mg_start_eta(c, feature_pair, sample, sample + 1, eta);
   if (mg_converge_from_any_start(c, feature_pair, eta) >= 0) mg_keep_minimum_at(c, feature_pair, eta, least, kept);
 }

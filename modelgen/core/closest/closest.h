@@ -79,9 +79,9 @@ MG_INTERNAL mg_digest mg_digest_searched_shapes(const mg_system *s);
 /* Forgets the cells in the scratch memory that were not made of the shapes of this system. */
 MG_INTERNAL void mg_keep_cells_of_same_shapes(mg_context *c);
 
-/* First cell of a feature: its domain, cut where it is unbounded so that it contains all that can be near the other
-   feature. Returns 0 if there is no room. */
-MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side);
+/* First cell of a feature, or of its centre curve: its domain, cut where it is unbounded so that it contains all that
+   can be near the other feature. Returns 0 if there is no room. */
+MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side, int is_of_centres);
 
 /* Number of the first of the two halves of a cell; 0 if there is no room. */
 MG_INTERNAL int mg_divide_cell(mg_context *c, int feature_pair, int side, int cell);
@@ -99,6 +99,28 @@ MG_INTERNAL void mg_limit_coordinates(const mg_context *c, int feature_pair, int
 MG_INTERNAL int mg_is_cell_beyond(const mg_context *c, int cell, const mg_coordinate_limits *limits);
 
 /* centre_curves.c */
+
+/* The line or circle at a constant distance from which a feature lies, in the axes of the shape: the third axis, or
+   about it. */
+typedef struct {
+  int kind;       /* MG_CENTRE_LINE or MG_CENTRE_CIRCLE */
+  int coordinate; /* that of the feature which runs along the curve: 0 u, 1 v */
+  mg_real radius; /* of the circle, m */
+  mg_real tube;   /* distance of the feature, m; negative: a cavity, 0: the curve itself */
+} mg_centre_curve;
+
+/* Reads the centre curve of a feature that has one. */
+MG_INTERNAL void mg_read_centre_curve(const mg_context *c, int feature_pair, int side, mg_centre_curve *at);
+
+/* True if a feature is a surface that has a centre curve. */
+MG_INTERNAL int mg_is_about_centre_curve(const mg_context *c, int feature_pair, int side);
+
+/* Point of a centre curve nearest to x, axes of the shape. */
+MG_INTERNAL void mg_foot_on_centre_curve(const mg_centre_curve *curve, const mg_real *x, mg_real *foot);
+
+/* Sample of a feature that has a centre curve at a point of it in the axes of the shape; without the world point. */
+MG_INTERNAL void mg_sample_about_centre_curve(const mg_context *c, int feature_pair, int side, const mg_real *local,
+                                              mg_sample *sample);
 
 /* True if the critical points of a feature pair follow from lines or circles in closed form. */
 MG_INTERNAL int mg_has_centre_curves(const mg_context *c, int feature_pair);
@@ -126,7 +148,8 @@ enum {
 /* What a view shows. */
 enum { MG_VIEW_SURFACE, MG_VIEW_CURVE, MG_VIEW_PLANE, MG_VIEW_POINT };
 
-/* A cell, a plane, a vertex, or a sphere as its centre, in the axes of one of the two shapes. */
+/* A cell, a plane, a vertex, a sphere as its centre, or a torus or cylinder as a cell of its centre curve, in the axes
+   of one of the two shapes. */
 typedef struct {
   int kind;                /* MG_VIEW_SURFACE .. */
   const mg_cell *cell;     /* the cell; 0: a plane or a point */
@@ -137,7 +160,7 @@ typedef struct {
   mg_real spread;          /* bound of |n - direction| */
   mg_real slope[2][3];     /* as in mg_cell, m */
   mg_real rest;            /* as in mg_cell, m */
-  mg_real sphere_radius;   /* of a sphere, m; negative: a cavity */
+  mg_real tube;            /* distance of the surface from the point or curve shown, m; negative: a cavity */
 } mg_cell_view;
 
 /* Whether two cells can hold critical pairs of points: MG_CELLS_APART .. . A plane or a point is b. */

@@ -1,7 +1,7 @@
 /* Critical points of the distance of a feature pair: the trees of cells of both features are walked together; pairs of
    cells that cannot hold one are dropped, pairs that hold at most one start Newton's method, all others are divided.
    Where cells can be divided no further, or too many are open, the search is incomplete, and says so. A plane, a
-   sphere and a vertex need no cells. Writes c->search. */
+   sphere and a vertex need no cells; a torus and a cylinder are seen as their centre curves. Writes c->search. */
 #include "closest/closest.h"
 #include "base/base.h"
 #include "model/model.h"
@@ -19,7 +19,9 @@ typedef struct {
   mg_real rotation[9];              /* from the axes of the other shape to those of the first */
   mg_real origin[3];                /* origin of the other shape, axes of the first, m */
   mg_cell_view other;               /* the other side, if it has no cells */
-  int curves;                       /* bit 0: the first feature is a curve, bit 1: the other */
+  int curves;                       /* bit 0: the first feature is seen as a curve, bit 1: the other */
+  int is_centred[2];                /* 1: the first, the other feature is seen as its centre curve */
+  mg_centre_curve centre[2];        /* that curve; tube is 0 where there is none */
   mg_coordinate_limits allowed[2];  /* coordinates of the first and of the other side */
   int n_known;                      /* critical points known */
   mg_real known[MG_CRITICAL][6];    /* their points on the first and the other feature, axes of the first shape, m */
@@ -77,7 +79,7 @@ static void mg_set_closed_view(mg_critical_search *s) {
   mg_sample base;
   mg_sample_at(c, s->feature_pair, side, zero, &base);
   mg_cell_view *view = &s->other;
-  view->cell = 0, view->rotation = 0, view->radius = view->spread = view->sphere_radius = view->rest = 0;
+  view->cell = 0, view->rotation = 0, view->radius = view->spread = view->tube = view->rest = 0;
   for (int k = 0; k < 3; k++) view->slope[0][k] = view->slope[1][k] = 0;
   view->kind = kind->nearest_point == MG_NEAREST_PLANE ? MG_VIEW_PLANE : MG_VIEW_POINT;
   mg_real shape_axes[9];
@@ -88,7 +90,7 @@ static void mg_set_closed_view(mg_critical_search *s) {
   const mg_real span[3] = {view->centre[0] - s->origin[0], view->centre[1] - s->origin[1],
                            view->centre[2] - s->origin[2]};
   const mg_real radius = sqrt(mg_dot3(span, span));
-  view->sphere_radius = mg_dot3(span, view->direction) < 0 ? -radius : radius;
+  view->tube = mg_dot3(span, view->direction) < 0 ? -radius : radius;
   for (int k = 0; k < 3; k++) view->centre[k] = s->origin[k];
 }
 
@@ -96,7 +98,7 @@ static void mg_set_closed_view(mg_critical_search *s) {
 static void mg_view_first(const mg_critical_search *s, int cell, mg_cell_view *view) {
   const mg_cell *at = s->c->search.cells + cell;
   view->kind = s->curves & 1 ? MG_VIEW_CURVE : MG_VIEW_SURFACE, view->cell = at, view->rotation = 0;
-  view->radius = at->radius, view->spread = at->spread, view->sphere_radius = 0;
+  view->radius = at->radius, view->spread = at->spread, view->tube = s->centre[0].tube;
   view->rest = at->rest;
   for (int k = 0; k < 3; k++) {
     view->centre[k] = at->centre[k], view->direction[k] = at->direction[k];
@@ -112,7 +114,7 @@ static void mg_view_other(const mg_critical_search *s, int cell, mg_cell_view *v
   const mg_cell *at = s->c->search.cells + cell;
   const mg_real *R = s->rotation;
   view->kind = s->curves & 2 ? MG_VIEW_CURVE : MG_VIEW_SURFACE, view->cell = at, view->rotation = R;
-  view->radius = at->radius, view->spread = at->spread, view->sphere_radius = 0;
+  view->radius = at->radius, view->spread = at->spread, view->tube = s->centre[1].tube;
   view->rest = at->rest;
   for (int k = 0; k < 3; k++) {
     const mg_real x = R[k], y = R[3 + k], z = R[6 + k];
@@ -166,6 +168,25 @@ static const mg_real *mg_coordinates_in_eta(const mg_context *c, int feature_pai
   return at + mg_parametrisation_size[parametrisation];
 }
 
+/* A point in the axes of the first shape, from those of the other. */
+static void mg_point_in_first_axes(const mg_critical_search *s, const mg_real *x, mg_real *out) {
+  const mg_real *R = s->rotation, y[3] = {x[0], x[1], x[2]};
+  for (int k = 0; k < 3; k++) out[k] = s->origin[k] + R[k] * y[0] + R[3 + k] * y[1] + R[6 + k] * y[2];
+}
+
+/* A world point on the first (0) or the other feature (1), or what stands for it on the centre curve, axes of the first
+   shape. */
+static void mg_point_of_view(const mg_critical_search *s, int which, const mg_real *world, mg_real *x) {
+  if (!s->is_centred[which]) {
+    mg_point_in_shape_axes(s->c, s->feature_pair, s->first, world, x);
+    return;
+  }
+  mg_real local[3];
+  mg_point_in_shape_axes(s->c, s->feature_pair, which ? 1 - s->first : s->first, world, local);
+  mg_foot_on_centre_curve(s->centre + which, local, x);
+  if (which) mg_point_in_first_axes(s, x, x);
+}
+
 /* Keeps the points of the placement evaluated last, at eta, as known. */
 static void mg_add_known_point(mg_critical_search *s, const mg_real *eta) {
   if (s->n_known == MG_CRITICAL) return;
@@ -173,8 +194,8 @@ static void mg_add_known_point(mg_critical_search *s, const mg_real *eta) {
   for (int side = 0; side < 2; side++)
     at = mg_coordinates_in_eta(s->c, s->feature_pair, side, at, s->known_uv[s->n_known] + (side == s->first ? 0 : 2));
   mg_real *known = s->known[s->n_known++];
-  mg_point_in_shape_axes(s->c, s->feature_pair, s->first, placed + (s->first ? 11 : 8), known);
-  mg_point_in_shape_axes(s->c, s->feature_pair, s->first, placed + (s->first ? 8 : 11), known + 3);
+  mg_point_of_view(s, 0, placed + (s->first ? 11 : 8), known);
+  mg_point_of_view(s, 1, placed + (s->first ? 8 : 11), known + 3);
 }
 
 /* Sample of a side in the middle of a cell; of a side without cells the point nearest to that of the first. */
@@ -192,7 +213,29 @@ static void mg_sample_cell(const mg_critical_search *s, int side, int cell, cons
     return;
   }
   const mg_real size = sqrt(mg_dot3(at->local, at->local));
-  for (int k = 0; k < 3 && size > 0; k++) at->local[k] *= fabs(s->other.sphere_radius) / size;
+  for (int k = 0; k < 3 && size > 0; k++) at->local[k] *= fabs(s->other.tube) / size;
+}
+
+/* The same of a feature (0 the first, 1 the other) seen as its centre curve in the view `at`: the point of it towards
+   the other view, or away from it in a hollow. */
+static void mg_sample_about_centre(const mg_critical_search *s, int which, const mg_cell_view *at,
+                                   const mg_cell_view *other, mg_sample *sample) {
+  mg_context *c = s->c;
+  const int side = which ? 1 - s->first : s->first;
+  const mg_real *box = at->cell->box, sign = at->tube < 0 || other->tube < 0 ? -1 : 1;
+  mg_real towards[3], x[3], in_body[3];
+  for (int k = 0; k < 3; k++)
+    towards[k] = other->kind == MG_VIEW_SURFACE || other->kind == MG_VIEW_PLANE
+                     ? -other->direction[k]
+                     : sign * (other->centre[k] - at->centre[k]);
+  mg_normalise3(towards);
+  for (int k = 0; k < 3; k++) x[k] = at->centre[k] + at->tube * towards[k] - (which ? s->origin[k] : 0);
+  if (which) mg_rotate_back(s->rotation, x, x);
+  mg_sample_about_centre_curve(c, s->feature_pair, side, x, sample);
+  const int along = s->centre[which].coordinate;
+  sample->uv[along] = box[2 * along] + (box[2 * along + 1] - box[2 * along]) / 2;
+  mg_to_world(mg_feature_numbers(c, s->feature_pair, side) + MG_FEATURE_PLACEMENT, x, 1, in_body);
+  mg_to_world(c->bodies.pose + 12 * mg_feature_body(c, s->feature_pair, side), in_body, 1, sample->point);
 }
 
 /* Leaves gaps out of the limits that are larger than those of interest beside the nearest minimum kept. */
@@ -207,8 +250,12 @@ static int mg_converge_from_cells(mg_critical_search *s, int a, int b) {
   mg_context *c = s->c;
   mg_sample at[2];
   mg_real eta[6] = {0};
-  mg_sample_cell(s, s->first, a, 0, at + s->first);
-  mg_sample_cell(s, 1 - s->first, b, at + s->first, at + 1 - s->first);
+  mg_cell_view A, B;
+  mg_view_first(s, a, &A), mg_view_other(s, b, &B);
+  if (s->is_centred[0]) mg_sample_about_centre(s, 0, &A, &B, at + s->first);
+  else mg_sample_cell(s, s->first, a, 0, at + s->first);
+  if (s->is_centred[1]) mg_sample_about_centre(s, 1, &B, &A, at + 1 - s->first);
+  else mg_sample_cell(s, 1 - s->first, b, at + s->first, at + 1 - s->first);
   mg_start_eta(c, s->feature_pair, at, at + 1, eta);
   if (mg_converge_from_any_start(c, s->feature_pair, eta) < 0) return 0;
   mg_add_known_point(s, eta);
@@ -318,8 +365,9 @@ static int mg_is_flat_against_plane(mg_critical_search *s) {
 static mg_real mg_least_distance(const mg_cell_view *a, const mg_cell_view *b) {
   const mg_real span[3] = {b->centre[0] - a->centre[0], b->centre[1] - a->centre[1], b->centre[2] - a->centre[2]};
   const mg_real both = a->radius + b->radius, distance = sqrt(mg_dot3(span, span));
-  if (b->kind == MG_VIEW_PLANE) return -mg_dot3(b->direction, span) - both;
-  return (b->sphere_radius < 0 ? -b->sphere_radius - distance : distance - b->sphere_radius) - both;
+  const mg_real tube = a->tube + b->tube;
+  if (b->kind == MG_VIEW_PLANE) return -mg_dot3(b->direction, span) - tube - both;
+  return (a->tube < 0 || b->tube < 0 ? -tube - distance : distance - tube) - both;
 }
 
 /* Lower bound of the distance of critical points that the search has not found, from cells that are coarser than those
@@ -359,8 +407,12 @@ MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const
   mg_limit_coordinates(c, feature_pair, s.first, s.allowed);
   mg_limit_coordinates(c, feature_pair, 1 - s.first, s.allowed + 1);
   s.smallest = c->settings->search_merge_distance * mg_pair_length(c, c->system->feature_pair_owner[feature_pair]) / 4;
-  s.curves = (mg_feature_dimension(c, feature_pair, s.first) == 1) |
-             (mg_feature_dimension(c, feature_pair, 1 - s.first) == 1) << 1;
+  for (int which = 0; which < 2; which++) {
+    const int side = which ? 1 - s.first : s.first;
+    s.is_centred[which] = (!which || s.has_cells) && mg_is_about_centre_curve(c, feature_pair, side);
+    if (s.is_centred[which]) mg_read_centre_curve(c, feature_pair, side, s.centre + which);
+    s.curves |= (s.is_centred[which] || mg_feature_dimension(c, feature_pair, side) == 1) << which;
+  }
   mg_real own[9], others[9];
   mg_shape_rotation(c, feature_pair, s.first, own), mg_shape_rotation(c, feature_pair, 1 - s.first, others);
   for (int k = 0; k < 3; k++) mg_rotate_back(own, others + 3 * k, s.rotation + 3 * k);
@@ -371,8 +423,8 @@ MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const
   if (!s.has_cells) mg_set_closed_view(&s);
   if (s.other.kind == MG_VIEW_PLANE && !s.has_cells && mg_is_flat_against_plane(&s)) return 1;
   if (*c->search.n_cells > c->system->n_cell / 4 * 3) mg_forget_cells(c);
-  root[0] = mg_root_cell(c, feature_pair, s.first);
-  if (s.has_cells) root[1] = mg_root_cell(c, feature_pair, 1 - s.first);
+  root[0] = mg_root_cell(c, feature_pair, s.first, s.is_centred[0]);
+  if (s.has_cells) root[1] = mg_root_cell(c, feature_pair, 1 - s.first, s.is_centred[1]);
   if (!root[0] || (s.has_cells && !root[1])) return 0;
   mg_add_followed_points(&s);
   mg_leave_out_farther_gaps(&s);

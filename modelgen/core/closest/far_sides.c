@@ -68,7 +68,7 @@ static int mg_leaves_cells(mg_context *c, int feature_pair, int side, const mg_s
   int stack[MG_SEGMENT_STACK], count = 0;
   mg_coordinate_limits limits;
   mg_limit_coordinates(c, feature_pair, side, &limits);
-  stack[count] = mg_root_cell(c, feature_pair, side);
+  stack[count] = mg_root_cell(c, feature_pair, side, 0);
   count += stack[0] != 0;
   while (count > 0) {
     const int at = stack[--count];

@@ -299,9 +299,9 @@ static mg_search_limits mg_penetration_limits(const mg_context *c, int pair, mg_
   return limits;
 }
 
-/* Notes that no contact follows a minimum of a pair. */
-static void mg_note_unfollowed_gap(mg_context *c, int pair, const mg_minimum *found) {
-  c->run->unfollowed_gap[pair] = fmin(c->run->unfollowed_gap[pair], fmax(found->d, (mg_real)0));
+/* Notes that no contact follows a minimum of a pair with the gap d. */
+static void mg_note_unfollowed_gap(mg_context *c, int pair, mg_real d) {
+  c->run->unfollowed_gap[pair] = fmin(c->run->unfollowed_gap[pair], fmax(d, (mg_real)0));
 }
 
 MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pair, mg_real moved) {
@@ -321,7 +321,7 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
     if (!mg_is_minimum_within_reach(c, each, seen.depth)) continue;
     mg_note_penetration(c, mg_pair_first_contact(c, pair), each->feature_pair, -each->d);
     if (!mg_is_minimum_accepted(c, each, seen.depth)) {
-      if (!mg_is_minimum_tracked(c, pair, -1, each)) mg_note_unfollowed_gap(c, pair, each);
+      if (!mg_is_minimum_tracked(c, pair, -1, each)) mg_note_unfollowed_gap(c, pair, each->d);
       continue;
     }
     if (each->d < -appearing.depth) continue;
@@ -329,9 +329,10 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
     const int slot = mg_find_contact_for_minimum(c, pair, each);
     if (slot < 0) {
       if (mg_is_without_contact(c, pair)) mg_report_unfollowed_minimum(c, each);
-      mg_note_unfollowed_gap(c, pair, each);
+      mg_note_unfollowed_gap(c, pair, each->d);
       continue;
     }
+    if (mg_is_on_feature_pair(c, slot)) mg_note_unfollowed_gap(c, pair, c->rows.d[slot]); /* what it followed so far */
     mg_set_feature_pair(c, slot, each->feature_pair, each->eta);
     c->rows.d[slot] = each->d;
     if (!mg_is_feature_pair_unreported(c, each->feature_pair, each->d))

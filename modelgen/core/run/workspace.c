@@ -79,12 +79,12 @@ static long mg_bounds_memory_max(const mg_system *s) {
 static long mg_search_memory_size(const mg_system *s) {
   return mg_count_reals(MG_SAMPLES, sizeof(mg_sample)) + mg_count_reals(s->n_cell, sizeof(mg_cell)) +
          mg_count_reals(mg_bounds_memory_max(s), sizeof(mg_taylor_model)) + mg_count_reals(1, sizeof(mg_digest)) +
-         MG_SAMPLES + mg_count_reals(s->n_cell_tree, sizeof(mg_real));
+         MG_SAMPLES + mg_count_reals(2L * s->n_cell_tree, sizeof(mg_real));
 }
 
 /* The same, in int. */
 static long mg_search_int_memory_size(const mg_system *s) {
-  return 1 + s->n_pair + (s->n_cell_tree ? s->n_cell_tree + 2L * MG_CELL_PAIRS : 0);
+  return 1 + s->n_pair + (s->n_cell_tree ? 2L * s->n_cell_tree + 2L * MG_CELL_PAIRS : 0);
 }
 
 /* Memory of the lists of what takes part, in int. */
@@ -179,9 +179,9 @@ static void mg_set_cell_arrays(mg_context *c, mg_real **work, int **iwork) {
   const mg_system *s = c->system;
   c->search.cells_digest = mg_take_memory(work, 1, sizeof(mg_digest));
   c->search.cells = mg_take_memory(work, s->n_cell, sizeof(mg_cell));
-  c->search.tree_bound = mg_take_memory(work, s->n_cell_tree, sizeof(mg_real)); /* pointers follow */
+  c->search.tree_bound = mg_take_memory(work, 2L * s->n_cell_tree, sizeof(mg_real)); /* pointers follow */
   c->search.n_cells = mg_take_ints(iwork, 1);
-  c->search.tree_root = mg_take_ints(iwork, s->n_cell_tree);
+  c->search.tree_root = mg_take_ints(iwork, 2L * s->n_cell_tree);
 }
 
 /* Divides the memory. */
