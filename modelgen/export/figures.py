@@ -1,4 +1,4 @@
-"""What a scene needs on a small machine: flash, RAM, stack and instructions, as far as they can be measured."""
+"""What a scene needs on a small machine: flash, RAM, stack and instructions, as far as measured."""
 
 from __future__ import annotations
 

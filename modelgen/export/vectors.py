@@ -21,10 +21,10 @@ STEPS = 1000  # in one call of the core
 MARGIN = 10.0  # tolerance over the estimate of the error, which is one of magnitude
 ROUNDING = 64.0  # tolerance of numbers without an error, in roundings of the largest of their kind
 
-HEAD = """/* States of the run of the scene as modelgen has them, and tolerances: {margin:g} times the estimate
-   of the error of that run. Per vector and body that moves 18 numbers: position, rotation matrix by columns,
-   velocity, angular velocity in body axes. Per vector four tolerances: m, 1, m/s, rad/s; MG_MAX: the run has
-   no estimate there. */
+HEAD = """/* States of the run of the scene as modelgen has them, and tolerances: {margin:g} times the
+   estimate of the error of that run. Per vector and body that moves 18 numbers: position, rotation matrix by
+   columns, velocity, angular velocity in body axes. Per vector four tolerances: m, 1, m/s, rad/s; MG_MAX: the
+   run has no estimate there. */
 #define VECTORS {count}
 #define VECTOR_BODIES {bodies}
 #define VECTOR_UNTIL ((mg_real){until}) /* s */
