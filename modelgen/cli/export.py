@@ -8,7 +8,16 @@ from typing import Annotated
 
 import typer
 
-from modelgen.cli.options import AsJson, Form, RealName, SceneFile, read_option
+from modelgen.cli.options import (
+    AsJson,
+    Form,
+    RealName,
+    SceneFile,
+    Step,
+    Values,
+    read_option,
+    read_values,
+)
 from modelgen.cli.output import guarded, print_facts
 from modelgen.cli.pipeline import check_folder, derive_scene, read_scene
 from modelgen.cli.progress import progress
@@ -36,14 +45,22 @@ def export(
     real: RealName = None,
     states: States = False,
     figures: Measured = True,
+    values: Values = None,
+    step: Step = None,
     form: Form = None,
     as_json: AsJson = False,
 ) -> None:
     """Write a scene for use elsewhere: a C program, an FMU, CasADi functions, MJCF or URDF."""
     from modelgen.export.exporting import Choices, check_format, export
 
-    name = check_format(to)
-    choices = Choices(read_option("real", real), figures, states)
+    choices = Choices(
+        real=read_option("real", real),
+        parameters=read_values(values, "--set"),
+        figures=figures,
+        states=states,
+        step=read_option("step", step),
+    )
+    name = check_format(to, choices)
     what = read_scene(scene, form)
     folder = Path("exported") / what.name if out is None else out
     check_folder(folder)

@@ -52,7 +52,9 @@ Tolerance = Annotated[
 Method = Annotated[
     str | None, typer.Option(help="of integration; default: the scene's own", metavar=_among(METHODS))
 ]
-Step = Annotated[str | None, typer.Option(help="fixed step of rk4 and time-stepping, s", metavar="NUMBER")]
+Step = Annotated[
+    str | None, typer.Option(help="fixed step of rk4, time-stepping, exported MJCF, s", metavar="NUMBER")
+]
 Scheme = Annotated[str | None, typer.Option(help="of time-stepping", metavar=_among(SCHEMES))]
 Solver = Annotated[
     str | None, typer.Option(help="friction in time-stepping: exact or relaxed", metavar=_among(SOLVERS))

@@ -43,6 +43,12 @@ class Compiler:
         return (f"-{level}", *FLAGS, *native, *REAL_FLAGS[real])
 
 
+def portable_flags(compiler: Compiler, real: str) -> tuple[str, ...]:
+    """The flags of a library without those that hold for the processor of this machine alone."""
+    own = ("-mcpu=baseline",) if compiler.is_zig else ()
+    return (*(flag for flag in compiler.flags(real) if flag not in NATIVE), *own)
+
+
 def find_compiler() -> Compiler:
     """The compiler named by CC, else cc, gcc, clang, else zig from PyPI; raises CompilerMissing."""
     command = _command()

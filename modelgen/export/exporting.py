@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from modelgen.codegen.build import build
-from modelgen.codegen.emit import emit
+from modelgen.codegen.emit import Package, emit
+from modelgen.codegen.library import Library
 from modelgen.derivation import Derivation
 from modelgen.errors import ModelgenError, nearest
 from modelgen.export.c_folder import c_files
+from modelgen.export.casadi_folder import casadi_files
+from modelgen.export.fmu import fmu_files
+from modelgen.export.mjcf_file import check_mjcf, mjcf_files, setup_of
+from modelgen.export.urdf_file import check_urdf, urdf_files
+from modelgen.runtime.arguments import with_parameters
 
 Content = str | bytes
 
@@ -20,32 +26,86 @@ class Choices:
     """What is written beside the scene itself.
 
     Attributes:
-        real: "double", "float" or "long double"; the scene's own when None.
+        real: "double", "float" or "long double"; the scene's own when None. Of `c` and `fmu`.
+        parameters: values of parameters of the scene by name; others keep the scene's own. Of `c` and `fmu`.
         figures: of `c`, whether flash, RAM, stack and instructions are measured.
         states: of `fmu`, whether the states of bodies are outputs.
+        step: of `mjcf`, step of the simulation, s.
     """
 
     real: str | None = None
+    parameters: Mapping[str, float] = field(default_factory=dict)
     figures: bool = True
     states: bool = False
+    step: float | None = None
 
 
-def _c(derivation: Derivation, choices: Choices, scratch: Path) -> Mapping[str, Content]:
-    package = emit(derivation)
-    return c_files(build(package, real=choices.real, folder=scratch), package, choices.figures)
+@dataclass(frozen=True, slots=True)
+class _Given:
+    """What a format is written from."""
+
+    derivation: Derivation
+    choices: Choices
+    scratch: Path
+
+    def package(self) -> Package:
+        return emit(self.derivation)
+
+    def library(self, package: Package) -> Library:
+        library = build(package, real=self.choices.real, folder=self.scratch)
+        return with_parameters(library, self.choices.parameters)
 
 
-FORMATS: Mapping[str, Callable[[Derivation, Choices, Path], Mapping[str, Content]]] = {"c": _c}
+def _c(given: _Given) -> Mapping[str, Content]:
+    package = given.package()
+    return c_files(given.library(package), package, given.choices.figures)
 
 
-def check_format(name: str | None) -> str:
-    """The name of a format. Raises ModelgenError if there is no such format."""
-    if name in FORMATS:
-        return str(name)
+def _fmu(given: _Given) -> Mapping[str, Content]:
+    package = given.package()
+    return fmu_files(given.library(package), package, given.choices.states)
+
+
+def _casadi(given: _Given) -> Mapping[str, Content]:
+    return casadi_files(given.derivation, given.package())
+
+
+def _mjcf(given: _Given) -> Mapping[str, Content]:
+    scene = given.derivation.model.scene
+    check_mjcf(scene)
+    return mjcf_files(scene, given.library(given.package()), given.choices.step)
+
+
+def _urdf(given: _Given) -> Mapping[str, Content]:
+    scene = given.derivation.model.scene
+    check_urdf(scene)
+    return urdf_files(setup_of(scene, given.library(given.package())))
+
+
+FORMATS: Mapping[str, Callable[[_Given], Mapping[str, Content]]] = {
+    "c": _c, "fmu": _fmu, "casadi": _casadi, "mjcf": _mjcf, "urdf": _urdf
+}  # fmt: skip
+OPTIONS: Mapping[str, tuple[str, ...]] = {  # by format, choices that it takes
+    "c": ("real", "parameters", "figures"),
+    "fmu": ("real", "parameters", "states"),
+    "casadi": (),
+    "mjcf": ("step",),
+    "urdf": (),
+}
+WORDS = {"real": "--real", "parameters": "--set", "states": "--states", "step": "--step"}
+
+
+def check_format(name: str | None, choices: Choices) -> str:
+    """The name of a format. Raises ModelgenError if there is none, or a choice is none of its own."""
     allowed = f"allowed: {', '.join(FORMATS)}"
-    raise ModelgenError(
-        "--to", "no format" if name is None else repr(name), allowed, nearest(name or "", FORMATS)
-    )
+    if name is None or name not in FORMATS:
+        found, meant = ("no format", "write --to c") if name is None else (repr(name), nearest(name, FORMATS))
+        raise ModelgenError("--to", found, allowed, meant)
+    for key, word in WORDS.items():
+        if key not in OPTIONS[name] and getattr(choices, key) != getattr(Choices(), key):
+            takers = " and ".join(each for each, keys in OPTIONS.items() if key in keys)
+            raise ModelgenError(word, f"it with --to {name}", f"it goes with {takers}", "leave it out")
+    return name
 
 
 def export(derivation: Derivation, to: str, folder: Path, scratch: Path, choices: Choices) -> list[Path]:
@@ -61,8 +121,9 @@ def export(derivation: Derivation, to: str, folder: Path, scratch: Path, choices
     Raises:
         ModelgenError: the format is unknown, or has no like of something in the scene.
         CompilerMissing, LibraryError: the library of the scene cannot be built.
+        OSError: the folder cannot be written.
     """
-    contents = FORMATS[check_format(to)](derivation, choices, scratch)
+    contents = FORMATS[check_format(to, choices)](_Given(derivation, choices, scratch))
     folder.mkdir(parents=True, exist_ok=True)
     written = []
     for name, content in contents.items():

@@ -144,7 +144,7 @@ def _list(values: Iterable[object]) -> str:
 
 def _init(session: Session, arrays: Sequence[RunArray]) -> list[str]:
     """The statements that set the pointers and the entries that are not zero."""
-    lines = [f"  scene->events.capacity = {session.events.capacity};"]
+    lines = ["  scene->system = &scene_system;", f"  scene->events.capacity = {session.events.capacity};"]
     lines += [f"  scene->{each.owner}.{each.field} = scene->{_field(each)};" for each in arrays]
     for each in arrays:
         if each.start.any():

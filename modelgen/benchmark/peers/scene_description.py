@@ -64,15 +64,23 @@ class Setup:
 
     @classmethod
     def of(cls, bench: Bench) -> Setup:
-        instance, path = bench.plain.manifest.instance, bench.reference.path
-        scene, subject = bench.subject.scene, bench.subject
-        start = (path.p, path.quaternion, path.v, path.w)
+        path, subject = bench.reference.path, bench.subject
+        start = tuple(values[0].astype(float) for values in (path.p, path.quaternion, path.v, path.w))
+        return cls.started(
+            subject.scene, bench.plain.manifest.instance, start, subject.until, subject.samples
+        )
+
+    @classmethod
+    def started(
+        cls, scene: Scene, instance: Mapping[str, Any], start: Sequence[Array], until: float, samples: int
+    ) -> Setup:
+        """`start`: p, quaternion, v, w of all bodies, (nb, 3 or 4)."""
         solids = tuple(
-            _solid(body.shapes, entry, [values[0, k].astype(float) for values in start])
+            _solid(body.shapes, entry, [values[k] for values in start])
             for k, (body, entry) in enumerate(zip(scene.bodies, instance["bodies"], strict=True))
         )
         scales = instance["scales"]
-        return cls(scene, solids, subject.until, subject.samples, scales["length"], scales["time"])
+        return cls(scene, solids, until, samples, scales["length"], scales["time"])
 
     @property
     def moving(self) -> tuple[Solid, ...]:

@@ -115,10 +115,10 @@ MG_INTERNAL mg_real mg_taylor_change(const mg_taylor_model *a);
 
 /* memory.c */
 
-/* Number of mg_real that n items of `size` bytes take, a multiple of the alignment of pointers. */
+/* Number of mg_real that n items of `size` bytes take at most, wherever the memory begins. */
 MG_INTERNAL long mg_count_reals(long n, size_t size);
 
-/* Takes n items of `size` bytes from the memory, which then begins behind them. */
+/* Takes n items of `size` bytes, aligned for all types of the core, from the memory, which then begins behind them. */
 MG_INTERNAL void *mg_take_memory(mg_real **memory, long n, size_t size);
 
 /* Takes n mg_real from the memory, which then begins behind them. */

@@ -1,13 +1,21 @@
 /* Parts of the caller's scratch memory. */
 #include "base/base.h"
 
+/* Bytes at whose multiples structures of the core begin. Where an mg_real is shorter, memory of them may begin between
+   two such places. */
+static size_t mg_alignment(void) {
+  const size_t least = sizeof(mg_digest) > sizeof(void *) ? sizeof(mg_digest) : sizeof(void *);
+  return sizeof(mg_real) > least ? sizeof(mg_real) : least;
+}
+
 MG_INTERNAL long mg_count_reals(long n, size_t size) {
-  const size_t unit = sizeof(mg_real) > sizeof(void *) ? sizeof(mg_real) : sizeof(void *);
-  return (long)(((size_t)n * size + unit - 1) / unit * (unit / sizeof(mg_real)));
+  const size_t unit = mg_alignment(), reals = unit / sizeof(mg_real);
+  return (long)(((size_t)n * size + unit - 1) / unit * reals + reals - 1);
 }
 
 MG_INTERNAL void *mg_take_memory(mg_real **memory, long n, size_t size) {
-  void *at = *memory;
+  const size_t unit = mg_alignment(), beyond = sizeof(mg_real) < unit ? (size_t)*memory % unit : 0;
+  void *at = (unsigned char *)*memory + (beyond ? unit - beyond : 0);
   *memory += mg_count_reals(n, size);
   return at;
 }

@@ -1,6 +1,6 @@
 int scene_begin(scene_instance *scene) {
   scene->events.count = 0;
-  return mg_begin(&scene_system, &scene_settings, &scene->run, &scene->events, scene->work, scene->iwork);
+  return mg_begin(scene->system, &scene_settings, &scene->run, &scene->events, scene->work, scene->iwork);
 }
 
 int scene_advance(scene_instance *scene, mg_real t_stop) {
@@ -13,7 +13,7 @@ int scene_advance(scene_instance *scene, mg_real t_stop) {
 int scene_advance_part(scene_instance *scene, mg_real t_stop, long max_steps, mg_record *record) {
   mg_record none = {0};
   scene->events.count = 0;
-  return mg_advance(&scene_system, &scene_settings, &scene->run, t_stop, max_steps, record ? record : &none,
+  return mg_advance(scene->system, &scene_settings, &scene->run, t_stop, max_steps, record ? record : &none,
                     &scene->events, scene->work, scene->iwork);
 }
 
@@ -29,18 +29,18 @@ void scene_set_rate(scene_instance *scene, int input, mg_real rate) {
 }
 
 void scene_sense(scene_instance *scene, mg_real *sensors) {
-  mg_sense(&scene_system, &scene_settings, &scene->run, sensors, scene->work, scene->iwork);
+  mg_sense(scene->system, &scene_settings, &scene->run, sensors, scene->work, scene->iwork);
 }
 
 void scene_poses(scene_instance *scene, mg_real *pose) {
-  mg_pose_all(&scene_system, &scene_settings, &scene->run, pose, scene->work, scene->iwork);
+  mg_pose_all(scene->system, &scene_settings, &scene->run, pose, scene->work, scene->iwork);
 }
 
 void scene_save(const scene_instance *scene, unsigned char *bytes) {
-  mg_save(&scene_system, &scene_settings, &scene->run, bytes);
+  mg_save(scene->system, &scene_settings, &scene->run, bytes);
 }
 
 int scene_load(scene_instance *scene, const unsigned char *bytes, long length) {
   scene->events.count = 0;
-  return mg_load(&scene_system, &scene_settings, &scene->run, bytes, length);
+  return mg_load(scene->system, &scene_settings, &scene->run, bytes, length);
 }

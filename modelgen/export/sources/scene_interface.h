@@ -1,4 +1,5 @@
 typedef struct {
+  const mg_system *system; /* &scene_system, or another one of the same sizes, set between scene_init and scene_begin */
   mg_run run;       /* run.t, s; run.x, the state; what the run reports */
   mg_events events; /* of the last call of scene_advance_part */
 @ARRAYS@
