@@ -12,7 +12,7 @@ import numpy as np
 from modelgen.model import Model
 from modelgen.report.run_record import Array, Record
 from modelgen.scene.scene_types import Body
-from modelgen.view.meshes import Mesh, body_mesh
+from modelgen.geometry.body_meshes import Mesh, body_mesh
 
 REACH = 1.6  # of unbounded surfaces, against what the moving bodies reach
 MOST = 1500  # samples that a page plays

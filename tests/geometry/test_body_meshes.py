@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from modelgen.scene.read import read_text
-from modelgen.view.meshes import Mesh, body_mesh
+from modelgen.geometry.body_meshes import Mesh, body_mesh
 
 TOLERANCE = 4e-3
 

@@ -1,0 +1,133 @@
+"""The bodies of a run as meshes, and the space in which they move: what pictures and pages show."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from modelgen.geometry.body_meshes import Mesh, body_mesh
+from modelgen.model import Model
+from modelgen.report.run_record import Record
+from modelgen.rotations import rotation_of
+from modelgen.scene.scene_types import Body
+
+Array = np.ndarray[Any, Any]
+
+REACH = 1.6  # of unbounded surfaces, against half the size of the space in which bodies move
+NEAR, FAR = 3.0, 12.0  # of the picture and of all motion, against the largest moving body, where it is followed
+UNBOUNDED = ("plane", "halfspace", "line", "paraboloid", "cone", "helix")
+COARSE = 0.05  # tolerance of the meshes by which the space is measured
+INSTANTS = 60  # samples by which it is measured
+
+
+@dataclass(frozen=True, slots=True)
+class Actor:
+    """A body of a run."""
+
+    name: str
+    mesh: Mesh
+    moves: bool
+    bounded: bool  # it has an end in every direction
+
+
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """The bodies of a run, m, world axes."""
+
+    actors: tuple[Actor, ...]
+    centre: Array  # (3,)
+    size: float  # half the size of the picture
+    follow: bool  # the picture moves with the bodies
+
+
+def stage_of(record: Record, model: Model, tolerance: float) -> Stage:
+    """The bodies of a run and where it takes place.
+
+    Args:
+        record: what `record_of` returned.
+        model: what `require` made of its scene.
+        tolerance: of the meshes, as a part of the size of each shape.
+    """
+    bodies, entries = model.whole.bodies, model.bodies
+    bounded = [_is_bounded(body) for body in bodies]
+    rough = [
+        _with_levers(body_mesh(body, entry.centre_of_mass, 1e-3, COARSE), model, index)
+        for index, (body, entry) in enumerate(zip(bodies, entries, strict=True))
+    ]
+    points = [_places(record, index, mesh) for index, mesh in enumerate(rough) if bounded[index]]
+    centre, reach = _ball(points)
+    radii = [_radius(rough[k]) for k in record.moving if bounded[k]]
+    largest = max(radii, default=0.0)
+    follow = largest > 0 and reach > FAR * largest
+    actors = tuple(
+        Actor(
+            name,
+            _with_levers(body_mesh(body, entry.centre_of_mass, REACH * reach, tolerance), model, index),
+            index in record.moving,
+            bounded[index],
+        )
+        for index, (name, body, entry) in enumerate(zip(record.body_names, bodies, entries, strict=True))
+    )
+    return Stage(actors, centre, NEAR * largest if follow else reach, follow)
+
+
+def pose_at(record: Record, body: int, sample: int) -> tuple[Array, Array]:
+    """Rotation (3, 3) and centre of mass (3,) of a body at a sample; not turned, or in the origin, where
+    that is not known."""
+    q, p = record.columns["quaternion"][sample, body], record.columns["p"][sample, body]
+    turned = rotation_of(q) if np.isfinite(q).all() else np.eye(3)
+    return turned, np.nan_to_num(p)
+
+
+def _is_bounded(body: Body) -> bool:
+    return all(shape.kind not in UNBOUNDED and not _is_endless(body, k) for k, shape in enumerate(body.shapes))
+
+
+def _is_endless(body: Body, k: int) -> bool:
+    shape = body.shapes[k]
+    return shape.kind == "cylinder" and len(shape.parameters) == 1
+
+
+def _own_points(mesh: Mesh) -> Array:
+    points = np.concatenate([mesh.vertices, mesh.lines.reshape(-1, 3)])
+    return points if len(points) else np.zeros((1, 3))
+
+
+def _radius(mesh: Mesh) -> float:
+    return float(np.linalg.norm(_own_points(mesh), axis=1).max())
+
+
+def _places(record: Record, body: int, mesh: Mesh) -> Array:
+    """Where the points of a body come to lie in the run, (n, 3)."""
+    count = len(record.columns["t"])
+    samples = np.unique(np.linspace(0, count - 1, min(count, INSTANTS)).astype(int)) if count else ()
+    own = _own_points(mesh)
+    placed = [own @ turn.T + place for turn, place in (pose_at(record, body, k) for k in samples)]
+    return np.concatenate([np.zeros((0, 3)), *placed])
+
+
+def _ball(points: Sequence[Array]) -> tuple[Array, float]:
+    """Centre of the box around points, and their largest distance from it."""
+    whole = np.concatenate([np.zeros((0, 3)), *points])
+    if not len(whole):
+        return np.zeros(3), 1.0
+    centre = (whole.min(axis=0) + whole.max(axis=0)) / 2
+    return centre, max(float(np.linalg.norm(whole - centre, axis=1).max()), 1e-6)
+
+
+def _with_levers(mesh: Mesh, model: Model, index: int) -> Mesh:
+    """A body without shapes is drawn as lines from its centre of mass to its joints."""
+    if not mesh.is_empty:
+        return mesh
+    centre = np.array(model.bodies[index].centre_of_mass)
+    ends = [
+        np.array(frame.position) - centre
+        for joint in model.joints
+        for body, frame in zip((joint.a, joint.b), joint.frames, strict=True)
+        if body == index
+    ]
+    lines = np.array([[np.zeros(3), end] for end in ends if np.linalg.norm(end) > 0]).reshape(-1, 2, 3)
+    return replace(mesh, lines=lines)
