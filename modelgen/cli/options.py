@@ -24,6 +24,7 @@ TYPES: dict[str, Type] = {
     "verify": Whole(1, 100_000),
     "at": Whole(0, 2**31 - 1),
     "frames": Whole(1, 16),
+    "port": Whole(1, 65535),
 }
 
 

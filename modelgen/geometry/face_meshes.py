@@ -1,8 +1,8 @@
 """Triangles of a face, within a distance of its surface and of its border.
 
 The face is a grid of its coordinates, finer where chords of the grid leave the surface, and is cut where a
-condition of the face ends. Distances are taken between points of equal coordinates, and are thus bounds of the
-distances between surface and triangles.
+condition of the face ends. Distances are taken between points of equal coordinates, and are thus bounds of
+the distances between surface and triangles.
 """
 
 from __future__ import annotations
@@ -91,7 +91,9 @@ def _with_normals(points: Points, uv: Array, triangles: Array, deviation: float)
     normals[singular] = _mean_normals(flat, normals, triangles, singular)
     outward = (flat * normals[triangles].sum(axis=1)).sum(axis=1) >= 0
     triangles[~outward] = triangles[~outward][:, ::-1]
-    return FaceMesh(vertices, normals, triangles[np.linalg.norm(flat, axis=1) > 0], deviation)
+    areas_of_triangles = np.linalg.norm(flat, axis=1)
+    some = areas_of_triangles > SINGULAR * areas_of_triangles.max(initial=0.0)
+    return FaceMesh(vertices, normals, triangles[some], deviation)
 
 
 def _mean_normals(flat: Array, normals: Array, triangles: Array, which: Array) -> Array:

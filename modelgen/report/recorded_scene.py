@@ -38,7 +38,7 @@ def read_again(kept: Mapping[str, Any] | None, parameters: Mapping[str, float], 
         raise ModelgenError(
             what,
             "the run does not hold its scene",
-            "a run that `modelgen simulate SCENE --out run.npz` or record_of(trajectory, library, scene) made",
+            "one that `modelgen simulate SCENE --out run.npz` or record_of(trajectory, library, scene) made",
             "make it so, or name the scene file",
         )
     origin = Origin(kept["tables"], kept["form"])

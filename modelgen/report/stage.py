@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,7 +17,8 @@ from modelgen.scene.scene_types import Body
 Array = np.ndarray[Any, Any]
 
 REACH = 1.6  # of unbounded surfaces, against half the size of the space in which bodies move
-NEAR, FAR = 3.0, 12.0  # of the picture and of all motion, against the largest moving body, where it is followed
+NEAR = 3.0  # of the picture, against the largest moving body, where it is followed
+FAR = 12.0  # of all motion, against it, where it is followed
 UNBOUNDED = ("plane", "halfspace", "line", "paraboloid", "cone", "helix")
 COARSE = 0.05  # tolerance of the meshes by which the space is measured
 INSTANTS = 60  # samples by which it is measured
@@ -31,6 +32,7 @@ class Actor:
     mesh: Mesh
     moves: bool
     bounded: bool  # it has an end in every direction
+    two_sided: bool  # its surfaces are seen from both sides; else from outside of the material alone
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,39 +53,52 @@ def stage_of(record: Record, model: Model, tolerance: float) -> Stage:
         model: what `require` made of its scene.
         tolerance: of the meshes, as a part of the size of each shape.
     """
+    return _stage(record.columns, set(record.moving), model, tolerance)
+
+
+def stage_at_start(columns: Mapping[str, Array], model: Model, tolerance: float) -> Stage:
+    """The bodies of a run that begins: `columns` is its first sample, as a Trajectory names them."""
+    kinds = [model.body_kinds[body.kind].motion for body in model.bodies]
+    moving = {index for index, motion in enumerate(kinds) if motion != "fixed"}
+    return _stage(columns, moving, model, tolerance)
+
+
+def _stage(columns: Mapping[str, Array], moving: set[int], model: Model, tolerance: float) -> Stage:
     bodies, entries = model.whole.bodies, model.bodies
     bounded = [_is_bounded(body) for body in bodies]
     rough = [
         _with_levers(body_mesh(body, entry.centre_of_mass, 1e-3, COARSE), model, index)
         for index, (body, entry) in enumerate(zip(bodies, entries, strict=True))
     ]
-    points = [_places(record, index, mesh) for index, mesh in enumerate(rough) if bounded[index]]
+    points = [_places(columns, index, mesh) for index, mesh in enumerate(rough) if bounded[index]]
     centre, reach = _ball(points)
-    radii = [_radius(rough[k]) for k in record.moving if bounded[k]]
-    largest = max(radii, default=0.0)
+    largest = max((_radius(rough[k]) for k in moving if bounded[k]), default=0.0)
     follow = largest > 0 and reach > FAR * largest
     actors = tuple(
         Actor(
-            name,
+            entry.name,
             _with_levers(body_mesh(body, entry.centre_of_mass, REACH * reach, tolerance), model, index),
-            index in record.moving,
+            index in moving,
             bounded[index],
+            bounded[index] and not any(shape.cavity for shape in body.shapes),
         )
-        for index, (name, body, entry) in enumerate(zip(record.body_names, bodies, entries, strict=True))
+        for index, (body, entry) in enumerate(zip(bodies, entries, strict=True))
     )
     return Stage(actors, centre, NEAR * largest if follow else reach, follow)
 
 
-def pose_at(record: Record, body: int, sample: int) -> tuple[Array, Array]:
+def pose_at(columns: Mapping[str, Array], body: int, sample: int) -> tuple[Array, Array]:
     """Rotation (3, 3) and centre of mass (3,) of a body at a sample; not turned, or in the origin, where
     that is not known."""
-    q, p = record.columns["quaternion"][sample, body], record.columns["p"][sample, body]
+    q, p = columns["quaternion"][sample, body], columns["p"][sample, body]
     turned = rotation_of(q) if np.isfinite(q).all() else np.eye(3)
     return turned, np.nan_to_num(p)
 
 
 def _is_bounded(body: Body) -> bool:
-    return all(shape.kind not in UNBOUNDED and not _is_endless(body, k) for k, shape in enumerate(body.shapes))
+    return all(
+        shape.kind not in UNBOUNDED and not _is_endless(body, k) for k, shape in enumerate(body.shapes)
+    )
 
 
 def _is_endless(body: Body, k: int) -> bool:
@@ -100,12 +115,12 @@ def _radius(mesh: Mesh) -> float:
     return float(np.linalg.norm(_own_points(mesh), axis=1).max())
 
 
-def _places(record: Record, body: int, mesh: Mesh) -> Array:
+def _places(columns: Mapping[str, Array], body: int, mesh: Mesh) -> Array:
     """Where the points of a body come to lie in the run, (n, 3)."""
-    count = len(record.columns["t"])
+    count = len(columns["t"])
     samples = np.unique(np.linspace(0, count - 1, min(count, INSTANTS)).astype(int)) if count else ()
     own = _own_points(mesh)
-    placed = [own @ turn.T + place for turn, place in (pose_at(record, body, k) for k in samples)]
+    placed = [own @ turn.T + place for turn, place in (pose_at(columns, body, k) for k in samples)]
     return np.concatenate([np.zeros((0, 3)), *placed])
 
 

@@ -20,7 +20,13 @@ import pytest
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 needs_browser = pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")
 FLAGS = (
-    *("--headless", "--no-sandbox", "--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
+    *(
+        "--headless",
+        "--no-sandbox",
+        "--disable-gpu",
+        "--use-angle=swiftshader",
+        "--enable-unsafe-swiftshader",
+    ),
     *("--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update"),
     *("--disable-sync", "--disable-extensions", "--hide-scrollbars", "--remote-debugging-pipe"),
 )
@@ -28,7 +34,7 @@ PATIENCE = 60.0  # s, for an answer
 
 
 class Browser:
-    """One page. `complaints` are errors and warnings of its console, `requests` the addresses it asked for."""
+    """One page. `complaints` are errors and warnings of its console, `requests` what it asked for."""
 
     def __init__(self, into: int, out: int) -> None:
         self._into, self._out = into, out
@@ -73,6 +79,11 @@ class Browser:
             self.complaints.append(told["entry"]["text"])
         elif event == "Network.requestWillBeSent":
             self.requests.append(told["request"]["url"])
+
+    @property
+    def serious(self) -> list[str]:
+        """The complaints, less what a driver without a graphics card says of its speed."""
+        return [each for each in self.complaints if "GL Driver Message" not in each]
 
     def open(self, address: str, width: int = 1280, height: int = 800) -> None:
         sizes = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
