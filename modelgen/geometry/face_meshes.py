@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from math import isfinite
+from math import hypot, isfinite
 from typing import Any
 
 import casadi as ca
@@ -52,14 +52,15 @@ def face_mesh(face: Feature, size: float, allowed: float) -> FaceMesh:
 
     Args:
         face: a feature of dimension 2.
-        size: how far unbounded coordinates reach, m.
+        size: how far unbounded coordinates reach from the origin of the composite, m.
         allowed: largest distance between triangles and face, m. A face that needs more than 256 cells along
             a coordinate gets these.
     """
     points = _points(face.shape)
     conditions = [each for each in (_value_of(c, points) for c in face.conditions) if each is not None]
+    reach = size + hypot(*face.shape.pose.position)  # in the axes of the surface
     whole = tuple(
-        (lower if isfinite(lower) else -size, upper if isfinite(upper) else size)
+        (lower if isfinite(lower) else -reach, upper if isfinite(upper) else reach)
         for lower, upper in domain_of(face.shape)
     )
     first = 1 if face.shape.kind == "plane" and not conditions else FIRST
@@ -145,16 +146,15 @@ def _value_of(condition: Condition, points: Points) -> Condition2 | None:
 
 
 def _extent(whole: Ends, conditions: Sequence[Condition2]) -> Ends:
-    """The part of the coordinates in which the conditions hold, with some room; a face that is small against
-    its coordinates is found where the conditions come nearest to holding."""
+    """A part of the coordinates outside of which the conditions do not hold; a face that is small against its
+    coordinates is found where the conditions come nearest to holding."""
     ends = whole
     for _ in range(ZOOMS if conditions else 0):
         lines = [np.linspace(*each, SOUGHT) for each in ends]
         uv = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
-        values = np.stack([condition(uv) for condition in conditions])
-        scale = np.abs(values).max(axis=1, keepdims=True)
-        least = (values / np.where(scale > 0, scale, 1.0)).min(axis=0)
-        inside = uv[least >= 0] if (least >= 0).any() else uv[[int(np.argmax(least))]]
+        near = [_nearness(condition(uv).reshape(SOUGHT, SOUGHT)) for condition in conditions]
+        least = np.min(near, axis=0).ravel()
+        inside = uv[least >= -1] if (least >= -1).any() else uv[[int(np.argmax(least))]]
         room = np.array([line[1] - line[0] for line in lines])
         low = np.maximum(inside.min(axis=0) - room, [each[0] for each in ends])
         high = np.minimum(inside.max(axis=0) + room, [each[1] for each in ends])
@@ -163,6 +163,18 @@ def _extent(whole: Ends, conditions: Sequence[Condition2]) -> Ends:
         if (high - low > 0.5 * before).all():
             break
     return ends
+
+
+def _nearness(values: Array) -> Array:
+    """Values of a condition on a grid, in units of their change over a cell: from -1 on it may hold in one of
+    the cells that meet there."""
+    change = np.zeros_like(values)
+    for axis in (0, 1):
+        step = np.abs(np.diff(values, axis=axis))
+        ends = np.zeros_like(np.take(values, [0], axis=axis))
+        before, after = np.concatenate([ends, step], axis), np.concatenate([step, ends], axis)
+        change += np.maximum(before, after)
+    return values / np.where(change > 0, change, np.abs(values).max() or 1.0)
 
 
 def _grid(lines: Sequence[Array]) -> tuple[Array, Array]:

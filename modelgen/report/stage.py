@@ -17,8 +17,10 @@ from modelgen.scene.scene_types import Body
 Array = np.ndarray[Any, Any]
 
 REACH = 1.6  # of unbounded surfaces, against half the size of the space in which bodies move
-NEAR = 3.0  # of the picture, against the largest moving body, where it is followed
-FAR = 12.0  # of all motion, against it, where it is followed
+FOLLOWED = 5.0  # of all motion, against the group of bodies that move, from which on the picture follows
+NEAR = 2.2  # of a picture that follows, against the group
+WIDE = 3.0  # of what stands still, against all motion, from which on the picture shows the motion alone
+LEVER = 1.2  # of the distance of a joint, against the radius of a body, from which on a lever is drawn
 UNBOUNDED = ("plane", "halfspace", "line", "paraboloid", "cone", "helix")
 COARSE = 0.05  # tolerance of the meshes by which the space is measured
 INSTANTS = 60  # samples by which it is measured
@@ -70,10 +72,17 @@ def _stage(columns: Mapping[str, Array], moving: set[int], model: Model, toleran
         _with_levers(body_mesh(body, entry.centre_of_mass, 1e-3, COARSE), model, index)
         for index, (body, entry) in enumerate(zip(bodies, entries, strict=True))
     ]
-    points = [_places(columns, index, mesh) for index, mesh in enumerate(rough) if bounded[index]]
-    centre, reach = _ball(points)
-    largest = max((_radius(rough[k]) for k in moving if bounded[k]), default=0.0)
-    follow = largest > 0 and reach > FAR * largest
+    places = {index: _places(columns, index, mesh) for index, mesh in enumerate(rough) if bounded[index]}
+    centre, reach = _ball(list(places.values()))
+    radii = {index: _radius(rough[index]) for index in places if index in moving}
+    follow = False
+    size = reach
+    if radii:
+        centre_of_motion, motion = _ball([places[index] for index in radii])
+        group = _group(columns, radii)
+        follow = motion > FOLLOWED * group
+        if follow or reach > WIDE * motion:
+            centre, size = centre_of_motion, NEAR * group if follow else motion
     actors = tuple(
         Actor(
             entry.name,
@@ -84,7 +93,7 @@ def _stage(columns: Mapping[str, Array], moving: set[int], model: Model, toleran
         )
         for index, (body, entry) in enumerate(zip(bodies, entries, strict=True))
     )
-    return Stage(actors, centre, NEAR * largest if follow else reach, follow)
+    return Stage(actors, centre, size, follow)
 
 
 def pose_at(columns: Mapping[str, Array], body: int, sample: int) -> tuple[Array, Array]:
@@ -115,13 +124,27 @@ def _radius(mesh: Mesh) -> float:
     return float(np.linalg.norm(_own_points(mesh), axis=1).max())
 
 
+def _samples(columns: Mapping[str, Array]) -> list[int]:
+    """Samples by which a run is measured."""
+    count = len(columns["t"])
+    return np.unique(np.linspace(0, count - 1, min(count, INSTANTS)).astype(int)).tolist() if count else []
+
+
 def _places(columns: Mapping[str, Array], body: int, mesh: Mesh) -> Array:
     """Where the points of a body come to lie in the run, (n, 3)."""
-    count = len(columns["t"])
-    samples = np.unique(np.linspace(0, count - 1, min(count, INSTANTS)).astype(int)) if count else ()
     own = _own_points(mesh)
-    placed = [own @ turn.T + place for turn, place in (pose_at(columns, body, k) for k in samples)]
-    return np.concatenate([np.zeros((0, 3)), *placed])
+    poses = (pose_at(columns, body, k) for k in _samples(columns))
+    return np.concatenate([np.zeros((0, 3)), *(own @ turn.T + place for turn, place in poses)])
+
+
+def _group(columns: Mapping[str, Array], radii: Mapping[int, float]) -> float:
+    """How far bodies reach, at any time, from the mean of their centres, m."""
+    found = 1e-6
+    for sample in _samples(columns):
+        centres = np.array([pose_at(columns, body, sample)[1] for body in radii])
+        off = np.linalg.norm(centres - centres.mean(axis=0), axis=1) + list(radii.values())
+        found = max(found, float(off.max()))
+    return found
 
 
 def _ball(points: Sequence[Array]) -> tuple[Array, float]:
@@ -134,15 +157,13 @@ def _ball(points: Sequence[Array]) -> tuple[Array, float]:
 
 
 def _with_levers(mesh: Mesh, model: Model, index: int) -> Mesh:
-    """A body without shapes is drawn as lines from its centre of mass to its joints."""
-    if not mesh.is_empty:
-        return mesh
-    centre = np.array(model.bodies[index].centre_of_mass)
+    """The mesh, with lines from the centre of mass to the joints that are beyond the shapes."""
+    centre, radius = np.array(model.bodies[index].centre_of_mass), _radius(mesh)
     ends = [
         np.array(frame.position) - centre
         for joint in model.joints
         for body, frame in zip((joint.a, joint.b), joint.frames, strict=True)
         if body == index
     ]
-    lines = np.array([[np.zeros(3), end] for end in ends if np.linalg.norm(end) > 0]).reshape(-1, 2, 3)
-    return replace(mesh, lines=lines)
+    far = [np.array([np.zeros(3), end]) for end in ends if np.linalg.norm(end) > LEVER * radius]
+    return replace(mesh, lines=np.concatenate([mesh.lines, np.array(far).reshape(-1, 2, 3)]))

@@ -8,7 +8,7 @@ import numpy as np
 
 from modelgen.geometry.body_meshes import Mesh
 from modelgen.model import Model
-from modelgen.report.run_record import Array, Record
+from modelgen.report.run_record import Array, Record, rotate_inverse
 from modelgen.report.stage import Actor, stage_of
 from modelgen.rotations import rotation_of
 from modelgen.scene.scene_types import Body
@@ -37,6 +37,7 @@ def page_data(
     return {
         "scene": summary["scene"],
         "outcome": _outcome(summary),
+        "said": _said(summary),
         "centre": stage.centre.tolist(),
         "size": stage.size,
         "follow": stage.follow,
@@ -61,9 +62,15 @@ def page_data(
 
 
 def _outcome(summary: dict[str, Any]) -> str:
+    error = summary["estimate"] and summary["estimate"]["position"]
+    told = f", error {error:.1g} m" if error else ""
+    return f"{summary['outcome']} at t = {summary['t_end']:.6g} s, {summary['accuracy']}{told}"
+
+
+def _said(summary: dict[str, Any]) -> str:
+    """What there is to say of the accuracy of a run."""
     estimate = summary["estimate"]
-    told = f"; {estimate['statement']}" if estimate else ""
-    return f"{summary['outcome']} at t = {summary['t_end']:.6g} s ({summary['accuracy']}){told}"
+    return "; ".join([*([estimate["statement"]] if estimate else []), *summary["doubts"], *summary["warnings"]])
 
 
 def _body(actor: Actor, body: Body, centre: Array) -> dict[str, Any]:
@@ -125,25 +132,35 @@ def _loaded(record: Record, k: int, side: str) -> Array:
     return np.where((record.columns["force"][:, k] > 0)[:, None], curve, np.nan)
 
 
+def _in_axes(record: Record, body: int, points: Array) -> Array:
+    """Points of the world (n, 3) in the axes of a body's centre of mass at each sample."""
+    columns = record.columns
+    return rotate_inverse(columns["quaternion"][:, body], points - columns["p"][:, body])
+
+
 def _patches(record: Record, chosen: slice) -> list[dict[str, Any]]:
     """Resultant, centre of pressure and outline of faces that rest, with the friction on the second."""
     found = []
     for patch in record.rested:
-        mine = record.columns["patch"][chosen] == patch
-        force = np.where(mine, record.columns["patch_force"][chosen], 0.0).sum(axis=1)
-        point = np.where(mine[..., None], record.columns["patch_point"][chosen], 0.0).sum(axis=1)
-        friction = np.where(mine[..., None], record.columns["patch_friction"][chosen], 0.0).sum(axis=1)
+        mine = record.columns["patch"] == patch
+        force = np.where(mine, record.columns["patch_force"], 0.0).sum(axis=1)
+        point = np.where(mine[..., None], record.columns["patch_point"], 0.0).sum(axis=1)
+        point = np.where(mine.any(axis=1, keepdims=True), point, np.nan)
+        friction = np.where(mine[..., None], record.columns["patch_friction"], 0.0).sum(axis=1)
+        other = int(record.faces.get(f"{patch}_other", [-1])[0])
         axes = record.faces[f"{patch}_axes"]
         body = int(record.faces[f"{patch}_body"][0])
         found.append(
             {
                 "name": record.patch_names[patch],
-                "force": packed(force),
-                "point": packed(np.where(force[:, None] != 0, point, np.nan)),
-                "friction": packed(friction),
+                "force": packed(force[chosen]),
+                "point": packed(point[chosen]),
+                "friction": packed(friction[chosen]),
                 "outline": packed(record.faces[f"{patch}_outline"]),
                 "curve": packed((axes[:3] + record.pressure_curve(patch) @ axes[3:9].reshape(2, 3))[chosen]),
                 "body": body,
+                "other": other,
+                "on_other": packed(_in_axes(record, other, point)[chosen]) if other >= 0 else "",
                 "side": 1 if body in record.moving else -1,
                 "axes": axes.tolist(),
             }
