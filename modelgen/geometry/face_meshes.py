@@ -206,13 +206,13 @@ def _chords(points: Points, lines: Sequence[Array], allowed: float) -> tuple[tup
         chord = x[:-1, :-1] + s * (x[1:, 1:] - x[:-1, :-1])
         diagonal = np.maximum(diagonal, np.linalg.norm(at(u_mid, v_mid) - chord, axis=-1))
     far = diagonal > allowed
-    wrong = (
-        (along_u > ALONE * allowed) | (far.any(axis=1) & (along_u > 0)) | far.all(axis=1),
-        (along_v > ALONE * allowed) | (far.any(axis=0) & (along_v > 0)) | far.all(axis=0),
-    )
-    if far.any() and not (wrong[0].any() or wrong[1].any()):
-        wrong = far.any(axis=1), far.any(axis=0)
-    return wrong, float(max(diagonal.max(), along_u.max(), along_v.max()))
+    far_u: Array = far.any(axis=1)
+    far_v: Array = far.any(axis=0)
+    wrong_u = (along_u > ALONE * allowed) | (far_u & (along_u > 0))
+    wrong_v = (along_v > ALONE * allowed) | (far_v & (along_v > 0))
+    if not (wrong_u.any() or wrong_v.any()):  # the surface is twisted, its coordinate lines are straight
+        wrong_u, wrong_v = far_u, far_v
+    return (wrong_u, wrong_v), float(max(diagonal.max(), along_u.max(), along_v.max()))
 
 
 def _border_cells(

@@ -26,8 +26,8 @@ def draw_film(record: Record, stage: Stage, path: Path, figure: Any) -> None:
     t = record.columns["t"]
     span = float(t[-1] - t[0]) if len(t) else 0.0
     duration = min(max(span, SHORTEST), LONGEST)
-    times = np.linspace(t[0], t[-1], max(int(duration * RATE), 2)) if len(t) else []
-    samples = [int(np.abs(t - time).argmin()) for time in times]
+    times = np.linspace(0.0, span, max(int(duration * RATE), 2))
+    samples = [int(np.abs(t - t[0] - time).argmin()) for time in times] if len(t) else []
     writer = _writer(path)
     axes = figure.add_axes((0.02, 0.02, 0.96, 0.9))
     with writer.saving(figure, str(path), DOTS):

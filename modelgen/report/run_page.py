@@ -31,10 +31,10 @@ FIGURES = (
     ("redundant_max", "most active contacts beyond the rank of their rows", ""),
 )  # fmt: skip
 ERRORS = (
-    ("position", "m, position of a centre of mass"), ("rotation", "rad, rotation of a body"),
-    ("velocity", "m/s, velocity of a centre of mass"), ("spin", "rad/s, angular velocity of a body"),
-    ("gap", "m, gap"), ("force", "relative, contact force, root mean square"),
-    ("events", "s, time of an event"),
+    ("position", "position of a centre of mass", "m"), ("rotation", "rotation of a body", "rad"),
+    ("velocity", "velocity of a centre of mass", "m/s"), ("spin", "angular velocity of a body", "rad/s"),
+    ("gap", "gap", "m"), ("force", "contact force, root mean square", "relative"),
+    ("events", "time of an event", "s"),
 )  # fmt: skip
 
 
@@ -79,13 +79,13 @@ def _accuracy(summary: Mapping[str, Any]) -> str:
     text = "".join(f"<li>{escape(line)}</li>" for line in lines)
     figures = [(escape(what), _number(summary[key]), unit) for key, what, unit in FIGURES]
     errors = [
-        (escape(what), _number(estimate[key]))
-        for key, what in ERRORS
+        (escape(what), _number(estimate[key]), unit)
+        for key, what, unit in ERRORS
         if estimate and estimate[key] is not None
     ]
     return (
         f"<ul>{text}</ul>"
-        + (table(("estimated error", ""), errors, (1,)) if errors else "")
+        + (table(("estimated error", "", "unit"), errors, (1,)) if errors else "")
         + table(("figure", "", "unit"), figures, (1,))
     )
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 FORMATS = (".png", ".svg", ".gif", ".mp4")  # the last two are films
 FILMS = FORMATS[2:]
 STRIP = 4  # pictures of the bodies where no number is given
-ROW = 4  # of them side by side
+ROW, PAIR = 4, 2  # side by side: of them, and of curves
 COARSE = 2e-2  # tolerance of their meshes, as a part of the size of a shape
 CURVES = 4  # contacts whose curves are drawn, and faces whose pressure is
 POINT = 1e-6  # half the box around a curve that is a point
@@ -82,25 +82,30 @@ def _figure(record: Record, frames: int | None) -> Any:
     if frames and not known and not record.meshes:
         raise ModelgenError("frames", "no body of this run has a shape to draw", "", "leave the frames out")
     shown = frame_samples(record, count) if count and len(record.columns["t"]) else []
-    wide = ROW if known else 2
-    above, rows = -(-len(shown) // wide), -(-len(panels) // 2)
-    heights = [1.0 if known else 1.7] * above + [1.0] * rows + [1.7] * -(-len(curves) // 2)
+    wide = ROW if known else PAIR
+    above, rows = -(-len(shown) // wide), -(-len(panels) // PAIR)
+    heights = [1.0 if known else 1.7] * above + [1.0] * rows + [1.7] * -(-len(curves) // PAIR)
     figure = figure_class(figsize=(11.0, 2.8 * sum(heights)), layout="constrained")
     summary = record.summary
     figure.suptitle(f"{summary['scene']}: {summary['outcome']} at t = {summary['t_end']:.6g} s")
-    grid = figure.add_gridspec(len(heights), 1, height_ratios=heights)
-    strips = [grid[k].subgridspec(1, wide) for k in range(above)]
-    places = [strips[k // wide][k % wide] for k in range(len(shown))]
+    grid = figure.add_gridspec(len(heights), ROW, height_ratios=heights)
+
+    def place(first: int, number: int, side_by_side: int) -> Any:
+        """The place of one of several equal pictures from a row on."""
+        row, column, width = first + number // side_by_side, number % side_by_side, ROW // side_by_side
+        return grid[row, column * width : (column + 1) * width]
+
     if known:
-        _strip(record, shown, [figure.add_subplot(place) for place in places])
+        strips = [grid[row, :].subgridspec(1, ROW) for row in range(above)]
+        _strip(record, shown, [figure.add_subplot(strips[k // ROW][k % ROW]) for k in range(len(shown))])
     else:
-        draw_frames(record, shown, [figure.add_subplot(place, projection="3d") for place in places])
-    pairs = [grid[k].subgridspec(1, 2) for k in range(above, len(heights))]
+        panes = [figure.add_subplot(place(0, k, wide), projection="3d") for k in range(len(shown))]
+        draw_frames(record, shown, panes)
     for k, panel in enumerate(panels):
-        panel(record, figure.add_subplot(pairs[k // 2][k % 2]))
+        panel(record, figure.add_subplot(place(above, k, PAIR)))
     for k, (contact, side) in enumerate(curves):
-        place = pairs[rows + k // 2][k % 2]
-        _curve(record, contact, side, figure.add_subplot(place, projection="3d"))
+        axes = figure.add_subplot(place(above + rows, k, PAIR), projection="3d")
+        _curve(record, contact, side, axes)
     return figure
 
 
@@ -218,12 +223,11 @@ def _components(record: Record, axes: Any, column: str, symbol: str) -> None:
             axes.plot([], [], dashes, color="0.3", linewidth=1.0, label=f"{symbol}_{axis}")
 
 
-def _colour(number: int) -> tuple[float, float, float]:
+def _colour(number: int) -> Any:
     """Colours of lines, 20 different ones."""
     from matplotlib import colormaps
 
-    shade = colormaps["tab20"].colors[number % 20]
-    return shade[0], shade[1], shade[2]
+    return colormaps["tab20"](number % 20)
 
 
 def _position(record: Record, axes: Any) -> None:

@@ -17,6 +17,7 @@ from modelgen.scene.scene_types import Body
 Array = np.ndarray[Any, Any]
 
 REACH = 1.6  # of unbounded surfaces, against half the size of the space in which bodies move
+AHEAD = 6.0  # of those of a run that only begins, against half the size of its start
 FOLLOWED = 5.0  # of all motion, against the group of bodies that move, from which on the picture follows
 NEAR = 2.2  # of a picture that follows, against the group
 WIDE = 3.0  # of what stands still, against all motion, from which on the picture shows the motion alone
@@ -62,10 +63,12 @@ def stage_at_start(columns: Mapping[str, Array], model: Model, tolerance: float)
     """The bodies of a run that begins: `columns` is its first sample, as a Trajectory names them."""
     kinds = [model.body_kinds[body.kind].motion for body in model.bodies]
     moving = {index for index, motion in enumerate(kinds) if motion != "fixed"}
-    return _stage(columns, moving, model, tolerance)
+    return _stage(columns, moving, model, tolerance, AHEAD)
 
 
-def _stage(columns: Mapping[str, Array], moving: set[int], model: Model, tolerance: float) -> Stage:
+def _stage(
+    columns: Mapping[str, Array], moving: set[int], model: Model, tolerance: float, reaches: float = REACH
+) -> Stage:
     bodies, entries = model.whole.bodies, model.bodies
     bounded = [_is_bounded(body) for body in bodies]
     rough = [
@@ -86,7 +89,7 @@ def _stage(columns: Mapping[str, Array], moving: set[int], model: Model, toleran
     actors = tuple(
         Actor(
             entry.name,
-            _with_levers(body_mesh(body, entry.centre_of_mass, REACH * reach, tolerance), model, index),
+            _with_levers(body_mesh(body, entry.centre_of_mass, reaches * reach, tolerance), model, index),
             index in moving,
             bounded[index],
             bounded[index] and not any(shape.cavity for shape in body.shapes),

@@ -70,7 +70,9 @@ def _outcome(summary: dict[str, Any]) -> str:
 def _said(summary: dict[str, Any]) -> str:
     """What there is to say of the accuracy of a run."""
     estimate = summary["estimate"]
-    return "; ".join([*([estimate["statement"]] if estimate else []), *summary["doubts"], *summary["warnings"]])
+    return "; ".join(
+        [*([estimate["statement"]] if estimate else []), *summary["doubts"], *summary["warnings"]]
+    )
 
 
 def _body(actor: Actor, body: Body, centre: Array) -> dict[str, Any]:

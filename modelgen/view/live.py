@@ -48,8 +48,8 @@ class Live:
 
     Attributes:
         simulation: the run, as `start` returned it; another one after a reset.
-        running, speed, reset: controls of the page; whether time goes on, simulated time per time on the
-            clock, and the button that starts anew.
+        running, speed, follow, reset: controls of the page; whether time goes on, simulated time per time
+            on the clock, whether the picture moves with the bodies, and the button that starts anew.
         inputs, parameters: sliders by name. Another value of a parameter starts the run anew.
     """
 
@@ -85,6 +85,7 @@ class Live:
         gui = self._server.gui
         self.running = gui.add_checkbox("run", True)
         self.speed = gui.add_dropdown("speed", [f"{each:g}" for each in SPEEDS], initial_value="1")
+        self.follow = gui.add_checkbox("follow", False)
         self.reset = gui.add_button("reset")
         self._asked_reset = False
         self.reset.on_click(lambda _: self.ask_reset())
@@ -94,6 +95,7 @@ class Live:
         }
         self._told = gui.add_markdown("")
         self._message, self._largest = "", 0.0
+        self._centre: Array | None = None
         self._show_bodies()
         self.draw()
 
@@ -119,8 +121,7 @@ class Live:
             span = clock * float(self.speed.value)
             self._steer(span)
             simulation.step(until=simulation.t + span)
-            if simulation.outcome is not None:
-                self._message = f"{simulation.outcome.name.lower()}: {simulation.outcome.value}"
+            self._message = _ending(simulation) or self._message
         self.draw()
 
     def stop(self) -> None:
@@ -146,7 +147,7 @@ class Live:
         own = {each["name"]: each["value"] for each in self._library.manifest.instance.get("parameters", ())}
         wanted = {name: float(slider.value) for name, slider in self.parameters.items()}
         present = own | self._parameters
-        changed = {name: value for name, value in wanted.items() if value != self._shown(name, present[name])}
+        changed = {name: value for name, value in wanted.items() if value != present[name]}
         if not changed and not self._asked_reset:
             return
         self._asked_reset, before = False, self._parameters
@@ -163,10 +164,6 @@ class Live:
             model = require(read_again(kept_scene(None, self._library), own | self._parameters, "view"))
             self._stage = stage_at_start(columns_now(self.simulation.session), model, TOLERANCE)
             self._show_bodies()
-
-    def _shown(self, name: str, value: float) -> float:
-        """What a slider makes of a value."""
-        return type(self.parameters[name].value)(value)
 
     def _steer(self, span: float) -> None:
         """Bring inputs to what the sliders say: at once, or, where they are continuous, within a step."""
@@ -222,6 +219,7 @@ class Live:
     def draw(self) -> None:
         """Show the present state."""
         columns = columns_now(self.simulation.session)
+        self._look(columns)
         for index, frame in enumerate(self._frames):
             quaternion = columns["quaternion"][0, index]
             frame.position = columns["p"][0, index]
@@ -231,6 +229,17 @@ class Live:
         for kind, arrows in arrows_of(columns, self.simulation.session.instance, moving).items():
             self._arrows[kind].points = self._segments(*arrows)
         self._told.content = self._text()
+
+    def _look(self, columns: Mapping[str, Array]) -> None:
+        """Move the cameras with the bodies that move, if asked to."""
+        seen = [k for k, actor in enumerate(self._stage.actors) if actor.moves and actor.bounded]
+        centre = columns["p"][0, seen].mean(axis=0) if seen else self._stage.centre
+        if self.follow.value and self._centre is not None and np.linalg.norm(centre - self._centre) > 0:
+            for client in self._server.get_clients().values():
+                client.camera.position = client.camera.position + (
+                    centre - self._centre
+                )  # and where it looks
+        self._centre = centre
 
     def _text(self) -> str:
         """Time, sensors, and what there is to say."""
@@ -251,3 +260,9 @@ class Live:
         ends = np.stack([points, points + 0.5 * size / (self._largest or 1.0) * forces], axis=1)
         segments: Array = np.where(there[:, None, None], ends, away)
         return segments if len(segments) else np.broadcast_to(away, (1, 2, 3))
+
+
+def _ending(simulation: Simulation) -> str:
+    """How a run ended early, and the advice; empty as long as it goes on."""
+    outcome = simulation.outcome
+    return "" if outcome is None else f"{outcome.name.lower()}: {outcome.value}"

@@ -107,7 +107,7 @@ SOLIDS = {
     "frustum": 'kind = "frustum", radius_bottom = 0.3, radius_top = 0.1, length = 0.4',
     "dome": 'kind = "dome", radius = 1.0, length = 0.1',
     "half_torus": 'kind = "half_torus", major = 0.07, minor = 0.03',
-    "polyhedron": 'kind = "polyhedron", vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0.6, 0.6, 0.6]]',
+    "polyhedron": 'kind = "polyhedron", vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]]',
     "wedge": 'kind = "extrusion", points = [[0, 0], [1, 0], [0, 1]], length = 0.2',
     "oval": 'kind = "extrusion", x = "0.04*cos(t)", y = "0.025*sin(t)", domain = [0, "2*pi"], length = 0.02',
     "bean": 'kind = "revolution", r = "0.2*sin(t)", z = "-0.3*cos(t)", domain = [0.0, "pi"]',

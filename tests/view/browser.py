@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from io import BytesIO
 from pathlib import Path
+from select import select
 from typing import Any
 
 import numpy as np
@@ -64,6 +65,7 @@ class Browser:
 
     def _next(self) -> dict[str, Any]:
         while b"\0" not in self._rest:
+            assert select([self._out], [], [], PATIENCE)[0], "the browser says nothing"
             part = os.read(self._out, 1 << 20)
             assert part, "the browser ended"
             self._rest += part

@@ -69,8 +69,8 @@ def test_commands_write_pages_or_say_what_is_wrong(tmp_path: Path, monkeypatch: 
         return CliRunner().invoke(app, list(words)).exit_code
 
     assert called("simulate", scene, "--until", "0.3", "--out", "ball.npz", "--json") == 0
-    assert called("view", "ball.npz", "--out", "ball.html", "--plots", "gap,energy") == 0
-    assert '"title":"gap","unit":"m","open":true' in Path("ball.html").read_text()
+    assert called("view", "ball.npz", "--out", "ball.html", "--plots", "position,energy") == 0
+    assert '"title":"position","unit":"m","open":true' in Path("ball.html").read_text()
     assert called("view", scene, "--until", "0.3", "--out", "scene.html", "--json") == 0
     assert called("report", "ball.npz", "--out", "report.html", "--frames", "2") == 0
     for wrong in (
