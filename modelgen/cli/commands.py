@@ -66,8 +66,9 @@ from modelgen.cli.pipeline import (
     run_scene,
     run_settings,
 )
+from modelgen.cli.report import report
 from modelgen.cli.sensitivity import sensitivity
-from modelgen.cli.view import view
+from modelgen.cli.view import recorded, view
 
 app = typer.Typer(
     help="From a scene file to a compiled model of rigid bodies in smooth contact, and its trajectory.",
@@ -157,7 +158,8 @@ def simulate(
         method=method, step=step, scheme=scheme, solver=solver, fallback=fallback, estimate=estimate,
     ) | {"parameters": read_values(values, "--set"), "inputs": read_values(inputs, "--input")}  # fmt: skip
     trajectory, library = run_scene(scene, form, settings)
-    written = write_run(trajectory, library, out, plot)
+    drawn = None if out is None and plot is None else read_scene(scene, form)
+    written = write_run(trajectory, library, drawn, out, plot)
     summary = trajectory.summary() | written
     print_facts(summary, as_json, lambda: print_summary(summary, Console()))
     exit_with(trajectory)
@@ -180,6 +182,7 @@ app.command()(manual)
 app.command()(sensitivity)
 app.command()(view)
 app.command()(export)
+app.command()(report)
 
 
 @app.command()
@@ -189,27 +192,25 @@ def plot(
         Path, typer.Argument(metavar="RUN.npz|SCENE", help="a run, or a scene to run first", readable=False)
     ],
     out: Annotated[
-        Path, typer.Option("--out", "-o", help="FILE.png or FILE.svg", metavar="FILE", readable=False)
+        Path,
+        typer.Option(
+            "--out",
+            "-o",
+            help="FILE.png or FILE.svg; FILE.gif or FILE.mp4: a film",
+            metavar="FILE",
+            readable=False,
+        ),
     ],
     frames: Frames = None,
     as_json: AsJson = False,
 ) -> None:
     """Draw motion, forces, gaps, energy, the contact curves on both surfaces, and the bodies."""
-    from modelgen.report.export import FORMATS, load
     from modelgen.report.run_plot import draw
-    from modelgen.report.run_record import record_of
     from modelgen.report.summary import print_written
 
-    trajectory, record = None, None
-    if source.suffix in FORMATS:
-        record = load(source)
-    else:
-        read_scene(source, None)
     check_outputs(None, out)
-    pictures = read_option("frames", frames) or 0
-    if record is None:
-        trajectory, library = run_scene(source, None, {})
-        record = record_of(trajectory, library)
+    pictures = read_option("frames", frames)
+    record, trajectory = recorded(source, {})
     draw(record, out, pictures)
     facts = {"file": str(out), "scene": record.summary["scene"], "outcome": record.summary["outcome"]}
     print_facts(facts, as_json, lambda: print_written(out, Console()))

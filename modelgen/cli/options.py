@@ -25,6 +25,7 @@ TYPES: dict[str, Type] = {
     "frames": Whole(1, 16),
     "starts": Whole(1, 1000),
     "seed": Whole(0, 2**31 - 1),
+    "port": Whole(1, 65535),
 }
 
 

@@ -17,6 +17,7 @@ from modelgen.errors import ModelgenError
 if TYPE_CHECKING:
     from modelgen.codegen.library import Library
     from modelgen.runtime.trajectory import Trajectory
+    from modelgen.scene.scene_types import Scene
 
 FAILED, REFUSED = 1, 2
 
@@ -77,22 +78,30 @@ def check_file(path: Path) -> None:
         raise _unwritable(path, cause) from cause
 
 
+def write_text(text: str, path: Path) -> None:
+    """Write a text file; raises ModelgenError where that fails."""
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as cause:
+        raise _unwritable(path, cause) from cause
+
+
 def _unwritable(path: Path, cause: OSError) -> ModelgenError:
     return ModelgenError(str(path), f"cannot be written: {cause.strerror}", "", "name another file")
 
 
 def write_run(
-    trajectory: Trajectory, library: Library, run: Path | None, picture: Path | None
+    trajectory: Trajectory, library: Library, scene: Scene | None, run: Path | None, picture: Path | None
 ) -> dict[str, str | None]:
-    """Write the requested files of a run. Returns their names under the keys `out` and `plot` of the
-    summary."""
+    """Write the requested files of a run of a scene. Returns their names under the keys `out` and `plot` of
+    the summary."""
     written = {"out": None if run is None else str(run), "plot": None if picture is None else str(picture)}
     if run is None and picture is None:
         return written
     from modelgen.report.export import save
     from modelgen.report.run_record import record_of
 
-    record = record_of(trajectory, library)
+    record = record_of(trajectory, library, scene)
     if run is not None:
         save(record, run)
     if picture is not None:
@@ -114,10 +123,7 @@ def print_text(text: str, out: Path | None) -> None:
     if out is None:
         typer.echo(text)
         return
-    try:
-        out.write_text(text, encoding="utf-8")
-    except OSError as cause:
-        raise _unwritable(out, cause) from cause
+    write_text(text, out)
     typer.echo(f"written: {out}")
 
 

@@ -85,11 +85,16 @@ def build_derivation(
 def run_scene(path: Path, form: str | None, settings: dict[str, Any]) -> tuple[Trajectory, Library]:
     """Build a scene and run it with keywords of `simulate`. If the start is refused, a new folder is removed
     again."""
-    with removed_if_refused(_folder(scene_name(path.name), form)) as folder:
-        library = _known_or_built(path, form, folder)
-        with progress("simulating") as report:
-            trajectory = modelgen.simulate(library, on_progress=report, **settings)
+    with ready_library(path, form) as library, progress("simulating") as report:
+        trajectory = modelgen.simulate(library, on_progress=report, **settings)
     return trajectory, library
+
+
+@contextmanager
+def ready_library(path: Path, form: str | None) -> Iterator[Library]:
+    """The library of a scene file; a new folder is removed again if what is done with it is refused."""
+    with removed_if_refused(_folder(scene_name(path.name), form)) as folder:
+        yield _known_or_built(path, form, folder)
 
 
 def _known_or_built(path: Path, form: str | None, folder: Path) -> Library:

@@ -1,50 +1,124 @@
-"""The command `view`: a page that plays a run."""
+"""The command `view`: a page that plays a run, or a run that plays in the browser while it is computed."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
 
 import modelgen
-from modelgen.cli.options import AsJson, InputValues, Quality, SceneFile, Until, Values, read_values
+from modelgen.cli.options import AsJson, InputValues, Quality, Until, Values, read_option, read_values
 from modelgen.cli.output import check_file, exit_with, guarded, print_facts
-from modelgen.cli.pipeline import read_scene, run_scene, run_settings
+from modelgen.cli.pipeline import read_scene, ready_library, run_scene, run_settings
+from modelgen.errors import ModelgenError
 
-PageFile = Annotated[
-    Path, typer.Option("--out", "-o", help="FILE.html", metavar="FILE", readable=False, show_default=False)
+if TYPE_CHECKING:
+    from modelgen.report.run_record import Record
+    from modelgen.runtime.trajectory import Trajectory
+
+RunOrScene = Annotated[
+    Path, typer.Argument(metavar="RUN.npz|SCENE", help="a run, or a scene to run first", readable=False)
 ]
+PageFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--out", "-o", help="FILE.html; without it a scene runs live", metavar="FILE", readable=False
+    ),
+]
+Plots = Annotated[
+    str | None, typer.Option(help="plots that are open at first: energy,sensors", metavar="NAMES")
+]
+Port = Annotated[str | None, typer.Option(help="of the live page; default: 8080", metavar="NUMBER")]
 SUFFIXES = (".html", ".htm")
+PORT = 8080
 
 
 @guarded
 def view(
-    scene: SceneFile,
-    out: PageFile,
+    source: RunOrScene,
+    out: PageFile = None,
     until: Until = None,
     accuracy: Quality = None,
     values: Values = None,
     inputs: InputValues = None,
+    plots: Plots = None,
+    port: Port = None,
     as_json: AsJson = False,
 ) -> None:
-    """Run a scene and write a page that plays it: bodies, contacts, forces, events and curves over time."""
-    from modelgen.report.export import check_suffix
-    from modelgen.report.run_record import record_of
+    """Write a page that plays a run: bodies, contacts, forces, events, curves; or run a scene live."""
+    settings = given_settings(until, accuracy, values, inputs)
+    if out is None:
+        _run_live(source, settings, PORT if port is None else read_option("port", port))
+        return
     from modelgen.report.summary import print_written
     from modelgen.view.page import write_page
+    from modelgen.view.plots import check_plots
+
+    check_page(out)
+    opened = None if plots is None else check_plots(plots)
+    record, trajectory = recorded(source, settings)
+    write_page(record, out, plots=opened)
+    facts = {"file": str(out), "scene": record.summary["scene"], "outcome": record.summary["outcome"]}
+    print_facts(facts, as_json, lambda: print_written(out, Console()))
+    if trajectory is not None:
+        exit_with(trajectory)
+
+
+def check_page(out: Path) -> None:
+    """Raise ModelgenError for a page that cannot be written, before anything is computed."""
+    from modelgen.report.export import check_suffix
 
     check_suffix(out, SUFFIXES)
     check_file(out)
-    model = modelgen.require(read_scene(scene, None))
+
+
+def given_settings(
+    until: str | None, accuracy: str | None, values: list[str] | None, inputs: list[str] | None
+) -> dict[str, Any]:
+    """The settings of a run that are given, as keywords of `simulate`."""
     settings = run_settings(until, accuracy, None, None) | {
         "parameters": read_values(values, "--set"),
         "inputs": read_values(inputs, "--input"),
     }
-    trajectory, library = run_scene(scene, None, settings)
-    record = record_of(trajectory, library)
-    write_page(record, model, out)
-    facts = {"file": str(out), "scene": record.summary["scene"], "outcome": record.summary["outcome"]}
-    print_facts(facts, as_json, lambda: print_written(out, Console()))
-    exit_with(trajectory)
+    return {name: value for name, value in settings.items() if value not in (None, {})}
+
+
+def recorded(source: Path, settings: dict[str, Any]) -> tuple[Record, Trajectory | None]:
+    """The record of a file of a run; or of a scene that is run now, with its trajectory. Raises ModelgenError
+    for settings of a run that is over."""
+    from modelgen.report.export import FORMATS, load
+    from modelgen.report.run_record import record_of
+
+    if source.suffix in FORMATS:
+        if settings:
+            raise _over(source, settings)
+        return load(source), None
+    scene = read_scene(source, None)
+    trajectory, library = run_scene(source, None, settings)
+    return record_of(trajectory, library, scene), trajectory
+
+
+def _over(source: Path, settings: dict[str, Any]) -> ModelgenError:
+    found = f"{', '.join(settings)} of a run that is over"
+    return ModelgenError(str(source), found, "", "name its scene to run it anew, or leave them out")
+
+
+def _run_live(source: Path, settings: dict[str, Any], port: int) -> None:
+    """Run a scene in the browser until Ctrl-C."""
+    from modelgen.report.export import FORMATS
+
+    if source.suffix in FORMATS:
+        raise ModelgenError(str(source), "a run that is over", "", "write a page of it: --out page.html")
+    from modelgen.view.live import Live
+
+    until = settings.pop("until", None)
+    model = modelgen.require(read_scene(source, None))
+    with ready_library(source, None) as library:
+        live = Live(library, model, port=port, **settings)
+    typer.echo(f"{live.address} plays {source}; Ctrl-C ends it")
+    try:
+        live.run(until)
+    except KeyboardInterrupt:
+        live.stop()

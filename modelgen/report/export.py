@@ -62,6 +62,7 @@ def load(path: str | Path) -> Record:
                 sensor_names=tuple(names["sensors"]),
                 patch_names=tuple(names["patches"]),
                 faces={key[5:]: stored[key] for key in stored.files if key.startswith("face_")},
+                scene=json.loads(str(stored["scene"])) if "scene" in stored.files else None,
             )
     except FileNotFoundError:
         raise ModelgenError(
@@ -88,6 +89,7 @@ def _save_npz(record: Record, path: Path) -> None:
     meshes = {f"mesh_{key}": mesh for key, mesh in record.meshes.items()}
     faces = {f"face_{key}": face for key, face in record.faces.items()}
     texts = {"names": json.dumps(names), "summary": json.dumps(record.summary)}
+    texts |= {} if record.scene is None else {"scene": json.dumps(record.scene)}
     arrays: dict[str, Array] = {**record.columns, **meshes, **faces, "pairs": record.pairs}
     with path.open("wb") as file:
         np.savez_compressed(file, allow_pickle=False, **arrays, **{k: np.array(v) for k, v in texts.items()})

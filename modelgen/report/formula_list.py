@@ -164,7 +164,7 @@ def _facts(
         "role": formula.role,
         "quantity": only or "",
         "citation": formula.citation,
-        "statement": _statement(formula, model),
+        "statement": statement_of(formula, model),
         "inputs": [{**_explained(port), **own.get(port["name"], {})} for port in entry["inputs"]],
         "outputs": [{**_explained(port), **own.get(port["name"], {})} for port in outputs],
         "steps": [_explained({"name": name, "unit": notation(name).unit}) for name in steps],
@@ -201,7 +201,7 @@ def _line(line: Line, number: float, style: Format) -> dict[str, Any]:
     }
 
 
-def _statement(formula: Formula, model: Model) -> str:
+def statement_of(formula: Formula, model: Model) -> str:
     """What a joint or the form of a contact states, in the words of its own docstring."""
     if formula.role in ("rows", "coordinates"):
         kernel = rows_kernel if formula.role == "rows" else coordinates_kernel

@@ -9,28 +9,10 @@ from typing import Any
 
 from modelgen.report import mathml
 from modelgen.report.formula_text import status_text, tree
+from modelgen.report.html_parts import STYLE, badge, document, sections_of, table
 from modelgen.report.png_raster import colour, data_uri
 
 GREEK = {"sigma": "σ", "mu": "μ", "eta": "η", "gamma": "Γ₂", "gamma1": "Γ₁", "Gamma": "Γ"}
-STYLE = """
-body{font:16px/1.5 Georgia,'DejaVu Serif',serif;max-width:76rem;margin:2rem auto;padding:0 1.5rem;
-color:#1b1b1b}h1,h2,h3{font-family:'DejaVu Sans',Helvetica,sans-serif;line-height:1.2}
-h2{margin-top:3rem;border-bottom:2px solid #345}h3{margin-top:2.2rem;overflow-wrap:anywhere}
-table{border-collapse:collapse;margin:1rem 0;font-size:.88rem}
-td,th{border-bottom:1px solid #ccd;padding:.25rem .6rem;text-align:left;vertical-align:top;
-overflow-wrap:break-word}th{background:#eef2f7}td.n{text-align:right;white-space:nowrap}
-pre{background:#f5f6f8;padding:.8rem;white-space:pre-wrap}
-math{font-size:1.02rem;font-family:'STIX Two Math','STIX Math','Latin Modern Math','Cambria Math',math}
-mfrac>*{math-style:normal}mtd{padding:.15em .35em}.lines mtd{text-align:left;padding:.3em .2em}
-.eq{margin:.1rem 0;display:inline-block;vertical-align:middle;max-width:calc(100% - 9rem);
-overflow-x:auto;overflow-y:hidden;padding:.2rem 0}
-.tested,.proved,.failed,.open{padding:.05rem .5rem;border-radius:.6rem;color:#fff;
-font:bold .8rem 'DejaVu Sans',sans-serif;white-space:nowrap}.tested{background:#2b6cb0}
-.proved{background:#2f7d4a}.failed{background:#c0262d}.open{background:#777}
-details{margin:.15rem 0 .15rem 1.1rem;border-left:2px solid #dde3ea;padding-left:.7rem}
-summary{cursor:pointer}.v{color:#566;font-size:.85rem}div.leaf{margin:.15rem 0 .15rem 2.2rem}
-figure{margin:1rem 0}
-""".strip()
 
 
 def page(source: str, facts: Mapping[str, Any]) -> str:
@@ -41,12 +23,7 @@ def page(source: str, facts: Mapping[str, Any]) -> str:
         ("singularities", "Singular configurations", "".join(map(_singularity, facts["singularities"]))),
         ("errata", "Errata of the paper", _errata(facts["errata"])),
     ]
-    filled = [section for section in sections if section[2]]
-    contents = " · ".join(f'<a href="#{key}">{title}</a>' for key, title, _ in filled)
-    body = "".join(f'<h2 id="{key}">{title}</h2>{text}' for key, title, text in filled)
-    head = f'<meta charset="utf-8"><title>{escape(source)}</title><style>{STYLE}</style>'
-    text = f"<body>{_opening(source)}<p>{contents}</p>{body}</body>"
-    return f'<!DOCTYPE html><html lang="en"><head>{head}</head>{text}</html>\n'
+    return document(source, STYLE, _opening(source) + sections_of(sections))
 
 
 def _opening(source: str) -> str:
@@ -59,30 +36,11 @@ def _opening(source: str) -> str:
     )
 
 
-def _badge(status: str) -> str:
-    known = status if status in ("tested", "proved", "failed") else "open"
-    return f'<span class="{known}">{escape(status)}</span>'
-
-
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]], numeric: Sequence[int] = ()) -> str:
-    """Cells are HTML already."""
-    top = "".join(f"<th>{escape(cell)}</th>" for cell in head)
-    lines = "".join(
-        "<tr>"
-        + "".join(f"<td{' class=n' if k in numeric else ''}>{cell}</td>" for k, cell in enumerate(row))
-        + "</tr>"
-        for row in rows
-    )
-    return f"<table><thead><tr>{top}</tr></thead><tbody>{lines}</tbody></table>"
-
-
 def _formula(facts: Mapping[str, Any]) -> str:
     name = facts["name"] + (f": {facts['quantity']}" if facts["quantity"] else "")
     statement = f"<pre>{escape(facts['statement'])}</pre>" if facts["statement"] else ""
     count = f"{escape(facts['citation'])}; {facts['instructions']} instructions."
-    text = (
-        f"{_badge(facts['status'])} {escape(status_text(facts).removeprefix(facts['status']).lstrip('; '))}"
-    )
+    text = f"{badge(facts['status'])} {escape(status_text(facts).removeprefix(facts['status']).lstrip('; '))}"
     return (
         f"<h3>{escape(name)}</h3><p>{count}</p>{statement}<p>{text}</p>{_findings(facts['findings'])}"
         f"{_ports(facts)}<p>From what is exported down to its definitions:</p>{_tree(facts['definition'])}"
@@ -93,14 +51,14 @@ def _findings(findings: Sequence[Mapping[str, Any]]) -> str:
     rows = [
         (
             named(f["quantity"]),
-            _badge(f["status"]),
+            badge(f["status"]),
             worded(f["route"]),
             str(f["n"] or ""),
             _error(f["worst"]) if f["n"] else "",
         )
         for f in findings
     ]
-    return _table(("quantity", "status", "against", "N", "worst error"), rows, (3, 4)) if rows else ""
+    return table(("quantity", "status", "against", "N", "worst error"), rows, (3, 4)) if rows else ""
 
 
 def _ports(facts: Mapping[str, Any]) -> str:
@@ -111,7 +69,7 @@ def _ports(facts: Mapping[str, Any]) -> str:
         for port in facts[group]
         if port.get("shape") != [0]
     ]  # fmt: skip
-    return _table(("", "name", "shape", "unit", "frame", "meaning"), rows)
+    return table(("", "name", "shape", "unit", "frame", "meaning"), rows)
 
 
 def _tree(definition: Sequence[Mapping[str, Any]]) -> str:
@@ -149,7 +107,7 @@ def _shape(facts: Mapping[str, Any]) -> str:
         check = entry["check"]
         text = ""
         if check is not None:
-            text = f"{_badge(check['status'])} {_error(check['worst'])} on {check['n']} points"
+            text = f"{badge(check['status'])} {_error(check['worst'])} on {check['n']} points"
         lines = "".join(f'<div><span class="eq">{line}</span></div>' for line in entry["mathml"])
         rows.append(f"<p>{worded(entry['meaning'])} {text}</p>{lines}")
     none = "" if rows else "<p>No closed form that could be read; the formulas above hold it.</p>"
@@ -185,7 +143,7 @@ def _errata(rows: Sequence[Mapping[str, Any]]) -> str:
         (escape(r["equation"]), indexed(r["printed"]), indexed(r["corrected"]), escape(r["kind"]),
          indexed(r["measure"]), str(r["n"]),
          _error(r["error_printed"]), str(r["agree_printed"]), _error(r["error_corrected"]),
-         str(r["agree_corrected"]), "confirmed" if r["confirmed"] else _badge("failed"))
+         str(r["agree_corrected"]), "confirmed" if r["confirmed"] else badge("failed"))
         for r in rows
     ]  # fmt: skip
     head = [
@@ -196,7 +154,7 @@ def _errata(rows: Sequence[Mapping[str, Any]]) -> str:
         "<p>Both statements of each row, evaluated for this page on random contacts, against the motion "
         "itself or the Jacobian of the extremality system: the largest error, and how many agree.</p>"
     )
-    return intro + _table(head, cells, (5, 6, 7, 8, 9))
+    return intro + table(head, cells, (5, 6, 7, 8, 9))
 
 
 def indexed(text: str) -> str:

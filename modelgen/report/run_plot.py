@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,11 +15,20 @@ from modelgen.report.export import check_suffix
 from modelgen.report.run_record import Array, Record
 from modelgen.report.snapshots import draw_frames, frame_samples
 
-FORMATS = (".png", ".svg")
+if TYPE_CHECKING:
+    from modelgen.report.stage import Stage
+
+FORMATS = (".png", ".svg", ".gif", ".mp4")  # the last two are films
+FILMS = FORMATS[2:]
+STRIP = 4  # pictures of the bodies where no number is given
+ROW, PAIR = 4, 2  # side by side: of them, and of curves
+COARSE = 2e-2  # tolerance of their meshes, as a part of the size of a shape
 CURVES = 4  # contacts whose curves are drawn, and faces whose pressure is
 POINT = 1e-6  # half the box around a curve that is a point
 NOISE = 1e-9  # a range so small, against the values in it, is rounding, and not spread over a panel
-ENTRIES = 8  # lines that a legend names
+ENTRIES = 20  # lines that a legend names
+INSIDE = 6  # of them for which there is room beside the curves
+STYLES = ("-", "--", ":")  # of the components x, y, z, where bodies have colours
 RESIDUAL: dict[str, Any] = {"linewidth": 0.8, "color": "tab:red", "alpha": 0.7}
 
 
@@ -33,35 +43,88 @@ def require_matplotlib() -> Any:
     return Figure
 
 
-def draw(record: Record, path: str | Path, frames: int = 0) -> None:
-    """Write the picture of a run, what `record_of` or `load` returned; the suffix says how (.png or .svg).
-    Above it stand `frames` pictures of the bodies: at the start, the first change of mode, and evenly on.
+def draw(record: Record, path: str | Path, frames: int | None = None) -> None:
+    """Write the picture of a run, what `record_of` or `load` returned; the suffix says how (.png or .svg;
+    .gif and .mp4: a film of the bodies alone).
 
-    Raises ModelgenError for another suffix, or without matplotlib.
+    Above the curves stand `frames` pictures of the bodies: at the start, the first change of mode, and evenly
+    on; 4 where the record holds its scene. Of a record that does not, surfaces in contact are drawn, and none
+    unless asked for.
+
+    Raises ModelgenError for another suffix, without matplotlib, or for a film without Pillow or ffmpeg.
     """
     expect("draw", record, Record)
     path = path_of("draw", path)
     check_suffix(path, FORMATS)
+    if path.suffix in FILMS:
+        from modelgen.report.film import SIZE, draw_film
+
+        stage = _stage(record, "a film")
+        draw_film(record, stage, path, require_matplotlib()(figsize=SIZE))
+        return
+    path.write_bytes(picture(record, path.suffix[1:], frames))
+
+
+def picture(record: Record, kind: str, frames: int | None = None) -> bytes:
+    """The picture of a run as `draw` writes it, as "png" or "svg"."""
+    figure = _figure(record, frames)
+    written = BytesIO()
+    figure.savefig(written, format=kind, dpi=130, metadata={"Date": None} if kind == "svg" else None)
+    return written.getvalue()
+
+
+def _figure(record: Record, frames: int | None) -> Any:
     figure_class = require_matplotlib()
     curves = _curves(record)[: 2 * CURVES]
     panels = _panels(record)
-    if frames and not record.meshes:
+    known = record.scene is not None
+    count = (STRIP if known else 0) if frames is None else frames
+    if frames and not known and not record.meshes:
         raise ModelgenError("frames", "no body of this run has a shape to draw", "", "leave the frames out")
-    shown = frame_samples(record, frames) if frames and len(record.columns["t"]) and record.meshes else []
-    above, rows = -(-len(shown) // 2), -(-len(panels) // 2)
-    heights = [1.7] * above + [1.0] * rows + [1.7] * -(-len(curves) // 2)
+    shown = frame_samples(record, count) if count and len(record.columns["t"]) else []
+    wide = ROW if known else PAIR
+    above, rows = -(-len(shown) // wide), -(-len(panels) // PAIR)
+    heights = [1.0 if known else 1.7] * above + [1.0] * rows + [1.7] * -(-len(curves) // PAIR)
     figure = figure_class(figsize=(11.0, 2.8 * sum(heights)), layout="constrained")
     summary = record.summary
     figure.suptitle(f"{summary['scene']}: {summary['outcome']} at t = {summary['t_end']:.6g} s")
-    grid = figure.add_gridspec(len(heights), 2, height_ratios=heights)
-    places = [figure.add_subplot(grid[k // 2, k % 2], projection="3d") for k in range(len(shown))]
-    draw_frames(record, shown, places)
+    grid = figure.add_gridspec(len(heights), ROW, height_ratios=heights)
+
+    def place(first: int, number: int, side_by_side: int) -> Any:
+        """The place of one of several equal pictures from a row on."""
+        row, column, width = first + number // side_by_side, number % side_by_side, ROW // side_by_side
+        return grid[row, column * width : (column + 1) * width]
+
+    if known:
+        strips = [grid[row, :].subgridspec(1, ROW) for row in range(above)]
+        _strip(record, shown, [figure.add_subplot(strips[k // ROW][k % ROW]) for k in range(len(shown))])
+    else:
+        panes = [figure.add_subplot(place(0, k, wide), projection="3d") for k in range(len(shown))]
+        draw_frames(record, shown, panes)
     for k, panel in enumerate(panels):
-        panel(record, figure.add_subplot(grid[above + k // 2, k % 2]))
+        panel(record, figure.add_subplot(place(above, k, PAIR)))
     for k, (contact, side) in enumerate(curves):
-        place = grid[above + rows + k // 2, k % 2]
-        _curve(record, contact, side, figure.add_subplot(place, projection="3d"))
-    figure.savefig(path, dpi=130, metadata={"Date": None} if path.suffix == ".svg" else None)
+        axes = figure.add_subplot(place(above + rows, k, PAIR), projection="3d")
+        _curve(record, contact, side, axes)
+    return figure
+
+
+def _stage(record: Record, what: str) -> Stage:
+    """The bodies of the scene that a record holds."""
+    from modelgen.assembly import require
+    from modelgen.report.stage import stage_of
+
+    return stage_of(record, require(record.scene_again(what)), COARSE)
+
+
+def _strip(record: Record, samples: list[int], places: list[Any]) -> None:
+    """Pictures of the bodies side by side."""
+    from modelgen.report.body_pictures import draw_bodies
+
+    if samples:
+        stage = _stage(record, "frames")
+        for sample, axes in zip(samples, places, strict=True):
+            draw_bodies(axes, record, stage, sample)
 
 
 def _panels(record: Record) -> tuple[Callable[[Record, Any], None], ...]:
@@ -77,6 +140,8 @@ def _panels(record: Record) -> tuple[Callable[[Record, Any], None], ...]:
 
 
 def _over_time(record: Record, axes: Any, panel: Callable[[Record, Any], None]) -> None:
+    if max(len(record.moving), len(_contacts(record)), len(record.sensor_names)) > 10:
+        axes.set_prop_cycle(color=[_colour(k) for k in range(20)])
     panel(record, axes)
     _finish(axes)
 
@@ -135,16 +200,34 @@ def _finish(axes: Any) -> None:
     if len(handles) > ENTRIES:
         more = axes.plot([], [], " ", label=f"and {len(handles) - ENTRIES + 1} more")
         handles, labels = [*handles[: ENTRIES - 1], *more], [*labels[: ENTRIES - 1], more[0].get_label()]
-    if handles:
+    if len(handles) > INSIDE:
+        beside = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.2}
+        axes.legend(handles, labels, fontsize="xx-small", **beside)
+    elif handles:
         axes.legend(handles, labels, fontsize="x-small", loc="best")
 
 
 def _components(record: Record, axes: Any, column: str, symbol: str) -> None:
-    t, values = record.columns["t"], record.columns[column]
-    for i in record.moving:
+    """The components of a vector of each body that moves; of many bodies each has a colour."""
+    t, values, many = record.columns["t"], record.columns[column], 3 * len(record.moving) > ENTRIES // 2
+    for number, i in enumerate(record.moving):
         for k, axis in enumerate("xyz"):
-            if not np.isnan(values[:, i, k]).all():
-                axes.plot(t, values[:, i, k], linewidth=1.0, label=f"{record.body_names[i]} {symbol}_{axis}")
+            if np.isnan(values[:, i, k]).all():
+                continue
+            name = record.body_names[i]
+            style = {"color": _colour(number), "linestyle": STYLES[k]} if many else {}
+            label = (name if k == 0 else None) if many else f"{name} {symbol}_{axis}"
+            axes.plot(t, values[:, i, k], linewidth=1.0, label=label, **style)
+    if many:
+        for axis, dashes in zip("xyz", STYLES, strict=True):
+            axes.plot([], [], dashes, color="0.3", linewidth=1.0, label=f"{symbol}_{axis}")
+
+
+def _colour(number: int) -> Any:
+    """Colours of lines, 20 different ones."""
+    from matplotlib import colormaps
+
+    return colormaps["tab20"](number % 20)
 
 
 def _position(record: Record, axes: Any) -> None:

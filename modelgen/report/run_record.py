@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from modelgen.report.recorded_scene import kept_scene, read_again
 from modelgen.report.resting_face_outlines import face_outlines
 from modelgen.report.surface_grids import contact_meshes, feature_pair_of
 from modelgen.runtime.arguments import with_parameters
@@ -14,6 +15,7 @@ from modelgen.runtime.arguments import with_parameters
 if TYPE_CHECKING:
     from modelgen.codegen.library import Library
     from modelgen.runtime.trajectory import Trajectory
+    from modelgen.scene.scene_types import Scene
 
 Array = np.ndarray[Any, Any]
 COLUMNS = (
@@ -33,7 +35,7 @@ class Record:
     shapes, which the limits of joints follow; `faces` the outlines of faces that rested
     (report/resting_face_outlines.py); `meshes` the touching surfaces of contact k as "k_o" and "k_f",
     (rows, columns, 3) m in axes of the body's centre of mass; `summary` what `simulate --json` prints, less
-    the files written.
+    the files written; `scene` its tables (report/recorded_scene.py), None where they are not known.
     """
 
     columns: dict[str, Array]
@@ -47,11 +49,17 @@ class Record:
     sensor_names: tuple[str, ...] = ()
     patch_names: tuple[str, ...] = ()
     faces: dict[str, Array] = field(default_factory=dict)
+    scene: dict[str, Any] | None = None
 
     def __repr__(self) -> str:
         """Name of the scene, outcome and sizes; no arrays."""
         run, samples = self.summary, len(self.columns["t"])
         return f"<Record {run['scene']}: {run['outcome']} at t = {run['t_end']:.6g} s; samples: {samples}>"
+
+    def scene_again(self, what: str) -> Scene:
+        """The scene of the run, with the values of its parameters; ModelgenError for `what` where the record
+        does not hold it."""
+        return read_again(self.scene, self.summary["parameters"], what)
 
     @property
     def moving(self) -> list[int]:
@@ -98,8 +106,12 @@ def rotate_inverse(quaternion: Array, x: Array) -> Array:
     return rotated
 
 
-def record_of(trajectory: Trajectory, library: Library) -> Record:
-    """The record of a run and of the library that made it: what `save` and `draw` take."""
+def record_of(trajectory: Trajectory, library: Library, scene: Scene | None = None) -> Record:
+    """The record of a run and of the library that made it: what `save` and `draw` take.
+
+    With the scene, as `read` returned it, the record holds its tables; pages of the run need them.
+    """
+    kept = kept_scene(scene, library)
     library = with_parameters(library, trajectory.parameters)
     instance = library.manifest.instance
     feature_pairs = [feature_pair_of(instance, k) for k in range(len(instance["contacts"]))]
@@ -116,6 +128,7 @@ def record_of(trajectory: Trajectory, library: Library) -> Record:
         coordinate_names=trajectory.coordinate_names,
         sensor_names=trajectory.sensor_names,
         patch_names=trajectory.patch_names,
+        scene=kept,
     )
     bare.faces.update(face_outlines(library, bare.rested))
     bare.meshes.update(contact_meshes(library, bare.contact_curve))

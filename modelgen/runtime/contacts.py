@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -24,11 +25,16 @@ class Contact:
     features: str  # that the contact is between, where its shapes have several
 
 
-def contacts_of(session: Session) -> Mapping[str, Contact]:
-    """The contacts with shapes, then the limits of joints, by name, at the session's state."""
+def columns_now(session: Session) -> dict[str, Any]:
+    """The session's state as one sample, named as the fields of a Trajectory."""
     recording = Recording(session, np.array([float(session.run.t)]))
     session.advance(float(session.run.t), 0, recording.record)
-    shown = recording.columns()
+    return recording.columns()
+
+
+def contacts_of(session: Session) -> Mapping[str, Contact]:
+    """The contacts with shapes, then the limits of joints, by name, at the session's state."""
+    shown = columns_now(session)
     names = (*session.feature_pair_names, "")
     return {
         name: Contact(

@@ -38,8 +38,10 @@ def scene_from_tables(name: str, written: object, source: str) -> Scene:
     """The scene from plain tables, as a TOML file gives them; raises SceneError."""
     parameters = parameters_of(written, Place(source))
     scene = _scene(name, written, source, parameters)
-    if not parameters or not isinstance(written, Mapping):
+    if not isinstance(written, Mapping):
         return scene
+    if not parameters:
+        return replace(scene, origin=Origin(written))
     if scene.fold:
         raise (
             Place(source)

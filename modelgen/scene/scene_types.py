@@ -346,4 +346,4 @@ class Scene:
     remarks: tuple[str, ...] = ()  # on what is allowed but seldom meant, in words
     parameters: tuple[Parameter, ...] = ()
     nominal: Scene | None = None  # at the nominal values of the parameters; None: they are those of the scene
-    origin: Origin | None = field(default=None, compare=False, repr=False)  # of a scene with parameters
+    origin: Origin | None = field(default=None, compare=False, repr=False)  # of what was read

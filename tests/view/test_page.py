@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
-import subprocess
 from base64 import b64decode
 from pathlib import Path
 
@@ -13,23 +11,18 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from modelgen import read, record_of, require, simulate
+from modelgen import load, read, record_of, save, simulate
 from modelgen.cli.commands import app
+from modelgen.errors import ModelgenError
 from modelgen.view.page import page_text
 from tests.running import SCENES, scene_of
-
-BROWSER = shutil.which("chromium") or shutil.which("google-chrome")
-QUIET = (
-    *("--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
-    *("--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update"),
-    *("--disable-sync", "--window-size=900,600", "--virtual-time-budget=3000", "--enable-logging=stderr"),
-)
+from tests.view.browser import browser, needs_browser
 
 
 def page_of(name: str, until: float) -> tuple[str, dict[str, object]]:
     library = scene_of(name)
     trajectory = simulate(library, until=until)
-    text = page_text(record_of(trajectory, library), require(read(SCENES / f"{name}.toml")))
+    text = page_text(record_of(trajectory, library, read(SCENES / f"{name}.toml")))
     found = re.search(r'<script id="data" type="application/json">(.*?)</script>', text, re.DOTALL)
     assert found is not None
     return text, json.loads(found.group(1))
@@ -47,36 +40,68 @@ def test_a_page_holds_the_run(name: str) -> None:
     assert np.allclose(numbers(data["t"]), trajectory.t, atol=1e-6)
     for index, body in enumerate(data["bodies"]):
         assert np.allclose(numbers(body["p"]).reshape(-1, 3), trajectory.p[:, index], atol=1e-5)
-        corners = np.frombuffer(b64decode(body["triangles"]), dtype="<u4")
+        packed = body["triangles"]
+        corners = np.frombuffer(b64decode(packed["values"]), dtype=f"<u{packed['bytes']}")
         assert not len(corners) or corners.max() < len(numbers(body["vertices"])) // 3
+        assert len(b64decode(body["normals"])) == len(numbers(body["vertices"]))
+    for contact in data["contacts"]:
+        k = trajectory.contact_names.index(contact["name"])
+        assert np.allclose(numbers(contact["force"]), trajectory.force[:, k], rtol=1e-6)
     assert [event["kind"] for event in data["events"]] == [event.kind for event in trajectory.events]
-    assert {plot["title"] for plot in data["plots"]} >= {"energy", "speed"}
+    assert {plot["title"] for plot in data["plots"]} >= {"energy", "speed", "position"}
 
 
-def test_the_command_writes_a_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_of_a_run_gives_the_page_of_the_run(tmp_path: Path) -> None:
+    library = scene_of("balancing_wheel")
+    trajectory = simulate(library, until=0.1)
+    record = record_of(trajectory, library, read(SCENES / "balancing_wheel.toml"))
+    save(record, tmp_path / "run.npz")
+    assert page_text(load(tmp_path / "run.npz")) == page_text(record)
+    with pytest.raises(ModelgenError, match="does not hold its scene"):
+        page_text(record_of(simulate(scene_of("cube_toss"), until=0.1), scene_of("cube_toss")))
+
+
+def test_commands_write_pages_or_say_what_is_wrong(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     scene = str(SCENES / "bouncing_ball.toml")
-    answer = CliRunner().invoke(app, ["view", scene, "--until", "0.3", "--out", "ball.html"])
-    assert answer.exit_code == 0, answer.output
-    assert (tmp_path / "ball.html").stat().st_size > 10_000
-    for wrong in ("ball.png", "nowhere/ball.html"):
-        answer = CliRunner().invoke(app, ["view", scene, "--out", wrong])
-        assert answer.exit_code == 2
+
+    def called(*words: str) -> int:
+        return CliRunner().invoke(app, list(words)).exit_code
+
+    assert called("simulate", scene, "--until", "0.3", "--out", "ball.npz", "--json") == 0
+    assert called("view", "ball.npz", "--out", "ball.html", "--plots", "position,energy") == 0
+    assert '"title":"position","unit":"m","open":true' in Path("ball.html").read_text()
+    assert called("view", scene, "--until", "0.3", "--out", "scene.html", "--json") == 0
+    assert called("report", "ball.npz", "--out", "report.html", "--frames", "2") == 0
+    for wrong in (
+        *(("view", scene, "--out", "ball.png"), ("view", scene, "--out", "nowhere/ball.html")),
+        ("view", "ball.npz", "--out", "ball.html", "--plots", "gaps"),
+        ("view", "ball.npz", "--out", "ball.html", "--until", "2"),
+        *(("view", "none.npz", "--out", "ball.html"), ("view", "ball.npz"), ("view", scene, "--port", "0")),
+        *(("report", "none.toml", "--out", "ball.html"), ("report", "ball.npz", "--out", "ball.txt")),
+    ):
+        assert called(*wrong) == 2, wrong
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(BROWSER is None, reason="needs Chromium")
+@needs_browser
 def test_a_browser_draws_it_without_a_complaint(tmp_path: Path) -> None:
-    from PIL import Image
-
     page = tmp_path / "page.html"
     page.write_text(page_of("cube_toss", 0.3)[0])
     pictures = []
-    for time in (0.0, 0.25):
-        shot = tmp_path / f"{time}.png"
-        command = [str(BROWSER), *QUIET, f"--user-data-dir={tmp_path / 'profile'}", f"--screenshot={shot}"]
-        answer = subprocess.run([*command, f"file://{page}#t={time}"], capture_output=True, text=True)
-        assert "CONSOLE" not in answer.stderr, answer.stderr
-        pictures.append(np.asarray(Image.open(shot).convert("RGB"), dtype=int)[60:450, 20:600])
-    assert np.ptp(pictures[0], axis=(0, 1)).min() > 100
+    with browser(tmp_path) as driven:
+        for time in (0.0, 0.25):
+            driven.open("about:blank")
+            driven.open(f"file://{page}#t={time}")
+            pictures.append(driven.shot()[90:640, 20:880])
+        driven.value("document.getElementById('after').click()")
+        driven.settle()
+        later = float(driven.value("document.getElementById('slider').value"))
+        driven.value("document.getElementById('play').click()")
+        driven.until(f"+document.getElementById('slider').value > {later}")
+        assert not driven.serious
+        assert {request.split(":")[0] for request in driven.requests} <= {"file", "about"}
+    events = [event.t for event in simulate(scene_of("cube_toss"), until=0.3).events]
+    assert later == pytest.approx(min([t for t in events if t > 0.25] or [0.3]), abs=1e-6)
+    assert np.ptp(pictures[0], axis=(0, 1)).min() > 100  # more than the background
     assert (np.abs(pictures[0] - pictures[1]).max(axis=2) > 40).mean() > 0.01

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from modelgen.geometry.body_meshes import Mesh, body_mesh
 from modelgen.scene.read import read_text
-from modelgen.view.meshes import Mesh, body_mesh
 
 TOLERANCE = 4e-3
 

@@ -1,0 +1,48 @@
+"""The command `report`: one page about a run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from modelgen.cli.options import AsJson, Frames, InputValues, Quality, Until, Values, Verify, read_option
+from modelgen.cli.output import exit_with, guarded, print_facts, write_text
+from modelgen.cli.pipeline import derive_scene
+from modelgen.cli.view import RunOrScene, check_page, given_settings, recorded
+
+FRAMES = 4  # pictures of the bodies, where no number is given
+PageFile = Annotated[
+    Path, typer.Option("--out", "-o", help="FILE.html", metavar="FILE", readable=False, show_default=False)
+]
+
+
+@guarded
+def report(
+    source: RunOrScene,
+    out: PageFile,
+    until: Until = None,
+    accuracy: Quality = None,
+    values: Values = None,
+    inputs: InputValues = None,
+    frames: Frames = None,
+    verify: Verify = None,
+    as_json: AsJson = False,
+) -> None:
+    """Write a page about a run: its error, pictures, events, results, what the scene required, formulas."""
+    from modelgen.report.run_page import run_page
+    from modelgen.report.run_plot import require_matplotlib
+    from modelgen.report.summary import print_written
+
+    check_page(out)
+    require_matplotlib()
+    pictures, n = read_option("frames", frames), read_option("verify", verify) or 0
+    record, trajectory = recorded(source, given_settings(until, accuracy, values, inputs))
+    derivation = derive_scene(record.scene_again("report"))
+    write_text(run_page(record, derivation, FRAMES if pictures is None else pictures, n), out)
+    facts = {"file": str(out), "scene": record.summary["scene"], "outcome": record.summary["outcome"]}
+    print_facts(facts, as_json, lambda: print_written(out, Console()))
+    if trajectory is not None:
+        exit_with(trajectory)

@@ -1,0 +1,115 @@
+"""Bodies of a run as polygons of a plane picture: placed, shaded, and sorted from far to near."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from modelgen.report.run_record import Record
+from modelgen.report.stage import Actor, Stage, pose_at
+
+Array = np.ndarray[Any, Any]
+
+YAW, PITCH = -1.05, 0.32  # rad, of the direction from the scene to the eye
+LIGHT = np.array([0.3, -0.4, 0.87])
+ROOM = 1.05  # of the picture, against the space
+AMBIENT = 0.45
+NEARER = 0.01  # of the picture, by which edges are before their faces
+PALETTE = (
+    *((0.20, 0.52, 0.80), (0.88, 0.50, 0.20), (0.28, 0.65, 0.42), (0.62, 0.42, 0.74)),
+    *((0.80, 0.36, 0.38), (0.38, 0.62, 0.70), (0.68, 0.58, 0.25), (0.50, 0.50, 0.82)),
+)
+STILL, EDGE = (0.84, 0.86, 0.89), (0.12, 0.16, 0.20)
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """Polygons of one body in the picture."""
+
+    corners: list[Array]  # (3, 2) faces, (2, 2) lines
+    depths: Array  # towards the eye
+    colours: Array  # (n, 3)
+    widths: Array  # of lines; 0 of faces
+
+
+def draw_bodies(axes: Any, record: Record, stage: Stage, sample: int) -> None:
+    """Draw the bodies at a sample into axes of matplotlib."""
+    from matplotlib.collections import PolyCollection
+
+    right, up, _ = _eye()
+    colours = _colours(stage.actors)
+    order: tuple[list[_Part], list[_Part]] = ([], [])  # what has no end, which is behind, and the others
+    for index, actor in enumerate(stage.actors):
+        turn, place = pose_at(record.columns, index, sample)
+        order[actor.bounded].append(_part(actor, turn, place, colours[index], stage.size))
+    for level, parts in enumerate(order):
+        corners = [each for part in parts for each in part.corners]
+        if not corners:
+            continue
+        depths = np.concatenate([part.depths for part in parts])
+        shades = np.concatenate([part.colours for part in parts])
+        widths = np.concatenate([part.widths for part in parts])
+        sequence = np.argsort(depths, kind="stable")
+        axes.add_collection(
+            PolyCollection(
+                [corners[k] for k in sequence], facecolors=shades[sequence], edgecolors=shades[sequence],
+                linewidths=np.maximum(widths[sequence], 0.3), zorder=level,
+            )
+        )  # fmt: skip
+    centre = _centre(record, stage, sample)
+    half = ROOM * stage.size
+    axes.set_xlim(right @ centre - half, right @ centre + half)
+    axes.set_ylim(up @ centre - 0.8 * half, up @ centre + 0.8 * half)
+    axes.set_aspect("equal")
+    axes.set_xticks([])
+    axes.set_yticks([])
+    axes.set_title(f"t = {record.columns['t'][sample]:.4g} s", fontsize="small")
+
+
+def _eye() -> tuple[Array, Array, Array]:
+    """Axes of the picture to the right, up, and towards the eye."""
+    back = np.array([np.cos(PITCH) * np.cos(YAW), np.cos(PITCH) * np.sin(YAW), np.sin(PITCH)])
+    right = np.array([-np.sin(YAW), np.cos(YAW), 0.0])
+    return right, np.cross(back, right), back
+
+
+def _colours(actors: Sequence[Actor]) -> list[Array]:
+    found, moving = [], 0
+    for actor in actors:
+        found.append(np.array(PALETTE[moving % len(PALETTE)] if actor.moves else STILL))
+        moving += actor.moves
+    return found
+
+
+def _centre(record: Record, stage: Stage, sample: int) -> Array:
+    followed = [k for k, actor in enumerate(stage.actors) if actor.moves and actor.bounded]
+    if not stage.follow or not followed:
+        return stage.centre
+    return np.asarray(np.mean([pose_at(record.columns, k, sample)[1] for k in followed], axis=0))
+
+
+def _part(actor: Actor, turn: Array, place: Array, colour: Array, size: float) -> _Part:
+    right, up, back = _eye()
+    screen = np.stack([right, up], axis=1)
+    mesh = actor.mesh
+    points = mesh.vertices @ turn.T + place
+    normals = (
+        (mesh.normals @ turn.T)[mesh.triangles].mean(axis=1) if len(mesh.triangles) else np.zeros((0, 3))
+    )
+    seen = (normals @ back > 0) | actor.two_sided
+    triangles, normals = mesh.triangles[seen], normals[seen]
+    normals = normals * np.where(normals @ back < 0, -1.0, 1.0)[:, None]
+    lit = AMBIENT + (1 - AMBIENT) * np.clip(normals @ LIGHT, 0, 1)
+    lines = mesh.lines @ turn.T + place
+    ink = np.array(EDGE) if len(mesh.triangles) else colour
+    width = 0.7 if len(mesh.triangles) else 2.0
+    near = NEARER * size if len(mesh.triangles) else 0.0
+    return _Part(
+        [*(points[triangles] @ screen), *(lines @ screen)],
+        np.concatenate([(points @ back)[triangles].mean(axis=1), (lines @ back).mean(axis=1) + near]),
+        np.concatenate([lit[:, None] * colour, np.broadcast_to(ink, (len(lines), 3))]),
+        np.concatenate([np.zeros(len(triangles)), np.full(len(lines), width)]),
+    )

@@ -1,0 +1,140 @@
+"""A run in the browser obeys its controls."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from modelgen import read, require
+from modelgen.errors import ModelgenError
+from modelgen.runtime.simulation import start
+from tests.running import SCENES, library_of, scene_of
+from tests.view.browser import browser, needs_browser
+
+pytest.importorskip("viser", reason="extra view")
+from modelgen.view.live import Live
+
+
+@pytest.fixture
+def wheel() -> Iterator[Live]:
+    live = Live(scene_of("balancing_wheel"), require(read(SCENES / "balancing_wheel.toml")), port=18080)
+    yield live
+    live.stop()
+
+
+def test_a_live_run_is_the_run(wheel: Live) -> None:
+    wheel.speed.value = "0.3"
+    wheel.inputs["torque"].value = 0.5
+    given = float(wheel.inputs["torque"].value)
+    for _ in range(3):
+        wheel.step(0.1)
+    alone = start(scene_of("balancing_wheel"))
+    alone.inputs["torque"] = given
+    for _ in range(3):
+        alone.step(until=alone.t + 0.1 * 0.3)
+    assert np.array_equal(wheel.simulation.state, alone.state)
+    wheel.running.value = False
+    wheel.step(0.1)
+    assert wheel.simulation.t == alone.t
+
+
+def test_reset_and_a_parameter_start_anew(wheel: Live) -> None:
+    wheel.step(0.1)
+    wheel.ask_reset()
+    wheel.running.value = False
+    wheel.step(0.1)
+    assert wheel.simulation.t == 0.0
+
+
+THUMB = """(() => { const box = document.querySelector('.mantine-Slider-thumb').getBoundingClientRect();
+return [box.x + box.width / 2, box.y + box.height / 2]; })()"""
+PARAMETER = """
+[[parameter]]
+name = "radius"
+value = 0.1
+minimum = 0.05
+maximum = 0.2
+
+[[input]]
+name = "height"
+hold = "linear"
+
+[[body]]
+name = "lift"
+motion = "driven"
+shape = { kind = "plane" }
+path = { position = ["0.0", "0.0", "height"] }
+
+[[body]]
+name = "ball"
+shape = { kind = "sphere", radius = "radius" }
+density = 1000.0
+position = [0.0, 0.0, 0.25]
+
+[[contact]]
+between = ["ball", "lift"]
+restitution = 0.0
+"""
+
+
+def test_sliders_move_bodies() -> None:
+    from modelgen.scene.read import read_text
+
+    scene = read_text(PARAMETER, "lift.toml")
+    live = Live(library_of(scene), require(scene), port=18090)
+    try:
+        live.step(0.1)
+        live.inputs["height"].value = 0.05
+        for _ in range(10):
+            live.step(0.1)
+        assert live.simulation.inputs["height"] == pytest.approx(float(live.inputs["height"].value))
+        lifted = live.place("lift")
+        assert lifted[2] == pytest.approx(float(live.inputs["height"].value))
+        live.parameters["radius"].value = 0.15
+        live.running.value = False
+        live.step(0.1)
+        assert live.simulation.t == 0.0
+        live.running.value = True
+        live.inputs["height"].value = 0.0
+        for _ in range(10):
+            live.step(0.1)
+        assert live.place("ball")[2] == pytest.approx(float(live.parameters["radius"].value), abs=1e-6)
+    finally:
+        live.stop()
+
+
+def test_a_start_that_is_refused_says_so() -> None:
+    with pytest.raises(ModelgenError, match="push"):
+        Live(
+            scene_of("balancing_wheel"), require(read(SCENES / "balancing_wheel.toml")), inputs={"push": 1.0}
+        )
+
+
+@pytest.mark.slow
+@needs_browser
+def test_a_browser_shows_the_run(tmp_path: Path, wheel: Live) -> None:
+    wheel.running.value = False
+    with browser(tmp_path) as driven:
+        driven.open(wheel.address)
+        driven.until("document.querySelectorAll('canvas').length > 0")
+        driven.until("document.body.innerText.includes('t = 0.0000 s')")
+        before = driven.shot()
+        wheel.running.value = True
+        wheel.inputs["torque"].value = 1.0
+        for _ in range(30):
+            wheel.step(1 / 30)
+        driven.until("document.body.innerText.includes('t = 1.0000 s')")
+        driven.settle()
+        after = driven.shot()
+        x, y = driven.value(THUMB)
+        driven.drag((x, y), (x - 40, y))
+        end = time.monotonic() + 10
+        while wheel.inputs["torque"].value == 1.0 and time.monotonic() < end:
+            time.sleep(0.05)
+        wheel.step(1 / 30)
+        assert wheel.simulation.inputs["torque"] < 0
+    assert (np.abs(before - after).max(axis=2) > 40).mean() > 0.005
