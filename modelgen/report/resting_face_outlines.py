@@ -17,8 +17,8 @@ Array = np.ndarray[Any, Any]
 
 def face_outlines(library: Library, patches: Sequence[int]) -> dict[str, Array]:
     """The outline of the region of f of each of the patches, (m, 3) m in axes of its body's centre of mass,
-    loops apart by NaN, as "k_outline"; its axes there, (12,), as "k_axes"; the body's index as "k_body", that of
-    o's body as "k_other"."""
+    loops apart by NaN, as "k_outline"; its axes there, (12,), as "k_axes"; the body's index as "k_body", that
+    of o's body as "k_other"."""
     found: dict[str, Array] = {}
     for k in patches:
         entry = library.manifest.instance["patches"][k]
