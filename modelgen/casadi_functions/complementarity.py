@@ -42,7 +42,7 @@ def mpcc(source: Source, feature_pairs: Mapping[str, str] | None = None) -> dict
     system = complementarity_system(model, derivation.functions(), pairs, ca.SX)
     scene, symbols, rows = system.scene, system.scene.symbols, system.scene.rows.rows
     places = {kind: [k for k, row in enumerate(rows) if row.kind == kind] for kind in ("friction", "joint")}
-    entries = (*model.contacts, *model.limits)
+    entries: tuple[Any, ...] = (*model.contacts, *model.limits)
     return {
         "t": symbols.t,
         "q": symbols.q,

@@ -195,7 +195,8 @@ def _chords(points: Points, lines: Sequence[Array], allowed: float) -> tuple[tup
 
     u, v = lines
     x = at(u, v)
-    along_u, along_v = np.zeros(len(u) - 1), np.zeros(len(v) - 1)
+    along_u: Array = np.zeros(len(u) - 1)
+    along_v: Array = np.zeros(len(v) - 1)
     diagonal = np.zeros((len(u) - 1, len(v) - 1))
     for s in PROBED:
         u_mid, v_mid = u[:-1] + s * np.diff(u), v[:-1] + s * np.diff(v)
@@ -206,8 +207,8 @@ def _chords(points: Points, lines: Sequence[Array], allowed: float) -> tuple[tup
         chord = x[:-1, :-1] + s * (x[1:, 1:] - x[:-1, :-1])
         diagonal = np.maximum(diagonal, np.linalg.norm(at(u_mid, v_mid) - chord, axis=-1))
     far = diagonal > allowed
-    far_u: Array = far.any(axis=1)
-    far_v: Array = far.any(axis=0)
+    far_u: Array = np.any(far, axis=1)
+    far_v: Array = np.any(far, axis=0)
     wrong_u = (along_u > ALONE * allowed) | (far_u & (along_u > 0))
     wrong_v = (along_v > ALONE * allowed) | (far_v & (along_v > 0))
     if not (wrong_u.any() or wrong_v.any()):  # the surface is twisted, its coordinate lines are straight

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import casadi as ca
 import numpy as np
 
 Array = np.ndarray[Any, Any]
+Symbol = TypeVar("Symbol", ca.SX, ca.MX)
 RELAXATIONS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 ENOUGH = 1e-6  # a relaxation up to which the homotopy has to come
 OPTIONS: dict[str, Any] = {
@@ -34,19 +35,19 @@ OPTIONS: dict[str, Any] = {
 
 
 @dataclass(frozen=True)
-class ComplementarityProgram:
+class ComplementarityProgram(Generic[Symbol]):
     """min f(x, p) with lbx <= x <= ubx, lbg <= g <= ubg, and the pairs first, second."""
 
-    x: ca.SX | ca.MX
-    f: ca.SX | ca.MX
-    g: ca.SX | ca.MX
+    x: Symbol
+    f: Symbol
+    g: Symbol
     lbx: Array
     ubx: Array
     lbg: Array
     ubg: Array
-    first: ca.SX | ca.MX  # (pairs,) G
-    second: ca.SX | ca.MX  # (pairs,) H
-    p: ca.SX | ca.MX | None = None
+    first: Symbol  # (pairs,) G
+    second: Symbol  # (pairs,) H
+    p: Symbol | None = None
 
 
 @dataclass(frozen=True)
@@ -72,16 +73,17 @@ class RelaxedSolution:
         return self.relaxation <= ENOUGH
 
 
-class RelaxedSolver:
+class RelaxedSolver(Generic[Symbol]):
     """The solver of one program, for any number of starts and numbers p."""
 
     def __init__(
         self,
-        program: ComplementarityProgram,
+        program: ComplementarityProgram[Symbol],
         relaxations: Sequence[float] = RELAXATIONS,
         options: dict[str, Any] | None = None,
     ) -> None:
-        self._program, self._relaxations = program, tuple(relaxations)
+        self._program: ComplementarityProgram[Symbol] = program
+        self._relaxations = tuple(relaxations)
         symbol = type(program.x)
         tau = symbol.sym("tau")
         given = program.p if program.p is not None else symbol(0, 1)

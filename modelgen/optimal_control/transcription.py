@@ -159,7 +159,7 @@ class Transcription:
         if u is not None:
             self.demand(self._start[1], u)
 
-    def solver(self, relaxations: Sequence[float] = RELAXATIONS, **options: Any) -> RelaxedSolver:
+    def solver(self, relaxations: Sequence[float] = RELAXATIONS, **options: Any) -> RelaxedSolver[ca.MX]:
         """The solver of the program as it is now; `options` are those of IPOPT."""
         first, second = _stacked(self._first), _stacked(self._second)
         g = ca.vertcat(*self._equal, *(each for each, _, _ in self._demands))
@@ -178,7 +178,10 @@ class Transcription:
         return RelaxedSolver(program, relaxations, {"expand": True} | options)
 
     def solve(
-        self, guess: Array, relaxations: Sequence[float] = RELAXATIONS, solver: RelaxedSolver | None = None
+        self,
+        guess: Array,
+        relaxations: Sequence[float] = RELAXATIONS,
+        solver: RelaxedSolver[ca.MX] | None = None,
     ) -> Plan:
         """The plan from a guess of all unknowns (`guess`)."""
         found = (solver or self.solver(relaxations)).solve(guess)
@@ -218,7 +221,7 @@ class Transcription:
             self._elements.append(element)
             (q, u, eta), t = stages[-1][:3], t + h
         if self._free:
-            self._equal.append(sum(self.lengths) - self.horizon)
+            self._equal.append(ca.sum(ca.vertcat(*self.lengths)) - self.horizon)
 
     def _kicked(self, t: ca.MX, q: ca.MX, u: ca.MX, eta: ca.MX, inputs: ca.MX) -> tuple[ca.MX, ca.MX]:
         """u after impulses, and these."""
@@ -343,9 +346,9 @@ def _functions(system: ComplementaritySystem, units: tuple[float, float]) -> tup
         speed * speeds,
     ]
     n, length = len(system.contacts), model.scales.length
-    first = ca.vertcat(*system.first[:n], *system.first[n:]) if system.first else ca.SX(0, 1)
-    second = ca.vertcat(*system.second) if system.second else ca.SX(0, 1)
-    equal = ca.vertcat(*system.equal) if system.equal else ca.SX(0, 1)
+    none = ca.SX(0, 1)
+    first, second = ca.vertcat(none, *system.first), ca.vertcat(none, *system.second)
+    equal = ca.vertcat(none, *system.equal)
     unit_first = ca.DM([force] * n + [speed] * (int(first.numel()) - n))
     unit_second = ca.DM([length] * n + [force**2] * (int(second.numel()) - n))
     conditions = [first / unit_first, second / unit_second, equal / (force * speed)]

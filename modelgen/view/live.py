@@ -6,7 +6,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from math import isfinite
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -83,7 +83,7 @@ class Live:
         self._server = viser.ViserServer(host=host, port=port, label=instance["name"], verbose=False)
         self._host = host
         gui = self._server.gui
-        self.running = gui.add_checkbox("run", True)
+        self.running: Any = gui.add_checkbox("run", True)
         self.speed = gui.add_dropdown("speed", [f"{each:g}" for each in SPEEDS], initial_value="1")
         self.follow = gui.add_checkbox("follow", False)
         self.reset = gui.add_button("reset")
@@ -171,7 +171,7 @@ class Live:
         for kind in self.simulation.session.instance["inputs"]:
             name = kind["name"]
             value, wanted = inputs[name], float(self.inputs[name].value)
-            if kind["hold"] == "linear" and self.simulation.t > 0:
+            if kind["hold"] == "linear":
                 inputs.ramp(name, (wanted - value) / span)
             elif value != wanted:
                 inputs[name] = wanted
@@ -202,7 +202,7 @@ class Live:
             colour = PALETTE[colours % len(PALETTE)] if actor.moves else GREY
             colours += actor.moves
             if len(mesh.triangles):
-                side = "double" if actor.two_sided else "front"
+                side: Literal["double", "front"] = "double" if actor.two_sided else "front"
                 scene.add_mesh_simple(f"{name}/faces", mesh.vertices, mesh.triangles, color=colour, side=side)
             if len(mesh.lines):
                 thick, ink = (0.004, EDGE) if len(mesh.triangles) else (0.02, colour)

@@ -95,8 +95,8 @@ PER_CONTACT = ("force", "gap", "friction", "contact_torque", "slip", "points_o",
 
 
 def test_a_picture_has_a_known_suffix(tmp_path: Path) -> None:
-    with pytest.raises(ModelgenError, match=r"run\.gif: no known format '\.gif'; allowed are \.png, \.svg"):
-        draw(ball_on_table(), tmp_path / "run.gif")
+    with pytest.raises(ModelgenError, match=r"run\.bmp: no known format '\.bmp'; allowed are \.png, \.svg"):
+        draw(ball_on_table(), tmp_path / "run.bmp")
 
 
 def test_missing_matplotlib_is_named_with_the_command(monkeypatch: pytest.MonkeyPatch) -> None:

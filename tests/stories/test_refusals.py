@@ -53,7 +53,7 @@ def files(folder: Path) -> set[Path]:
         ),
         (("simulate", "tip.toml"), "tip.toml: body[1].shape (shape 'chart', pole u_min): the surface is not"),
         (("simulate", EGG, "--out", "run.xls"), ".npz, .csv"),
-        (("simulate", EGG, "--plot", "run.gif"), ".png, .svg"),
+        (("simulate", EGG, "--plot", "run.bmp"), ".png, .svg"),
         (("simulate", EGG, "--out", "no/where/run.npz"), "no folder"),
         (("simulate", EGG, "--out", "folder.npz"), "folder.npz: it is a folder; a file; name one"),
         (
