@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from os import environ
+from pathlib import Path
 from shutil import rmtree
 from tempfile import mkdtemp
 
 import pytest
 from hypothesis import settings
 
+from modelgen.benchmark.scene_under_measurement import BUILD
 from modelgen.codegen import build
+from modelgen.codegen.compiler import Compiler, compile_library
 from tests.running import LEVEL
 
 GOLDEN = 0.6180339887
@@ -26,8 +29,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Compile at level O1, which computes the same bits as O2; let workers find each other's libraries."""
+    """Compile the core at level O1 and kernels without optimisation, which compute the same bits as O2; let
+    workers find each other's libraries."""
     build.LEVEL = LEVEL
+    build.compile_library = compile_without_optimisation
     if hasattr(config, "workerinput"):
         return
     made = mkdtemp(prefix="modelgen-pool-")
@@ -54,9 +59,17 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.timeout(0))
 
 
+def compile_without_optimisation(compiler: Compiler, flags: tuple[str, ...], *places: Path) -> None:
+    """The library of a scene, whose kernels run seldom in a test."""
+    compile_library(compiler, ("-O0", *(flag for flag in flags if not flag.startswith("-O"))), *places)
+
+
 @pytest.fixture
 def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Few repeats and no counted instructions: what a run costs is not asked here."""
+    """Few repeats and no counted instructions, nothing compiled at another level, no figures of exports: what a
+    run costs is not asked here."""
     monkeypatch.setattr("modelgen.benchmark.cost.ENOUGH_S", 1e-3)
     monkeypatch.setattr("modelgen.benchmark.cost.BRIEF_S", 0.0)
     monkeypatch.setattr("modelgen.benchmark.setting_evaluation.instructions", lambda *given: None)
+    monkeypatch.setitem(BUILD, "level", LEVEL)
+    monkeypatch.setattr("modelgen.export.c_folder.figures_of", lambda *given: None)

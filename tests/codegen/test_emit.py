@@ -52,6 +52,7 @@ def test_text_is_the_same_in_every_process() -> None:
     assert len(found) == 1
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("real", REAL_FLAGS)
 @pytest.mark.parametrize("made", [WIDE, ball_on_table()], ids=["wide", "ball"])
 @pytest.mark.skipif(CC is None, reason="needs a C compiler")

@@ -204,6 +204,7 @@ def test_the_relaxation_is_the_least_of_the_convex_program(lcp: Any, seed: int) 
         assert energy(other) >= least - 1e-9 * (abs(least) + 1)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("real", ["float", "long double"])
 def test_every_real_type_solves_to_its_own_accuracy(real: str, lcp_in: Any) -> None:
     core, limit = lcp_in(real), {"float": 1e-3, "long double": 1e-12}[real]

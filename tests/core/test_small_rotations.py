@@ -38,7 +38,7 @@ def rotate(tmp_path_factory: pytest.TempPathFactory) -> Callable[[np.ndarray, np
     return call
 
 
-@pytest.mark.cases(2)
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("size", [1e-1, 1e-2, 1e-4, 1e-6])
 def test_a_small_rotation_is_that_of_the_exponential_map_to_second_order(
     rotate: Callable[[np.ndarray, np.ndarray], np.ndarray], size: float

@@ -161,6 +161,7 @@ def test_extremality_stays_zero_along_eta_dot(o: str, f: str, form: str) -> None
     assert (np.linalg.norm(found, axis=0) / size)[regular(o, f)].max() < TOLERANCE
 
 
+@pytest.mark.cases(40)
 @pytest.mark.parametrize(("o", "f", "form"), CARRIED)
 def test_newton_converges_quadratically(o: str, f: str, form: str) -> None:
     """From an error e the step leaves at most C e^2, one C for all sizes."""

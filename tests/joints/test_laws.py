@@ -65,6 +65,7 @@ def coordinate_rates(kind: str, a: Motion, b: Motion, given: np.ndarray) -> tupl
     return float(kernel(a.pose, b.pose, given)[0]), first[0], second[0]
 
 
+@pytest.mark.cases(14)
 @pytest.mark.parametrize(("kind", "upper", "seed"), list(product(SPRUNG, (False, True), SEEDS)))
 def test_a_limit_is_a_contact_whose_gap_follows_the_coordinate(kind: str, upper: bool, seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -67,6 +67,7 @@ def test_newton_converges_quadratically(o: str, f: str, form: str) -> None:
     assert constants[2] < 3 * constants[0]
 
 
+@pytest.mark.cases(60)
 @pytest.mark.parametrize(("o", "f", "form"), CASES)
 def test_place_reports_the_same_contact_in_every_form(o: str, f: str, form: str) -> None:
     """d, points, normal and margin are those of the construction and of the oracle form; residuals vanish."""

@@ -57,7 +57,7 @@ def rates(kind: ContactKind, at: Any, eta: Array, lengths: Array) -> dict[str, A
     return dict(zip(function.name_out(), found, strict=True))
 
 
-@pytest.mark.cases(100)
+@pytest.mark.cases(40)
 @pytest.mark.parametrize(("family", "o", "f", "form"), FAMILY)
 def test_rows_are_those_of_material_points(family: str, o: str, f: str, form: str) -> None:
     """J u, d/dt (J u) = J u_dot + gamma at gaps, in contact and overlapping, and the documented frame."""

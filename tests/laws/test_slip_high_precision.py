@@ -110,7 +110,7 @@ def inputs_of(family: str, o: str, f: str, form: str, at: Any) -> tuple[ContactK
     return kind, centres.carried(eta_layout(kind), at.alpha, at.x_o), centres.lengths(o, f, 1)
 
 
-@pytest.mark.cases(16)
+@pytest.mark.cases(8)
 @pytest.mark.parametrize(
     ("family", "o", "f", "seed", "form"),
     [pytest.param(*case, marks=() if case in ONCE else pytest.mark.slow) for case in FAMILY],

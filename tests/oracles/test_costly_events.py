@@ -76,12 +76,14 @@ def excess(path: Trajectory, seed: int) -> float:
     return float((balance - np.minimum.accumulate(balance)).max()) / WORK
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_located_events_cost_no_more_than_several_times_what_steps_do(seed: int) -> None:
     assert excess(run(seed), seed) <= 1
     assert excess(run(seed, fallback=False), seed) > 1  # what would be located
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_run_comes_back_and_rests_where_that_of_all_events_does(seed: int) -> None:
     path, exact = run(seed), run(seed, fallback=False)

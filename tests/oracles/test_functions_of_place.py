@@ -68,7 +68,7 @@ def check_arrives(path: Trajectory, work: Callable[[float], float], bends: list[
     assert error < 2e-3
 
 
-@pytest.mark.cases(12)
+@pytest.mark.cases(4)
 @LEVELS
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("width", [0.02, 0.04, 0.09])

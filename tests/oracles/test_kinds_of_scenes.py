@@ -96,7 +96,7 @@ def test_every_function_is_of_one_of_these_kinds_and_check_counts_all(name: str)
     assert all(counted[function] == entry["instructions"] for function, entry in functions.items())
 
 
-@pytest.mark.cases(20)
+@pytest.mark.cases(8)
 @ON_LINUX
 @EVERY_SCENE
 def test_the_built_library_exports_these_functions_and_the_core_and_nothing_else(name: str) -> None:

@@ -23,7 +23,7 @@ SHAPES = {
 }
 
 
-@pytest.mark.cases(3)
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("accuracy", ["fast", "balanced", "tight"])
 @pytest.mark.parametrize("case", CASES)
 def test_teeth_that_strike_with_two_corners_always_have_impulses(
@@ -66,7 +66,7 @@ def depth_of_points(points: np.ndarray, polygon: np.ndarray) -> float:
     return float(np.where(is_inside, apart, 0.0).max())
 
 
-@pytest.mark.cases(4)
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("accuracy", ["fast", "balanced", "tight"])
 @pytest.mark.parametrize(
     ("lean", "restitution", "torque", "friction"),
@@ -87,7 +87,7 @@ def test_a_pallet_that_slides_into_the_root_of_a_tooth_strikes_its_other_side(
             assert depth_of_points(wheel, pallet) < 1e-7
 
 
-@pytest.mark.cases(4)
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(
     ("name", "friction", "seed"), list(product(SHAPES, (0.0, 0.3), range(3))), ids=lambda value: str(value)
 )

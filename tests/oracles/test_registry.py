@@ -53,7 +53,7 @@ def test_the_registry_lists_every_scene_file() -> None:
     assert {path.stem for path in SCENES.iterdir()} == set(REGISTRY)
 
 
-@pytest.mark.cases(20)
+@pytest.mark.cases(8)
 @pytest.mark.parametrize("name", REGISTRY)
 def test_the_registry_lists_every_regular_form(name: str) -> None:
     assert forms_of(name) == set(REGISTRY[name].forms)
@@ -67,7 +67,7 @@ def test_every_scene_has_a_test_against_its_reference(name: str) -> None:
     assert name in ast.unparse(next(node for node in tree.body if getattr(node, "name", "") == wanted))
 
 
-@pytest.mark.cases(40)
+@pytest.mark.cases(20)
 @pytest.mark.parametrize("accuracy", ACCURACIES)
 @pytest.mark.parametrize(("name", "form"), FORCED)
 def test_a_scene_runs_to_its_end_within_its_bounds(name: str, form: str, accuracy: str) -> None:

@@ -63,6 +63,7 @@ def test_a_damper_alone_is_the_pade_approximation_of_its_decay(rate: float, sche
     assert path.work[-1] == pytest.approx(INERTIA / 2 * (path.w[-1, 0, 2] ** 2 - spin**2), rel=1e-12)
 
 
+@pytest.mark.cases(4)
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize(("stiffness", "damping"), [(12.0, 0.0), (12.0, 0.6), (3.0, 9.0)])
 def test_a_sprung_hinge_is_of_order_two(stiffness: float, damping: float, scheme: str) -> None:
@@ -132,6 +133,7 @@ def test_the_ledger_of_a_damped_linkage_drifts_with_the_order_of_the_scheme(rate
     assert drifts[-1] < 1e-2
 
 
+@pytest.mark.cases(3)
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("damping", [0.3, 3.0])
 def test_a_damped_linkage_converges_to_the_event_driven_run(damping: float, scheme: str) -> None:

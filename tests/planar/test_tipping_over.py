@@ -112,7 +112,7 @@ TURNS = list(product((0.3, 8.0), (0.0, 2.2, pi), (0.0, 0.3), (0.0, 1.0)))
 HALF = [turn for turn in TURNS if turn[1] != 2.2 and sum(number > 0 for number in turn[1:]) % 2 == 0]
 
 
-@pytest.mark.cases(6)
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("accuracy", ["fast", "balanced", pytest.param("tight", marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     ("spin", "azimuth", "friction", "restitution"),

@@ -75,6 +75,7 @@ def hail() -> Scene:
     return make.scene("hail", [floor, *moving], contacts={"between": "all", "friction": 0.3})
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("accuracy", METHODS, ids=lambda each: each.method)
 @pytest.mark.parametrize("scene", [gas(0), hail()], ids=lambda each: each.name)
 def test_saved_runs_go_on_bit_for_bit_on_the_memory_of_other_runs(scene: Scene, accuracy: Accuracy) -> None:

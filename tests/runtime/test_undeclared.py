@@ -174,6 +174,7 @@ def test_a_shape_that_is_not_listed_is_named_with_its_body() -> None:
     assert named(path) == [("floor", "dumbbell/right")]
 
 
+@pytest.mark.cases(15)
 @pytest.mark.parametrize("name", NAMES)
 def test_shipped_scenes_name_nothing_and_keep_no_shapes_where_all_pairs_are_listed(name: str) -> None:
     table = unlisted_of(require(read(SCENES / f"{name}.toml")))
@@ -191,6 +192,7 @@ TOUCHING = (
 )
 
 
+@pytest.mark.cases(4)
 @pytest.mark.parametrize(
     "name", [*TOUCHING, *(pytest.param(n, marks=pytest.mark.slow) for n in NAMES if n not in TOUCHING)]
 )

@@ -60,7 +60,7 @@ COMMANDS = {
 Modelgen = Callable[..., Any]
 
 
-@pytest.mark.cases(6)
+@pytest.mark.cases(3)
 @pytest.mark.parametrize("form", FORMS)
 def test_a_pair_of_shapes_shows_its_contact_alone(form: str, modelgen: Modelgen) -> None:
     formulas = modelgen("inspect", f"{PAIRS[form]}:{form}", "--json").json["formulas"]
@@ -73,7 +73,7 @@ def test_a_pair_of_shapes_shows_its_contact_alone(form: str, modelgen: Modelgen)
     assert {step["name"] for step in rates["steps"]} <= set(NAMES)
 
 
-@pytest.mark.cases(6)
+@pytest.mark.cases(3)
 @pytest.mark.parametrize("form", FORMS)
 def test_one_quantity_is_shorter_than_the_formula_and_ends_in_itself(form: str, modelgen: Modelgen) -> None:
     pair = f"{PAIRS[form]}:{form}"

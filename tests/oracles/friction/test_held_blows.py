@@ -66,7 +66,7 @@ def tip_struck(law: str, mu: float, angles: np.ndarray, rates: np.ndarray, headi
     return ran([*links, TABLE], UNTIL, [contact], BARE, samples=1, joint=joints, gravity=[0, 0, 0])
 
 
-@pytest.mark.cases(32)
+@pytest.mark.cases(12)
 @pytest.mark.parametrize("heading", [0.0, 0.7])
 @pytest.mark.parametrize("mu", [0.2, 0.9, 1.5, 3.0])
 @pytest.mark.parametrize("law", ["poisson", "stronge"])
