@@ -143,3 +143,4 @@ def test_a_frustum_tips_on_a_can_that_is_named_after_it() -> None:
     path = pushed_to(library, time + 0.02, BALANCED)
     assert events(path, "tipping")[0].t == pytest.approx(time, abs=1e-9)
     assert path.energy_drift < 1e-12
+    assert path.incomplete_searches == 0  # the apex, where the cone has no normal, is not on the frustum

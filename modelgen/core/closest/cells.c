@@ -169,10 +169,11 @@ MG_INTERNAL int mg_divide_cell(mg_context *c, int feature_pair, int side, int ce
   return c->search.cells[cell].halves = first;
 }
 
-MG_INTERNAL void mg_limit_coordinates(const mg_context *c, int feature_pair, int side, mg_coordinate_limits *limits) {
+MG_INTERNAL void mg_limit_feature(const mg_context *c, int feature_pair, int side, mg_feature_limits *limits) {
   const mg_system *s = c->system;
   const mg_real slack = 8 * c->settings->feature_border,
                 *scale = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_UV_SCALE;
+  limits->feature_pair = feature_pair, limits->side = side;
   limits->box[0] = limits->box[2] = -MG_MAX, limits->box[1] = limits->box[3] = limits->disc = MG_MAX;
   for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++) {
     const mg_real *a = s->numbers + s->condition_numbers[k];
@@ -185,9 +186,34 @@ MG_INTERNAL void mg_limit_coordinates(const mg_context *c, int feature_pair, int
   }
 }
 
-MG_INTERNAL int mg_is_cell_beyond(const mg_context *c, int cell, const mg_coordinate_limits *limits) {
+/* Upper bound of a quadric over the ball around a cell. */
+static mg_real mg_quadric_over_cell(const mg_real *a, const mg_cell *cell) {
+  const mg_real *x = cell->centre, r = cell->radius;
+  const mg_real slope[3] = {a[1] + 2 * a[4] * x[0] + a[7] * x[1] + a[8] * x[2],
+                            a[2] + 2 * a[5] * x[1] + a[7] * x[0] + a[9] * x[2],
+                            a[3] + 2 * a[6] * x[2] + a[8] * x[0] + a[9] * x[1]};
+  const mg_real bend = fabs(a[4]) + fabs(a[5]) + fabs(a[6]) + (fabs(a[7]) + fabs(a[8]) + fabs(a[9])) / 2;
+  return mg_quadric_condition(a, x) + (sqrt(mg_dot3(slope, slope)) + bend * r) * r;
+}
+
+/* True if a quadric of the limits excludes all points of a cell of a feature itself. */
+static int mg_is_cell_outside_quadrics(const mg_context *c, const mg_cell *cell, const mg_feature_limits *limits) {
+  const mg_system *s = c->system;
+  const mg_real slack = 8 * c->settings->feature_border * s->length;
+  if (cell->is_of_centres || !(cell->radius < MG_MAX)) return 0;
+  for (int k = s->feature_pair_condition[limits->feature_pair]; k < s->feature_pair_condition[limits->feature_pair + 1];
+       k++)
+    if (s->condition_feature[k] == limits->side && s->condition_kind[k] == MG_CONDITION_QUADRIC &&
+        s->condition_feature_pair[k] != MG_BEYOND_WATCHED &&
+        mg_quadric_over_cell(s->numbers + s->condition_numbers[k], cell) < -slack)
+      return 1;
+  return 0;
+}
+
+MG_INTERNAL int mg_is_cell_beyond(const mg_context *c, int cell, const mg_feature_limits *limits) {
   const mg_real *box = c->search.cells[cell].box, *inside = limits->box;
   if (box[1] < inside[0] || box[0] > inside[1] || box[3] < inside[2] || box[2] > inside[3]) return 1;
+  if (mg_is_cell_outside_quadrics(c, c->search.cells + cell, limits)) return 1;
   if (!(limits->disc < MG_MAX)) return 0;
   const mg_real u = fmax(fmax(box[0], -box[1]), (mg_real)0), v = fmax(fmax(box[2], -box[3]), (mg_real)0);
   return u * u + v * v > limits->disc * limits->disc;

@@ -86,17 +86,19 @@ MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side, int is_o
 /* Number of the first of the two halves of a cell; 0 if there is no room. */
 MG_INTERNAL int mg_divide_cell(mg_context *c, int feature_pair, int side, int cell);
 
-/* Coordinates u, v that are in a box and in a disc about 0. */
+/* Where the conditions of a feature pair allow contacts on one side: coordinates u, v in a box and in a disc about 0,
+   and points within the quadrics. */
 typedef struct {
   mg_real box[4];
   mg_real disc;
-} mg_coordinate_limits;
+  int feature_pair, side;
+} mg_feature_limits;
 
-/* Coordinates to which the conditions of a feature pair limit one side, so that no contact lies beyond. */
-MG_INTERNAL void mg_limit_coordinates(const mg_context *c, int feature_pair, int side, mg_coordinate_limits *limits);
+/* Limits of one side of a feature pair. */
+MG_INTERNAL void mg_limit_feature(const mg_context *c, int feature_pair, int side, mg_feature_limits *limits);
 
-/* True if all coordinates of a cell lie beyond the limits. */
-MG_INTERNAL int mg_is_cell_beyond(const mg_context *c, int cell, const mg_coordinate_limits *limits);
+/* True if all of a cell lies beyond the limits. */
+MG_INTERNAL int mg_is_cell_beyond(const mg_context *c, int cell, const mg_feature_limits *limits);
 
 /* centre_curves.c */
 

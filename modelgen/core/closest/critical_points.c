@@ -22,7 +22,7 @@ typedef struct {
   int curves;                       /* bit 0: the first feature is seen as a curve, bit 1: the other */
   int is_centred[2];                /* 1: the first, the other feature is seen as its centre curve */
   mg_centre_curve centre[2];        /* that curve; tube is 0 where there is none */
-  mg_coordinate_limits allowed[2];  /* coordinates of the first and of the other side */
+  mg_feature_limits allowed[2];  /* coordinates of the first and of the other side */
   int n_known;                      /* critical points known */
   mg_real known[MG_CRITICAL][6];    /* their points on the first and the other feature, axes of the first shape, m */
   mg_real known_uv[MG_CRITICAL][4]; /* their coordinates on both; MG_MAX where eta does not hold them */
@@ -404,8 +404,8 @@ MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const
   int is_complete = 1, count = 1, root[2] = {0, 0};
   s.first = mg_has_nearest_point(c, feature_pair, 0);
   s.has_cells = !mg_has_nearest_point(c, feature_pair, 1 - s.first);
-  mg_limit_coordinates(c, feature_pair, s.first, s.allowed);
-  mg_limit_coordinates(c, feature_pair, 1 - s.first, s.allowed + 1);
+  mg_limit_feature(c, feature_pair, s.first, s.allowed);
+  mg_limit_feature(c, feature_pair, 1 - s.first, s.allowed + 1);
   s.smallest = c->settings->search_merge_distance * mg_pair_length(c, c->system->feature_pair_owner[feature_pair]) / 4;
   for (int which = 0; which < 2; which++) {
     const int side = which ? 1 - s.first : s.first;

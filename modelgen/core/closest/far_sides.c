@@ -66,8 +66,8 @@ static int mg_may_leave_cell(const mg_cell *cell, const mg_segment *segment, mg_
 /* True if the segment leaves a surface with cells. */
 static int mg_leaves_cells(mg_context *c, int feature_pair, int side, const mg_segment *segment, mg_real length) {
   int stack[MG_SEGMENT_STACK], count = 0;
-  mg_coordinate_limits limits;
-  mg_limit_coordinates(c, feature_pair, side, &limits);
+  mg_feature_limits limits;
+  mg_limit_feature(c, feature_pair, side, &limits);
   stack[count] = mg_root_cell(c, feature_pair, side, 0);
   count += stack[0] != 0;
   while (count > 0) {

@@ -136,8 +136,7 @@ static void mg_feature_coordinates(const mg_context *c, int feature_pair, int si
   uv[1] = mg_parametrisation(c, feature_pair, side) == MG_CHART ? own[1] : point[1];
 }
 
-/* Value of an MG_CONDITION_QUADRIC. */
-static mg_real mg_quadric_condition(const mg_real *a, const mg_real *x) {
+MG_INTERNAL mg_real mg_quadric_condition(const mg_real *a, const mg_real *x) {
   return a[0] + mg_dot3(a + 1, x) + a[4] * x[0] * x[0] + a[5] * x[1] * x[1] + a[6] * x[2] * x[2] + a[7] * x[0] * x[1] +
          a[8] * x[0] * x[2] + a[9] * x[1] * x[2];
 }

@@ -111,6 +111,9 @@ MG_INTERNAL int mg_feature_body(const mg_context *c, int feature_pair, int side)
 /* Parametrisation of a feature, MG_NONE .. */
 MG_INTERNAL int mg_parametrisation(const mg_context *c, int feature_pair, int side);
 
+/* Value of an MG_CONDITION_QUADRIC at a point in the axes of its shape, m. */
+MG_INTERNAL mg_real mg_quadric_condition(const mg_real *a, const mg_real *x);
+
 /* True if a point of the surface that carries a feature, in the axes of its shape, lies on the feature by those
    conditions that are functions of the point alone. */
 MG_INTERNAL int mg_is_within_border(const mg_context *c, int feature_pair, int side, const mg_real *x);
