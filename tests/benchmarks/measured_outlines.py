@@ -8,30 +8,20 @@ from typing import Any
 import numpy as np
 
 Array = np.ndarray[Any, Any]
-NEAR = 1e-3  # of the size of an outline: nearer points are referred to the curve, not to its polygon
-REFINED = 5  # steps by which the nearest parameter is refined, each to NEAR of its error or better
+REFINED = 4  # steps by which the nearest parameter is refined
 
 
 def polygon_distance(outline: Array) -> Callable[[Array], Array]:
     """Signed distance from a polygon in the plane, positive outside."""
     from matplotlib.path import Path as Outline
-    from scipy.spatial import cKDTree
 
-    start, end = outline, np.roll(outline, -1, axis=0)
-    area, count = Outline(np.vstack([outline, outline[:1]])), len(outline)
-    near = cKDTree(outline) if count > 100 else None
+    start, along = outline, np.roll(outline, -1, axis=0) - outline
+    area = Outline(np.vstack([outline, outline[:1]]))
 
     def distance(x: Array) -> Array:
         flat = x.reshape(-1, 2)
-        if near is None:
-            which = np.broadcast_to(np.arange(count), (len(flat), count))
-        else:
-            nearest = near.query(flat)[1]
-            which = (nearest[:, None] + np.arange(-2, 2)) % count
-        a, b = start[which], end[which]
-        along = b - a
-        part = ((flat[:, None] - a) * along).sum(-1) / np.maximum((along**2).sum(-1), 1e-300)
-        foot = a + np.clip(part, 0, 1)[..., None] * along
+        part = ((flat[:, None] - start) * along).sum(-1) / np.maximum((along**2).sum(-1), 1e-300)
+        foot = start + np.clip(part, 0, 1)[..., None] * along
         depth = np.linalg.norm(flat[:, None] - foot, axis=-1).min(axis=1)
         return np.where(area.contains_points(flat), -depth, depth).reshape(x.shape[:-1])
 
@@ -39,38 +29,32 @@ def polygon_distance(outline: Array) -> Callable[[Array], Array]:
 
 
 def curve_distance(
-    at: Callable[[Array], Array], slope: Callable[[Array], Array], t: Array, mirrored: bool = False
+    at: Callable[[Array], Array], slope: Callable[[Array], Array], t: Array
 ) -> Callable[[Array], Array]:
-    """Signed distance from a curve (x, y) of t, positive on its right, exact near it.
+    """Signed distance from a smooth curve (x, y) of t, positive on its right.
+
+    The curve is closed, or runs from the axis x = 0 back to it around the points in x >= 0.
 
     Args:
         at: points (n, 2) m for parameters (n,).
         slope: their derivatives.
-        t: (k,) dense parameters. Their polygon, beyond NEAR, stands for the curve.
-        mirrored: the curve runs from the axis x = 0 back to it, and its mirror image closes it; else it is
-            closed.
+        t: (k,) dense parameters in equal steps.
     """
     from scipy.spatial import cKDTree
 
-    points = at(t)
-    size = float(np.abs(points).max())
-    coarse = polygon_distance(np.vstack([points, points[::-1] * [-1, 1]]) if mirrored else points)
-    near = cKDTree(points)
+    near, half = cKDTree(at(t)), (t[1] - t[0]) / 2
 
     def distance(x: Array) -> Array:
-        found = np.array(coarse(x))
-        close = np.abs(found) < NEAR * size
-        if close.any():
-            part = x[close]
-            foot = t[near.query(part)[1]]
-            for _ in range(REFINED):
-                along = slope(foot)
-                foot = foot + ((part - at(foot)) * along).sum(-1) / (along**2).sum(-1)
-                if mirrored:
-                    foot = np.clip(foot, t[0], t[-1])
-            along = slope(foot)
-            right = np.stack([along[:, 1], -along[:, 0]], axis=1)
-            found[close] = ((part - at(foot)) * right).sum(-1) / np.linalg.norm(along, axis=1)
-        return found
+        flat = x.reshape(-1, 2)
+        start = foot = t[near.query(flat)[1]]
+        for _ in range(REFINED):
+            along, span = slope(foot), flat - at(foot)
+            foot = foot + (span * along).sum(-1) / (along**2).sum(-1)
+            foot = np.clip(foot, np.maximum(start - half, t[0]), np.minimum(start + half, t[-1] + 2 * half))
+        along, span = slope(foot), flat - at(foot)
+        right = np.stack([along[:, 1], -along[:, 0]], axis=1)
+        across = (span * right).sum(-1) / np.linalg.norm(along, axis=1)
+        found = np.copysign(np.linalg.norm(span, axis=1), across)
+        return found.reshape(x.shape[:-1])
 
     return distance

@@ -155,7 +155,7 @@ def turned(radius: float, height: float, waist: float, ripple: float, cavity: bo
         return _stack(radius * (np.cos(t) * swell + np.sin(t) * change), height * np.sin(t))
 
     t = np.linspace(0, np.pi, 4001)
-    outside = curve_distance(profile, slope, t, mirrored=True)
+    outside = curve_distance(profile, slope, t)
     sign = -1.0 if cavity else 1.0
 
     def distance(x: Array) -> Array:
