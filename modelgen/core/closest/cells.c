@@ -6,7 +6,7 @@
 #include "model/model.h"
 
 #define MG_NARROWER ((mg_real)0.95) /* a bound is narrower that is less than this part of the one before */
-#define MG_BOUNDS_SIZE 12 /* outputs of the bounds of a surface; 9 of a curve */
+#define MG_BOUNDS_SIZE 12           /* outputs of the bounds of a surface; 9 of a curve */
 
 /* Norm of n numbers, `otherwise` where it is not finite. */
 static mg_real mg_norm_or(int n, const mg_real *x, mg_real otherwise) {
@@ -182,7 +182,8 @@ static void mg_narrow_by_halves(mg_context *c, int cell, int is_curve) {
     const mg_cell *half = c->search.cells + whole->halves;
     mg_real radius = 0, spread = 0, rest = 0, extent[3] = {0, 0, 0};
     for (int k = 0; k < 2; k++) {
-      radius = fmax(radius, is_curve ? 2 * half[k].radius : mg_bound_from(whole->centre, half[k].centre, half[k].radius));
+      radius =
+          fmax(radius, is_curve ? 2 * half[k].radius : mg_bound_from(whole->centre, half[k].centre, half[k].radius));
       spread = fmax(spread, mg_bound_from(whole->direction, half[k].direction, half[k].spread));
       rest = fmax(rest, mg_rest_from(whole, half + k, k));
       for (int i = 0; i < 3; i++)
