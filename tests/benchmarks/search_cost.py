@@ -7,24 +7,27 @@ commit "Search closest points by trees of cells"). Each version starts a run of 
 random poses, of which those at which the bodies overlap or have no closest points are left out; nearly all of
 a start is its search. `first` is the first start of a session, in which the cells or samples of the shapes
 are made; `later` are starts at the next poses, which find them. Instructions are counted by valgrind's
-callgrind, so that other work on the machine does not matter; ratios are to the other version.
+callgrind, so that other work on the machine does not matter; ratios are to the other version. A C compiler
+and the headers of valgrind are needed.
 """
 
 from __future__ import annotations
 
 import argparse
+import ctypes
 import json
 import os
 import subprocess
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
 from statistics import median
 from typing import Any
 
 import numpy as np
 
-CALL = "mg_begin"  # whose instructions are counted
+COUNTED_CALL = Path(__file__).parent / "counted_call.c"
 Array = np.ndarray[Any, Any]
 TURN = "6.283185307179586"
 WAVY = "0.35*(1 + 0.18*cos(3*u)*cos(2*v) + 0.1*sin(u + v))"
@@ -84,9 +87,11 @@ def start_all(folder: Path, n: int) -> list[list[int]]:
     from modelgen.codegen.library import Library
     from modelgen.runtime.session import Session
 
+    counted = ctypes.CDLL(str(folder / "counted_call.so")).counted_call
     outcomes = []
     for k, (o, _) in enumerate(PAIRS):
         library, at = Library.load(folder / str(k)), poses(o, n)
+        library.cdll.mg_begin = partial(counted, library.cdll.mg_begin)
         found = [_start(Session(library, Accuracy()), pose) for pose in at]
         session = Session(library, Accuracy())
         found += [_start(session, pose) for pose in at]
@@ -109,8 +114,10 @@ def measured(version: Path, n: int) -> tuple[list[Array], list[Array]]:
     python = [sys.executable, str(Path(__file__).resolve()), "--poses", str(n)]
     with tempfile.TemporaryDirectory() as made:
         subprocess.run([*python, "--build", made], env=steady, cwd=version, check=True)
+        shared = ["cc", "-O1", "-shared", "-fPIC", str(COUNTED_CALL), "-o", f"{made}/counted_call.so"]
+        subprocess.run(shared, check=True)
         out = f"--callgrind-out-file={made}/count"
-        tool = ["valgrind", "--tool=callgrind", f"--toggle-collect={CALL}", f"--dump-after={CALL}", out]
+        tool = ["valgrind", "--tool=callgrind", "--instr-atstart=no", out]
         done = subprocess.run(
             [*tool, *python, "--start", made], env=steady, cwd=version, capture_output=True, text=True
         )
