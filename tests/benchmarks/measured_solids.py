@@ -8,10 +8,12 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.spatial import ConvexHull
 
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Shape
+from tests.benchmarks.measured_outlines import curve_distance, polygon_distance
 
 Array = np.ndarray[Any, Any]
 TURN = 2 * np.pi
@@ -142,27 +144,32 @@ def wavy_torus(major: float, minor: float, wave: float, skew: float) -> Solid:
 
 def turned(radius: float, height: float, waist: float, ripple: float, cavity: bool = False) -> Solid:
     """A body of revolution r = radius sin t (1 + waist cos 2t + ripple cos 4t), z = -height cos t."""
+
+    def profile(t: Array) -> Array:
+        r = radius * np.sin(t) * (1 + waist * np.cos(2 * t) + ripple * np.cos(4 * t))
+        return _stack(r, -height * np.cos(t))
+
+    def slope(t: Array) -> Array:
+        swell = 1 + waist * np.cos(2 * t) + ripple * np.cos(4 * t)
+        change = -2 * waist * np.sin(2 * t) - 4 * ripple * np.sin(4 * t)
+        return _stack(radius * (np.cos(t) * swell + np.sin(t) * change), height * np.sin(t))
+
     t = np.linspace(0, np.pi, 4001)
-    profile = np.stack(
-        [radius * np.sin(t) * (1 + waist * np.cos(2 * t) + ripple * np.cos(4 * t)), -height * np.cos(t)],
-        axis=1,
-    )
-    outside = _polygon_distance(np.vstack([profile, profile[::-1] * [-1, 1]]))
+    outside = curve_distance(profile, slope, t)
     sign = -1.0 if cavity else 1.0
 
     def distance(x: Array) -> Array:
         return sign * outside(_stack(np.hypot(x[..., 0], x[..., 1]), x[..., 2]))
 
     def face(u: Array, v: Array) -> Array:
-        s = np.pi * u
-        r = radius * np.sin(s) * (1 + waist * np.cos(2 * s) + ripple * np.cos(4 * s))
-        return _stack(r * np.cos(TURN * v), r * np.sin(TURN * v), -height * np.cos(s))
+        r, z = np.moveaxis(profile(np.pi * u), -1, 0)
+        return _stack(r * np.cos(TURN * v), r * np.sin(TURN * v), z)
 
     shape = make.revolution(
         "radius*sin(t)*(1 + waist*cos(2*t) + ripple*cos(4*t))", "-height*cos(t)", domain=[0.0, float(np.pi)],
         parameters={"radius": radius, "height": height, "waist": waist, "ripple": ripple}, cavity=cavity,
     )  # fmt: skip
-    size = float(np.linalg.norm(profile, axis=1).max())
+    size = float(np.linalg.norm(profile(t), axis=1).max())
     return Solid(shape, size, distance, [face], cavity=cavity, inner=float(-outside(np.zeros((1, 2)))[0]))
 
 
@@ -193,7 +200,7 @@ def star(points: int, outer: float, inner: float, length: float) -> Solid:
     angle = np.pi * np.arange(2 * points) / points
     r = np.where(np.arange(2 * points) % 2, inner, outer)
     outline = np.stack([r * np.cos(angle), r * np.sin(angle)], axis=1)
-    flat, half = _polygon_distance(outline), length / 2
+    flat, half = polygon_distance(outline), length / 2
 
     def distance(x: Array) -> Array:
         return _box_distance(flat(x[..., :2]), np.abs(x[..., 2]) - half)
@@ -209,6 +216,30 @@ def star(points: int, outer: float, inner: float, length: float) -> Solid:
         ]
     shape = make.extrusion(length, points=[[float(x), float(y)] for x, y in outline])
     return Solid(shape, float(np.hypot(outer, half)), distance, [], edges)
+
+
+def cam(radii: Sequence[float], length: float) -> Solid:
+    """A spline through points at these radii, at equal angles, along z."""
+    angle = TURN * np.arange(len(radii)) / len(radii)
+    points = np.array(radii)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    closed = np.vstack([points, points[:1]])
+    chords = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
+    outline = CubicSpline(chords / chords[-1], closed, bc_type="periodic")
+    t, half = np.linspace(0, 1, 4000, endpoint=False), length / 2
+    flat = curve_distance(outline, outline.derivative(), t)
+
+    def distance(x: Array) -> Array:
+        return _box_distance(flat(x[..., :2]), np.abs(x[..., 2]) - half)
+
+    def side(u: Array, v: Array) -> Array:
+        return _stack(*np.moveaxis(outline(v), -1, 0), (2 * u - 1) * half)
+
+    def rim(z: float) -> Callable[[Array], Array]:
+        return lambda s: _stack(*np.moveaxis(outline(s), -1, 0), z)
+
+    shape = make.extrusion(length, points=[[float(x), float(y)] for x, y in points], smooth=True)
+    size = float(np.hypot(np.linalg.norm(outline(t), axis=1).max(), half))
+    return Solid(shape, size, distance, [side], [rim(-half), rim(half)])
 
 
 def hull(rng: np.random.Generator, size: float) -> Solid:
@@ -237,32 +268,6 @@ def _box_distance(a: Array, b: Array) -> Array:
     return inside + np.hypot(np.maximum(a, 0), np.maximum(b, 0))
 
 
-def _polygon_distance(outline: Array) -> Callable[[Array], Array]:
-    """Signed distance from a polygon in the plane, positive outside."""
-    from matplotlib.path import Path as Outline
-    from scipy.spatial import cKDTree
-
-    start, end = outline, np.roll(outline, -1, axis=0)
-    area, count = Outline(np.vstack([outline, outline[:1]])), len(outline)
-    near = cKDTree(outline) if count > 100 else None
-
-    def distance(x: Array) -> Array:
-        flat = x.reshape(-1, 2)
-        if near is None:
-            which = np.broadcast_to(np.arange(count), (len(flat), count))
-        else:
-            nearest = near.query(flat)[1]
-            which = (nearest[:, None] + np.arange(-2, 2)) % count
-        a, b = start[which], end[which]
-        along = b - a
-        part = ((flat[:, None] - a) * along).sum(-1) / np.maximum((along**2).sum(-1), 1e-300)
-        foot = a + np.clip(part, 0, 1)[..., None] * along
-        depth = np.linalg.norm(flat[:, None] - foot, axis=-1).min(axis=1)
-        return np.where(area.contains_points(flat), -depth, depth).reshape(x.shape[:-1])
-
-    return distance
-
-
 def unit(x: Array) -> Array:
     return np.asarray(x / np.linalg.norm(x, axis=-1, keepdims=True))
 
@@ -270,7 +275,7 @@ def unit(x: Array) -> Array:
 def random_solid(rng: np.random.Generator, size: float) -> Solid:
     """A solid of about this size."""
     r = size * rng.uniform(0.5, 1)
-    match rng.integers(6):
+    match rng.integers(7):
         case 0:
             return torus(r, r * rng.uniform(0.15, 0.45))
         case 1:
@@ -281,8 +286,11 @@ def random_solid(rng: np.random.Generator, size: float) -> Solid:
             return tube(r, r * rng.uniform(0.4, 0.8), size * rng.uniform(0.4, 1.5))
         case 4:
             return star(int(rng.integers(3, 6)), r, r * rng.uniform(0.4, 0.7), size * rng.uniform(0.3, 1))
-        case _:
+        case 5:
             return hull(rng, r)
+        case _:
+            radii = r * rng.uniform(0.6, 1, size=int(rng.integers(6, 10)))
+            return cam([*map(float, radii)], size * rng.uniform(0.3, 1.2))
 
 
 def depth(points_of: Solid, other: Solid, p: Array, R: Array, above: float = -np.inf) -> float:

@@ -5,27 +5,30 @@
 FOLDER is a checkout of the other version, such as the last one that sampled the shapes (the parent of the
 commit "Search closest points by trees of cells"). Each version starts a run of two free bodies at the same
 random poses, of which those at which the bodies overlap or have no closest points are left out; nearly all of
-a start is its search. `first` is the first start of a session, in
-which the cells or samples of the shapes are made; `later` are starts at the next poses, which find them. The
-times are CPU times, the least of several rounds in turn with the other version; ratios are to that version.
+a start is its search. `first` is the first start of a session, in which the cells or samples of the shapes
+are made; `later` are starts at the next poses, which find them. Instructions are counted by valgrind's
+callgrind, so that other work on the machine does not matter; ratios are to the other version. A C compiler
+and the headers of valgrind are needed.
 """
 
 from __future__ import annotations
 
 import argparse
+import ctypes
 import json
 import os
 import subprocess
 import sys
 import tempfile
-import time
+from functools import partial
 from pathlib import Path
 from statistics import median
 from typing import Any
 
 import numpy as np
 
-ROUNDS, REPEATS = 3, 3
+COUNTED_CALL = Path(__file__).parent / "counted_call.c"
+Array = np.ndarray[Any, Any]
 TURN = "6.283185307179586"
 WAVY = "0.35*(1 + 0.18*cos(3*u)*cos(2*v) + 0.1*sin(u + v))"
 SHAPES = {
@@ -58,7 +61,7 @@ def scene_text(o: str, f: str) -> str:
     return f'[run]\nuntil = 1.0\n{bodies}[[contact]]\nbetween = ["a", "b"]\n'
 
 
-def poses(o: str, n: int) -> np.ndarray[Any, Any]:
+def poses(o: str, n: int) -> Array:
     """Positions and unit quaternions of the second body, (n, 7)."""
     rng = np.random.default_rng(0)
     spread = {"hollow": 0.5, "bore": 0.3}.get(o, 1.2)
@@ -67,50 +70,62 @@ def poses(o: str, n: int) -> np.ndarray[Any, Any]:
     return found
 
 
-def measured(n: int) -> dict[str, Any]:
-    """CPU seconds of the first start of a session and of later ones, of the version that is imported."""
-    from modelgen import Accuracy, build, derive, emit, require
-    from modelgen.runtime.session import Session
+def build_all(folder: Path) -> None:
+    """Builds the library of each pair with the version that is imported."""
+    from modelgen import build, derive, emit, require
     from modelgen.scene.read import read_text
 
-    found = {}
-    for o, f in PAIRS:
+    for k, (o, f) in enumerate(PAIRS):
+        (folder / str(k)).mkdir()
         scene = read_text(scene_text(o, f), "pair.toml")
-        with tempfile.TemporaryDirectory() as folder:
-            library = build(emit(derive(require(scene))), folder=folder, tell=lambda _: None)
-        at = poses(o, n)
-        first = [_start(Session(library, Accuracy()), pose) for pose in at]
+        build(emit(derive(require(scene))), folder=folder / str(k), tell=lambda _: None)
+
+
+def start_all(folder: Path, n: int) -> list[list[int]]:
+    """Starts of each pair: the first of a session at each pose, then all poses in one; their outcomes."""
+    from modelgen import Accuracy
+    from modelgen.codegen.library import Library
+    from modelgen.runtime.session import Session
+
+    counted = ctypes.CDLL(str(folder / "counted_call.so")).counted_call
+    outcomes = []
+    for k, (o, _) in enumerate(PAIRS):
+        library, at = Library.load(folder / str(k)), poses(o, n)
+        library.cdll.mg_begin = partial(counted, library.cdll.mg_begin)
+        found = [_start(Session(library, Accuracy()), pose) for pose in at]
         session = Session(library, Accuracy())
-        later = [min(_start(session, pose) for _ in range(REPEATS)) for pose in at]
-        codes = [_start(session, pose) and int(session.start_code) for pose in at]
-        found[f"{o}, {f}"] = {"first": first, "later": later, "refused": codes}
-    return found
+        found += [_start(session, pose) for pose in at]
+        outcomes.append(found)
+    return outcomes
 
 
-def _start(session: Any, pose: np.ndarray[Any, Any]) -> float:
-    """CPU seconds of one start with the second body at a pose."""
+def _start(session: Any, pose: Array) -> int:
+    """The outcome of a start with the second body at a pose."""
     session.x[:] = 0
     session.x[3], session.x[7:14] = 1, pose
     session.feature_pair[:] = -1
-    begun = time.process_time()
     session.begin()
-    return time.process_time() - begun
+    return int(session.start_code)
 
 
-def run(folder: Path, n: int) -> dict[str, Any]:
-    """What `measured` finds with the version in a folder."""
-    path = {**os.environ, "PYTHONPATH": str(folder), "OMP_NUM_THREADS": "1"}
-    command = [sys.executable, str(Path(__file__).resolve()), "--measure", "--poses", str(n)]
-    done = subprocess.run(command, env=path, cwd=folder, capture_output=True, text=True, check=True)
-    return dict(json.loads(done.stdout.splitlines()[-1]))
-
-
-def least(rounds: list[dict[str, Any]]) -> dict[str, dict[str, np.ndarray[Any, Any]]]:
-    """The least times over the rounds."""
-    return {
-        pair: {kind: np.min([each[pair][kind] for each in rounds], axis=0) for kind in ("first", "later")}
-        for pair in rounds[0]
-    }
+def measured(version: Path, n: int) -> tuple[list[Array], list[Array]]:
+    """Of each pair the instructions (2, n) of first and later starts, and their outcomes (n,)."""
+    steady = {**os.environ, "PYTHONPATH": str(version), "OMP_NUM_THREADS": "1", "PYTHONHASHSEED": "0"}
+    python = [sys.executable, str(Path(__file__).resolve()), "--poses", str(n)]
+    with tempfile.TemporaryDirectory() as made:
+        subprocess.run([*python, "--build", made], env=steady, cwd=version, check=True)
+        shared = ["cc", "-O1", "-shared", "-fPIC", str(COUNTED_CALL), "-o", f"{made}/counted_call.so"]
+        subprocess.run(shared, check=True)
+        out = f"--callgrind-out-file={made}/count"
+        tool = ["valgrind", "--tool=callgrind", "--instr-atstart=no", out]
+        done = subprocess.run(
+            [*tool, *python, "--start", made], env=steady, cwd=version, capture_output=True, text=True
+        )
+        assert done.returncode == 0, done.stderr
+        outcomes = [np.array(each[:n]) for each in json.loads(done.stdout.splitlines()[-1])]
+        dumps = [Path(made, f"count.{k + 1}").read_text() for k in range(2 * n * len(PAIRS))]
+    counts = [int(line.split()[1]) for text in dumps for line in text.splitlines() if "totals:" in line]
+    return [*np.reshape(counts, (len(PAIRS), 2, n))], outcomes
 
 
 def main() -> None:
@@ -118,33 +133,33 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--against", type=Path)
     parser.add_argument("--poses", type=int, default=40)
-    parser.add_argument("--measure", action="store_true", help="print the times of one round as JSON")
+    parser.add_argument("--build", type=Path, metavar="FOLDER", help="build the libraries there alone")
+    parser.add_argument("--start", type=Path, metavar="FOLDER", help="start those alone")
     given = parser.parse_args()
-    if given.measure:
-        print(json.dumps(measured(given.poses)))
+    if given.build:
+        build_all(given.build)
+        return
+    if given.start:
+        print(json.dumps(start_all(given.start, given.poses)))
         return
     if given.against is None:
         parser.error("--against FOLDER is needed")
-    folders = (Path(__file__).resolve().parents[2], given.against)
-    rounds = [[run(folder, given.poses) for folder in folders] for _ in range(ROUNDS)]
-    here, there = (least([each[k] for each in rounds]) for k in range(2))
-    print("median of each, µs, and ratios\n")
+    here, outcomes = measured(Path(__file__).resolve().parents[2], given.poses)
+    there, _ = measured(given.against, given.poses)
+    print("median instructions of each, thousands, and ratios\n")
     print("| pair | poses | first | there | ratio | later | there | ratio |\n" + "| --- " * 8 + "|")
     ratios: dict[str, list[float]] = {"first": [], "later": []}
-    for pair in here:
-        allowed = np.array(rounds[0][0][pair]["refused"]) == 0
+    for (o, f), ours, theirs, codes in zip(PAIRS, here, there, outcomes, strict=True):
+        allowed = codes == 0
         cells = [f"{allowed.sum()}"]
-        for kind, all_ratios in ratios.items():
-            ours, theirs = here[pair][kind][allowed], there[pair][kind][allowed]
-            all_ratios += (ours / theirs).tolist()
-            cells += [
-                f"{median(ours) * 1e6:.0f}",
-                f"{median(theirs) * 1e6:.0f}",
-                f"{median(ours / theirs):.2f}",
-            ]
-        print(f"| {pair} | {' | '.join(cells)} |")
-    whole = {kind: median(each) for kind, each in ratios.items()}
-    print(f"\nmedian ratio of all: first {whole['first']:.2f}, later {whole['later']:.2f}")
+        for k, all_ratios in enumerate(ratios.values()):
+            ratio = ours[k][allowed] / theirs[k][allowed]
+            all_ratios += ratio.tolist()
+            cells += [f"{median(each[k][allowed]) / 1e3:.0f}" for each in (ours, theirs)]
+            cells += [f"{median(ratio):.2f}"]
+        print(f"| {o}, {f} | {' | '.join(cells)} |")
+    whole = {kind: f"{median(each):.2f}" for kind, each in ratios.items()}
+    print(f"\nmedian ratio of all {len(ratios['first'])}: first {whole['first']}, later {whole['later']}")
 
 
 if __name__ == "__main__":

@@ -5,7 +5,8 @@
 #include "base/base.h"
 #include "model/model.h"
 
-#define MG_BOUNDS_SIZE 12 /* outputs of the bounds of a surface; 9 of a curve */
+#define MG_NARROWER ((mg_real)0.95) /* a bound is narrower that is less than this part of the one before */
+#define MG_BOUNDS_SIZE 12           /* outputs of the bounds of a surface; 9 of a curve */
 
 /* Norm of n numbers, `otherwise` where it is not finite. */
 static mg_real mg_norm_or(int n, const mg_real *x, mg_real otherwise) {
@@ -99,11 +100,11 @@ static void mg_bound_centre_cell(mg_context *c, int feature_pair, int side, mg_c
 }
 
 /* A new cell, of the centre curve if `is_of_centres`; 0 if there is no room. */
-static int mg_new_cell(mg_context *c, int feature_pair, int side, int is_of_centres, const mg_real *box) {
+static int mg_new_cell(mg_context *c, int feature_pair, int side, int is_of_centres, int whole, const mg_real *box) {
   if (*c->search.n_cells >= c->system->n_cell) return 0;
   mg_cell *cell = c->search.cells + *c->search.n_cells;
   for (int k = 0; k < 4; k++) cell->box[k] = box[k];
-  cell->halves = 0, cell->is_of_centres = is_of_centres;
+  cell->halves = 0, cell->whole = whole, cell->is_of_centres = is_of_centres;
   if (is_of_centres) mg_bound_centre_cell(c, feature_pair, side, cell);
   else mg_bound_cell(c, feature_pair, side, cell);
   return (*c->search.n_cells)++;
@@ -152,7 +153,48 @@ MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side, int is_o
   for (int k = 0; k < 4; k++)
     if (fabs(domain[k]) >= MG_MAX / 2) window[k] = k % 2 ? bound : -bound;
   c->search.tree_bound[root] = bound;
-  return c->search.tree_root[root] = mg_new_cell(c, feature_pair, side, is_of_centres, window);
+  return c->search.tree_root[root] = mg_new_cell(c, feature_pair, side, is_of_centres, 0, window);
+}
+
+/* Bound of |x - middle| over what half cells bound: points or directions from a middle of their own. */
+static mg_real mg_bound_from(const mg_real *middle, const mg_real *own_middle, mg_real own_bound) {
+  const mg_real span[3] = {own_middle[0] - middle[0], own_middle[1] - middle[1], own_middle[2] - middle[2]};
+  return sqrt(mg_dot3(span, span)) + own_bound;
+}
+
+/* Bound of the distance of a half's points from the linear part of the whole cell. */
+static mg_real mg_rest_from(const mg_cell *whole, const mg_cell *half, int is_upper) {
+  const int a = whole->direction_to_divide;
+  mg_real middle[3], along[3], across[3];
+  for (int k = 0; k < 3; k++) {
+    const mg_real slope = whole->slope[a][k] / 2;
+    middle[k] = half->centre[k] - whole->centre[k] - (is_upper ? slope : -slope);
+    along[k] = half->slope[a][k] - slope, across[k] = half->slope[1 - a][k] - whole->slope[1 - a][k];
+  }
+  return sqrt(mg_dot3(middle, middle)) + sqrt(mg_dot3(along, along)) + sqrt(mg_dot3(across, across)) + half->rest;
+}
+
+/* Replaces the bounds of points and directions of a divided cell by those of its halves where they are narrower, and
+   so on up the tree. Over wide boxes Taylor models bound poorly. A curve's radius is one of its arc. */
+static void mg_narrow_by_halves(mg_context *c, int cell, int is_curve) {
+  for (int at = cell; at; at = c->search.cells[at].whole) {
+    mg_cell *whole = c->search.cells + at;
+    const mg_cell *half = c->search.cells + whole->halves;
+    mg_real radius = 0, spread = 0, rest = 0, extent[3] = {0, 0, 0};
+    for (int k = 0; k < 2; k++) {
+      radius =
+          fmax(radius, is_curve ? 2 * half[k].radius : mg_bound_from(whole->centre, half[k].centre, half[k].radius));
+      spread = fmax(spread, mg_bound_from(whole->direction, half[k].direction, half[k].spread));
+      rest = fmax(rest, mg_rest_from(whole, half + k, k));
+      for (int i = 0; i < 3; i++)
+        extent[i] = fmax(extent[i], fabs(half[k].centre[i] - whole->centre[i]) + half[k].extent[i]);
+    }
+    const int is_narrower = radius < MG_NARROWER * whole->radius || spread < MG_NARROWER * whole->spread;
+    whole->radius = fmin(whole->radius, radius), whole->spread = fmin(whole->spread, spread);
+    whole->rest = fmin(whole->rest, rest);
+    for (int i = 0; i < 3; i++) whole->extent[i] = fmin(whole->extent[i], extent[i]);
+    if (!is_narrower) return;
+  }
 }
 
 MG_INTERNAL int mg_divide_cell(mg_context *c, int feature_pair, int side, int cell) {
@@ -163,10 +205,12 @@ MG_INTERNAL int mg_divide_cell(mg_context *c, int feature_pair, int side, int ce
   for (int k = 0; k < 4; k++) box[k] = c->search.cells[cell].box[k];
   const mg_real low = box[2 * along], high = box[2 * along + 1], middle = low + (high - low) / 2;
   box[2 * along + 1] = middle;
-  const int first = mg_new_cell(c, feature_pair, side, is_of_centres, box);
+  const int first = mg_new_cell(c, feature_pair, side, is_of_centres, cell, box);
   box[2 * along] = middle, box[2 * along + 1] = high;
-  mg_new_cell(c, feature_pair, side, is_of_centres, box);
-  return c->search.cells[cell].halves = first;
+  mg_new_cell(c, feature_pair, side, is_of_centres, cell, box);
+  c->search.cells[cell].halves = first;
+  mg_narrow_by_halves(c, cell, mg_feature_dimension(c, feature_pair, side) == 1);
+  return first;
 }
 
 MG_INTERNAL void mg_limit_feature(const mg_context *c, int feature_pair, int side, mg_feature_limits *limits) {
