@@ -12,6 +12,8 @@
 #include "solve/friction/solvers.h"
 #include "model/model.h"
 
+#define MG_SLIP_ROUNDING (mg_real)1e4 /* rounding of slip velocities, in units of eps and of their scale */
+
 /* Time in s until slip stops at its present deceleration; 0 if it has stopped. */
 static mg_real mg_slip_stop_time(const mg_context *c, int contact, int constraint) {
   const mg_real *direction = c->run->slip_direction + 3 * constraint, *t = c->rows.tangents + 6 * contact;
@@ -418,11 +420,24 @@ MG_INTERNAL int mg_first_friction_event(const mg_context *c) {
   return -1;
 }
 
+/* Sets the direction of slip that is too slow to determine its friction by itself, at the start of a step; returns 0
+   where the slip is within rounding. */
+static int mg_update_slow_slip_direction(mg_context *c, int contact, int constraint) {
+  const mg_real rounding = MG_SLIP_ROUNDING * MG_EPS * mg_slip_velocity_scale(c, constraint);
+  if (!(mg_slip_magnitude(c, contact, constraint) > rounding)) return 0;
+  mg_set_slip_direction(c, contact, constraint);
+  return 1;
+}
+
 MG_INTERNAL void mg_begin_step_friction(mg_context *c) {
+  int turned = 0;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
-    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
-      if (c->run->active[i] && c->run->friction_mode[g] >= MG_SLIP_STARTING && mg_update_slip_direction(c, i, g))
-        c->run->friction_mode[g] = MG_SLIPPING;
+    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
+      if (!c->run->active[i] || c->run->friction_mode[g] < MG_SLIP_STARTING) continue;
+      if (mg_update_slip_direction(c, i, g)) c->run->friction_mode[g] = MG_SLIPPING;
+      else turned |= mg_update_slow_slip_direction(c, i, g);
+    }
+  if (turned) mg_evaluate_run_state(c);
   for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
     c->friction.mode_before[g] = c->run->friction_mode[g];
 }

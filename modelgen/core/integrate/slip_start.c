@@ -15,31 +15,27 @@
 #include "model/model.h"
 #include "forces/forces.h"
 
-#define MG_SLIP_ONSET_UNKNOWNS                                                           \
-  4 /* most directions that are unknown at a time; more are left to small explicit steps \
-     */
-
 enum {
   MG_SLIP_START_ROUNDS = 2,    /* substitutions with constant directions before the directions are sought */
-  MG_SLIP_STIFFNESS_ROUND = 2, /* round after which the derivatives by the angles are taken anew */
+  MG_SLIP_STIFFNESS_ROUND = 2, /* round in which the derivatives by the angles are taken anew */
   MG_SLIP_ROUNDS = 40,         /* most rounds */
   MG_SLIP_TRIAL_ROUNDS = 8,    /* rounds after which convergence that is too slow is given up */
   MG_STIFF_FAILURES = 3        /* collocations of stiff slip that may fail before an explicit step is taken */
 };
 
-#define MG_UNKNOWNS (MG_SLIP_ONSET_UNKNOWNS * MG_RADAU_STAGES) /* most unknowns of all stages */
+#define MG_UNKNOWNS (MG_SLIP_UNKNOWNS * MG_RADAU_STAGES) /* most unknowns of all stages */
 
 /* Unknown directions of the slip that starts: one of a friction constraint, two of a patch. */
 typedef struct {
-  int count;                                               /* unknowns */
-  int constraint[MG_SLIP_ONSET_UNKNOWNS];                  /* friction constraint, or -1: of a patch */
-  int contact[MG_SLIP_ONSET_UNKNOWNS];                     /* its contact; of a patch its first support point */
-  int axis[MG_SLIP_ONSET_UNKNOWNS];                        /* of a patch: axis across the stored direction, 1 or 2 */
-  mg_real angle[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS];  /* angle from the stored direction, rad; of a patch its
+  int count;                                         /* unknowns */
+  int constraint[MG_SLIP_UNKNOWNS];                  /* friction constraint, or -1: of a patch */
+  int contact[MG_SLIP_UNKNOWNS];                     /* its contact; of a patch its first support point */
+  int axis[MG_SLIP_UNKNOWNS];                        /* of a patch: axis across the stored direction, 1 or 2 */
+  mg_real angle[MG_RADAU_STAGES][MG_SLIP_UNKNOWNS];  /* angle from the stored direction, rad; of a patch its
                                                               tangent along the axis */
-  mg_real along[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS];  /* slip along the direction */
-  mg_real across[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS]; /* slip across it */
-  mg_real stiffness[MG_RADAU_STAGES][MG_SLIP_ONSET_UNKNOWNS][MG_SLIP_ONSET_UNKNOWNS]; /* derivative of the acceleration
+  mg_real along[MG_RADAU_STAGES][MG_SLIP_UNKNOWNS];  /* slip along the direction */
+  mg_real across[MG_RADAU_STAGES][MG_SLIP_UNKNOWNS]; /* slip across it */
+  mg_real stiffness[MG_RADAU_STAGES][MG_SLIP_UNKNOWNS][MG_SLIP_UNKNOWNS]; /* derivative of the acceleration
                                                                across of the first by the angle of the second */
 } mg_slip_onset;
 
@@ -51,7 +47,7 @@ typedef struct {
    Needs rows and forces at the run's state. */
 static int mg_is_slip_stiff(const mg_context *c, int contact, int constraint, mg_real h) {
   const mg_real *mu = c->system->friction_kinetic + 2 * constraint;
-  if (!c->run->active[contact] || c->run->friction_mode[constraint] != MG_SLIPPING ||
+  if (!c->run->active[contact] || c->run->friction_mode[constraint] < MG_SLIP_STARTING ||
       mg_friction_row_count(c, constraint) != 2)
     return 0;
   mg_real slip[2];
@@ -70,7 +66,7 @@ MG_INTERNAL void mg_mark_stiff_slip(mg_context *c, mg_real h) {
   int count = 0;
   for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
-      count += c->friction.is_stiff[g] = count < MG_SLIP_ONSET_UNKNOWNS && mg_is_slip_stiff(c, i, g, h);
+      count += c->friction.is_stiff[g] = count < MG_SLIP_UNKNOWNS && mg_is_slip_stiff(c, i, g, h);
   c->step.stiff_failures = 0;
 }
 
@@ -105,12 +101,12 @@ static int mg_list_slip_onsets(const mg_context *c, mg_slip_onset *o) {
   o->count = 0;
   for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g)) {
     if (c->run->friction_mode[g] != MG_SLIP_ONSET && !c->friction.is_stiff[g]) continue;
-    if (o->count == MG_SLIP_ONSET_UNKNOWNS) return 0;
+    if (o->count == MG_SLIP_UNKNOWNS) return 0;
     o->contact[o->count] = mg_contact_of_friction(c, g), o->constraint[o->count++] = g;
   }
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     if (c->run->patch_mode[slot] != MG_SLIP_ONSET) continue;
-    if (o->count + 2 > MG_SLIP_ONSET_UNKNOWNS) return 0;
+    if (o->count + 2 > MG_SLIP_UNKNOWNS) return 0;
     for (int axis = 1; axis <= 2; axis++)
       o->contact[o->count] = mg_first_support(c, slot), o->axis[o->count] = axis, o->constraint[o->count++] = -1;
   }
@@ -154,16 +150,45 @@ static mg_real mg_slip_onset_velocity_scale(const mg_context *c, const mg_slip_o
   return o->constraint[k] < 0 ? c->system->length / c->system->time : mg_slip_velocity_scale(c, o->constraint[k]);
 }
 
-/* Evaluate slopes and slip at all stages; returns 0 where one is not finite. */
-static int mg_evaluate_slip_stages(mg_context *c, mg_slip_onset *o, mg_real t, mg_real h) {
+/* Derivatives of the accelerations at a stage by the angle of an unknown. */
+static mg_real *mg_angle_slope(const mg_context *c, int stage, int unknown) {
+  return c->step.angle_slopes + (long)(MG_SLIP_UNKNOWNS * stage + unknown) * c->system->n_u;
+}
+
+/* Differences of the accelerations at a stage, and of those across slip, by the angles, from its slope. Needs rows and
+   accelerations at the stage. */
+static void mg_differentiate_by_slip_angles(mg_context *c, mg_slip_onset *o, int stage, mg_real t) {
+  const mg_real turned = (mg_real)1 / 4096;
+  const mg_real *slope = mg_stage_slope(c, stage) + c->system->n_q;
+  mg_real *rate = c->step.slopes + (1 + 2 * MG_RADAU_STAGES) * c->layout.n_states, *angle = o->angle[stage], along,
+          across[MG_SLIP_UNKNOWNS], turned_across;
+  for (int k = 0; k < o->count; k++) mg_resolve_slip_components(c, o, k, angle[k], 1, &along, across + k);
+  for (int j = 0; j < o->count; j++) {
+    const mg_real kept = angle[j];
+    angle[j] = kept + turned;
+    mg_slope_with_slip_directions(c, o, t, mg_stage_state(c, stage), angle, rate);
+    angle[j] = kept;
+    for (int i = 0; i < c->system->n_u; i++)
+      mg_angle_slope(c, stage, j)[i] = (rate[c->system->n_q + i] - slope[i]) / turned;
+    for (int k = 0; k < o->count; k++) {
+      mg_resolve_slip_components(c, o, k, angle[k], 1, &along, &turned_across);
+      o->stiffness[stage][k][j] = (turned_across - across[k]) / turned;
+    }
+  }
+}
+
+/* Evaluate slopes and slip at all stages, and where asked the derivatives by the angles; returns 0 where a slope is not
+   finite. */
+static int mg_evaluate_slip_stages(mg_context *c, mg_slip_onset *o, mg_real t, mg_real h, int differentiate) {
   c->step.sign_changed = 0;
   for (int stage = 0; stage < MG_RADAU_STAGES; stage++) {
-    mg_slope_with_slip_directions(c, o, t + mg_stage_time(stage) * h, mg_stage_state(c, stage), o->angle[stage],
-                                  mg_stage_slope(c, stage));
+    const mg_real time = t + mg_stage_time(stage) * h;
+    mg_slope_with_slip_directions(c, o, time, mg_stage_state(c, stage), o->angle[stage], mg_stage_slope(c, stage));
     mg_watch_event_signs(c);
     for (int k = 0; k < o->count; k++)
       mg_resolve_slip_components(c, o, k, o->angle[stage][k], 0, &o->along[stage][k], &o->across[stage][k]);
     if (!mg_are_states_finite(c, mg_stage_slope(c, stage))) return 0;
+    if (differentiate) mg_differentiate_by_slip_angles(c, o, stage, time);
   }
   return 1;
 }
@@ -188,32 +213,7 @@ static mg_real mg_integrate_slip_stages(mg_context *c, mg_real t, const mg_real 
   return change[0];
 }
 
-/* One substitution: slopes at all stages, then states; returns the relative change or NAN. */
-static mg_real mg_iterate_slip_stages(mg_context *c, mg_slip_onset *o, mg_real t, const mg_real *x, mg_real h) {
-  return mg_evaluate_slip_stages(c, o, t, h) ? mg_integrate_slip_stages(c, t, x, h) : (mg_real)NAN;
-}
-
-/* Derivatives of the accelerations across slip by the angles, at all stages, by central differences. */
-static void mg_find_slip_angle_stiffness(mg_context *c, mg_slip_onset *o, mg_real t, mg_real h) {
-  const mg_real turned = (mg_real)1 / 1024;
-  for (int stage = 0; stage < MG_RADAU_STAGES; stage++)
-    for (int j = 0; j < o->count; j++)
-      for (int sign = -1; sign <= 1; sign += 2) {
-        const mg_real kept = o->angle[stage][j];
-        o->angle[stage][j] += sign * turned;
-        mg_slope_with_slip_directions(c, o, t + mg_stage_time(stage) * h, mg_stage_state(c, stage), o->angle[stage],
-                                      c->step.slopes + (1 + 2 * MG_RADAU_STAGES) * c->layout.n_states);
-        o->angle[stage][j] = kept;
-        for (int k = 0; k < o->count; k++) {
-          mg_real along, across;
-          mg_resolve_slip_components(c, o, k, o->angle[stage][k], 1, &along, &across);
-          across *= sign / (2 * turned);
-          o->stiffness[stage][k][j] = sign < 0 ? across : o->stiffness[stage][k][j] + across;
-        }
-      }
-}
-
-/* Newton step for the angles; returns its relative effect on the velocities. */
+/* Newton step for the angles, with which the slopes change; returns its relative effect on the velocities. */
 static mg_real mg_newton_slip_angle_step(mg_context *c, mg_slip_onset *o, mg_real h) {
   const int m = o->count, n = m * MG_RADAU_STAGES;
   mg_real A[MG_UNKNOWNS * MG_UNKNOWNS], b[MG_UNKNOWNS], y[MG_UNKNOWNS], scratch[MG_UNKNOWNS], most = 0;
@@ -230,6 +230,8 @@ static mg_real mg_newton_slip_angle_step(mg_context *c, mg_slip_onset *o, mg_rea
     const int stage = order[i] / m, k = order[i] % m;
     const mg_real effect = fabs(y[i] * o->stiffness[stage][k][k]) * h / mg_slip_onset_velocity_scale(c, o, k);
     o->angle[stage][k] += y[i];
+    for (int row = 0; row < c->system->n_u; row++)
+      mg_stage_slope(c, stage)[c->system->n_q + row] += y[i] * mg_angle_slope(c, stage, k)[row];
     if (!(effect <= most)) most = effect;
   }
   return most;
@@ -243,7 +245,7 @@ static int mg_start_slip_stages(mg_context *c, mg_slip_onset *o, mg_real t, cons
       for (int i = mg_range_begin(c, range); i < mg_range_end(c, range); i++)
         mg_stage_state(c, stage)[i] = x[i] + mg_stage_time(stage) * h * c->step.slopes[i];
   for (int round = 0; round < MG_SLIP_START_ROUNDS; round++)
-    if (!(mg_iterate_slip_stages(c, o, t, x, h) <= MG_MAX)) return 0;
+    if (!mg_evaluate_slip_stages(c, o, t, h, 0) || !(mg_integrate_slip_stages(c, t, x, h) <= MG_MAX)) return 0;
   return 1;
 }
 
@@ -265,10 +267,9 @@ static int mg_solve_slip_stages(mg_context *c, mg_slip_onset *o, mg_real t, cons
   const mg_real goal = c->settings->tolerance / 100, noise = 4096 * MG_EPS;
   mg_real previous_change = MG_MAX;
   for (int round = 0; round < MG_SLIP_ROUNDS; round++) {
-    if (round == 0 || round == again) mg_find_slip_angle_stiffness(c, o, t, h);
-    if (!mg_evaluate_slip_stages(c, o, t, h)) return 0;
+    if (!mg_evaluate_slip_stages(c, o, t, h, round == 0 || round == again)) return 0;
     const mg_real angle_effect = mg_newton_slip_angle_step(c, o, h);
-    const mg_real change = mg_iterate_slip_stages(c, o, t, x, h),
+    const mg_real change = mg_integrate_slip_stages(c, t, x, h),
                   last_change = angle_effect > change ? angle_effect : change;
     if (!(angle_effect <= MG_MAX) || !(change <= MG_MAX)) return 0;
     if (last_change <= goal || (round > 3 && last_change >= previous_change / 2 && last_change <= noise)) return 1;

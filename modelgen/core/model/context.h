@@ -23,6 +23,7 @@
 #define MG_CRITICAL 64         /* most critical points that a search of a feature pair keeps in mind */
 #define MG_POINT_PARAMETERS 32 /* room for the parameters of a contact of a point with a plane */
 #define MG_RADAU_STAGES 7      /* stages of Radau collocation */
+#define MG_SLIP_UNKNOWNS 4     /* most slip directions that collocation takes as unknowns */
 #define MG_MAX_ETA 8           /* room for the eta of one contact */
 #define MG_STAGES 17           /* rows of c->step.slopes: 16 of DOP853, one for the right-hand side at other states */
 
@@ -275,13 +276,15 @@ typedef struct {
   mg_real *load_wrench;             /* [6 per body] time-stepping: wrenches of the loads in the middle of the step */
   mg_real *time_samples;            /* samples of the functions of time in a step */
   mg_rolling_start *rolling_starts; /* [per contact] start of rolling */
-  mg_real rolling_step; /* length of a step from flat tried at this state, which the interpolant holds, s; 0:
-                           none */
-  mg_real slip_limit;   /* longest explicit step after the start of slip, s */
-  mg_real stop_time;    /* t_stop of mg_advance, s */
-  int stiff_failures;   /* collocations of stiff slip that have failed at this state */
-  int sign_changed;     /* 1: an event function had changed sign at a stage */
-  int left_margin;      /* 1: a pair of shapes that is left out could have met at a stage */
+  mg_real rolling_step;  /* length of a step from flat tried at this state, which the interpolant holds, s; 0:
+                            none */
+  mg_real *angle_slopes; /* [MG_RADAU_STAGES MG_SLIP_UNKNOWNS n_u] derivatives of the accelerations at the stages by the
+                            angles of slip; none in a scene without friction */
+  mg_real slip_limit;    /* longest explicit step after the start of slip, s */
+  mg_real stop_time;     /* t_stop of mg_advance, s */
+  int stiff_failures;    /* collocations of stiff slip that have failed at this state */
+  int sign_changed;      /* 1: an event function had changed sign at a stage */
+  int left_margin;       /* 1: a pair of shapes that is left out could have met at a stage */
 } mg_step_workspace;
 
 /* Events of one step. */

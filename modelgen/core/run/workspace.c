@@ -39,7 +39,8 @@ static long mg_strip_capacity_max(const mg_system *s) {
 static long mg_friction_memory_size(const mg_system *s) {
   if (!s->n_friction) return 0;
   const long k = s->n_patch_slot ? mg_held_row_capacity(s) : 0;
-  return k * k + 2 * k + mg_count_reals(s->n_patch_slot, sizeof(mg_patch_friction)) +
+  return (long)MG_RADAU_STAGES * MG_SLIP_UNKNOWNS * s->n_u + k * k + 2 * k +
+         mg_count_reals(s->n_patch_slot, sizeof(mg_patch_friction)) +
          mg_count_reals(mg_strip_capacity_max(s), sizeof(mg_boundary_strip)) + s->n_friction_row + 2L * s->n_friction +
          MG_CONE * (long)s->closed_capacity + 6L * s->n_contact + 78 +
          mg_friction_work_size((int)mg_held_row_capacity(s), s->closed_capacity);
@@ -148,6 +149,7 @@ static void mg_set_friction_arrays(mg_context *c, mg_real *work, int *iwork) {
   c->friction.force_ratio = mg_take_reals(&work, s->n_friction_row),
   c->friction.slip_time_left = mg_take_reals(&work, s->n_friction);
   c->friction.slip_angle = mg_take_reals(&work, s->n_friction);
+  c->step.angle_slopes = mg_take_reals(&work, (long)MG_RADAU_STAGES * MG_SLIP_UNKNOWNS * s->n_u);
   mg_zero_reals(c->friction.slip_time_left, s->n_friction);
   c->friction.cone = mg_take_reals(&work, MG_CONE * k), c->rows.tangents = mg_take_reals(&work, 6L * s->n_contact);
   c->rows.kernel_rows = mg_take_reals(&work, 78),

@@ -111,7 +111,7 @@ static int mg_converge_contact(mg_context *c, int contact) {
   int steps = mg_newton_on_feature_pair(c, contact, found);
   if (steps < 0) {
     for (int k = 0; k < n; k++) found[k] = before[k];
-    steps = mg_converge_from_any_start(c, contact, found);
+    steps = mg_converge_from_any_start(c, c->run->feature_pair[contact], found);
   }
   for (int k = 0; k < n; k++) eta[k] = steps < 0 ? before[k] : found[k];
   return steps >= 0;
