@@ -4,7 +4,8 @@ Run with `python -m tests.benchmarks.derivative_pairs [--scenes a,b] [--cap SECO
 [--out FILE]`. A pair is a number (a component of a start, or a factor of a number of the scene) and a time.
 Differences bear the derivative out (`agrees`), or it is `off` by more than AGREES and than they resolve, or
 `wrong` by more than WRONG; or they do not resolve WRONG, mostly because changed runs have other events. None
-that is called differentiable may be wrong.
+that is called differentiable may be wrong. Pairs are written to FILE scene by scene; scenes that are there
+already are not run again.
 """
 
 from __future__ import annotations
@@ -86,6 +87,17 @@ def print_scene(name: str, entries: Sequence[dict[str, Any]]) -> None:
             )
 
 
+def print_all(found: Sequence[dict[str, Any]]) -> None:
+    undecided = [each for each in found if each["kind"] != "differentiable"]
+    agree = sum(each["outcome"] == "agrees" for each in undecided)
+    share = 100 * len(undecided) / max(len(found), 1)
+    print(f"\n{len(found)} pairs, {len(undecided)} undecided ({share:.0f} %), of which {agree} agree")
+    for key, count in sorted(
+        Counter((each["kind"], each["reason"], each["outcome"]) for each in found).items()
+    ):
+        print(f"{count:5} {' | '.join(filter(None, key))}")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--scenes", default=",".join(NAMES), help="names, separated by commas")
@@ -93,8 +105,15 @@ def main() -> None:
     parser.add_argument("--accuracy", default="tight", help="of the derivatives")
     parser.add_argument("--out", type=Path, help="a file of all pairs, JSON")
     given = parser.parse_args()
+    names = given.scenes.split(",")
     found: list[dict[str, Any]] = []
-    for name in given.scenes.split(","):
+    if given.out and given.out.exists():
+        found = json.loads(given.out.read_text())
+    done = {each["scene"] for each in found}
+    for name in names:
+        if name in done:
+            print_scene(name, [each for each in found if each["scene"] == name])
+            continue
         begun = time.perf_counter()
         try:
             entries = study(name, given.cap, given.accuracy)
@@ -106,11 +125,8 @@ def main() -> None:
         print(f"    {time.perf_counter() - begun:.0f} s", flush=True)
         if given.out:
             given.out.write_text(json.dumps(found, default=float))
-    print(f"\n{len(found)} pairs")
-    for key, count in sorted(
-        Counter((each["kind"], each["reason"], each["outcome"]) for each in found).items()
-    ):
-        print(f"{count:5} {' | '.join(filter(None, key))}")
+    found = [each for each in found if each["scene"] in names]
+    print_all(found)
     wrong = [each for each in found if each["kind"] == "differentiable" and each["outcome"] == "wrong"]
     assert not wrong, f"{len(wrong)} derivatives that are called differentiable are wrong"
     assert all(np.isfinite(each["size"]) for each in found if each["kind"] == "differentiable")
