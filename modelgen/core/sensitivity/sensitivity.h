@@ -49,6 +49,9 @@ typedef struct {
 /* What a blow does to a row: it strikes, is held at zero velocity, or slips. */
 enum { MG_BLOW_STRUCK = 0, MG_BLOW_HELD = 1, MG_BLOW_SLIPS = 2 };
 
+/* Derivatives below this part of the scales, times the size of their direction, are rounding. */
+#define MG_ROUNDED_TANGENT pow(MG_EPS, (mg_real)0.75)
+
 #define MG_BLOW_ROWS 64 /* most rows of a blow that is differentiated */
 
 /* A blow: its rows, in the order of contacts, each normal row before its friction rows, then joints. */
@@ -137,6 +140,9 @@ MG_INTERNAL void mg_sensors_tangent(const mg_context *c, mg_sensitivity *s, int 
 
 /* Derivative of a number along a direction; 0 while s->is_time or where the array is not given. */
 MG_INTERNAL mg_real mg_number_dot(const mg_sensitivity *s, const mg_real *array, long n, int direction, int i);
+
+/* Largest change of a number along a direction: of states by their scales, of others relative to themselves. */
+MG_INTERNAL mg_real mg_direction_size(const mg_context *c, const mg_sensitivity *s, int direction);
 
 /* rhs_tangent.c */
 

@@ -112,9 +112,9 @@ static int mg_mark_beginning_slip(mg_context *c, mg_sensitivity *s) {
 }
 
 /* True if slip that has begun in this step turns with a direction: then its first direction, a limit, has a derivative
-   that the step does not have. Needs the derivatives of the last direction at the end of the step. */
-static int mg_turns_slip_onset(const mg_context *c, mg_sensitivity *s) {
-  const mg_real least = pow(MG_EPS, (mg_real)0.75) * c->system->length / c->system->time; /* rounding is smaller */
+   that the step does not have. Needs the derivatives of that direction at the end of the step. */
+static int mg_turns_slip_onset(const mg_context *c, mg_sensitivity *s, int direction) {
+  const mg_real least = MG_ROUNDED_TANGENT * mg_direction_size(c, s, direction) * c->system->length / c->system->time;
   for (int i = mg_next_row(c, -1); c->system->n_friction && i < c->layout.support_begin; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
       const int row = mg_first_friction_row(c, i, g);
@@ -188,7 +188,7 @@ MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h) {
   mg_settle_step_end(c, s, t + h);
   for (int j = 0; j < n && !reason && slip_begins; j++) {
     mg_rhs_tangent(c, s, j, t + h, c->step.end, s->tangent->x + (long)j * states, s->stage);
-    if (mg_turns_slip_onset(c, s)) reason = MG_BY_SLIP_ONSET;
+    if (mg_turns_slip_onset(c, s, j)) reason = MG_BY_SLIP_ONSET;
   }
   return reason;
 }
