@@ -1,11 +1,15 @@
 /* Calls of the generated derivatives: arguments and their derivatives along one direction are packed into vectors
    (MG_TASK_POSE .. of kernels.h). Reads the state evaluated last and s->at; writes s->y_dot. */
+#include <string.h>
+
 #include "sensitivity/sensitivity.h"
+#include "base/base.h"
 #include "model/model.h"
 
 /* Copies n numbers, or zeros if there are none to copy; returns the place after them. */
 static mg_real *mg_pack(mg_real *to, int n, const mg_real *from) {
-  for (int k = 0; k < n; k++) to[k] = from ? from[k] : 0;
+  if (from) memcpy(to, from, (size_t)n * sizeof(mg_real));
+  else mg_zero_reals(to, n);
   return to + n;
 }
 

@@ -157,6 +157,10 @@ MG_INTERNAL int mg_is_turned_by_slip(const mg_context *c, int constraint, const 
 MG_INTERNAL void mg_rhs_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
                                 const mg_real *dx, mg_real *slope);
 
+/* Of that only the derivatives of value, rate and residual of all rows, at forces and accelerations of the state. */
+MG_INTERNAL void mg_rows_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
+                                 const mg_real *dx, mg_real *slope);
+
 /* step_tangent.c */
 
 /* True if faces rest on each other by points that a direction moves within them. */
@@ -281,6 +285,10 @@ MG_INTERNAL mg_real mg_response_times(const mg_context *c, int row, const mg_rea
    mg_right_hand_side at (t, x), then mg_gather_wrenches. */
 MG_INTERNAL void mg_rhs_adjoint(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x, const mg_real *slope_bar,
                                 mg_real *x_bar);
+
+/* Adds to x_bar that from the cotangents of value, rate and residual of the rows alone. */
+MG_INTERNAL void mg_rows_adjoint(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x,
+                                 const mg_real *slope_bar, mg_real *x_bar);
 
 /* step_adjoint.c: from the cotangent x_bar of the state after to that before */
 

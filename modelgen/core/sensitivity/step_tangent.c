@@ -19,9 +19,20 @@ MG_INTERNAL mg_explicit_method mg_explicit_method_of(const mg_settings *settings
 
 MG_INTERNAL void mg_combine_stages(const mg_explicit_method *m, int row, int n, long stride, mg_real h,
                                    const mg_real *from, const mg_real *slopes, mg_real *out) {
-  for (int i = 0; i < n; i++) {
+  const int first = m->row[row], end = m->row[row + 1];
+  int i = 0;
+  for (; i + 4 <= n; i += 4) {
+    mg_real sum[4] = {0, 0, 0, 0};
+    for (int k = first; k < end; k++) {
+      const mg_real weight = m->value[k], *slope = slopes + m->column[k] * stride + i;
+      sum[0] += weight * slope[0], sum[1] += weight * slope[1];
+      sum[2] += weight * slope[2], sum[3] += weight * slope[3];
+    }
+    for (int j = 0; j < 4; j++) out[i + j] = from[i + j] + h * sum[j];
+  }
+  for (; i < n; i++) {
     mg_real sum = 0;
-    for (int k = m->row[row]; k < m->row[row + 1]; k++) sum += m->value[k] * slopes[m->column[k] * stride + i];
+    for (int k = first; k < end; k++) sum += m->value[k] * slopes[m->column[k] * stride + i];
     out[i] = from[i] + h * sum;
   }
 }
@@ -215,7 +226,7 @@ MG_INTERNAL void mg_project_tangents(mg_context *c, mg_sensitivity *s, mg_real t
   mg_gather_wrenches(c, s, t);
   for (int j = 0; j < s->directions->n; j++) {
     mg_real *dx = s->tangent->x + (long)j * c->layout.n_states;
-    mg_rhs_tangent(c, s, j, t, x, dx, s->stage);
+    mg_rows_tangent(c, s, j, t, x, dx, s->stage);
     mg_solve_row_correction(c, c->run->closed, s->at.value);
     mg_add_correction(c, x, 0, dx);
     mg_solve_row_correction(c, c->run->closed, s->at.rate);
