@@ -83,7 +83,7 @@ def gradient(
         if name != "moves_borders"
     }
     combined["moves_borders"] = np.array([np.any(rows["moves_borders"])], dtype=INTEGER)
-    run = _TapedRun(session, combined)
+    run = TapedRun(session, combined)
     marks, shown = [], []
     for time in times:
         run.go_on(float(time))
@@ -118,7 +118,7 @@ def check_loss(loss: Any, shape: tuple[int, int]) -> None:
         raise SimulationError("loss", found, f"a function from {shape} to (1, 1)")
 
 
-class _TapedRun(TangentRun):
+class TapedRun(TangentRun):
     """A run along one direction that keeps what is needed to go back."""
 
     def __init__(self, session: Session, arrays: Mapping[str, Array]) -> None:

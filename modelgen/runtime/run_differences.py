@@ -33,7 +33,7 @@ def run_differences(
     step: float = STEP,
 ) -> Array:
     """Derivatives (nt, n_of, n_by) as `sensitivity` has them, from central differences of runs whose steps
-    are halved LEVELS - 1 times and extrapolated (Richardson).
+    are halved LEVELS - 1 times and extrapolated (Richardson). NaN where a run has ended early.
 
     Args:
         library: one with derivatives; they only project changes of starts onto constraints.
@@ -95,11 +95,12 @@ class _Runs:
             self._change_start(session, direction, change)
         begin(session)
         outputs, record = Outputs(session, self._of), session.tables.Record()
-        rows = []
+        rows, code = [], CONTINUE
         for time in self._times:
-            while session.advance(float(time), STEPS, record) in (CONTINUE, FULL):
+            while (code := session.advance(float(time), STEPS, record)) in (CONTINUE, FULL):
                 session.drain_events()
-            rows.append(outputs.values(session))
+            values = outputs.values(session)
+            rows.append(np.full_like(values, np.nan) if code else values)
         return np.array(rows)
 
     def _change_start(self, session: Session, direction: Direction, change: float) -> None:

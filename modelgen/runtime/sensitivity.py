@@ -171,8 +171,9 @@ def _error(jacobian: Array, twin: TangentRun, outputs: Outputs, times: Array, ep
 def times_of(t: Sequence[float] | float) -> Array:
     """(nt,) ascending times; raises SimulationError for others."""
     times = np.atleast_1d(np.asarray(t, dtype=float))
-    if times.ndim != 1 or not times.size or not times[0] >= 0 or not np.all(np.diff(times) >= 0):
-        raise SimulationError("t", repr(t), "ascending times from 0 s on")
+    ascending = times.ndim == 1 and times.size and times[0] >= 0 and np.all(np.diff(times) >= 0)
+    if not ascending or not np.isfinite(times[-1]):
+        raise SimulationError("t", repr(t), "finite, ascending times from 0 s on")
     return times
 
 

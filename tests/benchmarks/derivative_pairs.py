@@ -4,7 +4,8 @@ Run with `python -m tests.benchmarks.derivative_pairs [--scenes a,b] [--cap SECO
 [--out FILE]`. A pair is a number (a component of a start, or a factor of a number of the scene) and a time.
 Differences bear the derivative out (`agrees`), or it is `off` by more than AGREES and than they resolve, or
 `wrong` by more than WRONG; or they do not resolve WRONG, mostly because changed runs have other events. None
-that is called differentiable may be wrong.
+that is called differentiable may be wrong. Pairs are written to FILE number by number; those that are there
+already are not run again.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import argparse
 import json
 import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -25,25 +26,31 @@ from tests.running import NAMES
 from tests.sensitivity.pairs import Pair, Pairs, library_with_factors, opened, scales_of, shown
 
 PARTS = (0.1, 0.35, 0.9)  # of the run
-FACTORS = 6  # numbers of a scene
+ZERO = 1e-6  # of a scene's scales: sizes of derivatives up to which no relative error is told
+FACTORS, BODIES = 8, 3  # numbers of a scene, and bodies whose starts are changed
+
+Entry = dict[str, Any]
 
 
-def study(name: str, cap: float, accuracy: str = "tight") -> list[dict[str, Any]]:
-    """The pairs of a scene, of runs that take at most `cap` s of time."""
+def study(name: str, cap: float, accuracy: str = "tight", known: Sequence[Entry] = ()) -> Iterator[Entry]:
+    """The pairs of a scene, of runs that take at most `cap` s of time, but for those of the numbers that are
+    known."""
     library, meanings = library_with_factors(name, FACTORS)
     instance = library.manifest.instance
-    moving = [body for body in instance["bodies"] if body["motion"] in ("free", "point")]
-    body = moving[0]
-    quantities = QUANTITIES if body["motion"] == "free" else ("position", "velocity")
     by = [*meanings] + [each["name"] for each in instance["inputs"]]
-    by += [f"{body['name']}.{quantity}" for quantity in quantities]
-    until = affordable(library, float(instance["run"].get("until") or 1.0), cap)
-    pairs = Pairs(library, [part * until for part in PARTS], accuracy)
-    return [
-        entry_of(name, pair, meanings.get(pair.by, pair.by))
-        for direction in directions_of(library, by)
-        for pair in pairs.of(direction)
-    ]
+    for body in [body for body in instance["bodies"] if body["motion"] in ("free", "point")][:BODIES]:
+        quantities = QUANTITIES if body["motion"] == "free" else ("position", "velocity")
+        by += [f"{body['name']}.{quantity}" for quantity in quantities]
+    times = sorted({each["t"] for each in known})
+    if not times:
+        until = affordable(library, float(instance["run"].get("until") or 1.0), cap)
+        times = [part * until for part in PARTS]
+    done = {each["by"] for each in known}
+    pairs = Pairs(library, times, accuracy)
+    for direction in directions_of(library, by):
+        meaning = meanings.get(direction.name, direction.name)
+        if meaning not in done:
+            yield from [entry_of(name, pair, meaning) for pair in pairs.of(direction)]
 
 
 def affordable(library: Any, until: float, cap: float) -> float:
@@ -57,7 +64,7 @@ def affordable(library: Any, until: float, cap: float) -> float:
     return until
 
 
-def entry_of(name: str, pair: Pair, by: str) -> dict[str, Any]:
+def entry_of(name: str, pair: Pair, by: str) -> Entry:
     return {
         "scene": name, "by": by, "t": pair.t, "kind": pair.verdict.kind, "reason": pair.verdict.reason,
         "reason_t": pair.verdict.t, "contact": pair.verdict.contact, "outcome": pair.outcome,
@@ -65,12 +72,16 @@ def entry_of(name: str, pair: Pair, by: str) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def print_scene(name: str, entries: Sequence[dict[str, Any]]) -> None:
+def print_scene(name: str, entries: Sequence[Entry]) -> None:
     certain = [each for each in entries if each["kind"] == "differentiable"]
     counts = Counter(each["outcome"] for each in certain)
     others = Counter((each["reason"], each["outcome"]) for each in entries if each not in certain)
     worst = max(
-        (each["error"] / (each["size"] or 1) for each in certain if each["outcome"] != "unresolved"),
+        (
+            each["error"] / each["size"]
+            for each in certain
+            if each["outcome"] != "unresolved" and each["size"] > ZERO
+        ),
         default=0,
     )
     print(
@@ -86,6 +97,17 @@ def print_scene(name: str, entries: Sequence[dict[str, Any]]) -> None:
             )
 
 
+def print_all(found: Sequence[Entry]) -> None:
+    undecided = [each for each in found if each["kind"] != "differentiable"]
+    agree = sum(each["outcome"] == "agrees" for each in undecided)
+    share = 100 * len(undecided) / max(len(found), 1)
+    print(f"\n{len(found)} pairs, {len(undecided)} undecided ({share:.0f} %), of which {agree} agree")
+    for key, count in sorted(
+        Counter((each["kind"], each["reason"], each["outcome"]) for each in found).items()
+    ):
+        print(f"{count:5} {' | '.join(filter(None, key))}")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--scenes", default=",".join(NAMES), help="names, separated by commas")
@@ -93,24 +115,25 @@ def main() -> None:
     parser.add_argument("--accuracy", default="tight", help="of the derivatives")
     parser.add_argument("--out", type=Path, help="a file of all pairs, JSON")
     given = parser.parse_args()
-    found: list[dict[str, Any]] = []
-    for name in given.scenes.split(","):
+    names = given.scenes.split(",")
+    found: list[Entry] = []
+    if given.out and given.out.exists():
+        found = json.loads(given.out.read_text())
+    for name in names:
         begun = time.perf_counter()
+        entries = [each for each in found if each["scene"] == name]
         try:
-            entries = study(name, given.cap, given.accuracy)
+            for entry in study(name, given.cap, given.accuracy, entries):
+                entries.append(entry)
+                found.append(entry)
+                if given.out and not len(entries) % len(PARTS):
+                    given.out.write_text(json.dumps(found, default=float))
         except ModelgenError as error:
             print(f"{name:22} {error}")
-            continue
-        found += entries
         print_scene(name, entries)
         print(f"    {time.perf_counter() - begun:.0f} s", flush=True)
-        if given.out:
-            given.out.write_text(json.dumps(found, default=float))
-    print(f"\n{len(found)} pairs")
-    for key, count in sorted(
-        Counter((each["kind"], each["reason"], each["outcome"]) for each in found).items()
-    ):
-        print(f"{count:5} {' | '.join(filter(None, key))}")
+    found = [each for each in found if each["scene"] in names]
+    print_all(found)
     wrong = [each for each in found if each["kind"] == "differentiable" and each["outcome"] == "wrong"]
     assert not wrong, f"{len(wrong)} derivatives that are called differentiable are wrong"
     assert all(np.isfinite(each["size"]) for each in found if each["kind"] == "differentiable")

@@ -2,8 +2,9 @@
 
 Run with `python -m tests.benchmarks.sensitivities [--scenes a,b] [--accuracy tight] [--part 0.3]`. Columns:
 the plain run; a run with derivatives along no direction, which takes each step again; along 1, 4 and 12
-directions; what one direction more costs (12 less 4, by 8); the memory of 12 directions, and of the tape of a
-gradient for a step. Times are the least of several of processor time.
+directions; what one direction more costs (12 less 4, by 8); a gradient, forward with its check and back, for
+any number of directions, and the part of it that goes back; the memory of 12 directions, and of the tape of a
+gradient for a step. Times are the least of several of processor time, taken in turn.
 """
 
 from __future__ import annotations
@@ -11,16 +12,14 @@ from __future__ import annotations
 import argparse
 import ctypes
 import time
-from collections.abc import Callable
-from functools import partial
 
 import numpy as np
 
 from modelgen import build, derive, emit, read, require
 from modelgen.codegen.library import Library
 from modelgen.runtime.directions import QUANTITIES, direction_arrays, directions_of
-from modelgen.runtime.gradient import SLOPES
-from modelgen.runtime.sensitivity import TangentRun
+from modelgen.runtime.gradient import SLOPES, TapedRun
+from modelgen.runtime.sensitivity import Outputs, TangentRun
 from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.start import begin
@@ -31,10 +30,6 @@ NAMES = (
     *("coin", "four_bar", "newton_cradle", "wheel_on_rail", "balancing_wheel"),
 )
 REPEATS = 7
-
-
-def least(function: Callable[[], float]) -> float:
-    return min(function() for _ in range(REPEATS))
 
 
 class Measured:
@@ -50,6 +45,7 @@ class Measured:
             for body in moving
             for quantity in (QUANTITIES if body["motion"] == "free" else ("position", "velocity"))
         ]
+        self._of = [f"{body['name']}.position" for body in moving]
         self._directions = (4 * directions_of(library, names))[:12]
 
     def session(self) -> Session:
@@ -71,6 +67,20 @@ class Measured:
         run.go_on(self._until)
         return time.process_time() - begun
 
+    def gradient(self) -> tuple[float, float]:
+        """A gradient by all directions, and the part of it that goes back."""
+        rows = direction_arrays(self.library, self._directions, {})
+        combined = {name: np.ascontiguousarray(np.sum(array, axis=0)[None]) for name, array in rows.items()}
+        combined["moves_borders"] = np.ascontiguousarray(rows["moves_borders"][:1])
+        run = TapedRun(self.session(), combined)
+        outputs = Outputs(run.session, self._of)
+        begun = time.process_time()
+        run.go_on(self._until)
+        turned = time.process_time()
+        run.cotangents(outputs, [run.steps], np.ones((1, len(outputs.names))))
+        ended = time.process_time()
+        return ended - begun, ended - turned
+
     def memory(self) -> tuple[float, float]:
         """kB of 12 directions, and of the tape for a step."""
         session = self.session()
@@ -87,17 +97,28 @@ def main() -> None:
     parser.add_argument("--accuracy", default="tight")
     parser.add_argument("--part", type=float, default=0.3, help="of the time of the scene")
     given = parser.parse_args()
-    headings = " ".join(f"{heading:>6}" for heading in ("none", "1", "4", "12", "each"))
+    columns = ("none", "1", "4", "12", "each", "gradient", "back")
+    headings = " ".join(f"{heading:>6}" for heading in columns)
     print(f"{'scene':20} {'run':>8} {headings} {'memory':>9} {'a step':>8}")
     for name in given.scenes.split(","):
         library = build(emit(derive(require(read(SCENES / f"{name}.toml"))), derivatives=True))
         measured = Measured(library, given.accuracy, given.part)
-        plain = least(measured.plain)
-        ratios = [least(partial(measured.along, n)) / plain for n in (0, 1, 4, 12)]
-        each = (ratios[3] - ratios[2]) / 8
+        plain, *times = least_of(measured)
+        ratios = [each / plain for each in times]
+        ratios.insert(4, (ratios[3] - ratios[2]) / 8)
         memory, step = measured.memory()
-        shown = " ".join(f"{ratio:6.2f}" for ratio in (*ratios, each))
+        shown = " ".join(f"{ratio:{max(6, len(key))}.2f}" for key, ratio in zip(columns, ratios, strict=True))
         print(f"{name:20} {plain * 1e3:5.1f} ms {shown} {memory:6.0f} kB {step:5.1f} kB", flush=True)
+
+
+def least_of(measured: Measured) -> list[float]:
+    """The least times of several rounds: of the plain run, along 0, 1, 4 and 12 directions, of a gradient,
+    and of going back."""
+    rounds = [
+        [measured.plain(), *(measured.along(n) for n in (0, 1, 4, 12)), *measured.gradient()]
+        for _ in range(REPEATS)
+    ]
+    return [min(times) for times in zip(*rounds, strict=True)]
 
 
 if __name__ == "__main__":

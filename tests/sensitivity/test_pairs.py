@@ -32,5 +32,5 @@ def test_derivatives_by_numbers_of_a_scene(name: str, by: str) -> None:
 @pytest.mark.parametrize("accuracy", ["balanced", "tight"])
 @pytest.mark.parametrize("name", NAMES)
 def test_no_derivative_of_a_shipped_scene_is_wrong(name: str, accuracy: str) -> None:
-    found = study(name, 0.05, accuracy)
+    found = list(study(name, 0.05, accuracy))
     assert not [each for each in found if each["kind"] == "differentiable" and each["outcome"] == "wrong"]

@@ -183,6 +183,7 @@ MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settin
   if (mg_has_state_jump(&c, s.before)) mg_doubt_tangent(tangent, MG_BY_JUMP, run->t, -1);
   mg_approach approach = {0, 0};
   const long n_dx = (long)directions->n * c.layout.n_states;
+  int is_stored = 0; /* 1: `before` holds the run as it is */
   for (long step = 0; outcome == MG_CONTINUE; step++) {
     mg_tape *tape = tangent->tape;
     if (step >= max_steps) return MG_CONTINUE;
@@ -190,7 +191,8 @@ MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settin
     const int first = events->count, recorded = record->count, counted = tangent->count;
     const long steps = run->steps;
     const mg_real t = run->t, stop = mg_approach_stop(&approach, t, t_stop);
-    mg_store_run(system, run, before);
+    if (!is_stored) mg_store_run(system, run, before);
+    is_stored = 0;
     memcpy(s.start, tangent->x, (size_t)n_dx * sizeof(mg_real));
     outcome = mg_advance(system, settings, run, stop, 1, record, events, work, iwork);
     if (outcome == MG_DONE && stop < t_stop) outcome = MG_CONTINUE;
@@ -208,6 +210,8 @@ MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settin
     mg_doubt_tangent(tangent, reason, end, s.doubtful >= 0 ? s.doubtful : of_event);
     mg_restore_run(system, run, after);
     if (tape) mg_store_step(system, tape, &s, before, after);
+    unsigned char *const stored = before;
+    before = after, after = stored, is_stored = 1;
   }
   return outcome;
 }

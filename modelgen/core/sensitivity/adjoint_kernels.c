@@ -1,16 +1,21 @@
 /* Calls of the generated adjoints, as derivative_kernels.c calls the tangents: cotangents of results are packed into
    s->y_dot, those of arguments come back in s->x_dot and are added to s->at and to the numbers of the mg_adjoint. */
+#include <string.h>
+
 #include "sensitivity/sensitivity.h"
+#include "base/base.h"
 #include "model/model.h"
 
 static mg_real *mg_pack_part(mg_real *to, int n, const mg_real *from) {
-  for (int k = 0; k < n; k++) to[k] = from ? from[k] : 0;
+  if (from) memcpy(to, from, (size_t)n * sizeof(mg_real));
+  else mg_zero_reals(to, n);
   return to + n;
 }
 
 /* Adds n numbers to an array; returns the place after them in the source. */
 static const mg_real *mg_add_part(mg_real *to, int n, const mg_real *from) {
-  for (int k = 0; k < n && to; k++) to[k] += from[k];
+  if (to)
+    for (int k = 0; k < n; k++) to[k] += from[k];
   return from + n;
 }
 

@@ -1,11 +1,15 @@
 /* Calls of the generated derivatives: arguments and their derivatives along one direction are packed into vectors
    (MG_TASK_POSE .. of kernels.h). Reads the state evaluated last and s->at; writes s->y_dot. */
+#include <string.h>
+
 #include "sensitivity/sensitivity.h"
+#include "base/base.h"
 #include "model/model.h"
 
 /* Copies n numbers, or zeros if there are none to copy; returns the place after them. */
 static mg_real *mg_pack(mg_real *to, int n, const mg_real *from) {
-  for (int k = 0; k < n; k++) to[k] = from ? from[k] : 0;
+  if (from) memcpy(to, from, (size_t)n * sizeof(mg_real));
+  else mg_zero_reals(to, n);
   return to + n;
 }
 
@@ -17,6 +21,36 @@ static const mg_real *mg_row_of_direction(const mg_sensitivity *s, const mg_real
 MG_INTERNAL mg_real mg_number_dot(const mg_sensitivity *s, const mg_real *array, long n, int direction, int i) {
   const mg_real *row = mg_row_of_direction(s, array, n, direction);
   return row ? row[i] : 0;
+}
+
+/* Largest of n changes relative to their numbers, those that are zero left out. */
+static mg_real mg_largest_relative_change(int n, const mg_real *change, const mg_real *number) {
+  mg_real most = 0;
+  for (int i = 0; change && i < n; i++)
+    if (number[i] != 0) most = fmax(most, fabs(change[i] / number[i]));
+  return most;
+}
+
+MG_INTERNAL mg_real mg_direction_size(const mg_context *c, const mg_sensitivity *s, int direction) {
+  const mg_system *system = c->system;
+  const mg_directions *d = s->directions;
+  const int states = c->layout.n_states, moving = system->n_q + system->n_u, n_friction = 2 * system->n_friction;
+  const struct {
+    int n, stride;
+    const mg_real *change, *number;
+  } tables[] = {{moving, states, d->start, c->step.scale},
+                {system->n_parameters, system->n_parameters, d->parameters, system->parameters},
+                {system->n_contact, system->n_contact, d->restitution, system->restitution},
+                {n_friction, n_friction, d->friction_static, system->friction_static},
+                {n_friction, n_friction, d->friction_kinetic, system->friction_kinetic},
+                {3, 3, d->gravity, system->gravity},
+                {3 * system->n_input, 3 * system->n_input, d->input, c->run->input}};
+  mg_real most = 0;
+  for (int k = 0; k < (int)(sizeof(tables) / sizeof(tables[0])); k++)
+    most = fmax(most, mg_largest_relative_change(tables[k].n,
+                                                 mg_row_of_direction(s, tables[k].change, tables[k].stride, direction),
+                                                 tables[k].number));
+  return most;
 }
 
 /* Derivatives of the parameters from an offset on, or null. */

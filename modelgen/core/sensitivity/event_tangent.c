@@ -195,14 +195,27 @@ static int mg_leaves_slip_across(mg_context *c, mg_sensitivity *s, const mg_cros
   return 0;
 }
 
-/* True if the rows that held before the event hold the gap of a contact as well, so that its closing changes nothing:
-   as of the next tooth of a gear. */
-static int mg_is_row_held_already(mg_context *c, mg_sensitivity *s, int contact) {
+/* Sum of the sizes of the parts of the derivative of a gap that poses make. */
+static mg_real mg_gap_tangent_size(const mg_context *c, const mg_sensitivity *s, int contact) {
+  mg_real sum = 0;
+  for (int side = 0; side < 2; side++) {
+    const mg_real *dot = s->at.pose + 12 * (side ? c->contacts.f : c->contacts.o)[contact];
+    sum += mg_max_abs(3, dot) + c->system->length * mg_max_abs(9, dot + 3);
+  }
+  return sum;
+}
+
+/* True if a gap that closes hardly at all is zero, and stays so, in every changed run as well, so that its event takes
+   place in each of them at the same time: other rows hold it, as those of the tooth of a gear before. Needs the times
+   of the event. */
+static int mg_is_gap_held_already(mg_context *c, mg_sensitivity *s, int contact) {
+  const mg_real part = sqrt(c->settings->event_tolerance);
   mg_gather_wrenches(c, s, c->run->t);
   for (int j = 0; j < s->directions->n; j++) {
     mg_rhs_tangent(c, s, j, c->run->t, c->run->x, s->tangent->x + (long)j * c->layout.n_states, s->stage);
-    const mg_real size = mg_rate_tangent_size(c, s, contact) + MG_EPS * c->system->length / c->system->time;
-    if (fabs(s->at.rate[contact]) > sqrt(c->settings->event_tolerance) * size) return 0;
+    const mg_real rounding = MG_ROUNDED_TANGENT * mg_direction_size(c, s, j) * c->system->length;
+    if (fabs(s->event_rate[j]) > part * mg_gap_tangent_size(c, s, contact) + rounding) return 0;
+    if (fabs(s->at.rate[contact]) > part * mg_rate_tangent_size(c, s, contact) + rounding / c->system->time) return 0;
   }
   return 1;
 }
@@ -233,7 +246,7 @@ MG_INTERNAL int mg_cross_event(mg_context *c, mg_sensitivity *s, const mg_crossi
   }
   if (!knows_time) return mg_has_closed_support(c, s) ? MG_BY_FACES : MG_BY_JUMP;
   if (mg_is_graze(c, crossing, s->event_rate[n])) {
-    if (mg_has_slope_jump(c, s, after) || !mg_is_row_held_already(c, s, crossing->contact)) return MG_BY_GRAZE;
+    if (crossing->kind != MG_CROSSES_GAP || !mg_is_gap_held_already(c, s, crossing->contact)) return MG_BY_GRAZE;
     mg_settle_eta_tangents(c, s, c->run->t, c->run->x);
     return MG_NO_REASON;
   }

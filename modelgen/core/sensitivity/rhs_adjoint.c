@@ -157,27 +157,32 @@ static void mg_joint_rows_adjoint(mg_context *c, mg_sensitivity *s, int joint, m
   mg_joint_adjoint(c, s, joint, t, c->solution.force + row, c->bodies.acceleration);
 }
 
-MG_INTERNAL void mg_rhs_adjoint(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x, const mg_real *slope_bar,
-                                mg_real *x_bar) {
+MG_INTERNAL void mg_rows_adjoint(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x,
+                                 const mg_real *slope_bar, mg_real *x_bar) {
+  for (int j = 0; j < c->system->n_joint; j++) mg_joint_rows_adjoint(c, s, j, t);
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
+    if (mg_is_on_feature_pair(c, i)) mg_contact_rows_adjoint(c, s, i, x, slope_bar, x_bar);
+  mg_place_bodies_adjoint(c, s, t, x, x_bar);
+}
+
+/* From the cotangents of rates and accelerations of the bodies to those of state and wrenches. */
+static void mg_bodies_adjoint(mg_context *c, mg_sensitivity *s, const mg_real *x, const mg_real *slope_bar,
+                              mg_real *x_bar) {
   const mg_system *system = c->system;
-  for (int b = 0; b < system->n_body; b++)
-    if (mg_is_moved_by_forces(c, b))
-      for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_u; k++)
-        s->at.acceleration[6 * b + k] += slope_bar[system->n_q + system->body_u[b] + k];
-  mg_forces_adjoint(c, s);
   for (int b = 0; b < system->n_body; b++) {
     if (!mg_is_moved_by_forces(c, b)) continue;
+    const mg_body_kind *kind = c->kernels->body_kinds + mg_body_kind_of(c, b);
     const int q = system->body_q[b], u = system->n_q + system->body_u[b];
     mg_zero_reals(s->y_dot, 13);
-    for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_q; k++) s->y_dot[k] = slope_bar[q + k];
-    for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_u; k++)
-      s->y_dot[7 + k] = s->at.acceleration[6 * b + k];
+    for (int k = 0; k < kind->n_q; k++) s->y_dot[k] = slope_bar[q + k];
+    for (int k = 0; k < kind->n_u; k++) s->y_dot[7 + k] = s->at.acceleration[6 * b + k];
     mg_motion_adjoint(c, s, b, x + q, x + u, s->wrench + 6 * b, system->gravity, x_bar + q, x_bar + u,
                       s->at.wrench + 6 * b);
   }
-  for (int j = 0; j < system->n_joint; j++) mg_joint_rows_adjoint(c, s, j, t);
-  for (int i = mg_next_row(c, -1); i < system->n_contact; i = mg_next_row(c, i))
-    if (mg_is_on_feature_pair(c, i)) mg_contact_rows_adjoint(c, s, i, x, slope_bar, x_bar);
+}
+
+static void mg_loads_adjoint(const mg_context *c, mg_sensitivity *s, mg_real t) {
+  const mg_system *system = c->system;
   for (int i = 0; i < system->n_load; i++) {
     mg_zero_reals(s->y_dot, 12);
     for (int k = 0; k < 6; k++) {
@@ -186,5 +191,17 @@ MG_INTERNAL void mg_rhs_adjoint(mg_context *c, mg_sensitivity *s, mg_real t, con
     }
     mg_load_adjoint(c, s, i, t);
   }
-  mg_place_bodies_adjoint(c, s, t, x, x_bar);
+}
+
+MG_INTERNAL void mg_rhs_adjoint(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x, const mg_real *slope_bar,
+                                mg_real *x_bar) {
+  const mg_system *system = c->system;
+  for (int b = 0; b < system->n_body; b++)
+    if (mg_is_moved_by_forces(c, b))
+      for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_u; k++)
+        s->at.acceleration[6 * b + k] += slope_bar[system->n_q + system->body_u[b] + k];
+  mg_forces_adjoint(c, s);
+  mg_bodies_adjoint(c, s, x, slope_bar, x_bar);
+  mg_loads_adjoint(c, s, t);
+  mg_rows_adjoint(c, s, t, x, slope_bar, x_bar);
 }

@@ -168,8 +168,8 @@ static void mg_forces_tangent(mg_context *c, mg_sensitivity *s) {
     }
 }
 
-MG_INTERNAL void mg_rhs_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
-                                const mg_real *dx, mg_real *slope) {
+MG_INTERNAL void mg_rows_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
+                                 const mg_real *dx, mg_real *slope) {
   const mg_system *system = c->system;
   mg_zero_reals(slope, c->layout.n_states);
   mg_zero_reals(s->at.wrench, 6L * system->n_body);
@@ -177,12 +177,17 @@ MG_INTERNAL void mg_rhs_tangent(mg_context *c, mg_sensitivity *s, int direction,
     mg_zero_reals(*rows, c->layout.friction_row_end);
   mg_zero_reals(s->at.ratio, system->n_friction_row);
   mg_place_bodies_tangent(c, s, direction, t, x, dx);
-  mg_loads_tangent(c, s, direction, t);
   for (int i = mg_next_row(c, -1); i < system->n_contact; i = mg_next_row(c, i))
     if (mg_is_on_feature_pair(c, i)) mg_contact_rows_tangent(c, s, direction, i, x, dx, slope);
   for (int j = 0; j < system->n_joint; j++) mg_joint_rows_tangent(c, s, direction, j, t);
+}
+
+MG_INTERNAL void mg_rhs_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
+                                const mg_real *dx, mg_real *slope) {
+  mg_rows_tangent(c, s, direction, t, x, dx, slope);
+  mg_loads_tangent(c, s, direction, t);
   mg_bodies_tangent(c, s, direction, x, dx, slope);
   mg_forces_tangent(c, s);
-  for (int b = 0; b < system->n_body; b++)
-    mg_copy_velocity(c, b, s->at.acceleration + 6 * b, slope + system->n_q + system->body_u[b]);
+  for (int b = 0; b < c->system->n_body; b++)
+    mg_copy_velocity(c, b, s->at.acceleration + 6 * b, slope + c->system->n_q + c->system->body_u[b]);
 }

@@ -49,6 +49,9 @@ typedef struct {
 /* What a blow does to a row: it strikes, is held at zero velocity, or slips. */
 enum { MG_BLOW_STRUCK = 0, MG_BLOW_HELD = 1, MG_BLOW_SLIPS = 2 };
 
+/* Derivatives below this part of the scales, times the size of their direction, are rounding. */
+#define MG_ROUNDED_TANGENT pow(MG_EPS, (mg_real)0.75)
+
 #define MG_BLOW_ROWS 64 /* most rows of a blow that is differentiated */
 
 /* A blow: its rows, in the order of contacts, each normal row before its friction rows, then joints. */
@@ -138,6 +141,9 @@ MG_INTERNAL void mg_sensors_tangent(const mg_context *c, mg_sensitivity *s, int 
 /* Derivative of a number along a direction; 0 while s->is_time or where the array is not given. */
 MG_INTERNAL mg_real mg_number_dot(const mg_sensitivity *s, const mg_real *array, long n, int direction, int i);
 
+/* Largest change of a number along a direction: of states by their scales, of others relative to themselves. */
+MG_INTERNAL mg_real mg_direction_size(const mg_context *c, const mg_sensitivity *s, int direction);
+
 /* rhs_tangent.c */
 
 /* Wrench of loads and of all rows on each body, at the state that mg_right_hand_side evaluated last. */
@@ -150,6 +156,10 @@ MG_INTERNAL int mg_is_turned_by_slip(const mg_context *c, int constraint, const 
    mg_right_hand_side at (t, x), then mg_gather_wrenches. Leaves s->at. */
 MG_INTERNAL void mg_rhs_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
                                 const mg_real *dx, mg_real *slope);
+
+/* Of that only the derivatives of value, rate and residual of all rows, at forces and accelerations of the state. */
+MG_INTERNAL void mg_rows_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
+                                 const mg_real *dx, mg_real *slope);
 
 /* step_tangent.c */
 
@@ -275,6 +285,10 @@ MG_INTERNAL mg_real mg_response_times(const mg_context *c, int row, const mg_rea
    mg_right_hand_side at (t, x), then mg_gather_wrenches. */
 MG_INTERNAL void mg_rhs_adjoint(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x, const mg_real *slope_bar,
                                 mg_real *x_bar);
+
+/* Adds to x_bar that from the cotangents of value, rate and residual of the rows alone. */
+MG_INTERNAL void mg_rows_adjoint(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x,
+                                 const mg_real *slope_bar, mg_real *x_bar);
 
 /* step_adjoint.c: from the cotangent x_bar of the state after to that before */
 

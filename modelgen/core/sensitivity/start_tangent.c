@@ -77,7 +77,7 @@ static void mg_project_gap_tangents(mg_context *c, mg_sensitivity *s, const int 
   mg_gather_wrenches(c, s, t);
   for (int j = 0; j < s->directions->n; j++) {
     mg_real *dx = s->tangent->x + (long)j * c->layout.n_states;
-    mg_rhs_tangent(c, s, j, t, x, dx, s->stage);
+    mg_rows_tangent(c, s, j, t, x, dx, s->stage);
     mg_solve_gap_correction(c, marked, s->at.value);
     mg_add_correction(c, x, 0, dx);
   }

@@ -1,6 +1,7 @@
 /* Adjoint of the derivatives over one accepted step (step_tangent.c), its parts in reverse order. The states of the
    stages are found again from the slopes. */
 #include "sensitivity/sensitivity.h"
+#include "base/base.h"
 #include "model/model.h"
 #include "forces/forces.h"
 
@@ -70,7 +71,7 @@ MG_INTERNAL void mg_project_adjoint(mg_context *c, mg_sensitivity *s, mg_real t,
   mg_row_correction_adjoint(c, s, c->run->closed, 1, s->at.rate);
   mg_zero_reals(s->at.acceleration, 6L * c->system->n_body);
   for (int i = c->layout.friction_row_begin; i < c->layout.friction_row_end; i++) s->at.value[i] = 0;
-  mg_rhs_adjoint(c, s, t, x, s->stage, x_bar);
+  mg_rows_adjoint(c, s, t, x, s->stage, x_bar);
 }
 
 MG_INTERNAL void mg_project_gaps_adjoint(mg_context *c, mg_sensitivity *s, const int *marked, mg_real *x_bar) {
@@ -83,7 +84,17 @@ MG_INTERNAL void mg_project_gaps_adjoint(mg_context *c, mg_sensitivity *s, const
   mg_take_correction_cotangents(c, s, 0, x, x_bar);
   mg_row_correction_adjoint(c, s, marked, 0, s->at.value);
   mg_zero_reals(s->at.acceleration, 6L * c->system->n_body);
-  mg_rhs_adjoint(c, s, t, x, s->stage, x_bar);
+  mg_rows_adjoint(c, s, t, x, s->stage, x_bar);
+}
+
+/* y += factor x. */
+static void mg_add_multiple(int n, mg_real factor, const mg_real *x, mg_real *y) {
+  int i = 0;
+  for (; i + 4 <= n; i += 4) {
+    const mg_real part[4] = {factor * x[i], factor * x[i + 1], factor * x[i + 2], factor * x[i + 3]};
+    for (int j = 0; j < 4; j++) y[i + j] += part[j];
+  }
+  for (; i < n; i++) y[i] += factor * x[i];
 }
 
 MG_INTERNAL void mg_step_adjoint(mg_context *c, mg_sensitivity *s, mg_real h, mg_real *x_bar) {
@@ -94,10 +105,9 @@ MG_INTERNAL void mg_step_adjoint(mg_context *c, mg_sensitivity *s, mg_real h, mg
   mg_settle_eta_adjoint(c, s, t + h, c->step.end, x_bar);
   mg_combine_stages(&method, method.stages, states, states, h, x, c->step.slopes, c->step.stage);
   mg_normalise_tangent(c, c->step.stage, x_bar); /* a symmetric projection */
-  for (int stage = 0; stage < method.stages; stage++)
-    for (int i = 0; i < states; i++) k_bar[(long)stage * states + i] = 0;
+  mg_zero_reals(k_bar, (long)method.stages * states);
   for (int k = method.row[method.stages]; k < method.row[method.stages + 1]; k++)
-    for (int i = 0; i < states; i++) k_bar[(long)method.column[k] * states + i] += h * method.value[k] * x_bar[i];
+    mg_add_multiple(states, h * method.value[k], x_bar, k_bar + (long)method.column[k] * states);
   for (int stage = method.stages - 1; stage >= 0; stage--) {
     const mg_real time = t + method.time[stage] * h;
     mg_combine_stages(&method, stage, states, states, h, x, c->step.slopes, c->step.stage);
@@ -107,8 +117,8 @@ MG_INTERNAL void mg_step_adjoint(mg_context *c, mg_sensitivity *s, mg_real h, mg
     mg_clear_cotangents(c, s);
     mg_zero_reals(at_stage, states);
     mg_rhs_adjoint(c, s, time, c->step.stage, k_bar + (long)stage * states, at_stage);
-    for (int i = 0; i < states; i++) x_bar[i] += at_stage[i];
+    mg_add_multiple(states, 1, at_stage, x_bar);
     for (int k = method.row[stage]; k < method.row[stage + 1]; k++)
-      for (int i = 0; i < states; i++) k_bar[(long)method.column[k] * states + i] += h * method.value[k] * at_stage[i];
+      mg_add_multiple(states, h * method.value[k], at_stage, k_bar + (long)method.column[k] * states);
   }
 }

@@ -19,9 +19,20 @@ MG_INTERNAL mg_explicit_method mg_explicit_method_of(const mg_settings *settings
 
 MG_INTERNAL void mg_combine_stages(const mg_explicit_method *m, int row, int n, long stride, mg_real h,
                                    const mg_real *from, const mg_real *slopes, mg_real *out) {
-  for (int i = 0; i < n; i++) {
+  const int first = m->row[row], end = m->row[row + 1];
+  int i = 0;
+  for (; i + 4 <= n; i += 4) {
+    mg_real sum[4] = {0, 0, 0, 0};
+    for (int k = first; k < end; k++) {
+      const mg_real weight = m->value[k], *slope = slopes + m->column[k] * stride + i;
+      sum[0] += weight * slope[0], sum[1] += weight * slope[1];
+      sum[2] += weight * slope[2], sum[3] += weight * slope[3];
+    }
+    for (int j = 0; j < 4; j++) out[i + j] = from[i + j] + h * sum[j];
+  }
+  for (; i < n; i++) {
     mg_real sum = 0;
-    for (int k = m->row[row]; k < m->row[row + 1]; k++) sum += m->value[k] * slopes[m->column[k] * stride + i];
+    for (int k = first; k < end; k++) sum += m->value[k] * slopes[m->column[k] * stride + i];
     out[i] = from[i] + h * sum;
   }
 }
@@ -112,9 +123,9 @@ static int mg_mark_beginning_slip(mg_context *c, mg_sensitivity *s) {
 }
 
 /* True if slip that has begun in this step turns with a direction: then its first direction, a limit, has a derivative
-   that the step does not have. Needs the derivatives of the last direction at the end of the step. */
-static int mg_turns_slip_onset(const mg_context *c, mg_sensitivity *s) {
-  const mg_real least = pow(MG_EPS, (mg_real)0.75) * c->system->length / c->system->time; /* rounding is smaller */
+   that the step does not have. Needs the derivatives of that direction at the end of the step. */
+static int mg_turns_slip_onset(const mg_context *c, mg_sensitivity *s, int direction) {
+  const mg_real least = MG_ROUNDED_TANGENT * mg_direction_size(c, s, direction) * c->system->length / c->system->time;
   for (int i = mg_next_row(c, -1); c->system->n_friction && i < c->layout.support_begin; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
       const int row = mg_first_friction_row(c, i, g);
@@ -188,7 +199,7 @@ MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h) {
   mg_settle_step_end(c, s, t + h);
   for (int j = 0; j < n && !reason && slip_begins; j++) {
     mg_rhs_tangent(c, s, j, t + h, c->step.end, s->tangent->x + (long)j * states, s->stage);
-    if (mg_turns_slip_onset(c, s)) reason = MG_BY_SLIP_ONSET;
+    if (mg_turns_slip_onset(c, s, j)) reason = MG_BY_SLIP_ONSET;
   }
   return reason;
 }
@@ -215,7 +226,7 @@ MG_INTERNAL void mg_project_tangents(mg_context *c, mg_sensitivity *s, mg_real t
   mg_gather_wrenches(c, s, t);
   for (int j = 0; j < s->directions->n; j++) {
     mg_real *dx = s->tangent->x + (long)j * c->layout.n_states;
-    mg_rhs_tangent(c, s, j, t, x, dx, s->stage);
+    mg_rows_tangent(c, s, j, t, x, dx, s->stage);
     mg_solve_row_correction(c, c->run->closed, s->at.value);
     mg_add_correction(c, x, 0, dx);
     mg_solve_row_correction(c, c->run->closed, s->at.rate);
