@@ -23,18 +23,23 @@ from modelgen.composition.contact_mode import friction_of_contacts, named_featur
 from modelgen.composition.scene_symbols import parameter_values
 from modelgen.derivation import Derivation
 from modelgen.errors import ModelgenError
+from modelgen.optimal_control.complementarity_program import ComplementarityProgram
 from modelgen.optimal_control.motion_guess import MotionGuess, guessed_motion
-from modelgen.optimal_control.relaxation import (
-    RELAXATIONS,
-    ComplementarityProgram,
-    RelaxedSolution,
-    RelaxedSolver,
-)
+from modelgen.optimal_control.relaxation import RELAXATIONS, RelaxedSolution, RelaxedSolver
 
 Array = np.ndarray[Any, Any]
+ROOT = 6**0.5
 RADAU: Mapping[int, tuple[list[list[float]], list[float]]] = {
     1: ([[1.0]], [1.0]),
     2: ([[5 / 12, -1 / 12], [3 / 4, 1 / 4]], [1 / 3, 1.0]),
+    3: (
+        [
+            [(88 - 7 * ROOT) / 360, (296 - 169 * ROOT) / 1800, (-2 + 3 * ROOT) / 225],
+            [(296 + 169 * ROOT) / 1800, (88 + 7 * ROOT) / 360, (-2 - 3 * ROOT) / 225],
+            [(16 - ROOT) / 36, (16 + ROOT) / 36, 1 / 9],
+        ],
+        [(4 - ROOT) / 10, (4 + ROOT) / 10, 1.0],
+    ),
 }
 LENGTHS = (0.25, 2.0)  # of free elements, in parts of the mean
 
@@ -91,7 +96,7 @@ class Transcription:
         Args:
             horizon: s.
             n: elements.
-            stages: of collocation in each, 1 or 2: q is of order 1 or 3 in the length of elements.
+            stages: of collocation in each, 1 to 3: q is of order 1, 3 or 5 in the length of elements.
             free_lengths: elements are as long as the solution wants, within bounds, over the same horizon.
             impacts: contacts may close at ends of elements; False saves these unknowns.
             feature_pairs: of contacts between shapes of several features, by the name of the contact.
@@ -102,7 +107,7 @@ class Transcription:
         model = derivation.model
         if stages not in RADAU or n < 1 or not horizon > 0:
             found = f"stages = {stages}, n = {n}, horizon = {horizon}"
-            raise ModelgenError("Transcription", found, "1 or 2 stages, n from 1 on, a horizon in seconds")
+            raise ModelgenError("Transcription", found, "1 to 3 stages, n from 1 on, a horizon in seconds")
         _refuse_rebound(derivation, impacts)
         pairs = tuple(named_feature_pairs(model, (feature_pairs or {}).items()))
         self.derivation, self.horizon, self.n = derivation, float(horizon), n
@@ -120,6 +125,7 @@ class Transcription:
         self._demands: list[tuple[ca.MX, Array, Array]] = []
         self._first: list[ca.MX] = []
         self._second: list[ca.MX] = []
+        self._pairs: list[tuple[int, int]] = []
         self._objective = ca.MX(0)
         n_x = (model.n_q, model.n_u, model.n_eta)
         self._start = [self._unknown(size) for size in n_x]
@@ -174,6 +180,7 @@ class Transcription:
             ubg=np.concatenate([equal, *(high for _, _, high in self._demands)]),
             first=first,
             second=second,
+            pairs=self._pairs,
         )
         return RelaxedSolver(program, relaxations, {"expand": True} | options)
 
@@ -229,14 +236,13 @@ class Transcription:
             return u, ca.MX(0, 1)
         after, impulse = self._unknown(self.model.n_u), self._unknown(self._rows)
         speeds = self._unknown(self._speeds)
-        apart, into = (self._unknown(self._contacts, 0.0) for _ in range(2))
+        apart, into = (self._unknown(self._contacts) for _ in range(2))
         found = self._kick(t, q, after, eta, inputs, impulse, speeds)
         response, _, rate, first, second, equal = found
         self._equal += [after - u - response, equal, rate - apart + into]
-        normal = first[: self._contacts]
-        self._pair(first, second)
-        self._pair(normal, apart)
-        self._pair(normal, into)
+        rates = ca.vertcat(second, apart, into)  # a normal impulse is beside its gap and both of its rates
+        places = [*range(self._contacts)] * 2
+        self._pair([first], [rates], [[*range(int(first.numel())), *places]])
         return after, impulse
 
     def _collocate(self, t: ca.MX, q: ca.MX, element: _Element) -> None:
@@ -250,15 +256,27 @@ class Transcription:
                 stage[0] - q - element.h * moved[0],
                 stage[1] - element.after - element.h * moved[1],
             ]
-        for _, _, eta_error, joint, first, _, equal in found:
-            self._equal += [eta_error, joint, equal]
-            for other in found:
-                self._pair(first, other[5])
+        for each in found:
+            self._equal += [each[2], each[3], each[6]]
+        self._pair([each[4] for each in found], [each[5] for each in found])
 
-    def _pair(self, first: ca.MX, second: ca.MX) -> None:
-        if first.numel():
-            self._first.append(first)
-            self._second.append(second)
+    def _pair(
+        self, first: list[ca.MX], second: list[ca.MX], partners: list[list[int]] | None = None
+    ) -> None:
+        """Pair the entries of each column of `first` with those of each of `second`: with the same, or with
+        those whose number is that in `partners`."""
+        size = int(first[0].numel())
+        if not size:
+            return
+        before = [sum(int(each.numel()) for each in listed) for listed in (self._first, self._second)]
+        self._first += first
+        self._second += second
+        numbers = partners or [[*range(size)]] * len(second)
+        for i in range(len(first)):
+            at = before[1]
+            for listed in numbers:
+                self._pairs += [(before[0] + size * i + k, at + place) for place, k in enumerate(listed)]
+                at += len(listed)
 
     def _packed(self, motion: MotionGuess) -> Array:
         """The unknowns in their order; impulses zero."""
