@@ -1,8 +1,9 @@
 """Programs with complementarity constraints by a homotopy, and the branch of the constraints where it ends.
 
 The homotopy solves 0 <= G, 0 <= H, G H <= tau with tau falling, each from the solution of the one before
-(S. Scholtes, SIAM J. Optim. 11 (2001), 918-936). Its end is off by about tau, and may be C-stationary only. So
-one entry of each pair is set to zero, that which is nearer, and the program without products is solved from there.
+(S. Scholtes, SIAM J. Optim. 11 (2001), 918-936). Its end is off by about tau, and may be C-stationary only. So,
+once tau is small, one entry of each pair is set to zero, that which is nearer, and the program without products
+is solved from there; where that fails, tau falls further.
 Where both entries of a pair are zero in its solution, the multiplier of the one that was set to zero says whether
 the other branch leads to a smaller value; if so, it is solved too. An end at which no multiplier says so is strongly
 stationary (H. Scheel, S. Scholtes, Math. Oper. Res. 25 (2000), 1-22).
@@ -25,6 +26,7 @@ from modelgen.optimal_control.complementarity_program import (
 )
 
 RELAXATIONS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
+BRANCH_FROM = 1e-5  # a relaxation from which on branches are tried
 ENOUGH = 1e-6  # a relaxation up to which the homotopy has to come
 ZERO = 1e-6  # an entry of a pair up to which it counts as zero
 BRANCHES = 20  # that are solved at most
@@ -93,31 +95,26 @@ class RelaxedSolver(Generic[Symbol]):
         self._relaxed = RelaxedProgram(program, OPTIONS | (options or {}))
 
     def solve(self, start: Array, p: Sequence[float] = ()) -> RelaxedSolution:
-        """The solution from a start."""
-        best, relaxation, iterations = self._homotopy(np.asarray(start, dtype=float), p)
-        strong = False
-        if self._branches and len(self._pairs):
-            answer, strong, more = self._best_branch(best, p)
-            iterations += more
-            if answer is not None:
-                best, relaxation = answer.x, 0.0
-        value, violation, sides = self._relaxed.measured(best, p)
-        return RelaxedSolution(
-            best, value, self._apart(sides), violation, iterations, relaxation, strong
-        )
-
-    def _homotopy(self, start: Array, p: Sequence[float]) -> tuple[Array, float, int]:
-        """Relaxation by relaxation: the last that converged, how small it is, iterations."""
-        at = best = start
-        iterations, reached = 0, np.inf
-        for tau in self._relaxations if len(self._pairs) else self._relaxations[-1:]:
+        """The solution from a start: relaxation by relaxation, until a branch is solved."""
+        at = best = np.asarray(start, dtype=float)
+        iterations, relaxation, strong = 0, np.inf, False
+        paired = len(self._pairs) > 0
+        for tau in self._relaxations if paired else self._relaxations[-1:]:
             answer = self._relaxed.relaxed(at, p, tau)
             iterations += answer.iterations
             if np.isfinite(answer.x).all():
                 at = answer.x
             if answer.success:
-                best, reached = answer.x, tau
-        return (best if np.isfinite(reached) else at), float(reached), iterations
+                best, relaxation = answer.x, tau
+            if self._branches and paired and (tau <= BRANCH_FROM or tau == self._relaxations[-1]):
+                found, strong, more = self._best_branch(at, p)
+                iterations += more
+                if found is not None:
+                    best, relaxation = found.x, 0.0
+                    break
+        x = best if np.isfinite(relaxation) else at
+        value, violation, sides = self._relaxed.measured(x, p)
+        return RelaxedSolution(x, value, self._apart(sides), violation, iterations, relaxation, strong)
 
     def _best_branch(self, at: Array, p: Sequence[float]) -> tuple[Answer | None, bool, int]:
         """The branch on which the homotopy ended, or one that is reached from it and better: its solution,
