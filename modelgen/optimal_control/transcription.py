@@ -246,6 +246,7 @@ class Transcription:
         rates = ca.vertcat(second, apart, into)  # a normal impulse is beside its gap and both of its rates
         places = [*range(self._contacts)] * 2
         self._pair([first], [rates], [[*range(int(first.numel())), *places]])
+        self._into = self._sizes()[1] - self._contacts
         return after, impulse
 
     def _collocate(self, t: ca.MX, q: ca.MX, element: _Element) -> None:
@@ -266,6 +267,11 @@ class Transcription:
         if self._free and self._elements:
             self._pair_with_left_end(begin, int(found[0][4].numel()))
         self._begin = begin
+        if self._impacts:  # what carries force in the element does not approach at its start
+            size = int(found[0][4].numel())
+            for stage in range(len(self._c)):
+                at = begin[0] + size * stage
+                self._pairs += [(at + k, self._into + k) for k in range(self._contacts)]
 
     def _sizes(self) -> tuple[int, int]:
         """Entries of G and of H so far."""
