@@ -25,9 +25,9 @@ def mpcc(source: Source, feature_pairs: Mapping[str, str] | None = None) -> dict
 
     Returns:
         a dict. Symbols: `t`, `q`, `v`, `eta`, `x` = [q, v, eta], `u` (settings of the inputs, 3 each),
-        `gravity`, `p` (parameters), `lambda_normal`, `lambda_tangent`, `lambda_joint`, and `gamma`, the
-        multiplier of each friction constraint, a speed.
-        Expressions: `M`, `invM`, `f_v`, `q_dot`, `eta_dot`, `eta_error` (zero where eta gives the closest
+        `gravity`, `p` (parameters), `lambda_normal`, `lambda_joint`, `direction` of the friction, and
+        `gamma`, the multiplier of each friction constraint, a speed.
+        Expressions: `lambda_tangent` = mu lambda_normal direction, `M`, `invM`, `f_v`, `q_dot`, `eta_dot`, `eta_error` (zero where eta gives the closest
         points), `f_c` (gaps, m), `J_normal`, `J_tangent`, `J_joint` (columns are wrenches), `Gamma2`,
         `v_dot`, `joint_value`, `Gamma1`, the pairs `G` and `H`, and `equal`.
         Numbers: `x0`, `p0`, `g0` of the scene, `mu` (one column of two coefficients a friction constraint),
@@ -52,9 +52,10 @@ def mpcc(source: Source, feature_pairs: Mapping[str, str] | None = None) -> dict
         "u": symbols.inputs,
         "gravity": symbols.gravity,
         "p": symbols.parameters,
-        "lambda_normal": system.forces[list(system.contacts)],
+        "lambda_normal": system.loads[list(system.contacts)],
+        "direction": system.loads[places["friction"]],
         "lambda_tangent": system.forces[places["friction"]],
-        "lambda_joint": system.forces[places["joint"]],
+        "lambda_joint": system.loads[places["joint"]],
         "gamma": system.speeds,
         "M": system.mass,
         "invM": scene.times_inverse_mass(ca.SX.eye(model.n_u)),

@@ -1,8 +1,9 @@
 """A scene as complementarity system: M v_dot = f_v + J_n lambda_n + J_t lambda_t + J_j lambda_j, with the
 conditions of contacts, limits and friction as pairs G, H: 0 <= G, 0 <= H, G H = 0.
 
-Coulomb's law of each friction constraint, with f its forces over mu, s its slip times mu, and g >= 0:
-lambda_n s + g f = 0, g complementary to lambda_n^2 - |f|^2.
+The friction forces of a contact are lambda_n mu d, with a direction d, |d| <= 1. Coulomb's law, with s the slip
+times mu, and g >= 0: s + g d = 0, g complementary to 1 - |d|^2. So d and g are known where the contact is open,
+too: g = |s|.
 """
 
 from __future__ import annotations
@@ -23,10 +24,11 @@ from modelgen.model import Model
 
 @dataclass(frozen=True)
 class ComplementaritySystem:
-    """Expressions of the symbols of a scene, of the forces of its rows and of the speeds of its friction."""
+    """Expressions of the symbols of a scene, of the loads of its rows and of the speeds of its friction."""
 
     scene: WrittenScene
-    forces: Expression  # (rows,): contacts and limits, friction, joints
+    loads: Expression  # symbols (rows,): forces of contacts and limits, directions of friction, forces of joints
+    forces: Expression  # (rows,) N, of the loads
     speeds: Expression  # (friction constraints,)
     contacts: tuple[int, ...]  # places of the contacts and limits among the rows
     gap: Expression  # of those, m
@@ -54,16 +56,18 @@ def complementarity_system(
     none = ContactMode(feature_pairs, (False,) * contact_count(model), off)
     scene = written_scene(model, functions, none, symbol)
     rows = scene.rows.rows
-    forces = symbol.sym("forces", len(rows))
+    loads = symbol.sym("loads", len(rows))
+    forces = _forces(scene, loads)
     speeds = symbol.sym("speeds", len(off))
     listed = tuple(k for k, touch in enumerate(scene.rows.contacts) if touch)
     push = ca.DM(model.n_u, 1)
     for k, row in enumerate(rows):
         push = push + row.J.T * forces[k]
     mass = mass_matrix(scene.bodies)
-    first, second, equal = _conditions(scene, forces, speeds, listed)
+    first, second, equal = _conditions(scene, loads, speeds, listed)
     return ComplementaritySystem(
         scene=scene,
+        loads=loads,
         forces=forces,
         speeds=speeds,
         contacts=listed,
@@ -85,27 +89,38 @@ def complementarity_system(
     )
 
 
+def _forces(scene: WrittenScene, loads: Expression) -> Expression:
+    """The forces of all rows."""
+    forces = [loads[k] for k in range(int(loads.numel()))]
+    for number, (index, _) in enumerate(friction_of_contacts(scene.model)):
+        for i, k in enumerate(_friction_rows(scene, number)):
+            forces[k] = scene.parameters.friction[number][i] * loads[index] * loads[k]
+    return ca.vertcat(*forces) if forces else loads
+
+
 def _conditions(
-    scene: WrittenScene, forces: Expression, speeds: Expression, listed: tuple[int, ...]
+    scene: WrittenScene, loads: Expression, speeds: Expression, listed: tuple[int, ...]
 ) -> tuple[list[Expression], list[Expression], list[Expression]]:
     """G, H, and what is zero."""
     rows = scene.rows.rows
-    first = [forces[k] for k in listed]
+    first = [loads[k] for k in listed]
     second = [touch.gap for touch in scene.rows.contacts if touch]
     equal: list[Expression] = []
     for number, (index, _) in enumerate(friction_of_contacts(scene.model)):
-        own = [k for k, row in enumerate(rows) if row.kind == "friction" and row.owner == number]
+        own = _friction_rows(scene, number)
         if index not in listed:
-            equal += [forces[k] for k in own]
+            equal += [loads[k] for k in own]
             continue
         mu = scene.parameters.friction[number]
-        scaled = [forces[k] / mu[i] for i, k in enumerate(own)]
-        equal += [
-            forces[index] * mu[i] * rows[k].rate + speeds[number] * scaled[i] for i, k in enumerate(own)
-        ]
+        equal += [mu[i] * rows[k].rate + speeds[number] * loads[k] for i, k in enumerate(own)]
         first.append(speeds[number])
-        second.append(forces[index] ** 2 - sum(each**2 for each in scaled))
+        second.append(1 - sum(loads[k] ** 2 for k in own))
     return first, second, equal
+
+
+def _friction_rows(scene: WrittenScene, number: int) -> list[int]:
+    """Places of the rows of a friction constraint."""
+    return [k for k, row in enumerate(scene.rows.rows) if row.kind == "friction" and row.owner == number]
 
 
 def _column(parts: list[Expression]) -> Expression:

@@ -10,7 +10,7 @@ impulses without rebound act on closed contacts.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -23,19 +23,25 @@ from modelgen.composition.contact_mode import friction_of_contacts, named_featur
 from modelgen.composition.scene_symbols import parameter_values
 from modelgen.derivation import Derivation
 from modelgen.errors import ModelgenError
+from modelgen.optimal_control.complementarity_program import ComplementarityProgram
 from modelgen.optimal_control.motion_guess import MotionGuess, guessed_motion
-from modelgen.optimal_control.relaxation import (
-    RELAXATIONS,
-    ComplementarityProgram,
-    RelaxedSolution,
-    RelaxedSolver,
-)
+from modelgen.optimal_control.relaxation import RELAXATIONS, RelaxedSolution, RelaxedSolver
 
 Array = np.ndarray[Any, Any]
+ROOT = 6**0.5
 RADAU: Mapping[int, tuple[list[list[float]], list[float]]] = {
     1: ([[1.0]], [1.0]),
     2: ([[5 / 12, -1 / 12], [3 / 4, 1 / 4]], [1 / 3, 1.0]),
+    3: (
+        [
+            [(88 - 7 * ROOT) / 360, (296 - 169 * ROOT) / 1800, (-2 + 3 * ROOT) / 225],
+            [(296 + 169 * ROOT) / 1800, (88 + 7 * ROOT) / 360, (-2 - 3 * ROOT) / 225],
+            [(16 - ROOT) / 36, (16 + ROOT) / 36, 1 / 9],
+        ],
+        [(4 - ROOT) / 10, (4 + ROOT) / 10, 1.0],
+    ),
 }
+TINY = 1e-12  # m/s, slip without a direction
 LENGTHS = (0.25, 2.0)  # of free elements, in parts of the mean
 
 
@@ -91,7 +97,7 @@ class Transcription:
         Args:
             horizon: s.
             n: elements.
-            stages: of collocation in each, 1 or 2: q is of order 1 or 3 in the length of elements.
+            stages: of collocation in each, 1 to 3: q is of order 1, 3 or 5 in the length of elements.
             free_lengths: elements are as long as the solution wants, within bounds, over the same horizon.
             impacts: contacts may close at ends of elements; False saves these unknowns.
             feature_pairs: of contacts between shapes of several features, by the name of the contact.
@@ -102,7 +108,7 @@ class Transcription:
         model = derivation.model
         if stages not in RADAU or n < 1 or not horizon > 0:
             found = f"stages = {stages}, n = {n}, horizon = {horizon}"
-            raise ModelgenError("Transcription", found, "1 or 2 stages, n from 1 on, a horizon in seconds")
+            raise ModelgenError("Transcription", found, "1 to 3 stages, n from 1 on, a horizon in seconds")
         _refuse_rebound(derivation, impacts)
         pairs = tuple(named_feature_pairs(model, (feature_pairs or {}).items()))
         self.derivation, self.horizon, self.n = derivation, float(horizon), n
@@ -112,7 +118,8 @@ class Transcription:
         self._units = _units(system)
         self._stage, self._kick = _functions(system, self._units)
         self._contacts = len(system.contacts)
-        self._rows, self._speeds = int(system.forces.numel()), int(system.speeds.numel())
+        self._rows, self._speeds = int(system.loads.numel()), int(system.speeds.numel())
+        self._load_units = _load_units(system, self._units[0])
         self._impacts, self._free = impacts and self._contacts > 0, free_lengths
         self._unknowns: list[ca.MX] = []
         self._bounds: list[tuple[Array, Array]] = []
@@ -120,6 +127,8 @@ class Transcription:
         self._demands: list[tuple[ca.MX, Array, Array]] = []
         self._first: list[ca.MX] = []
         self._second: list[ca.MX] = []
+        self._pairs: list[tuple[int, int]] = []
+        self._begin = (0, 0)  # of the last element among the entries of G and H
         self._objective = ca.MX(0)
         n_x = (model.n_q, model.n_u, model.n_eta)
         self._start = [self._unknown(size) for size in n_x]
@@ -174,6 +183,7 @@ class Transcription:
             ubg=np.concatenate([equal, *(high for _, _, high in self._demands)]),
             first=first,
             second=second,
+            pairs=self._pairs,
         )
         return RelaxedSolver(program, relaxations, {"expand": True} | options)
 
@@ -229,14 +239,14 @@ class Transcription:
             return u, ca.MX(0, 1)
         after, impulse = self._unknown(self.model.n_u), self._unknown(self._rows)
         speeds = self._unknown(self._speeds)
-        apart, into = (self._unknown(self._contacts, 0.0) for _ in range(2))
+        apart, into = (self._unknown(self._contacts) for _ in range(2))
         found = self._kick(t, q, after, eta, inputs, impulse, speeds)
         response, _, rate, first, second, equal = found
         self._equal += [after - u - response, equal, rate - apart + into]
-        normal = first[: self._contacts]
-        self._pair(first, second)
-        self._pair(normal, apart)
-        self._pair(normal, into)
+        rates = ca.vertcat(second, apart, into)  # a normal impulse is beside its gap and both of its rates
+        places = [*range(self._contacts)] * 2
+        self._pair([first], [rates], [[*range(int(first.numel())), *places]])
+        self._into = self._sizes()[1] - self._contacts
         return after, impulse
 
     def _collocate(self, t: ca.MX, q: ca.MX, element: _Element) -> None:
@@ -250,19 +260,54 @@ class Transcription:
                 stage[0] - q - element.h * moved[0],
                 stage[1] - element.after - element.h * moved[1],
             ]
-        for _, _, eta_error, joint, first, _, equal in found:
-            self._equal += [eta_error, joint, equal]
-            for other in found:
-                self._pair(first, other[5])
+        for each in found:
+            self._equal += [each[2], each[3], each[6]]
+        begin = self._sizes()
+        self._pair([each[4] for each in found], [each[5] for each in found])
+        if self._free and self._elements:
+            self._pair_with_left_end(begin, int(found[0][4].numel()))
+        self._begin = begin
+        if self._impacts:  # what carries force in the element does not approach at its start
+            size = int(found[0][4].numel())
+            for stage in range(len(self._c)):
+                at = begin[0] + size * stage
+                self._pairs += [(at + k, self._into + k) for k in range(self._contacts)]
 
-    def _pair(self, first: ca.MX, second: ca.MX) -> None:
-        if first.numel():
-            self._first.append(first)
-            self._second.append(second)
+    def _sizes(self) -> tuple[int, int]:
+        """Entries of G and of H so far."""
+        return tuple(sum(int(each.numel()) for each in listed) for listed in (self._first, self._second))  # type: ignore[return-value]
+
+    def _pair_with_left_end(self, begin: tuple[int, int], size: int) -> None:
+        """Pair forces of an element with the gap at its start, and what is left of the bound of friction with
+        the slip there, so that contacts close and stick at the ends of elements alone. Impulses let slip jump."""
+        first, second = (each + size * (len(self._c) - 1) for each in self._begin)  # of the last stage before
+        for stage in range(len(self._c)):
+            at = [each + size * stage for each in begin]
+            self._pairs += [(at[0] + k, second + k) for k in range(self._contacts)]
+            if not self._impacts:
+                self._pairs += [(first + k, at[1] + k) for k in range(self._contacts, size)]
+
+    def _pair(
+        self, first: list[ca.MX], second: list[ca.MX], partners: list[list[int]] | None = None
+    ) -> None:
+        """Pair the entries of each column of `first` with those of each of `second`: with the same, or with
+        those whose number is that in `partners`."""
+        size = int(first[0].numel())
+        if not size:
+            return
+        before = self._sizes()
+        self._first += first
+        self._second += second
+        numbers = partners or [[*range(size)]] * len(second)
+        for i in range(len(first)):
+            at = before[1]
+            for listed in numbers:
+                self._pairs += [(before[0] + size * i + k, at + place) for place, k in enumerate(listed)]
+                at += len(listed)
 
     def _packed(self, motion: MotionGuess) -> Array:
         """The unknowns in their order; impulses zero."""
-        force, speed = self._units
+        speed = self._units[1]
         at = iter(range(len(motion.x)))
         sizes = np.cumsum([self.model.n_q, self.model.n_u])
         parts = list(np.split(motion.start, sizes))
@@ -274,23 +319,40 @@ class Transcription:
             if self._impacts:
                 parts += [last, np.zeros(self._rows), np.zeros(self._speeds), np.zeros(2 * self._contacts)]
             for place in places:
-                parts += [*np.split(motion.x[place], sizes), motion.forces[place] / force]
-                parts.append(self._friction_speeds(motion.rates[place]) / speed)
+                directions, speeds = self._friction(motion.forces[place], motion.rates[place])
+                parts += [*np.split(motion.x[place], sizes), directions / self._load_units, speeds / speed]
             last = np.split(motion.x[places[-1]], sizes)[1]
         return np.concatenate(parts)
 
-    def _friction_speeds(self, rates: Array) -> Array:
-        """g of each friction constraint: its slip times its coefficients."""
-        at, speeds = len(self.model.contacts) + len(self.model.limits), []
-        for _, constraint in friction_of_contacts(self.model):
-            slip = rates[at : at + constraint.rows] * constraint.kinetic[: constraint.rows]
-            speeds.append(np.hypot(*slip) if constraint.rows == 2 else np.abs(slip).max())
+    def _friction(self, forces: Array, rates: Array) -> tuple[Array, Array]:
+        """The loads of these forces (rows,), N, and the speeds of friction, m/s. A direction is that of the force
+        where there is one, else against the slip."""
+        loads, speeds = forces.copy(), []
+        for places, index, kinetic in self._frictions():
+            slip = rates[places] * kinetic
+            speeds.append(np.linalg.norm(slip))
+            bound = forces[index] * kinetic
+            pushed = bound.min(initial=np.inf) > 0.0
+            direction = forces[places] / bound if pushed else -slip / max(speeds[-1], TINY)
+            loads[places] = direction / max(np.linalg.norm(direction), 1.0)
+        return loads, np.array(speeds)
+
+    def _forces(self, loads: Array) -> Array:
+        """N, of loads (.., rows)."""
+        forces = loads.copy()
+        for places, index, kinetic in self._frictions():
+            forces[..., places] = loads[..., index, None] * kinetic * loads[..., places]
+        return forces
+
+    def _frictions(self) -> Iterator[tuple[Array, int, Array]]:
+        """Rows, contact and coefficients of each friction constraint."""
+        at = len(self.model.contacts) + len(self.model.limits)
+        for index, constraint in friction_of_contacts(self.model):
+            yield np.arange(at, at + constraint.rows), index, np.array(constraint.kinetic[: constraint.rows])
             at += constraint.rows
-        return np.array(speeds)
 
     def _plan(self, found: RelaxedSolution) -> Plan:
         x = ca.vertcat(*self._unknowns)
-        force, _ = self._units
         listed = [ca.horzcat(*self.states), ca.horzcat(*self.lengths), ca.horzcat(*self.inputs)]
         listed.append(ca.horzcat(*(stage[3] for each in self._elements for stage in each.stages)))
         states, lengths, inputs, forces = (
@@ -300,7 +362,7 @@ class Transcription:
             t=np.concatenate([[0.0], np.cumsum(lengths.ravel())]),
             x=states.T,
             inputs=inputs.T.reshape(self.n, -1),
-            forces=force * forces.T.reshape(self.n, len(self._c), -1),
+            forces=self._forces(self._load_units * forces.T).reshape(self.n, len(self._c), -1),
             solution=found,
             unknowns=found.x,
         )
@@ -325,24 +387,29 @@ def _units(system: ComplementaritySystem) -> tuple[float, float]:
     return scales.mass * scales.length / scales.time**2, scales.length / scales.time
 
 
+def _load_units(system: ComplementaritySystem, force: float) -> Array:
+    """(rows,) of the loads: those of friction are directions."""
+    return np.array([1.0 if row.kind == "friction" else force for row in system.scene.rows.rows])
+
+
 def _functions(system: ComplementaritySystem, units: tuple[float, float]) -> tuple[ca.Function, ca.Function]:
-    """Of a stage: (t, q, u, eta, inputs, forces, speeds) -> (qdot, udot, eta_error, joint_value, G, H, zero);
-    of impulses: the same -> (change of u, gap, rate, G, H, zero). Forces and speeds are in units."""
+    """Of a stage: (t, q, u, eta, inputs, loads, speeds) -> (qdot, udot, eta_error, joint_value, G, H, zero);
+    of impulses: the same -> (change of u, gap, rate, G, H, zero). Loads and speeds are in units."""
     scene, (force, speed) = system.scene, units
     model, symbols = scene.model, scene.symbols
     inputs = ca.SX.sym("inputs", len(model.scene.inputs))
-    forces, speeds = ca.SX.sym("forces", system.forces.numel()), ca.SX.sym("speeds", system.speeds.numel())
+    loads, speeds = ca.SX.sym("loads", system.loads.numel()), ca.SX.sym("speeds", system.speeds.numel())
     settings = (
         [part for value in ca.vertsplit(inputs) for part in (value, ca.SX(0), symbols.t)]
         if inputs.numel()
         else []
     )
-    known = [symbols.gravity, symbols.parameters, symbols.inputs, system.forces, system.speeds]
+    known = [symbols.gravity, symbols.parameters, symbols.inputs, system.loads, system.speeds]
     given = [
         ca.SX(ca.DM(list(model.scene.gravity))),
         ca.SX(ca.DM(parameter_values(model))),
         ca.vertcat(ca.SX(0, 1), *settings),
-        force * forces,
+        ca.DM(_load_units(system, force)) * loads,
         speed * speeds,
     ]
     n, length = len(system.contacts), model.scales.length
@@ -350,15 +417,15 @@ def _functions(system: ComplementaritySystem, units: tuple[float, float]) -> tup
     first, second = ca.vertcat(none, *system.first), ca.vertcat(none, *system.second)
     equal = ca.vertcat(none, *system.equal)
     unit_first = ca.DM([force] * n + [speed] * (int(first.numel()) - n))
-    unit_second = ca.DM([length] * n + [force**2] * (int(second.numel()) - n))
-    conditions = [first / unit_first, second / unit_second, equal / (force * speed)]
+    unit_second = ca.DM([length] * n + [1.0] * (int(second.numel()) - n))
+    conditions = [first / unit_first, second / unit_second, equal / speed]
     response = scene.times_inverse_mass(
         sum((row.J.T * system.forces[k] for k, row in enumerate(scene.rows.rows)), ca.SX(model.n_u, 1))
     )
     joint = system.joint_value if system.joint_value.numel() else ca.SX(0, 1)
     of_stage = [scene.qdot, system.udot, system.eta_error, joint / length, *conditions]
     of_impulse = [response, system.gap / length, system.rate / speed, *conditions]
-    arguments = [symbols.t, symbols.q, symbols.u, symbols.eta, inputs, forces, speeds]
+    arguments = [symbols.t, symbols.q, symbols.u, symbols.eta, inputs, loads, speeds]
 
     def made(name: str, outputs: list[Any]) -> ca.Function:
         written = ca.substitute([ca.densify(ca.SX(each)) for each in outputs], known, given)

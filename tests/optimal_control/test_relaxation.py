@@ -9,7 +9,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from modelgen.optimal_control.relaxation import ComplementarityProgram, RelaxedSolver
+from modelgen.optimal_control.complementarity_program import ComplementarityProgram
+from modelgen.optimal_control.relaxation import RelaxedSolver
 
 Term = Callable[[ca.SX], Any]
 Pair = tuple[Term, Term]
