@@ -18,9 +18,11 @@ from modelgen.codegen.unused_inputs import unused_inputs
 from modelgen.derivation import Derivation, Formula
 from modelgen.differentiation import PackedFormula, packed_formulas
 from modelgen.errors import expect
+from modelgen.model import Model
 from modelgen.notation import unit_of
 
 PREFIX = "mg_kernels"
+MOST_COMPOSED = 1000  # instructions of a composed right-hand side that is compiled
 MODEL_HEAD = """/* The kernels of one scene's kinds, and the table through which the core calls them. */
 #include "modelgen.h"
 
@@ -77,7 +79,7 @@ def emit(derivation: Derivation, derivatives: bool = False) -> Package:
     Raises ModelgenError if it is given something else.
     """
     expect("emit", derivation, Derivation)
-    compiled = [formula for formula in derivation.formulas if formula.role != "rhs"]
+    compiled = [each for each in derivation.formulas if each.role != "rhs" or runs_in_steps(derivation.model, each)]
     internal = {formula.name: f"{PREFIX}_f{index}" for index, formula in enumerate(compiled)}
     packed = packed_formulas(derivation) if derivatives else ()
     files = {
@@ -90,11 +92,19 @@ def emit(derivation: Derivation, derivatives: bool = False) -> Package:
     manifest = Manifest(
         abi=abi(),
         functions={formula.name: _entry(formula) for formula in compiled},
-        composed={formula.name: _entry(formula) for formula in derivation.formulas if formula.role == "rhs"},
+        composed={each.name: _entry(each) for each in derivation.formulas if each not in compiled},
         kinds=kinds_of(derivation.model),
         instance=instance_of(derivation.model) | parameters_of(derivation.model.whole),
     )
     return Package(derivation.model.scene.name, files, manifest)
+
+
+def runs_in_steps(model: Model, composed: Formula) -> bool:
+    """Whether the stages of steps use the composed right-hand side: it has no loads and no driven bodies,
+    whose work is asked for too, no faces that may rest, and is small, so that it costs little to compile."""
+    moves = {model.body_kinds[body.kind].motion for body in model.bodies}
+    plain = not (model.loads or model.patches or model.limits or "driven" in moves)
+    return plain and composed.instructions <= MOST_COMPOSED
 
 
 def _head(formulas: list[Formula], packed: tuple[PackedFormula, ...]) -> str:

@@ -40,6 +40,7 @@ class Dispatcher:
     function: str
     inputs: tuple[str, ...]  # names as the kernels have them, or as ALIASES has them
     outputs: tuple[str, ...]
+    optional: bool = False  # absent where no kernel has one of the roles
 
 
 TURN = 6  # MG_TURN
@@ -95,22 +96,29 @@ DISPATCHERS = (
         ("seek",), "contact_seek", ("pose_o", "pose_f", "normal", "parameters"),
         ("d", "slope", "bend", "tangents", "eta"),
     ),
+    Dispatcher(
+        ("rhs",), "scene_rhs", ("t", "q", "u", "eta", "gravity", "parameters"),
+        ("qdot", "udot", "eta_dot", "force"), optional=True,
+    ),
 )  # fmt: skip
 
 
 def table_text(derivation: Derivation, internal: Mapping[str, str]) -> str:
     """The mg_kernels of a scene; `internal` maps a kernel's name to the static function that computes it."""
     parts = [HEAD, *_tables(derivation), programs_text(derivation.model.shape_kinds, _searched(derivation))]
+    present = []
     for dispatcher in DISPATCHERS:
-        formulas = [formula for formula in derivation.formulas if formula.role in dispatcher.roles]
-        parts.append(_dispatcher(dispatcher, formulas, internal))
+        formulas = [each for each in derivation.formulas if each.role in dispatcher.roles and each.name in internal]
+        if formulas or not dispatcher.optional:
+            parts.append(_dispatcher(dispatcher, formulas, internal))
+            present.append(dispatcher.function)
     fields = ["  .abi = MG_ABI,", "  .real_size = sizeof(mg_real),", "  .hash = MG_HASH,"]
     sensors = derivation.model.scene.sensors
     fields.append(f"  .n_sensor = {sum(size for _, size in sensor_sizes(sensors))},")
     fields.append(f"  .sensors_need_forces = {int(need_rates(sensors))},")
     fields += [f"  .{group}_kinds = mg_{group}_kinds," for group in KIND_GROUPS]
     fields.append("  .shape_bounds = mg_shape_bounds,")
-    fields += [f"  .{dispatcher.function} = {dispatcher.function}," for dispatcher in DISPATCHERS]
+    fields += [f"  .{function} = {function}," for function in present]
     fields.append("  .derivatives = MG_DERIVATIVES,")
     parts.append("\n".join(["static const mg_kernels mg_table = {", *fields, "};\n"]))
     parts.append("MG_API const mg_kernels *mg_kernel_table(void) { return &mg_table; }\n")

@@ -45,12 +45,20 @@ def closed_right_hand_side(model: Model, functions: Functions) -> ca.Function:
 
 
 def pushed(model: Model, functions: Functions, mode: ContactMode) -> ca.Function:
-    """(t, q, u, eta, gravity, parameters, force) -> (qdot, udot, eta_dot) under given forces along all rows
-    of all contacts, contact by contact, N or N m."""
+    """(t, q, u, eta, gravity, parameters, inputs, force) -> (qdot, udot, eta_dot, joint_value, joint_J) under
+    given forces along all rows of all contacts, contact by contact, and then of joints, N or N m; what the
+    rows of the joints hold at zero, m or rad, and their J (k, n_u)."""
     scene = written_scene(model, functions, mode, ca.SX)
-    rows = [row for touch in scene.rows.contacts if touch for row in touch.rows]
+    joints = [row for row in scene.rows.rows if row.kind == "joint"]
+    rows = [*(row for touch in scene.rows.contacts if touch for row in touch.rows), *joints]
     force = ca.SX.sym("force", len(rows))
     push = sum((row.J.T * force[k] for k, row in enumerate(rows)), ca.SX(model.n_u, 1))
     udot = scene.free + scene.times_inverse_mass(push)
-    outputs = {"qdot": scene.qdot, "udot": udot, "eta_dot": scene.eta_dot}
+    outputs = {
+        "qdot": scene.qdot,
+        "udot": udot,
+        "eta_dot": scene.eta_dot,
+        "joint_value": ca.vertcat(ca.SX(0, 1), *(row.value for row in joints)),
+        "joint_J": ca.vertcat(ca.SX(0, model.n_u), *(row.J for row in joints)),
+    }
     return kernel("pushed", {**scene.symbols.arguments, "force": force}, outputs)
