@@ -14,6 +14,7 @@ from modelgen.codegen.kernel_table import table_text
 from modelgen.codegen.manifest import Json, Manifest
 from modelgen.codegen.manifest_instance import instance_of, kinds_of, parameters_of
 from modelgen.codegen.null_tests import without_null_tests
+from modelgen.codegen.scene_step import MOST_INLINED, inlined
 from modelgen.codegen.unused_inputs import unused_inputs
 from modelgen.derivation import Derivation, Formula
 from modelgen.differentiation import PackedFormula, packed_formulas
@@ -22,7 +23,7 @@ from modelgen.model import Model
 from modelgen.notation import unit_of
 
 PREFIX = "mg_kernels"
-MOST_COMPOSED = 1000  # instructions of a composed right-hand side that is compiled
+MOST_COMPOSED = 600  # instructions of a composed right-hand side that is compiled
 MODEL_HEAD = """/* The kernels of one scene's kinds, and the table through which the core calls them. */
 #include "modelgen.h"
 
@@ -33,6 +34,11 @@ MODEL_HEAD = """/* The kernels of one scene's kinds, and the table through which
 #pragma GCC diagnostic ignored "-Wmissing-field-initializers"
 #endif
 
+#if defined(__GNUC__)
+#define MG_INLINE static inline __attribute__((always_inline))
+#else
+#define MG_INLINE static inline
+#endif
 #define casadi_int long long
 #define casadi_real mg_real
 #define CASADI_SYMBOL_EXPORT MG_API
@@ -79,7 +85,9 @@ def emit(derivation: Derivation, derivatives: bool = False) -> Package:
     Raises ModelgenError if it is given something else.
     """
     expect("emit", derivation, Derivation)
-    compiled = [each for each in derivation.formulas if each.role != "rhs" or runs_in_steps(derivation.model, each)]
+    compiled = [
+        each for each in derivation.formulas if each.role != "rhs" or runs_in_steps(derivation.model, each)
+    ]
     internal = {formula.name: f"{PREFIX}_f{index}" for index, formula in enumerate(compiled)}
     packed = packed_formulas(derivation) if derivatives else ()
     files = {
@@ -126,7 +134,9 @@ def _kernels(formulas: list[Formula]) -> str:
     for formula in formulas:
         generator.add(formula.function)
     counts = {f.name: (f.function.n_in(), f.function.n_out()) for f in formulas}
-    return without_null_tests(str(generator.dump()), counts)
+    text = without_null_tests(str(generator.dump()), counts)
+    small = [k for k, each in enumerate(formulas) if each.role == "rhs" and each.instructions <= MOST_INLINED]
+    return inlined(text, [f"casadi_f{k}" for k in small])  # which stands for PREFIX_f{k}
 
 
 def _entry(formula: Formula) -> Json:

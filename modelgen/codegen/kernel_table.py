@@ -11,6 +11,7 @@ from modelgen.assembly import Q_SIZE, U_SIZE, eta_size
 from modelgen.codegen.bounds_programs import programs_text
 from modelgen.codegen.manifest import CENTRE_CURVES, FEET
 from modelgen.codegen.manifest_instance import J_SIZE
+from modelgen.codegen.scene_step import scene_step_text
 from modelgen.codegen.time_dependence import hides
 from modelgen.contact.form_table import eta_layout
 from modelgen.derivation import Derivation, Formula
@@ -108,7 +109,9 @@ def table_text(derivation: Derivation, internal: Mapping[str, str]) -> str:
     parts = [HEAD, *_tables(derivation), programs_text(derivation.model.shape_kinds, _searched(derivation))]
     present = []
     for dispatcher in DISPATCHERS:
-        formulas = [each for each in derivation.formulas if each.role in dispatcher.roles and each.name in internal]
+        formulas = [
+            each for each in derivation.formulas if each.role in dispatcher.roles and each.name in internal
+        ]
         if formulas or not dispatcher.optional:
             parts.append(_dispatcher(dispatcher, formulas, internal))
             present.append(dispatcher.function)
@@ -119,6 +122,9 @@ def table_text(derivation: Derivation, internal: Mapping[str, str]) -> str:
     fields += [f"  .{group}_kinds = mg_{group}_kinds," for group in KIND_GROUPS]
     fields.append("  .shape_bounds = mg_shape_bounds,")
     fields += [f"  .{function} = {function}," for function in present]
+    if "scene_rhs" in present:
+        parts.append(scene_step_text(derivation.function("mg_rhs"), internal["mg_rhs"]))
+        fields.append("  .scene_step = scene_step,")
     fields.append("  .derivatives = MG_DERIVATIVES,")
     parts.append("\n".join(["static const mg_kernels mg_table = {", *fields, "};\n"]))
     parts.append("MG_API const mg_kernels *mg_kernel_table(void) { return &mg_table; }\n")

@@ -1,7 +1,7 @@
 """The right-hand side of a small scene as one expression, with all contacts held closed.
 
 M a = f + J^T lambda and J a + gamma = 0 give (J M^-1 J^T) lambda = -(J a_free + gamma) and
-a = a_free + M^-1 J^T lambda (Section 3). It serves proofs and instruction counts.
+a = a_free + M^-1 J^T lambda (Section 3). It serves proofs and instruction counts, and the stages of steps.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import casadi as ca
 from modelgen.composition.contact_mode import ContactMode, held_mode
 from modelgen.composition.moving_bodies import Functions
 from modelgen.composition.right_hand_side import in_mode, slip_speeds, written_scene
+from modelgen.composition.shared_reciprocals import with_shared_reciprocals
 from modelgen.dynamics.bodies import kernel
 from modelgen.model import Model
 
@@ -41,7 +42,7 @@ def closed_right_hand_side(model: Model, functions: Functions) -> ca.Function:
     scene, found = solved.scene, solved.found
     force = ca.vertcat(ca.SX(0, 1), *(found.forces[pair.contacts[0]] for pair in model.pairs))
     outputs = {"qdot": scene.qdot, "udot": found.udot, "eta_dot": scene.eta_dot, "force": force}
-    return kernel("mg_rhs", scene.symbols.arguments, outputs)
+    return with_shared_reciprocals(kernel("mg_rhs", scene.symbols.arguments, outputs))
 
 
 def pushed(model: Model, functions: Functions, mode: ContactMode) -> ca.Function:

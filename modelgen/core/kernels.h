@@ -208,6 +208,12 @@ typedef struct {
                     const mg_real *gravity, const mg_real *parameters, mg_real *qdot, mg_real *udot, mg_real *eta_dot,
                     mg_real *force);
 
+  /* A step h of the classical Runge-Kutta method of order 4 with this right-hand side, from x = [q, u, eta] to `end`;
+     slope: that at x, or 0; force: those of the pairs at the four stages [4 n_pair], N, not of the first if its slope is
+     given. Present with scene_rhs. */
+  void (*scene_step)(const mg_real *t, const mg_real *x, mg_real h, const mg_real *gravity, const mg_real *parameters,
+                     const mg_real *slope, mg_real *force, mg_real *end);
+
   const mg_derivatives *derivatives; /* derivatives of these functions, or 0: they were not generated */
 } mg_kernels;
 

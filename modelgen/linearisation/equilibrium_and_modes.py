@@ -1,8 +1,8 @@
 """The equilibrium near the start of a scene, and its small motions: frequencies and modes.
 
 Source: M xi'' + C xi' + K xi = 0 on the motions that keep joints and the touching contacts closed, from the
-exact derivatives of the right-hand side (Section 3) about a place at rest. Contacts with friction stick: they roll
-without slip, and K need not be symmetric.
+exact derivatives of the right-hand side (Section 3) about a place at rest. Contacts with friction stick: they
+roll without slip, and K need not be symmetric.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """A scene with its joints and the contacts that touch at its start held, and its motion linearised at rest.
 
 M u_dot = f + J^T force with J u = 0, where J has the row along N of each contact that touches, the rows that
-friction and resistances hold there, and those of the joints, qdot = B u and eta_dot = E u. A small motion xi with J xi = 0 moves
-the contact points with it. Along the motions Z, J Z = 0, where the change of the forces does no work, only f
+friction and resistances hold there, and those of the joints, qdot = B u and eta_dot = E u. A small motion xi
+with J xi = 0 moves the contact points with it. Along the motions Z, J Z = 0, where the change of the forces does no work, only f
 and J change:
 
     Z^T M y_dot = Z^T d(f + J^T force) with the force of the equilibrium, d = (d/dq B + d/deta E) xi + d/du u.
@@ -223,14 +223,15 @@ class Touching:
         model = _holding(self.contacts, self.model)
         rhs = pushed(model, self.functions, held_mode(model))
         q, u, eta, force = (ca.SX.sym(name, rhs.numel_in(name)) for name in ("q", "u", "eta", "force"))
-        given = {
-            "t": 0.0,
-            "gravity": ca.DM(model.scene.gravity),
-            "parameters": ca.DM(parameter_values(model)),
+        settings = [part for each in model.scene.inputs for part in (each.default, 0.0, 0.0)]
+        at_rest = {
+            "t": ca.SX(0.0),
+            "gravity": ca.SX(ca.DM(model.scene.gravity)),
+            "parameters": ca.SX(ca.DM(parameter_values(model))),
+            "inputs": ca.SX(ca.DM(settings)),
         }
-        if model.scene.inputs:
-            given["inputs"] = ca.DM([part for each in model.scene.inputs for part in (each.default, 0.0, 0.0)])
-        results = rhs(**given, q=q, u=u, eta=eta, force=force)
+        given = {name: at_rest[name] for name in rhs.name_in() if name in at_rest}
+        results = rhs.call(given | {"q": q, "u": u, "eta": eta, "force": force})
         qdot, udot, eta_dot = (results[name] for name in ("qdot", "udot", "eta_dot"))
         B, E, C = ca.jacobian(qdot, u), ca.jacobian(eta_dot, u), ca.jacobian(udot, u)
         D = ca.jacobian(udot, q) @ B + ca.jacobian(udot, eta) @ E
@@ -239,7 +240,7 @@ class Touching:
 
 
 def _holding(held: tuple[Contact, ...], model: Model) -> Model:
-    """The model in which each of these contacts is a pair of its own, and there are no others and no limits."""
+    """The model in which each of these contacts is a pair of its own, without others and without limits."""
     feature_pairs = tuple(replace(each.feature_pair, pair=k, conditions=()) for k, each in enumerate(held))
     pairs = tuple(
         PairEntry(each.name, (k, k + 1), (k, k + 1), "never", Restitution()) for k, each in enumerate(held)

@@ -1,8 +1,8 @@
 """Bodies of six shapes dropped into a box, with no pair listed: what a group of contacts costs.
 
 Run with `python -m tests.benchmarks.groups [--seeds 50 [--out FILE]] [--shapes torus,dome]`. The first run
-takes all pairs as candidates (`[contacts]` with `between = "all"`); the second lists the pairs that met in the
-first; least CPU time of some rounds that alternate. With --seeds, so many groups are dropped instead, and the
+takes all pairs as candidates (`[contacts]` with `between = "all"`); the second lists the pairs that met in
+the first; least CPU time of some rounds that alternate. With --seeds, so many groups are dropped instead, and the
 deepest penetration of any two bodies in the samples of each run is told by an independent distance: the
 largest gap along a direction, by support functions in closed form; of tori from points of their centre
 circles. Results are added to FILE, and seeds that it holds are not run again.
@@ -39,7 +39,7 @@ SHAPES: Mapping[str, Callable[[], Shape]] = {
     "sphere": lambda: make.sphere(0.06),
     "ellipsoid": lambda: make.ellipsoid(0.08, 0.06, 0.05),
     "capsule": lambda: make.capsule(0.04, 0.08),
-    "superellipsoid": lambda: make.superellipsoid(0.07, 0.06, 0.05, 1.8, 1.7),
+    "superellipsoid": lambda: make.superellipsoid(0.07, 0.06, 0.05, 2.5, 2.5),
     "dome": lambda: make.dome(0.07, 0.06),
     "cylinder": lambda: make.cylinder(0.05, 0.08),
     "torus": lambda: make.torus(0.055, 0.02),
@@ -133,7 +133,9 @@ def support_of(shape: Shape) -> Support:
         case "capsule":
             return lambda n: float(numbers["radius"] + numbers["length"] / 2 * abs(n[2]))
         case "cylinder":
-            return lambda n: float(numbers["radius"] * np.hypot(n[0], n[1]) + numbers["length"] / 2 * abs(n[2]))
+            return lambda n: float(
+                numbers["radius"] * np.hypot(n[0], n[1]) + numbers["length"] / 2 * abs(n[2])
+            )
         case "torus":
             return lambda n: float(numbers["major"] * np.hypot(n[0], n[1]) + numbers["minor"])
         case "box":

@@ -81,9 +81,7 @@ def test_an_equilibrium_is_found_from_a_tilted_start() -> None:
 def test_a_closed_linkage_with_redundant_rows_swings_as_a_parallelogram() -> None:
     """Two rods that hang side by side with a coupler between their ends: 20 rows of rank 17."""
     coupler, width = 0.7, 0.3
-    beam = make.dynamic(
-        "beam", mass=coupler, inertia=[1e-3, 2e-3, 2e-3], position=[width / 2, 0.0, -LENGTH]
-    )
+    beam = make.dynamic("beam", mass=coupler, inertia=[1e-3, 2e-3, 2e-3], position=[width / 2, 0.0, -LENGTH])
     rods = [bar("left", 0, -LENGTH / 2), bar("right", width, -LENGTH / 2)]
     joints = [
         hinge("world", "left", 0, 0), hinge("world", "right", width, 0),

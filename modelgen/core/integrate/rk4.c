@@ -34,10 +34,24 @@ static void mg_rk4_end(const mg_context *c, const mg_real *x, mg_real sixth, con
   }
 }
 
+MG_INTERNAL void mg_scene_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h, const mg_real *slope) {
+  const mg_system *s = c->system;
+  mg_real *force = c->step.slopes + c->layout.n_states; /* rows that the step does not need otherwise */
+  c->kernels->scene_step(&t, x, h, s->gravity, s->parameters, slope, force, c->step.end);
+  c->step.end[c->layout.work_state] = x[c->layout.work_state];
+  for (int k = s->n_pair; k < 4 * s->n_pair; k++)
+    if (force[k] < 0) c->step.sign_changed = 1;
+  c->run->rhs_evals += slope ? 3 : 4;
+}
+
 MG_INTERNAL void mg_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   static const mg_real node[3] = {(mg_real)0.5, (mg_real)0.5, 1};
   const int n = c->layout.n_states, is_composed = mg_is_in_mode_of_scene_rhs(c);
   mg_real *K = c->step.slopes;
+  if (is_composed && c->settings->newton <= 1) {
+    mg_scene_rk4(c, t, x, h, K);
+    return;
+  }
   for (int stage = 0; stage < 3; stage++) {
     const mg_real step = node[stage] * h;
     mg_rk4_stage(c, x, step, K + stage * n, c->step.stage);
