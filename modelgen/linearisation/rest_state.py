@@ -2,8 +2,8 @@
 
 M u_dot = f + J^T force with J u = 0, where J has the row along N of each contact that touches, the rows that
 friction and resistances hold there, and those of the joints, qdot = B u and eta_dot = E u. A small motion xi
-with J xi = 0 moves the contact points with it. Along the motions Z, J Z = 0, where the change of the forces does no work, only f
-and J change:
+with J xi = 0 moves the contact points with it. Along the motions Z, J Z = 0, where the change of the forces
+does no work, only f and J change:
 
     Z^T M y_dot = Z^T d(f + J^T force) with the force of the equilibrium, d = (d/dq B + d/deta E) xi + d/du u.
 
@@ -167,9 +167,12 @@ class Touching:
         model, session = self.model, self._at_rest(np.array(self.model.initial_q))
         for k, limit in enumerate(model.limits, start=len(model.contacts)):
             if session.closed[k]:
-                found, allowed = f"joint {model.joints[limit.joint].name!r} is at its limit", "joints within"
+                name, where = model.joints[limit.joint].name, f"{model.scene.name}: linearise"
                 raise SimulationError(
-                    f"{model.scene.name}: linearise", found, allowed, "start it away from the limit"
+                    where,
+                    f"joint {name!r} is at its limit",
+                    "joints within their limits",
+                    "start it elsewhere",
                 )
         found = []
         for k, entry in enumerate(model.contacts):

@@ -2,9 +2,9 @@
 
 Run with `python -m tests.benchmarks.groups [--seeds 50 [--out FILE]] [--shapes torus,dome]`. The first run
 takes all pairs as candidates (`[contacts]` with `between = "all"`); the second lists the pairs that met in
-the first; least CPU time of some rounds that alternate. With --seeds, so many groups are dropped instead, and the
-deepest penetration of any two bodies in the samples of each run is told by an independent distance: the
-largest gap along a direction, by support functions in closed form; of tori from points of their centre
+the first; least CPU time of some rounds that alternate. With --seeds, so many groups are dropped instead,
+and the deepest penetration of any two bodies in the samples of each run is told by an independent distance:
+the largest gap along a direction, by support functions in closed form; of tori from points of their centre
 circles. Results are added to FILE, and seeds that it holds are not run again.
 """
 

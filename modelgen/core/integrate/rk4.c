@@ -24,10 +24,9 @@ static void mg_rk4_end(const mg_context *c, const mg_real *x, mg_real sixth, con
     int i = mg_range_begin(c, range);
     for (; i + 4 <= last; i += 4) {
       const mg_real *a = K + i, *b = a + n, *d = b + n, *e = d + n;
-      const mg_real at[4] = {x[i] + sixth * (a[0] + 2 * (b[0] + d[0]) + e[0]),
-                             x[i + 1] + sixth * (a[1] + 2 * (b[1] + d[1]) + e[1]),
-                             x[i + 2] + sixth * (a[2] + 2 * (b[2] + d[2]) + e[2]),
-                             x[i + 3] + sixth * (a[3] + 2 * (b[3] + d[3]) + e[3])};
+      const mg_real at[4] = {
+          x[i] + sixth * (a[0] + 2 * (b[0] + d[0]) + e[0]), x[i + 1] + sixth * (a[1] + 2 * (b[1] + d[1]) + e[1]),
+          x[i + 2] + sixth * (a[2] + 2 * (b[2] + d[2]) + e[2]), x[i + 3] + sixth * (a[3] + 2 * (b[3] + d[3]) + e[3])};
       out[i] = at[0], out[i + 1] = at[1], out[i + 2] = at[2], out[i + 3] = at[3];
     }
     for (; i < last; i++) out[i] = x[i] + sixth * (K[i] + 2 * (K[n + i] + K[2 * n + i]) + K[3 * n + i]);
