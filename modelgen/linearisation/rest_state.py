@@ -174,7 +174,7 @@ class Touching:
                     "joints within their limits",
                     "start it elsewhere",
                 )
-        found = []
+        contacts = []
         for k, entry in enumerate(model.contacts):
             if not session.closed[k]:
                 continue
@@ -183,8 +183,8 @@ class Touching:
             eta = np.array(session.eta[entry.eta : entry.eta + size], dtype=float)
             constraints = model.pairs[entry.pair].friction
             rates, place = (self._kernel(feature_pair, role) for role in ("rates", "place"))
-            found.append(Contact(entry.name, feature_pair, constraints, rates, place, eta))
-        return tuple(found)
+            contacts.append(Contact(entry.name, feature_pair, constraints, rates, place, eta))
+        return tuple(contacts)
 
     def _kernel(self, feature_pair: FeaturePairEntry, role: str) -> ca.Function:
         return self.functions[f"mg_{self.model.contact_kinds[feature_pair.kind].name}_{role}"]
