@@ -45,7 +45,7 @@ SHAPES: Mapping[str, Callable[[], Shape]] = {
     "torus": lambda: make.torus(0.055, 0.02),
     "box": lambda: make.box(0.1, 0.08, 0.06),
 }
-SIX = "sphere,ellipsoid,capsule,superellipsoid,dome,cylinder"
+SIX = "sphere,ellipsoid,capsule,dome,cylinder,torus"
 
 
 def dropped(shapes: Iterable[str], bodies: int = BODIES, seed: int = 0) -> list[Body]:
