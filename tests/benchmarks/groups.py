@@ -38,14 +38,18 @@ TITLES = ("pairs", "pairs that met", "CPU s", "penetration (m)", "energy drift",
 SHAPES: Mapping[str, Callable[[], Shape]] = {
     "sphere": lambda: make.sphere(0.06),
     "ellipsoid": lambda: make.ellipsoid(0.08, 0.06, 0.05),
+    "oblate": lambda: make.ellipsoid(0.08, 0.08, 0.04),
+    "prolate": lambda: make.ellipsoid(0.09, 0.05, 0.05),
     "capsule": lambda: make.capsule(0.04, 0.08),
+    "pill": lambda: make.capsule(0.05, 0.03),
     "superellipsoid": lambda: make.superellipsoid(0.07, 0.06, 0.05, 2.5, 2.5),
     "dome": lambda: make.dome(0.07, 0.06),
     "cylinder": lambda: make.cylinder(0.05, 0.08),
+    "frustum": lambda: make.frustum(0.06, 0.04, 0.07),
     "torus": lambda: make.torus(0.055, 0.02),
     "box": lambda: make.box(0.1, 0.08, 0.06),
 }
-SIX = "sphere,ellipsoid,capsule,dome,cylinder,torus"
+SIX = "sphere,ellipsoid,oblate,prolate,capsule,pill"
 
 
 def dropped(shapes: Iterable[str], bodies: int = BODIES, seed: int = 0) -> list[Body]:
@@ -135,6 +139,13 @@ def support_of(shape: Shape) -> Support:
         case "cylinder":
             return lambda n: float(
                 numbers["radius"] * np.hypot(n[0], n[1]) + numbers["length"] / 2 * abs(n[2])
+            )
+        case "frustum":
+            return lambda n: float(
+                max(
+                    numbers["radius_bottom"] * np.hypot(n[0], n[1]) - numbers["length"] / 2 * n[2],
+                    numbers["radius_top"] * np.hypot(n[0], n[1]) + numbers["length"] / 2 * n[2],
+                )
             )
         case "torus":
             return lambda n: float(numbers["major"] * np.hypot(n[0], n[1]) + numbers["minor"])

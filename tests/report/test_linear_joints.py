@@ -33,7 +33,7 @@ def bar(name: str, x: float, z: float, mass: float = MASS, rod: float = LENGTH) 
 
 def hinge(one: str, other: str, x: float, z: float, **keys: Any) -> dict[str, Any]:
     return {
-        "kind": "revolute", "name": f"{one}-{other}", "between": [one, other], "position": [x, 0.0, z],
+        "kind": "revolute", "name": f"{one}_{other}", "between": [one, other], "position": [x, 0.0, z],
         "rpy": ALONG_Y, **keys,
     }  # fmt: skip
 
@@ -108,9 +108,9 @@ def test_a_pole_on_a_wheel_that_rolls_falls_with_its_own_rate() -> None:
 
 def test_what_joints_are_refused() -> None:
     rod = bar("rod", 0, -LENGTH / 2)
-    with pytest.raises(SimulationError, match="motion of joint 'world-rod' is prescribed"):
+    with pytest.raises(SimulationError, match="motion of joint 'world_rod' is prescribed"):
         linear(hanging([rod], [hinge("world", "rod", 0, 0, motion="0.1*sin(t)")]))
-    with pytest.raises(SimulationError, match="joint 'world-rod' is at its limit"):
+    with pytest.raises(SimulationError, match="joint 'world_rod' is at its limit"):
         linear(hanging([rod], [hinge("world", "rod", 0, 0, limits=[0.0, 1.0])]))
     with pytest.raises(SimulationError, match="is driven"):
         linear(read(SCENES / "turntable.toml"))
