@@ -4,8 +4,8 @@ Run with `python -m tests.benchmarks.groups [--seeds 50 [--out FILE]] [--shapes 
 takes all pairs as candidates (`[contacts]` with `between = "all"`); the second lists the pairs that met in
 the first; least CPU time of some rounds that alternate. With --seeds, so many groups are dropped instead,
 and the deepest penetration of any two bodies in the samples of each run is told by an independent distance:
-the largest gap along a direction, by support functions in closed form; of tori from points of their centre
-circles. Results are added to FILE, and seeds that it holds are not run again.
+the largest gap along a direction, by support functions in closed form (the normals of the run are tried
+first: any direction proves a least gap); of tori from points of their centre circles. Results are added to FILE, and seeds that it holds are not run again.
 """
 
 from __future__ import annotations
@@ -191,8 +191,13 @@ def placed(body: Body, centre: np.ndarray, place: np.ndarray, turn: Rotation) ->
     return Placed(lambda n: float(origin @ n + own(matrix.T @ n)), place, ring, float(numbers["minor"]))
 
 
-def separation(one: Support, other: Support, guess: np.ndarray) -> float:
-    """The largest gap of two convex bodies along a direction, m; negative where they penetrate."""
+def separation(one: Support, other: Support, guesses: Iterable[np.ndarray]) -> float:
+    """The largest gap of two convex bodies along a direction, m; negative where they penetrate. The guesses
+    are directions from one to the other; any direction proves a least gap."""
+    units = [guess / np.linalg.norm(guess) for guess in guesses]
+    guess = min(units, key=lambda n: one(n) + other(-n))
+    if one(guess) + other(-guess) < PROVED:
+        return -(one(guess) + other(-guess))
     normal = guess / np.linalg.norm(guess)
     tangents = np.linalg.svd(normal[None])[2][1:]
 
@@ -211,12 +216,12 @@ def separation(one: Support, other: Support, guess: np.ndarray) -> float:
     return -closeness(at)
 
 
-def gap(one: Placed, other: Placed) -> float:
-    """The distance of two bodies; negative where they penetrate."""
+def gap(one: Placed, other: Placed, guesses: Iterable[np.ndarray]) -> float:
+    """The distance of two bodies; negative where they penetrate. `guesses`: normals from one to the other."""
     along = other.centre - one.centre
     if one.support(along / np.linalg.norm(along)) + other.support(-along / np.linalg.norm(along)) <= 0:
         return 0.0  # the plane between the centres parts them
-    whole = separation(one.support, other.support, along)
+    whole = separation(one.support, other.support, [along, *guesses])
     if whole > -PROVED or (one.ring is None and other.ring is None):
         return whole
     if one.ring is not None and other.ring is not None:
@@ -226,7 +231,7 @@ def gap(one: Placed, other: Placed) -> float:
 
 
 def _to_point(solid: Placed, point: np.ndarray) -> float:
-    return separation(solid.support, lambda n: float(point @ n), point - solid.centre)
+    return separation(solid.support, lambda n: float(point @ n), [point - solid.centre])
 
 
 def _circles(one: Placed, other: Placed) -> float:
@@ -261,7 +266,13 @@ def deepest(ran: Ran, bodies: list[Body]) -> float:
     moving = [body for body in bodies if body.motion == "dynamic"]
     at = [path.body_names.index(body.name) for body in moving]
     depth = 0.0
-    for p, q in zip(path.p, path.quaternion, strict=True):
+    bodies_of = [tuple(name.partition("#")[0].partition(":")[0].split("-")) for name in path.contact_names]
+    for sample, (p, q) in enumerate(zip(path.p, path.quaternion, strict=True)):
+        normals: dict[tuple[str, ...], list[np.ndarray]] = {}
+        for k in np.flatnonzero(path.feature_pair[sample] >= 0):
+            N = path.normals[sample, k]
+            for n in (N, -N) if np.isfinite(N).all() else ():
+                normals.setdefault(bodies_of[k], []).append(n)
         turns = Rotation.from_quat(q[at][:, [1, 2, 3, 0]])
         shapes = [
             placed(body, ran.centres[body.name], p[k], turn)
@@ -272,8 +283,10 @@ def deepest(ran: Ran, bodies: list[Body]) -> float:
                 shape.support(np.array(n)) - HALF for n in ([1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0])
             ]
             depth = max(depth, shape.support(np.array([0, 0, -1.0])), *walls)
-        for one, other in combinations(shapes, 2):
-            depth = max(depth, -gap(one, other))
+        names = [body.name for body in moving]
+        for (one, a), (other, b) in combinations(zip(shapes, names, strict=True), 2):
+            guesses = [*normals.get((a, b), []), *normals.get((b, a), [])]
+            depth = max(depth, -gap(one, other, guesses))
     return depth
 
 
