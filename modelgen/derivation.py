@@ -138,6 +138,10 @@ class Derivation:
         """All functions by name."""
         return {formula.name: formula.function for formula in self.formulas}
 
+    def of_kinds(self) -> Derivation:
+        """Without the composed right-hand side."""
+        return Derivation(self.model, tuple(each for each in self.formulas if each.role != "rhs"))
+
     def function(self, name: str) -> ca.Function:
         """The function of that name; KeyError if there is none."""
         return self.functions()[name]

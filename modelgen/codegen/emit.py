@@ -14,13 +14,16 @@ from modelgen.codegen.kernel_table import table_text
 from modelgen.codegen.manifest import Json, Manifest
 from modelgen.codegen.manifest_instance import instance_of, kinds_of, parameters_of
 from modelgen.codegen.null_tests import without_null_tests
+from modelgen.codegen.scene_step import MOST_INLINED, inlined
 from modelgen.codegen.unused_inputs import unused_inputs
 from modelgen.derivation import Derivation, Formula
 from modelgen.differentiation import PackedFormula, packed_formulas
 from modelgen.errors import expect
+from modelgen.model import Model
 from modelgen.notation import unit_of
 
 PREFIX = "mg_kernels"
+MOST_COMPOSED = 600  # instructions of a composed right-hand side that is compiled
 MODEL_HEAD = """/* The kernels of one scene's kinds, and the table through which the core calls them. */
 #include "modelgen.h"
 
@@ -31,6 +34,11 @@ MODEL_HEAD = """/* The kernels of one scene's kinds, and the table through which
 #pragma GCC diagnostic ignored "-Wmissing-field-initializers"
 #endif
 
+#if defined(__GNUC__)
+#define MG_INLINE static inline __attribute__((always_inline))
+#else
+#define MG_INLINE static inline
+#endif
 #define casadi_int long long
 #define casadi_real mg_real
 #define CASADI_SYMBOL_EXPORT MG_API
@@ -77,7 +85,9 @@ def emit(derivation: Derivation, derivatives: bool = False) -> Package:
     Raises ModelgenError if it is given something else.
     """
     expect("emit", derivation, Derivation)
-    compiled = [formula for formula in derivation.formulas if formula.role != "rhs"]
+    compiled = [
+        each for each in derivation.formulas if each.role != "rhs" or runs_in_steps(derivation.model, each)
+    ]
     internal = {formula.name: f"{PREFIX}_f{index}" for index, formula in enumerate(compiled)}
     packed = packed_formulas(derivation) if derivatives else ()
     files = {
@@ -90,11 +100,19 @@ def emit(derivation: Derivation, derivatives: bool = False) -> Package:
     manifest = Manifest(
         abi=abi(),
         functions={formula.name: _entry(formula) for formula in compiled},
-        composed={formula.name: _entry(formula) for formula in derivation.formulas if formula.role == "rhs"},
+        composed={each.name: _entry(each) for each in derivation.formulas if each not in compiled},
         kinds=kinds_of(derivation.model),
         instance=instance_of(derivation.model) | parameters_of(derivation.model.whole),
     )
     return Package(derivation.model.scene.name, files, manifest)
+
+
+def runs_in_steps(model: Model, composed: Formula) -> bool:
+    """Whether the stages of steps use the composed right-hand side: it has no loads and no driven bodies,
+    whose work is asked for too, no faces that may rest, and is small, so that it costs little to compile."""
+    moves = {model.body_kinds[body.kind].motion for body in model.bodies}
+    plain = not (model.loads or model.patches or model.limits or "driven" in moves)
+    return plain and composed.instructions <= MOST_COMPOSED
 
 
 def _head(formulas: list[Formula], packed: tuple[PackedFormula, ...]) -> str:
@@ -116,7 +134,9 @@ def _kernels(formulas: list[Formula]) -> str:
     for formula in formulas:
         generator.add(formula.function)
     counts = {f.name: (f.function.n_in(), f.function.n_out()) for f in formulas}
-    return without_null_tests(str(generator.dump()), counts)
+    text = without_null_tests(str(generator.dump()), counts)
+    small = [k for k, each in enumerate(formulas) if each.role == "rhs" and each.instructions <= MOST_INLINED]
+    return inlined(text, [f"casadi_f{k}" for k in small])  # which stands for PREFIX_f{k}
 
 
 def _entry(formula: Formula) -> Json:

@@ -11,6 +11,7 @@ from modelgen.assembly import Q_SIZE, U_SIZE, eta_size
 from modelgen.codegen.bounds_programs import programs_text
 from modelgen.codegen.manifest import CENTRE_CURVES, FEET
 from modelgen.codegen.manifest_instance import J_SIZE
+from modelgen.codegen.scene_step import scene_step_text
 from modelgen.codegen.time_dependence import hides
 from modelgen.contact.form_table import eta_layout
 from modelgen.derivation import Derivation, Formula
@@ -40,6 +41,7 @@ class Dispatcher:
     function: str
     inputs: tuple[str, ...]  # names as the kernels have them, or as ALIASES has them
     outputs: tuple[str, ...]
+    optional: bool = False  # absent where no kernel has one of the roles
 
 
 TURN = 6  # MG_TURN
@@ -95,22 +97,34 @@ DISPATCHERS = (
         ("seek",), "contact_seek", ("pose_o", "pose_f", "normal", "parameters"),
         ("d", "slope", "bend", "tangents", "eta"),
     ),
+    Dispatcher(
+        ("rhs",), "scene_rhs", ("t", "q", "u", "eta", "gravity", "parameters"),
+        ("qdot", "udot", "eta_dot", "force"), optional=True,
+    ),
 )  # fmt: skip
 
 
 def table_text(derivation: Derivation, internal: Mapping[str, str]) -> str:
     """The mg_kernels of a scene; `internal` maps a kernel's name to the static function that computes it."""
     parts = [HEAD, *_tables(derivation), programs_text(derivation.model.shape_kinds, _searched(derivation))]
+    present = []
     for dispatcher in DISPATCHERS:
-        formulas = [formula for formula in derivation.formulas if formula.role in dispatcher.roles]
-        parts.append(_dispatcher(dispatcher, formulas, internal))
+        formulas = [
+            each for each in derivation.formulas if each.role in dispatcher.roles and each.name in internal
+        ]
+        if formulas or not dispatcher.optional:
+            parts.append(_dispatcher(dispatcher, formulas, internal))
+            present.append(dispatcher.function)
     fields = ["  .abi = MG_ABI,", "  .real_size = sizeof(mg_real),", "  .hash = MG_HASH,"]
     sensors = derivation.model.scene.sensors
     fields.append(f"  .n_sensor = {sum(size for _, size in sensor_sizes(sensors))},")
     fields.append(f"  .sensors_need_forces = {int(need_rates(sensors))},")
     fields += [f"  .{group}_kinds = mg_{group}_kinds," for group in KIND_GROUPS]
     fields.append("  .shape_bounds = mg_shape_bounds,")
-    fields += [f"  .{dispatcher.function} = {dispatcher.function}," for dispatcher in DISPATCHERS]
+    fields += [f"  .{function} = {function}," for function in present]
+    if "scene_rhs" in present:
+        parts.append(scene_step_text(derivation.function("mg_rhs"), internal["mg_rhs"]))
+        fields.append("  .scene_step = scene_step,")
     fields.append("  .derivatives = MG_DERIVATIVES,")
     parts.append("\n".join(["static const mg_kernels mg_table = {", *fields, "};\n"]))
     parts.append("MG_API const mg_kernels *mg_kernel_table(void) { return &mg_table; }\n")

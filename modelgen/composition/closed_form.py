@@ -1,7 +1,7 @@
 """The right-hand side of a small scene as one expression, with all contacts held closed.
 
 M a = f + J^T lambda and J a + gamma = 0 give (J M^-1 J^T) lambda = -(J a_free + gamma) and
-a = a_free + M^-1 J^T lambda (Section 3). It serves proofs and instruction counts.
+a = a_free + M^-1 J^T lambda (Section 3). It serves proofs and instruction counts, and the stages of steps.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import casadi as ca
 from modelgen.composition.contact_mode import ContactMode, held_mode
 from modelgen.composition.moving_bodies import Functions
 from modelgen.composition.right_hand_side import in_mode, slip_speeds, written_scene
+from modelgen.composition.shared_reciprocals import with_shared_reciprocals
 from modelgen.dynamics.bodies import kernel
 from modelgen.model import Model
 
@@ -41,16 +42,24 @@ def closed_right_hand_side(model: Model, functions: Functions) -> ca.Function:
     scene, found = solved.scene, solved.found
     force = ca.vertcat(ca.SX(0, 1), *(found.forces[pair.contacts[0]] for pair in model.pairs))
     outputs = {"qdot": scene.qdot, "udot": found.udot, "eta_dot": scene.eta_dot, "force": force}
-    return kernel("mg_rhs", scene.symbols.arguments, outputs)
+    return with_shared_reciprocals(kernel("mg_rhs", scene.symbols.arguments, outputs))
 
 
 def pushed(model: Model, functions: Functions, mode: ContactMode) -> ca.Function:
-    """(t, q, u, eta, gravity, parameters, force) -> (qdot, udot, eta_dot) under given forces along all rows
-    of all contacts, contact by contact, N or N m."""
+    """(t, q, u, eta, gravity, parameters, inputs, force) -> (qdot, udot, eta_dot, joint_value, joint_J) under
+    given forces along all rows of all contacts, contact by contact, and then of joints, N or N m; what the
+    rows of the joints hold at zero, m or rad, and their J (k, n_u)."""
     scene = written_scene(model, functions, mode, ca.SX)
-    rows = [row for touch in scene.rows.contacts if touch for row in touch.rows]
+    joints = [row for row in scene.rows.rows if row.kind == "joint"]
+    rows = [*(row for touch in scene.rows.contacts if touch for row in touch.rows), *joints]
     force = ca.SX.sym("force", len(rows))
     push = sum((row.J.T * force[k] for k, row in enumerate(rows)), ca.SX(model.n_u, 1))
     udot = scene.free + scene.times_inverse_mass(push)
-    outputs = {"qdot": scene.qdot, "udot": udot, "eta_dot": scene.eta_dot}
+    outputs = {
+        "qdot": scene.qdot,
+        "udot": udot,
+        "eta_dot": scene.eta_dot,
+        "joint_value": ca.vertcat(ca.SX(0, 1), *(row.value for row in joints)),
+        "joint_J": ca.vertcat(ca.SX(0, model.n_u), *(row.J for row in joints)),
+    }
     return kernel("pushed", {**scene.symbols.arguments, "force": force}, outputs)

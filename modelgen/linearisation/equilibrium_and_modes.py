@@ -1,8 +1,8 @@
 """The equilibrium near the start of a scene, and its small motions: frequencies and modes.
 
-Source: M xi'' + C xi' + K xi = 0 on the motions that keep the touching contacts closed, from the exact
-derivatives of the right-hand side (Section 3) about a place at rest. Contacts with friction stick: they roll
-without slip, and K need not be symmetric.
+Source: M xi'' + C xi' + K xi = 0 on the motions that keep joints and the touching contacts closed, from the
+exact derivatives of the right-hand side (Section 3) about a place at rest. Contacts with friction stick: they
+roll without slip, and K need not be symmetric.
 """
 
 from __future__ import annotations
@@ -67,7 +67,8 @@ def linearise(
     An equilibrium that the scene starts in is kept, stable or not; from elsewhere the search goes downhill.
     Of equilibria that lie beside each other, as those of a ball on a plane, it is the one that is reached.
     The contacts that touch at the start are held closed; those with friction do not slip, nor spin or roll
-    where they have resistance to it. Where that leaves no motion there are no modes.
+    where they have resistance to it. Joints hold; inputs have their default values. Where that leaves no
+    motion there are no modes.
 
     Args:
         derivation: of the scene.
@@ -76,8 +77,9 @@ def linearise(
 
     Raises:
         ModelgenError: what is given is something else, or a parameter is refused.
-        SimulationError: a body is driven, there are joints, a contact with friction slips at the start, no
-            equilibrium is near, or a contact would have to pull there or hold more than its friction does.
+        SimulationError: a body is driven, a joint has a prescribed motion or is at its limit, a contact with
+            friction slips at the start, no equilibrium is near, or a contact would have to pull there or hold
+            more than its friction does.
     """
     expect("linearise", derivation, Derivation)
     expect("linearise", library, Library)

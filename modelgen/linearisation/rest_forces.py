@@ -1,7 +1,8 @@
 """The forces of the contacts at an equilibrium: which press, and hold within the bounds of friction.
 
 Where they are not unique, those of minimum norm are taken if they do, others else. Whether any do is a
-convex question: the least of |free + M^-1 J^T z|_M over the cones is zero (Gauss's principle).
+convex question: the least of |free + M^-1 J^T z|_M over the cones is zero (Gauss's principle). Joints take
+what they must: all of this is asked of the motions R that they leave, R^T J^T z = -R^T M free.
 """
 
 from __future__ import annotations
@@ -40,19 +41,15 @@ class Held:
     place: Place
     axes: Array  # (rows, rows) of all contacts: from t1, t2 to the axes
 
-    @property
-    def wanted(self) -> Array:
-        """J^T force."""
-        return np.asarray(-self.place.mass @ self.place.free)
-
     def of(self, contact: int, z: Array) -> Array:
         first = self.touching.first[contact]
         return z[first : first + self.touching.contacts[contact].rows]
 
     def plain(self) -> Array:
         """(rows,) of minimum norm, whatever the bounds are."""
-        held = np.zeros(len(self.axes))
-        held[self.touching.held] = np.linalg.lstsq(self.place.J.T, self.wanted, rcond=DEPENDENT)[0]
+        held, rows = np.zeros(len(self.axes)), len(self.place.contact_J)
+        columns = (self.place.contact_J @ self.place.joint_motions).T
+        held[self.touching.held[:rows]] = np.linalg.lstsq(columns, wanted(self.place), rcond=DEPENDENT)[0]
         return np.asarray(self.axes @ held)
 
     def shares(self, z: Array) -> list[tuple[float, str]]:
@@ -66,18 +63,17 @@ class Held:
 
     def within(self, factor: float) -> Array | None:
         """(rows,) in the cones widened by a factor; None where there are none."""
-        J = self.axes @ np.vstack([facing.J for facing in self.place.facings])
-        weighted = J @ self.touching.mass_inverse
-        contacts = self.touching.contacts
+        J = self.axes @ np.vstack([facing.J for facing in self.place.facings]) @ self.place.joint_motions
+        needed, contacts = wanted(self.place), self.touching.contacts
         problem = FrictionProblem(
-            weighted @ J.T, J @ self.place.free, np.array(self.touching.first, dtype=np.intc),
+            J @ J.T, -J @ needed, np.array(self.touching.first, dtype=np.intc),
             np.array([contact.rows for contact in contacts], dtype=np.intc),
             factor * np.array([cone(contact) for contact in contacts]),
         )  # fmt: skip
         answer = relaxation(problem, self.touching.library)
         z = np.asarray(answer.z, dtype=float)
-        left = np.linalg.norm(J.T @ z - self.wanted)
-        solved = answer.outcome is Outcome.SOLVED and left <= WITHIN * np.linalg.norm(self.wanted)
+        left = np.linalg.norm(J.T @ z - needed)
+        solved = answer.outcome is Outcome.SOLVED and left <= WITHIN * np.linalg.norm(needed)
         return z if solved else None
 
 
@@ -105,11 +101,16 @@ def resting_forces(touching: Touching, place: Place) -> tuple[dict[str, float], 
     return force, friction
 
 
+def wanted(place: Place) -> Array:
+    """(j,) what the forces of the contacts must be along the motions that the joints leave."""
+    return np.asarray(-place.joint_motions.T @ place.mass @ place.free)
+
+
 def _pressing(touching: Touching, place: Place) -> Array:
     """>= 0 and of minimum norm."""
-    wanted = -place.mass @ place.free
-    force = least_pressing(place.J.T, wanted)
-    if len(force) and np.linalg.norm(place.J.T @ force - wanted) > BALANCED * np.linalg.norm(wanted):
+    needed, columns = wanted(place), (place.contact_J @ place.joint_motions).T
+    force = least_pressing(columns, needed)
+    if len(force) and np.linalg.norm(columns @ force - needed) > BALANCED * np.linalg.norm(needed):
         _refuse_pulling(touching)
     return force
 

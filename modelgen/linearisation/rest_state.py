@@ -1,9 +1,9 @@
-"""A scene with the contacts that touch at its start held, and its motion linearised at rest.
+"""A scene with its joints and the contacts that touch at its start held, and its motion linearised at rest.
 
-M u_dot = f + J^T force with J u = 0, where J has the row along N of each contact that touches and the rows
-that friction and resistances hold there, qdot = B u and eta_dot = E u. A small motion xi with J xi = 0 moves
-the contact points with it. Along the motions Z, J Z = 0, where the change of the forces does no work, only f
-and J change:
+M u_dot = f + J^T force with J u = 0, where J has the row along N of each contact that touches, the rows that
+friction and resistances hold there, and those of the joints, qdot = B u and eta_dot = E u. A small motion xi
+with J xi = 0 moves the contact points with it. Along the motions Z, J Z = 0, where the change of the forces
+does no work, only f and J change:
 
     Z^T M y_dot = Z^T d(f + J^T force) with the force of the equilibrium, d = (d/dq B + d/deta E) xi + d/du u.
 
@@ -25,6 +25,7 @@ from scipy.linalg import block_diag
 from modelgen.codegen.library import Library
 from modelgen.composition.closed_form import pushed
 from modelgen.composition.contact_mode import held_mode
+from modelgen.composition.scene_symbols import parameter_values
 from modelgen.derivation import Derivation
 from modelgen.errors import SimulationError
 from modelgen.linearisation.contact_at_rest import Array, Contact, Facing, call, moving
@@ -49,12 +50,13 @@ class Place:
     q: Array  # (n_q,)
     etas: tuple[Array, ...]  # of each contact
     facings: tuple[Facing, ...]  # of each contact
-    J: Array  # (m, n) the rows that are held
-    gaps: Array  # (m,) m, of rows along normals; 0 of others
+    J: Array  # (m, n) the rows that are held, those of the joints last
+    joint_rows: int  # number of the latter
+    gaps: Array  # (m,) m or rad, of rows along normals and of joints; 0 of others
     B: Array  # (n_q, n) qdot by u
     C: Array  # (n, n) 1/s, udot by u, under the forces that hold
     D: Array  # (n, n) 1/s^2, udot by xi, under them
-    free: Array  # (n,) udot without contact forces
+    free: Array  # (n,) udot without forces of contacts and joints
     mass: Array  # (n, n)
     root: Array  # (n, n), root root^T = mass^-1
     motions: Array  # (n, k) that keep what is held; motions^T mass motions = 1
@@ -65,9 +67,19 @@ class Place:
         return np.asarray(self.motions.T @ self.mass @ self.free)
 
     @property
+    def contact_J(self) -> Array:
+        """(m - joint_rows, n) the rows of J that contacts hold."""
+        return self.J[: len(self.J) - self.joint_rows]
+
+    @cached_property
+    def joint_motions(self) -> Array:
+        """(n, j) all motions that the joints leave; joint_motions^T mass joint_motions = 1."""
+        return _motions(self.J[len(self.J) - self.joint_rows :], self.root)
+
+    @property
     def redundant(self) -> int:
-        """Rows of J beyond its rank."""
-        return int(self.motions.shape[1]) + len(self.J) - len(self.free)
+        """Rows of contacts beyond their rank among the motions that the joints leave."""
+        return int(self.motions.shape[1]) + len(self.contact_J) - int(self.joint_motions.shape[1])
 
     @property
     def stiffness(self) -> Array:
@@ -81,7 +93,7 @@ class Place:
 
 
 class Touching:
-    """A scene at rest whose contacts are those that touch at the start."""
+    """A scene at rest whose contacts are those that touch at the start, with its joints."""
 
     def __init__(self, derivation: Derivation, library: Library) -> None:
         self.model = model = derivation.model
@@ -96,6 +108,9 @@ class Touching:
         for contact, first in zip(self.contacts, self.first, strict=True):
             self.held += [first + row for row in contact.held]
         self.motion = self._motion()
+        self.contact_rows = sum(contact.rows for contact in self.contacts)
+        self.joint_rows = sum(joint.rows for joint in model.joints)
+        self.held += range(self.contact_rows, self.contact_rows + self.joint_rows)
         facings = self._facings(np.array(model.initial_q), tuple(contact.eta for contact in self.contacts))
         _refuse_moving(model, self.contacts, facings)
 
@@ -115,19 +130,23 @@ class Touching:
         ]
         etas = tuple(eta for eta, _ in found)
         facings, still = self._facings(q, etas), np.zeros(self.model.n_u)
-        rows = np.vstack([np.zeros((0, self.model.n_u)), *(facing.J for facing in facings)])
-        J, gaps, force = rows[self.held], np.zeros(len(rows)), np.zeros(len(rows))
-        gaps[self.first] = [gap for _, gap in found]
+        force = np.zeros(self.contact_rows + self.joint_rows)
         eta = np.concatenate([*etas, np.zeros(0)])
-        free = np.array(self.motion(q, still, eta, force)[3]).ravel()
+        *_, udot, values, of_joints = self.motion(q, still, eta, force)
+        free = np.array(udot).ravel()
+        rows = np.vstack([*(facing.J for facing in facings), np.array(of_joints)])
+        J, gaps = rows[self.held], np.zeros(len(rows))
+        gaps[self.first] = [gap for _, gap in found]
+        gaps[self.contact_rows :] = np.array(values).ravel()
         if not (np.isfinite(rows).all() and np.isfinite(free).all()):
             raise NoPlaceError
         wanted = -self.root.T @ self.mass @ free
         force[self.held] = np.linalg.lstsq((J @ self.root).T, wanted, rcond=DEPENDENT)[0]
         B, C, D = (np.array(each) for each in self.motion(q, still, eta, force)[:3])
         return Place(
-            q, etas, facings, J, gaps[self.held], B, C, D, free, self.mass, self.root, _motions(J, self.root)
-        )
+            q, etas, facings, J, self.joint_rows, gaps[self.held], B, C, D, free, self.mass, self.root,
+            _motions(J, self.root),
+        )  # fmt: skip
 
     def stands(self, q: Array) -> bool:
         """Whether as many contacts as at the start touch at q, and nothing interpenetrates."""
@@ -135,7 +154,7 @@ class Touching:
             session = self._at_rest(q)
         except SimulationError:
             return False
-        return int(session.closed[: session.n_contact].sum()) == len(self.contacts)
+        return int(session.closed[: session.n_contact].sum()) == len(self.contacts)  # no limit is reached
 
     def _at_rest(self, q: Array) -> Session:
         session = Session(self.library, replace(Accuracy.tight(), planar_contacts=False))
@@ -146,7 +165,16 @@ class Touching:
 
     def _at_start(self) -> tuple[Contact, ...]:
         model, session = self.model, self._at_rest(np.array(self.model.initial_q))
-        found = []
+        for k, limit in enumerate(model.limits, start=len(model.contacts)):
+            if session.closed[k]:
+                name, where = model.joints[limit.joint].name, f"{model.scene.name}: linearise"
+                raise SimulationError(
+                    where,
+                    f"joint {name!r} is at its limit",
+                    "joints within their limits",
+                    "start it elsewhere",
+                )
+        contacts = []
         for k, entry in enumerate(model.contacts):
             if not session.closed[k]:
                 continue
@@ -155,8 +183,8 @@ class Touching:
             eta = np.array(session.eta[entry.eta : entry.eta + size], dtype=float)
             constraints = model.pairs[entry.pair].friction
             rates, place = (self._kernel(feature_pair, role) for role in ("rates", "place"))
-            found.append(Contact(entry.name, feature_pair, constraints, rates, place, eta))
-        return tuple(found)
+            contacts.append(Contact(entry.name, feature_pair, constraints, rates, place, eta))
+        return tuple(contacts)
 
     def _kernel(self, feature_pair: FeaturePairEntry, role: str) -> ca.Function:
         return self.functions[f"mg_{self.model.contact_kinds[feature_pair.kind].name}_{role}"]
@@ -193,21 +221,29 @@ class Touching:
         return call(self.functions[f"mg_{kind.name}_pose"], q[body.q : body.q + 7])[0]
 
     def _motion(self) -> ca.Function:
-        """(q, u, eta of the contacts, forces along all their rows) -> B, C, D, udot."""
+        """(q, u, eta of the contacts, forces along all their rows and those of the joints) -> B, C, D, udot,
+        values and J of the rows of the joints."""
         model = _holding(self.contacts, self.model)
         rhs = pushed(model, self.functions, held_mode(model))
         q, u, eta, force = (ca.SX.sym(name, rhs.numel_in(name)) for name in ("q", "u", "eta", "force"))
-        blocks = (model.bodies, model.feature_pairs, model.loads)
-        parameters = [value for block in blocks for entry in block for value in entry.parameters]
-        gravity = ca.DM(model.scene.gravity)
-        qdot, udot, eta_dot = rhs(0.0, q, u, eta, gravity, ca.DM(parameters), force)
+        settings = [part for each in model.scene.inputs for part in (each.default, 0.0, 0.0)]
+        at_rest = {
+            "t": ca.SX(0.0),
+            "gravity": ca.SX(ca.DM(model.scene.gravity)),
+            "parameters": ca.SX(ca.DM(parameter_values(model))),
+            "inputs": ca.SX(ca.DM(settings)),
+        }
+        given = {name: at_rest[name] for name in rhs.name_in() if name in at_rest}
+        results = rhs.call(given | {"q": q, "u": u, "eta": eta, "force": force})
+        qdot, udot, eta_dot = (results[name] for name in ("qdot", "udot", "eta_dot"))
         B, E, C = ca.jacobian(qdot, u), ca.jacobian(eta_dot, u), ca.jacobian(udot, u)
         D = ca.jacobian(udot, q) @ B + ca.jacobian(udot, eta) @ E
-        return ca.Function("motion", [q, u, eta, force], [B, C, D, udot])
+        joints = [results["joint_value"], results["joint_J"]]
+        return ca.Function("motion", [q, u, eta, force], [B, C, D, udot, *joints])
 
 
 def _holding(held: tuple[Contact, ...], model: Model) -> Model:
-    """The model in which each of these contacts is a pair of its own, and there are no others."""
+    """The model in which each of these contacts is a pair of its own, without others and without limits."""
     feature_pairs = tuple(replace(each.feature_pair, pair=k, conditions=()) for k, each in enumerate(held))
     pairs = tuple(
         PairEntry(each.name, (k, k + 1), (k, k + 1), "never", Restitution()) for k, each in enumerate(held)
@@ -216,19 +252,22 @@ def _holding(held: tuple[Contact, ...], model: Model) -> Model:
     contacts = tuple(
         ContactEntry(each.name, k, int(offsets[k]), len(each.eta), k) for k, each in enumerate(held)
     )
-    return replace(model, feature_pairs=feature_pairs, pairs=pairs, contacts=contacts, n_eta=int(offsets[-1]))
+    return replace(
+        model, feature_pairs=feature_pairs, pairs=pairs, contacts=contacts, limits=(), n_eta=int(offsets[-1])
+    )
 
 
 def _refuse(model: Model) -> None:
-    """Raises SimulationError where a body is driven, or there are joints."""
+    """Raises SimulationError where a body is driven, or the motion of a joint is prescribed."""
     where = f"{model.scene.name}: linearise"
     for body in model.bodies:
         if model.body_kinds[body.kind].motion == "driven":
             found, allowed = f"body {body.name!r} is driven", "fixed and dynamic bodies have an equilibrium"
             raise SimulationError(where, found, allowed, "make it fixed")
     for joint in model.joints:
-        found, allowed = f"there is a joint, {joint.name!r}", "bodies that contacts and loads alone hold"
-        raise SimulationError(where, found, allowed, "leave it out, or run the scene from a small push")
+        if model.joint_kinds[joint.kind].motion is not None:
+            found, allowed = f"the motion of joint {joint.name!r} is prescribed", "joints that move freely"
+            raise SimulationError(where, found, allowed, "leave its motion out, or use a weld")
 
 
 def _refuse_moving(model: Model, contacts: tuple[Contact, ...], facings: tuple[Facing, ...]) -> None:

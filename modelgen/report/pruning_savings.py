@@ -65,9 +65,10 @@ def savings_of(derivation: Derivation) -> list[Saving]:
 
 
 def size_of(derivation: Derivation) -> Size:
-    """Instructions of one evaluation: each body, load, joint and followed contact once."""
+    """Instructions of one evaluation: each body, load, joint and followed contact once; the text of their
+    kernels."""
     model = derivation.model
-    files = emit(derivation).files
+    files = emit(derivation.of_kinds()).files
     counts: Mapping[tuple[str, int], int] = {
         (formula.role, formula.kind): formula.instructions for formula in derivation.formulas
     }

@@ -22,7 +22,7 @@ WHOLE = ("no derivatives", "planar motion")  # of the right-hand side as one fun
 
 def machine_bytes(scene: Scene, folder: Path) -> int:
     """Of the text section of the scene's library."""
-    library = build(emit(derive(require(scene))), folder=folder)
+    library = build(emit(derive(require(scene)).of_kinds()), folder=folder)
     answer = subprocess.run(["size", library.path], capture_output=True, text=True, check=True)
     return int(answer.stdout.splitlines()[1].split()[0])
 

@@ -1,8 +1,9 @@
 """Ratios of speed, all taken in one run. Run with `python -m tests.benchmarks.speed`.
 
-The smooth RK4 step of the C core, and the step that `simulate` takes, with its search for events, against the
-same step written by hand in C, with the instructions of the first two counted by callgrind where valgrind is
-installed; `simulate` against the bare loop of the core; and the Python of a call of `simulate`.
+The smooth RK4 step, of a general library and of one whose numbers are folded into its code (`fold`), and the
+step that `simulate` takes, with its search for events, against the same step written by hand in C, with the
+instructions counted by callgrind where valgrind is installed; `simulate` against the bare loop of the core;
+and the Python of a call of `simulate`.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import ctypes
 import shutil
 import subprocess
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
@@ -18,18 +20,20 @@ from time import perf_counter
 
 import numpy as np
 
-from modelgen import Accuracy, simulate
+from modelgen import Accuracy, build, derive, emit, require, simulate
 from modelgen.codegen.compiler import find_compiler
 from modelgen.codegen.library import Library
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import Session
+from modelgen.scene.read import read_text
 from tests.benchmarks.counted import STEP, core_steps, hand_steps, start, state_of
 from tests.benchmarks.counting import COUNTED_CPU, callgrind, countable
-from tests.benchmarks.step_cost import library_of
+from tests.benchmarks.step_cost import SCENES, library_of
 
 HERE = Path(__file__).parent
 STEPS = 200_000
 SHORT = 2000  # steps of one of many runs
+COUNTED = 100_000  # steps under callgrind
 FLAGS = ("-O3", "-fno-math-errno", "-shared", "-fPIC")
 
 
@@ -39,6 +43,12 @@ def hand_written(folder: Path, cpu: str) -> Path:
     command = [*find_compiler().command, *FLAGS, cpu, str(HERE / "hand_written.c"), "-o", str(target), "-lm"]
     subprocess.run(command, check=True)
     return target
+
+
+def folded(folder: Path) -> Library:
+    """ellipsoid_on_plane with its numbers as constants of the code."""
+    scene = read_text("fold = true\n" + (SCENES / "ellipsoid_on_plane.toml").read_text(), "folded.toml")
+    return build(emit(derive(require(scene))), folder=folder / "build")
 
 
 def least_ns(*calls: Callable[[], object], repeats: int = 300) -> list[float]:
@@ -56,13 +66,18 @@ def least_ns(*calls: Callable[[], object], repeats: int = 300) -> list[float]:
 def one_step_each() -> None:
     with TemporaryDirectory() as folder:
         library = ctypes.CDLL(str(hand_written(Path(folder), "-march=native")))
-        session = start(library_of("ellipsoid_on_plane"))
-        state = state_of(session)
-        core_steps(session, 1000)
+        sessions = [start(library_of("ellipsoid_on_plane")), start(folded(Path(folder)))]
+        state = state_of(sessions[0])
         hand_steps(library, state, 1000)
-        print(f"difference after 1000 steps: {np.abs(state - state_of(session)).max():.1e}")
-        ours, theirs = least_ns(lambda: core_steps(session, SHORT), lambda: hand_steps(library, state, SHORT))
-    print(f"RK4 step: core {ours:.0f} ns, by hand {theirs:.0f} ns, ratio {ours / theirs:.2f}")
+        for session in sessions:
+            core_steps(session, 1000)
+            print(f"difference after 1000 steps: {np.abs(state - state_of(session)).max():.1e}")
+        *ours, theirs = least_ns(
+            *(partial(core_steps, session, SHORT) for session in sessions),
+            lambda: hand_steps(library, state, SHORT),
+        )
+    for name, time in zip(("general", "folded"), ours, strict=True):
+        print(f"RK4 step, {name}: {time:.0f} ns, by hand {theirs:.0f} ns, ratio {time / theirs:.2f}")
 
 
 def instructions() -> None:
@@ -70,14 +85,19 @@ def instructions() -> None:
     if shutil.which("valgrind") is None:
         print("instructions: valgrind is not installed")
         return
-    library = library_of("ellipsoid_on_plane")
     with TemporaryDirectory() as name:
-        folder = Path(name)
-        hand_written(folder, COUNTED_CPU)
-        countable(library, folder)
-        for which in ("core", "hand"):
-            few, many = (callgrind("tests.benchmarks.counted", which, folder, n) for n in (1000, 1001000))
-            print(f"instructions of an RK4 step, {which}: {(many - few) / 1000000:.0f}")
+        general, fold = Path(name) / "general", Path(name) / "folded"
+        for folder, library in ((general, library_of("ellipsoid_on_plane")), (fold, folded(Path(name)))):
+            folder.mkdir()
+            countable(library, folder)
+        hand_written(general, COUNTED_CPU)
+        for label, which, folder in (
+            ("general", "core", general), ("folded", "core", fold), ("by hand", "hand", general)
+        ):  # fmt: skip
+            few, many = (
+                callgrind("tests.benchmarks.counted", which, folder, n) for n in (1000, 1000 + COUNTED)
+            )
+            print(f"instructions of an RK4 step, {label}: {(many - few) / COUNTED:.0f}")
 
 
 def advanced(library: Library, until: float) -> float:

@@ -229,11 +229,6 @@ def test_a_driven_body_is_refused() -> None:
         linear(scene)
 
 
-def test_joints_are_refused() -> None:
-    with pytest.raises(SimulationError, match="joint"):
-        linearise(derive(require(shipped("double_pendulum"))), library_of(stool()))
-
-
 def test_a_wrong_argument_is_refused() -> None:
     with pytest.raises(ModelgenError, match="linearise"):
         linearise("scenes/ball_in_bowl.toml", None)  # type: ignore[arg-type]

@@ -63,7 +63,7 @@ static int mg_may_leave_cell(const mg_cell *cell, const mg_segment *segment, mg_
          mg_dot3(cell->direction, segment->along) + cell->spread * length > 0;
 }
 
-/* True if the segment leaves a surface with cells. */
+/* True if the segment leaves a surface with cells, or where the search before has left no room to tell. */
 static int mg_leaves_cells(mg_context *c, int feature_pair, int side, const mg_segment *segment, mg_real length) {
   int stack[MG_SEGMENT_STACK], count = 0;
   mg_feature_limits limits;
@@ -79,7 +79,8 @@ static int mg_leaves_cells(mg_context *c, int feature_pair, int side, const mg_s
       continue;
     }
     const int half = count + 2 <= MG_SEGMENT_STACK ? mg_divide_cell(c, feature_pair, side, at) : 0;
-    if (half) stack[count++] = half, stack[count++] = half + 1;
+    if (!half) return 1;
+    stack[count++] = half, stack[count++] = half + 1;
   }
   return 0;
 }

@@ -64,6 +64,13 @@ MG_INTERNAL mg_real mg_prescribed_motion_power(const mg_context *c);
    accelerations of the context. */
 MG_INTERNAL void mg_right_hand_side(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot);
 
+/* True if the scene has a composed right-hand side, and the run is in its mode. */
+MG_INTERNAL int mg_is_in_mode_of_scene_rhs(const mg_context *c);
+
+/* Evaluate x_dot = f(t, x) and the forces of the contacts at a stage of a step; by the composed right-hand side if
+   `is_composed`, which leaves poses, rows and accelerations of the context as they were. */
+MG_INTERNAL void mg_stage_right_hand_side(mg_context *c, int is_composed, mg_real t, const mg_real *x, mg_real *x_dot);
+
 /* Acceleration J a + Gamma2 of one row (of a contact: the gap's second derivative) under the accelerations last
    computed. */
 MG_INTERNAL mg_real mg_row_acceleration(const mg_context *c, int contact);

@@ -157,6 +157,32 @@ MG_INTERNAL void mg_right_hand_side(mg_context *c, mg_real t, const mg_real *x, 
   c->run->rhs_evals++;
 }
 
+MG_INTERNAL int mg_is_in_mode_of_scene_rhs(const mg_context *c) {
+  const mg_system *s = c->system;
+  if (!c->kernels->scene_rhs || !c->settings->use_gamma || c->listed.has_candidates) return 0;
+  for (int pair = 0; pair < s->n_pair; pair++)
+    for (int i = s->pair_contact[pair]; i < s->pair_contact[pair + 1]; i++) {
+      const int is_first = i == s->pair_contact[pair];
+      if (c->run->active[i] != is_first || (c->run->feature_pair[i] >= 0) != is_first || c->run->rolling_start[i])
+        return 0;
+    }
+  return 1;
+}
+
+MG_INTERNAL void mg_stage_right_hand_side(mg_context *c, int is_composed, mg_real t, const mg_real *x, mg_real *x_dot) {
+  const mg_system *s = c->system;
+  const mg_real *eta = x + s->n_q + s->n_u;
+  if (!is_composed) {
+    mg_right_hand_side(c, t, x, x_dot);
+    return;
+  }
+  c->kernels->scene_rhs(0, &t, x, x + s->n_q, eta, s->gravity, s->parameters, x_dot, x_dot + s->n_q,
+                        x_dot + s->n_q + s->n_u, c->rows.row_rate);
+  x_dot[c->layout.work_state] = 0;
+  for (int pair = 0; pair < s->n_pair; pair++) c->solution.force[s->pair_contact[pair]] = c->rows.row_rate[pair];
+  c->run->rhs_evals++;
+}
+
 MG_INTERNAL mg_real mg_row_acceleration(const mg_context *c, int contact) {
   return mg_row_times(c, contact, c->bodies.acceleration) + c->rows.gamma[contact];
 }

@@ -35,11 +35,11 @@ static void mg_dop853_combine(const mg_context *c, int row, const mg_real *x, mg
 }
 
 /* Evaluates the right-hand side of a stage. */
-static void mg_dop853_stage(mg_context *c, int stage, mg_real t, const mg_real *x, mg_real h) {
+static void mg_dop853_stage(mg_context *c, int is_composed, int stage, mg_real t, const mg_real *x, mg_real h) {
   const mg_real time = t + mg_dop_time[stage] * h;
   mg_dop853_combine(c, stage, x, h, c->step.stage);
   if (c->settings->newton > 1) mg_place_all_contacts(c, time, c->step.stage);
-  mg_right_hand_side(c, time, c->step.stage, c->step.slopes + stage * c->layout.n_states);
+  mg_stage_right_hand_side(c, is_composed, time, c->step.stage, c->step.slopes + stage * c->layout.n_states);
 }
 
 /* Error relative to the tolerance, root mean square over the states: Hairer's combination of the errors of order 5
@@ -63,8 +63,9 @@ static mg_real mg_dop853_error(const mg_context *c, const mg_real *x, mg_real h)
 }
 
 MG_INTERNAL mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+  const int is_composed = mg_is_in_mode_of_scene_rhs(c);
   for (int stage = 1; stage < 12; stage++) {
-    mg_dop853_stage(c, stage, t, x, h);
+    mg_dop853_stage(c, is_composed, stage, t, x, h);
     if (stage > 2) mg_watch_event_signs(c), mg_sample_margins_at_stage(c, stage);
   }
   mg_dop853_combine(c, 12, x, h, c->step.end);
@@ -72,8 +73,8 @@ MG_INTERNAL mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_rea
 }
 
 MG_INTERNAL void mg_dop853_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
-  const int n = c->layout.n_states;
-  for (int stage = 13; stage < 16; stage++) mg_dop853_stage(c, stage, t, x, h);
+  const int n = c->layout.n_states, is_composed = mg_is_in_mode_of_scene_rhs(c);
+  for (int stage = 13; stage < 16; stage++) mg_dop853_stage(c, is_composed, stage, t, x, h);
   for (int range = 0; range < c->listed.n_range; range++)
     for (int i = mg_range_begin(c, range); i < mg_range_end(c, range); i++) {
       const mg_real delta = c->step.end[i] - x[i], first = c->step.slopes[i], last = c->step.slopes[12 * n + i];

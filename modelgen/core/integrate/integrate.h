@@ -10,6 +10,9 @@
 /* Takes a step h from (t, x) to c->step.end. Needs the slope at (t, x) in row 0 of c->step.slopes. */
 MG_INTERNAL void mg_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 
+/* The same by the composed right-hand side of the scene, in whose mode the run must be; slope: that at (t, x), or 0. */
+MG_INTERNAL void mg_scene_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h, const mg_real *slope);
+
 /* dop853.c */
 
 /* Takes a step h from (t, x) to c->step.end. Needs the slope at (t, x) in row 0 of c->step.slopes. Returns the

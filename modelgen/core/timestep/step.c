@@ -90,8 +90,7 @@ MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_eve
     mg_update_rows_at(c, run->t, run->x);
   }
   mg_update_diagnostics(c);
-  outcome = mg_check_margins(c, events);
-  return outcome ? outcome : mg_check_penetration(c, 2 * h);
+  return mg_check_penetration(c, 2 * h);
 }
 
 MG_INTERNAL void mg_record_next_forces(mg_context *c, const mg_record *record) {

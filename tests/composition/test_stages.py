@@ -1,0 +1,84 @@
+"""Stages of steps by the composed right-hand side: the kernels of the kinds give the same."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from modelgen import Accuracy, build, derive, emit, read, require
+from modelgen.codegen.library import Library
+from modelgen.runtime.session import Session
+from modelgen.scene.read import read_text
+from tests.running import SCENES, scene_of
+
+STEP = 1e-3
+ROUNDING = 1e-13  # relative to the size of a slope; sums of some hundred terms
+COMPOSED = ("ball_in_bowl", "disc_on_rim", "ellipsoid_on_ellipsoid", "ellipsoid_on_plane", "linked_rings")
+
+
+def held(library: Library, accuracy: Accuracy) -> Session:
+    """A session in which the first contact of each pair carries force."""
+    session = Session(library, accuracy)
+    assert session.begin() == 0
+    firsts = [pair["contacts"][0] for pair in session.instance["pairs"]]
+    assert all(session.feature_pair[k] >= 0 for k in firsts)
+    session.closed[: session.n_contact] = session.active[: session.n_contact] = 0
+    session.closed[firsts] = session.active[firsts] = 1
+    others = [k for k in range(session.n_contact) if k not in firsts]
+    session.feature_pair[others] = -1
+    return session
+
+
+def by_hand(session: Session) -> np.ndarray:
+    """The end of one step of RK4 from evaluations of the right-hand side by the kernels of the kinds."""
+    n = session.n_x
+    slopes, x = np.zeros((4, n)), session.x[:n].copy()
+    for stage, part in enumerate((0.0, 0.5, 0.5, 1.0)):
+        at = np.zeros_like(session.x)
+        at[:n] = x + part * STEP * (slopes[stage - 1] if stage else 0.0)
+        found = np.zeros_like(session.x)
+        session.evaluate(0.0, at, found)
+        slopes[stage] = found[:n]
+    return np.asarray(x + STEP / 6 * (slopes[0] + 2 * (slopes[1] + slopes[2]) + slopes[3]))
+
+
+@pytest.mark.parametrize("name", COMPOSED)
+def test_a_step_of_rk4_is_that_of_the_kernels(name: str) -> None:
+    library = scene_of(name)
+    assert "mg_rhs" in library.manifest.functions
+    session = held(library, Accuracy.tight().fixed_step(STEP))
+    expected = by_hand(session)
+    session.smooth(1)
+    np.testing.assert_allclose(
+        session.x[: session.n_x - 1], expected[:-1], rtol=ROUNDING, atol=ROUNDING * np.abs(expected).max()
+    )
+
+
+def test_numbers_folded_into_the_code_give_the_same_step() -> None:
+    text = "fold = true\n" + (SCENES / "ellipsoid_on_plane.toml").read_text()
+    folded = build(emit(derive(require(read_text(text, "folded.toml")))))
+    libraries = folded, scene_of("ellipsoid_on_plane")
+    sessions = [held(library, Accuracy.tight().fixed_step(STEP)) for library in libraries]
+    for session in sessions:
+        session.smooth(10)
+    np.testing.assert_allclose(sessions[0].x, sessions[1].x, rtol=0, atol=10 * ROUNDING)
+
+
+def test_a_contact_without_force_takes_the_kernels_of_the_kinds() -> None:
+    """The composed right-hand side would hold it."""
+    session = held(scene_of("ellipsoid_on_plane"), Accuracy.tight().fixed_step(STEP))
+    session.closed[0] = session.active[0] = 0
+    height = int(session.instance["bodies"][1]["u"]) + session.instance["n_q"] + 2
+    before = float(session.x[height])
+    session.smooth(1)
+    assert float(session.x[height]) == pytest.approx(before - 9.81 * STEP, abs=1e-12)
+
+
+def test_scenes_with_loads_have_none() -> None:
+    text = (SCENES / "ellipsoid_on_plane.toml").read_text()
+    loaded = text + '\n[[force]]\nbody = "egg"\nforce = ["-0.1*vx", "0", "0"]\n'
+    package = emit(derive(require(read_text(loaded, "loaded.toml"))))
+    assert "mg_rhs" not in package.manifest.functions
+    assert "mg_rhs" in package.manifest.composed
+    assert ".scene_rhs" not in package.files["model.c"]
+    assert ".scene_rhs" in emit(derive(require(read(SCENES / "ellipsoid_on_plane.toml")))).files["model.c"]
