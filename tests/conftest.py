@@ -66,7 +66,7 @@ def compile_without_optimisation(compiler: Compiler, flags: tuple[str, ...], *pl
 
 @pytest.fixture
 def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Few repeats and no counted instructions, nothing compiled at another level, no figures of exports: what a
+    """Few repeats, no counted instructions, nothing compiled at another level, no figures of exports: what a
     run costs is not asked here."""
     monkeypatch.setattr("modelgen.benchmark.cost.ENOUGH_S", 1e-3)
     monkeypatch.setattr("modelgen.benchmark.cost.BRIEF_S", 0.0)

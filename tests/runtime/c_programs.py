@@ -20,8 +20,8 @@ needs_c = pytest.mark.skipif(CC is None, reason="needs a C compiler")
 
 
 def program_of(name: str, folder: Path, main: str, accuracy: Accuracy) -> Path:
-    """A program over the tables and the start of a scene, linked with its library. `main` is formatted with the
-    size of a saved state."""
+    """A program over the tables and the start of a scene, linked with its library. `main` is formatted with
+    the size of a saved state."""
     library = scene_of(name)
     text = driver_text(library, accuracy, 1.0).partition("int main(void)")[0]
     size = Session(library, accuracy).shared.checkpoint_size
