@@ -22,6 +22,11 @@ static mg_real mg_symmetric_norm(const mg_real *a) {
   return sum < MG_MAX ? sqrt(sum) : MG_MAX;
 }
 
+/* True if three models have bounds. */
+static int mg_has_bounds(const mg_taylor_model *x) {
+  return x[0].rest < MG_MAX / 8 && x[1].rest < MG_MAX / 8 && x[2].rest < MG_MAX / 8;
+}
+
 /* Adds to `along` how much a vector changes with each coordinate over a cell, over `unit`. What is not linear counts
    for both coordinates by the given parts. */
 static void mg_add_change(const mg_taylor_model *x, mg_real unit, const mg_real *part, mg_real *along) {
@@ -34,14 +39,15 @@ static void mg_add_change(const mg_taylor_model *x, mg_real unit, const mg_real 
 }
 
 /* True if a cell of a surface is wider along v, by its normals, and by its points against four characteristic
-   lengths. */
+   lengths. At a pole, where the normals may have no bounds, the points alone tell that all u are near each other. */
 static int mg_is_second_wider(const mg_context *c, int feature_pair, int side, const mg_real *box,
                               const mg_taylor_model *out) {
   const mg_real *scale = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_UV_SCALE;
   const mg_real along_u = (box[1] - box[0]) / scale[0], along_v = (box[3] - box[2]) / scale[1];
   const mg_real part[2] = {along_u / (along_u + along_v), along_v / (along_u + along_v)};
   mg_real along[2] = {0, 0};
-  mg_add_change(out, 4 * c->system->length, part, along), mg_add_change(out + 3, 1, part, along);
+  mg_add_change(out, 4 * c->system->length, part, along);
+  if (mg_has_bounds(out + 3) || !mg_has_bounds(out)) mg_add_change(out + 3, 1, part, along);
   return along[1] > along[0];
 }
 
