@@ -5,8 +5,10 @@
 #include "base/base.h"
 #include "model/model.h"
 
-#define MG_NARROWER ((mg_real)0.95) /* a bound is narrower that is less than this part of the one before */
-#define MG_BOUNDS_SIZE 12           /* outputs of the bounds of a surface; 9 of a curve */
+#define MG_WIDE_SPREAD ((mg_real)0.5) /* directions in a cell that is divided when its tree begins */
+#define MG_WIDE_REST ((mg_real)0.25)  /* part of the radius that is not linear, in such a cell */
+#define MG_WIDE_LEVELS 10             /* times that it is divided */
+#define MG_BOUNDS_SIZE 12             /* outputs of the bounds of a surface; 9 of a curve */
 
 /* Norm of n numbers, `otherwise` where it is not finite. */
 static mg_real mg_norm_or(int n, const mg_real *x, mg_real otherwise) {
@@ -22,6 +24,11 @@ static mg_real mg_symmetric_norm(const mg_real *a) {
   return sum < MG_MAX ? sqrt(sum) : MG_MAX;
 }
 
+/* True if three models have bounds. */
+static int mg_has_bounds(const mg_taylor_model *x) {
+  return x[0].rest < MG_MAX / 8 && x[1].rest < MG_MAX / 8 && x[2].rest < MG_MAX / 8;
+}
+
 /* Adds to `along` how much a vector changes with each coordinate over a cell, over `unit`. What is not linear counts
    for both coordinates by the given parts. */
 static void mg_add_change(const mg_taylor_model *x, mg_real unit, const mg_real *part, mg_real *along) {
@@ -34,14 +41,15 @@ static void mg_add_change(const mg_taylor_model *x, mg_real unit, const mg_real 
 }
 
 /* True if a cell of a surface is wider along v, by its normals, and by its points against four characteristic
-   lengths. */
+   lengths. At a pole, where the normals may have no bounds, the points alone tell that all u are near each other. */
 static int mg_is_second_wider(const mg_context *c, int feature_pair, int side, const mg_real *box,
                               const mg_taylor_model *out) {
   const mg_real *scale = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_UV_SCALE;
   const mg_real along_u = (box[1] - box[0]) / scale[0], along_v = (box[3] - box[2]) / scale[1];
   const mg_real part[2] = {along_u / (along_u + along_v), along_v / (along_u + along_v)};
   mg_real along[2] = {0, 0};
-  mg_add_change(out, 4 * c->system->length, part, along), mg_add_change(out + 3, 1, part, along);
+  mg_add_change(out, 4 * c->system->length, part, along);
+  if (mg_has_bounds(out + 3) || !mg_has_bounds(out)) mg_add_change(out + 3, 1, part, along);
   return along[1] > along[0];
 }
 
@@ -100,11 +108,11 @@ static void mg_bound_centre_cell(mg_context *c, int feature_pair, int side, mg_c
 }
 
 /* A new cell, of the centre curve if `is_of_centres`; 0 if there is no room. */
-static int mg_new_cell(mg_context *c, int feature_pair, int side, int is_of_centres, int whole, const mg_real *box) {
+static int mg_new_cell(mg_context *c, int feature_pair, int side, int is_of_centres, const mg_real *box) {
   if (*c->search.n_cells >= c->system->n_cell) return 0;
   mg_cell *cell = c->search.cells + *c->search.n_cells;
   for (int k = 0; k < 4; k++) cell->box[k] = box[k];
-  cell->halves = 0, cell->whole = whole, cell->is_of_centres = is_of_centres;
+  cell->halves = 0, cell->is_of_centres = is_of_centres;
   if (is_of_centres) mg_bound_centre_cell(c, feature_pair, side, cell);
   else mg_bound_cell(c, feature_pair, side, cell);
   return (*c->search.n_cells)++;
@@ -140,22 +148,6 @@ MG_INTERNAL void mg_keep_cells_of_same_shapes(mg_context *c) {
   *c->search.cells_digest = digest;
 }
 
-MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side, int is_of_centres) {
-  const mg_real *domain = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_DOMAIN;
-  const int tree = c->system->feature_tree[2 * feature_pair + side], root = 2 * tree + is_of_centres;
-  mg_real window[4], bound = 0;
-  mg_sample_window(c, feature_pair, side, mg_search_radius(c, feature_pair), window);
-  for (int k = 0; k < 4; k++)
-    if (fabs(domain[k]) >= MG_MAX / 2) bound = fmax(bound, fabs(window[k]));
-  if (!(bound <= c->run->search_bound[tree])) c->run->search_bound[tree] = 2 * bound;
-  bound = c->run->search_bound[tree];
-  if (c->search.tree_root[root] && c->search.tree_bound[root] == bound) return c->search.tree_root[root];
-  for (int k = 0; k < 4; k++)
-    if (fabs(domain[k]) >= MG_MAX / 2) window[k] = k % 2 ? bound : -bound;
-  c->search.tree_bound[root] = bound;
-  return c->search.tree_root[root] = mg_new_cell(c, feature_pair, side, is_of_centres, 0, window);
-}
-
 /* Bound of |x - middle| over what half cells bound: points or directions from a middle of their own. */
 static mg_real mg_bound_from(const mg_real *middle, const mg_real *own_middle, mg_real own_bound) {
   const mg_real span[3] = {own_middle[0] - middle[0], own_middle[1] - middle[1], own_middle[2] - middle[2]};
@@ -174,27 +166,20 @@ static mg_real mg_rest_from(const mg_cell *whole, const mg_cell *half, int is_up
   return sqrt(mg_dot3(middle, middle)) + sqrt(mg_dot3(along, along)) + sqrt(mg_dot3(across, across)) + half->rest;
 }
 
-/* Replaces the bounds of points and directions of a divided cell by those of its halves where they are narrower, and
-   so on up the tree. Over wide boxes Taylor models bound poorly. A curve's radius is one of its arc. */
-static void mg_narrow_by_halves(mg_context *c, int cell, int is_curve) {
-  for (int at = cell; at; at = c->search.cells[at].whole) {
-    mg_cell *whole = c->search.cells + at;
-    const mg_cell *half = c->search.cells + whole->halves;
-    mg_real radius = 0, spread = 0, rest = 0, extent[3] = {0, 0, 0};
-    for (int k = 0; k < 2; k++) {
-      radius =
-          fmax(radius, is_curve ? 2 * half[k].radius : mg_bound_from(whole->centre, half[k].centre, half[k].radius));
-      spread = fmax(spread, mg_bound_from(whole->direction, half[k].direction, half[k].spread));
-      rest = fmax(rest, mg_rest_from(whole, half + k, k));
-      for (int i = 0; i < 3; i++)
-        extent[i] = fmax(extent[i], fabs(half[k].centre[i] - whole->centre[i]) + half[k].extent[i]);
-    }
-    const int is_narrower = radius < MG_NARROWER * whole->radius || spread < MG_NARROWER * whole->spread;
-    whole->radius = fmin(whole->radius, radius), whole->spread = fmin(whole->spread, spread);
-    whole->rest = fmin(whole->rest, rest);
-    for (int i = 0; i < 3; i++) whole->extent[i] = fmin(whole->extent[i], extent[i]);
-    if (!is_narrower) return;
+/* Replaces the bounds of points and directions of a divided cell by those of its halves where they are narrower. A
+   curve's radius is one of its arc. */
+static void mg_narrow_by_halves(mg_cell *whole, const mg_cell *half, int is_curve) {
+  mg_real radius = 0, spread = 0, rest = 0, extent[3] = {0, 0, 0};
+  for (int k = 0; k < 2; k++) {
+    radius = fmax(radius, is_curve ? 2 * half[k].radius : mg_bound_from(whole->centre, half[k].centre, half[k].radius));
+    spread = fmax(spread, mg_bound_from(whole->direction, half[k].direction, half[k].spread));
+    rest = fmax(rest, mg_rest_from(whole, half + k, k));
+    for (int i = 0; i < 3; i++)
+      extent[i] = fmax(extent[i], fabs(half[k].centre[i] - whole->centre[i]) + half[k].extent[i]);
   }
+  whole->radius = fmin(whole->radius, radius), whole->spread = fmin(whole->spread, spread);
+  whole->rest = fmin(whole->rest, rest);
+  for (int i = 0; i < 3; i++) whole->extent[i] = fmin(whole->extent[i], extent[i]);
 }
 
 MG_INTERNAL int mg_divide_cell(mg_context *c, int feature_pair, int side, int cell) {
@@ -205,11 +190,38 @@ MG_INTERNAL int mg_divide_cell(mg_context *c, int feature_pair, int side, int ce
   for (int k = 0; k < 4; k++) box[k] = c->search.cells[cell].box[k];
   const mg_real low = box[2 * along], high = box[2 * along + 1], middle = low + (high - low) / 2;
   box[2 * along + 1] = middle;
-  const int first = mg_new_cell(c, feature_pair, side, is_of_centres, cell, box);
+  const int first = mg_new_cell(c, feature_pair, side, is_of_centres, box);
   box[2 * along] = middle, box[2 * along + 1] = high;
-  mg_new_cell(c, feature_pair, side, is_of_centres, cell, box);
-  c->search.cells[cell].halves = first;
-  mg_narrow_by_halves(c, cell, mg_feature_dimension(c, feature_pair, side) == 1);
+  mg_new_cell(c, feature_pair, side, is_of_centres, box);
+  return c->search.cells[cell].halves = first;
+}
+
+/* Divides a cell over which directions differ much, and its halves, and narrows its bounds by theirs: over wide boxes
+   Taylor models bound poorly. What a cell bounds depends on its box alone, not on the searches before. */
+static void mg_divide_wide_cell(mg_context *c, int feature_pair, int side, int cell, int levels) {
+  const mg_cell *at = c->search.cells + cell;
+  if (levels == 0 || (at->spread <= MG_WIDE_SPREAD && at->rest <= MG_WIDE_REST * at->radius)) return;
+  const int half = mg_divide_cell(c, feature_pair, side, cell);
+  if (!half) return;
+  for (int k = 0; k < 2; k++) mg_divide_wide_cell(c, feature_pair, side, half + k, levels - 1);
+  mg_narrow_by_halves(c->search.cells + cell, c->search.cells + half, mg_feature_dimension(c, feature_pair, side) == 1);
+}
+
+MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side, int is_of_centres) {
+  const mg_real *domain = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_DOMAIN;
+  const int tree = c->system->feature_tree[2 * feature_pair + side], root = 2 * tree + is_of_centres;
+  mg_real window[4], bound = 0;
+  mg_sample_window(c, feature_pair, side, mg_search_radius(c, feature_pair), window);
+  for (int k = 0; k < 4; k++)
+    if (fabs(domain[k]) >= MG_MAX / 2) bound = fmax(bound, fabs(window[k]));
+  if (!(bound <= c->run->search_bound[tree])) c->run->search_bound[tree] = 2 * bound;
+  bound = c->run->search_bound[tree];
+  if (c->search.tree_root[root] && c->search.tree_bound[root] == bound) return c->search.tree_root[root];
+  for (int k = 0; k < 4; k++)
+    if (fabs(domain[k]) >= MG_MAX / 2) window[k] = k % 2 ? bound : -bound;
+  c->search.tree_bound[root] = bound;
+  const int first = c->search.tree_root[root] = mg_new_cell(c, feature_pair, side, is_of_centres, window);
+  if (first && !is_of_centres) mg_divide_wide_cell(c, feature_pair, side, first, MG_WIDE_LEVELS);
   return first;
 }
 
