@@ -1,6 +1,6 @@
 /* The right-hand side of one free body that touches one fixed body in one point, without slip or without friction,
    written for that alone around the generated kernels, and its RK4 step: the yardstick of the core's assembly and
-   solution. BODY_KIND, CONTACT_KIND, ROWS (3: sticking, 1: without friction), N_ETA and BODY_IS_O are given when it is
+   solution. BODY_KIND, CONTACT_KIND, ROWS (3: sticking, 1: without friction), N_ETA (of that contact) and BODY_IS_O are given when it is
    compiled, in the folder of a scene. Its mass is 1/m and the diagonal of 1/I. */
 #include "model.c"
 
