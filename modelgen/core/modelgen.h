@@ -46,7 +46,7 @@
 #include "solve/lcp/lcp.h"
 #include "base/real.h"
 
-#define MG_ABI 17 /* version of these structures; a library and its caller must agree on it (mg_abi) */
+#define MG_ABI 18 /* version of these structures; a library and its caller must agree on it (mg_abi) */
 
 /* Kind of a condition of a feature pair. A condition is a function of the contact point x of one feature in its shape's
    axes, of the chart coordinates (u, v) of x, and of the normal N out of that feature's shape. It holds where the
@@ -609,6 +609,7 @@ typedef struct {
   const mg_real *restitution;      /* [n_contact] */
   const mg_real *friction_static;  /* [2 n_friction] */
   const mg_real *friction_kinetic; /* [2 n_friction] */
+  const mg_real *patch_friction;   /* [2 n_patch] */
   const mg_real *input;            /* [3 n_input] settings of inputs */
   const int *moves_borders;        /* [1] 1: numbers of features and conditions change as well */
   const mg_real *given;            /* [n_q + n_u + n_eta + 1], once: the state that mg_begin was given; null: a state
@@ -661,6 +662,7 @@ typedef struct {
   mg_real *restitution;      /* [n_contact] */
   mg_real *friction_static;  /* [2 n_friction] */
   mg_real *friction_kinetic; /* [2 n_friction] */
+  mg_real *patch_friction;   /* [2 n_patch] */
   mg_real *input;            /* [3 n_input] */
   mg_real *work;             /* [mg_sensitivity_size for one direction] scratch memory */
   int *iwork;                /* [mg_sensitivity_int_size] */

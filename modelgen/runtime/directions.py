@@ -18,7 +18,9 @@ from modelgen.runtime.arguments import with_parameters
 from modelgen.runtime.tables.ctypes_structures import INTEGER, Array, address
 from modelgen.runtime.tables.library_tables import library_tables
 
-TABLES = ("parameters", "numbers", "restitution", "friction_static", "friction_kinetic")  # of mg_system
+TABLES = (  # of mg_system
+    *("parameters", "numbers", "restitution", "friction_static", "friction_kinetic", "patch_friction"),
+)
 QUANTITIES = ("position", "orientation", "velocity", "angular_velocity")
 RELATIVE_STEP = 1e-2  # of a parameter, in the differences of the tables
 LEVELS = 4  # of the extrapolation of these differences

@@ -333,8 +333,7 @@ class TangentRun:
         )
 
     def _contact(self, index: int) -> str:
-        names = self.session.contacts
-        return names[index] if 0 <= index < len(names) else ""
+        return self.session.contact_name(index) if index >= 0 else ""
 
     def events(self) -> tuple[EventSensitivity, ...]:
         n = min(self._tangent.count, EVENTS)

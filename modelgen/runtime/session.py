@@ -111,6 +111,13 @@ class Session:
         pair, _, faces = str(patch["name"]).rpartition(":")
         return pair, faces
 
+    def contact_name(self, contact: int) -> str:
+        """The name of a contact; of a support point, that of its pair."""
+        if contact < self.n_shown:
+            return self.contacts[contact]
+        slot = (contact - self.n_shown) // SUPPORT_POINTS
+        return self._named(contact, int(self.feature_pair[contact]))[0] if slot < self.n_patch_slot else ""
+
     def begin(self) -> int:
         """Settles the start; returns the core's outcome code (see `runtime.start.begin`)."""
         self.start_code = int(

@@ -14,6 +14,7 @@ from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError
 from modelgen.runtime.arguments import with_parameters
 from modelgen.runtime.directions import Direction, direction_arrays
+from modelgen.runtime.error_estimate import nudge
 from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.sensitivity import Outputs, TangentRun, Verdict
 from modelgen.runtime.session import CONTINUE, FULL, Session
@@ -26,6 +27,7 @@ from tests.sensitivity.differences import MANY, differentiable
 
 LARGEST, HALVINGS = 1e-3, 7  # change of a number, relative to its size, and how often it is halved
 FEWEST = 3  # step sizes of an extrapolation
+FEW = 8.0 * np.finfo(float).eps  # relative changes that are rounding: they show how rough a run is
 SAFE = 10.0  # times the estimate of the error of an extrapolation
 AGREES, WRONG = 1e-9, 1e-6  # relative to the size of the derivative
 CURVED = 10.0  # of constraints: by how much a start leaves them, by the square of its relative change
@@ -282,6 +284,10 @@ class Pairs:
         self.library, self.times, self._accuracy = library, list(times), accuracy
         self._of, self._scales = scales_of(library)
         self._plain = shown(opened(library), times, self._of, self._scales)
+        nudged = opened(library)
+        nudge(nudged)
+        self._nudged = (shown(nudged, times, self._of, self._scales),)
+        self._rough: dict[str, list[float]] = {}
 
     def of(self, direction: Direction) -> Iterator[Pair]:
         """The pairs of one number."""
@@ -296,7 +302,11 @@ class Pairs:
             if len(quotients) < FEWEST or not np.all(np.isfinite(exact)):
                 yield Pair(direction.name, t, verdict, np.inf, float(np.max(np.abs(exact))), np.inf)
                 continue
-            value, noise = extrapolated_with_noise([quotient * size for quotient in quotients])
+            rough = self._roughness(direction, along, size, index)
+            value, noise = extrapolated_with_noise(
+                [quotient * size for quotient in quotients],
+                [rough * size / step for step in steps[-len(quotients) :]],
+            )
             error = float(np.max(np.abs(exact - value)))
             yield Pair(direction.name, t, verdict, error, float(np.max(np.abs(value))), noise)
 
@@ -327,6 +337,24 @@ class Pairs:
                 break
         return runs
 
+    def _roughness(self, direction: Direction, along: Array, size: float, index: int) -> float:
+        """By how much changes by rounding change what a run shows at a time."""
+        if direction.name not in self._rough:
+            way = along if direction.kind == "start" else None
+            runs = [
+                changed_run(self.library, direction, way, change, self.times, self._of, self._scales)
+                for change in (FEW * size, -FEW * size)
+            ]
+            self._rough[direction.name] = [
+                max(
+                    float(np.max(np.abs(run.values[k] - self._plain.values[k])))
+                    for run in (*runs, *self._nudged)
+                    if run is not None
+                )
+                for k in range(len(self.times))
+            ]
+        return self._rough[direction.name][index]
+
     def _alike(self, both: tuple[Shown | None, Shown | None], index: int) -> bool:
         """Whether changed runs have the events of the plain one, up to a time."""
         history = self._plain.history[index]
@@ -345,10 +373,10 @@ class Pairs:
         return found
 
 
-def extrapolated_with_noise(quotients: Sequence[Array]) -> tuple[Array, float]:
+def extrapolated_with_noise(quotients: Sequence[Array], rough: Sequence[float]) -> tuple[Array, float]:
     """Of central differences with steps h, h/2, ..: the entry of the table of extrapolations to h = 0 that is
     nearest to those it comes from, and how near that is (Ridders, Advances in Engineering Software 4 (1982),
-    75-76)."""
+    75-76), at least as far as rounding moves the differences."""
     table = [[quotients[0]]]
     best, noise = quotients[0], np.inf
     for k in range(1, len(quotients)):
@@ -359,6 +387,7 @@ def extrapolated_with_noise(quotients: Sequence[Array]) -> tuple[Array, float]:
             apart = max(
                 float(np.max(np.abs(row[order] - row[order - 1]))),
                 float(np.max(np.abs(row[order] - table[-1][order - 1]))),
+                rough[k],
             )
             if apart < noise:
                 best, noise = row[order], apart

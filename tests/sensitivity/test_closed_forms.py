@@ -307,6 +307,87 @@ def test_a_bead_on_a_cycloid_falls_to_the_bottom_in_the_same_time_from_anywhere(
     assert np.allclose(event.by, [falls / 2 / values["wide"], 0.0, -falls / 2 / values["pull"]], atol=1e-9)
 
 
+BLOCK = """
+gravity = [0.0, 0.0, -9.81]
+[[body]]
+name = "slope"
+motion = "fixed"
+shape = { kind = "plane" }
+
+[[body]]
+name = "block"
+shape = { kind = "box", size = [0.2, 0.1, 0.05] }
+mass = "heavy"
+inertia = [0.01, 0.01, 0.01]
+position = [0.0, 0.0, 0.025]
+
+[[force]]
+body = "block"
+force = ["3*t", 0.0, 0.0]
+
+[[contact]]
+between = ["block", "slope"]
+friction = { static = "rough", kinetic = "smooth" }
+"""
+
+
+def test_a_block_that_is_pulled_until_it_slips_on_its_face() -> None:
+    values = {"heavy": 1.2, "rough": 0.4, "smooth": 0.3}
+    t = 2.0
+
+    def pulled(heavy: complex, rough: complex, smooth: complex) -> tuple[complex, complex]:
+        slips = rough * heavy * G / 3
+        speed = 3 * (t * t - slips * slips) / 2 / heavy - smooth * G * (t - slips)
+        return speed, slips
+
+    found = sensitivity(built(BLOCK, values), t, of=["block.velocity"], by=list(values), accuracy="tight")
+    assert found.verdict
+    expected = complex_step(lambda *v: pulled(*v)[0], tuple(values.values()))
+    assert np.allclose(found.jacobian[0, 0], expected, rtol=1e-10, atol=1e-10)
+    (event,) = found.events
+    assert event.contact == "block-slope"
+    assert np.allclose(event.by, complex_step(lambda *v: pulled(*v)[1], tuple(values.values())), atol=1e-10)
+
+
+DISC = (
+    FLOOR
+    + """
+[[body]]
+name = "disc"
+shape = { kind = "cylinder", radius = 0.1, length = 0.02 }
+center_of_mass = [0.0, 0.0, -0.01]
+mass = 2.0
+inertia = [0.005, 0.005, 0.01]
+position = [0.0, 0.0, 0.01]
+angular_velocity = [0.0, 0.0, 30.0]
+
+[[contact]]
+between = ["disc", "floor"]
+friction = "rough"
+"""
+)
+
+
+def test_a_disc_that_spins_on_its_face() -> None:
+    """Friction of a uniform pressure slows the spin w by 4 mu g / (3 R), and a small slip v beside it by
+    mu g v / (w R): v is as w^(3/4). Its centre of mass is in the face, so that friction does not tilt it."""
+    rough, spin, t = 0.3, 30.0, 0.4
+    found = sensitivity(
+        built(DISC, {"rough": rough}),
+        t,
+        of=["disc.velocity", "disc.angular_velocity"],
+        by=["rough", "disc.velocity", "disc.angular_velocity"],
+        accuracy="tight",
+    )
+    assert found.verdict
+    slowed = spin - 4 * rough * G * t / (3 * R)
+    assert found.value[0, 5] == pytest.approx(slowed, rel=1e-10)
+    left = (slowed / spin) ** 0.75
+    assert np.allclose(found.jacobian[0, :2, 1:3], left * np.eye(2), atol=1e-9)
+    assert found.jacobian[0, 5, 0] == pytest.approx(-4 * G * t / (3 * R), rel=1e-9)
+    assert found.jacobian[0, 5, 6] == pytest.approx(1.0, abs=1e-9)
+
+
 def test_a_ball_that_strikes_at_its_start() -> None:
     """The impact of the start is differentiated as any other."""
     text = BALL.replace('"high"', "0.1")

@@ -45,6 +45,17 @@ typedef struct {
   mg_real sign;          /* 1: N is the z axis of the hull, -1: opposite */
 } mg_patch_frame;
 
+/* Friction of a slipping patch at one state, in the axes of its hull. */
+typedef struct {
+  mg_patch_frame at;
+  mg_real offset[2];   /* centre of the pressure, from the first support, m */
+  mg_real slip[3];     /* of the first support along t1, t2, and spin about N, from which the friction is computed */
+  int turned;          /* -1, 1: it is the slip of the rows times this; 0: a stored direction */
+  mg_real twist[3];    /* velocity at the centre of the pressure, and spin about the z axis of the hull */
+  mg_real level[3][3]; /* per support: coefficients of the pressure of a unit force on it */
+  mg_real force[3][3]; /* per support: friction of that pressure, times -1, and its torque about the centre */
+} mg_patch_slip;
+
 /* An event margin at a time of a step. */
 typedef struct {
   mg_real theta;        /* time in the step, 0..1; < 0 or > 1: no sample */
@@ -200,6 +211,9 @@ MG_INTERNAL mg_real mg_support_resultant(const mg_context *c, int slot, const mg
 /* Largest number of boundary arcs of a patch in the system. */
 MG_INTERNAL int mg_max_patch_arcs(const mg_system *s);
 
+/* True if o's face of the patch is a whole plane, without boundary. */
+MG_INTERNAL int mg_is_whole_plane(const mg_context *c, int patch);
+
 /* Pose of the hull of a patch in world axes: that of o's face, or of f's where o's is a whole plane, because the
    hull is then constant. */
 MG_INTERNAL void mg_hull_pose(const mg_context *c, int patch, mg_real *out);
@@ -270,6 +284,12 @@ MG_INTERNAL void mg_patch_slip_basis(const mg_context *c, int slot, mg_real e[3]
 /* Compute the pressure in a slot for a unit resultant at its centre of pressure; over the whole face while that
    centre is not known. */
 MG_INTERNAL void mg_update_patch_pressure(mg_context *c, int slot);
+
+/* Friction of a patch that slips as slip->slip says. Leaves its pressure in c->patches.pressure. */
+MG_INTERNAL void mg_find_patch_friction(mg_context *c, int slot, mg_patch_slip *slip);
+
+/* Friction of a slipping patch. Leaves its pressure in c->patches.pressure. Needs the velocities of the rows. */
+MG_INTERNAL void mg_find_patch_slip(mg_context *c, int slot, mg_patch_slip *slip);
 
 /* Set the friction force ratios of all slots whose patches slip. Needs the velocities of the rows. */
 MG_INTERNAL void mg_set_patch_force_ratios(mg_context *c);
@@ -354,6 +374,10 @@ MG_INTERNAL int mg_first_friction_event(const mg_context *c);
 MG_INTERNAL void mg_begin_step_friction(mg_context *c);
 
 /* patch_friction_modes.c */
+
+/* Friction margin N (1 - used part of the limit surface) of a sticking patch, and the twist of the first support
+   and about N with which slip would start. */
+MG_INTERNAL mg_real mg_patch_friction_margin(mg_context *c, int slot, mg_real *twist);
 
 /* Event function of a patch with friction: friction margin while it sticks, slip along its direction while it
    slips. */

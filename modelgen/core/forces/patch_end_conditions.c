@@ -28,8 +28,7 @@ MG_INTERNAL int mg_max_patch_arcs(const mg_system *s) {
   return most;
 }
 
-/* True if o's face of the patch is a whole plane, without boundary. */
-static int mg_is_whole_plane(const mg_context *c, int patch) {
+MG_INTERNAL int mg_is_whole_plane(const mg_context *c, int patch) {
   return c->system->patch_arc[patch] == c->system->patch_arc_f[patch];
 }
 

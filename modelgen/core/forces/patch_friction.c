@@ -78,23 +78,24 @@ MG_INTERNAL void mg_patch_slip_basis(const mg_context *c, int slot, mg_real e[3]
   mg_complete_orthonormal_basis(e[0], e + 1);
 }
 
-/* Twist from which the friction of a patch is computed: its slip, reversed where it points against the stored
-   direction; that direction where the slip is too small to tell one; the direction that is being solved for where
-   slip starts. */
-static void mg_patch_slip_twist(const mg_context *c, int slot, mg_real *twist) {
+/* Slip from which the friction of a patch is computed: its own, reversed where it points against the stored direction;
+   that direction where the slip is too small to tell one; the direction that is being solved for where slip starts.
+   Returns 1, -1 and 0 in turn. */
+static int mg_patch_slip_twist(const mg_context *c, int slot, mg_real *twist) {
   const mg_real *slip = c->rows.d_dot + mg_first_patch_friction_row(c, slot),
                 *steer = c->patches.friction[slot].slip_direction;
   const mg_real radius = mg_support_radius(c, slot), spin_velocity = slip[2] * radius;
   const mg_real size = sqrt(slip[0] * slip[0] + slip[1] * slip[1] + spin_velocity * spin_velocity);
   const int is_small = size <= 2 * c->settings->slip_speed * c->system->length / c->system->time;
-  const mg_real sign = !is_small && mg_patch_slip_along_direction(c, slot) < 0 ? -1 : 1;
+  const int sign = !is_small && mg_patch_slip_along_direction(c, slot) < 0 ? -1 : 1;
   const int is_solved_for = c->friction.follows_angle && c->run->patch_mode[slot] == MG_SLIP_ONSET;
   mg_real e[3][3];
   for (int k = 0; k < 3; k++) twist[k] = sign * slip[k];
-  if (!is_small && !is_solved_for) return;
+  if (!is_small && !is_solved_for) return sign;
   mg_patch_slip_basis(c, slot, e);
   for (int k = 0; k < 3; k++) twist[k] = e[0][k] + (is_solved_for ? steer[0] * e[1][k] + steer[1] * e[2][k] : 0);
   twist[2] /= radius;
+  return 0;
 }
 
 MG_INTERNAL void mg_update_patch_pressure(mg_context *c, int slot) {
@@ -114,31 +115,42 @@ MG_INTERNAL void mg_update_patch_pressure(mg_context *c, int slot) {
   r->partly_unloaded = p->partly_unloaded, r->extent = p->reach;
 }
 
+MG_INTERNAL void mg_find_patch_friction(mg_context *c, int slot, mg_patch_slip *slip) {
+  const mg_real mu = c->system->patch_friction[2 * mg_patch_of_slot(c, slot) + 1];
+  const mg_winkler_pressure_field *p = &c->patches.pressure;
+  mg_patch_frame *at = &slip->at;
+  mg_real G[3][3];
+  mg_update_patch_pressure(c, slot);
+  mg_set_patch_frame(c, slot, at);
+  for (int k = 0; k < 2; k++) slip->offset[k] = p->centre[k] - at->support[0][k];
+  slip->twist[2] = at->sign * slip->slip[2];
+  slip->twist[0] = slip->slip[0] * at->t[0][0] + slip->slip[1] * at->t[1][0] - slip->twist[2] * slip->offset[1];
+  slip->twist[1] = slip->slip[0] * at->t[0][1] + slip->slip[1] * at->t[1][1] + slip->twist[2] * slip->offset[0];
+  mg_friction_matrix(p, slip->twist, G);
+  for (int i = 0; i < 3; i++) {
+    const mg_real moment[3] = {1, at->support[i][0] - p->centre[0], at->support[i][1] - p->centre[1]};
+    mg_real *level = slip->level[i];
+    if (c->patches.friction[slot].force_outside || !mg_solve_moments(p, moment, level))
+      for (int k = 0; k < 3; k++) level[k] = p->coefficients[k];
+    for (int k = 0; k < 3; k++) slip->force[i][k] = mu * (G[k][0] * level[0] + G[k][1] * level[1] + G[k][2] * level[2]);
+  }
+}
+
+MG_INTERNAL void mg_find_patch_slip(mg_context *c, int slot, mg_patch_slip *slip) {
+  slip->turned = mg_patch_slip_twist(c, slot, slip->slip);
+  mg_find_patch_friction(c, slot, slip);
+}
+
 /* Set the ratios of the friction of a slipping patch, along its three rows, to the force on each support. */
 static void mg_set_patch_force_ratio(mg_context *c, int slot) {
-  const int patch = mg_patch_of_slot(c, slot), row = mg_first_patch_friction_row(c, slot);
-  const mg_real mu = c->system->patch_friction[2 * patch + 1];
+  const int row = mg_first_patch_friction_row(c, slot);
   mg_patch_friction *r = c->patches.friction + slot;
-  mg_patch_frame at;
-  mg_real support_twist[3], twist[3], G[3][3], level[3];
-  mg_update_patch_pressure(c, slot);
-  mg_set_patch_frame(c, slot, &at);
-  const mg_winkler_pressure_field *p = &c->patches.pressure;
-  const mg_real centre_offset[2] = {p->centre[0] - at.support[0][0], p->centre[1] - at.support[0][1]};
-  mg_patch_slip_twist(c, slot, support_twist);
-  twist[2] = at.sign * support_twist[2];
-  twist[0] = support_twist[0] * at.t[0][0] + support_twist[1] * at.t[1][0] - twist[2] * centre_offset[1];
-  twist[1] = support_twist[0] * at.t[0][1] + support_twist[1] * at.t[1][1] + twist[2] * centre_offset[0];
-  mg_friction_matrix(p, twist, G);
+  mg_patch_slip slip;
+  mg_find_patch_slip(c, slot, &slip);
   for (int i = 0; i < 3; i++) {
-    const mg_real moment[3] = {1, at.support[i][0] - p->centre[0], at.support[i][1] - p->centre[1]};
-    mg_real force[3];
-    if (r->force_outside || !mg_solve_moments(p, moment, level))
-      for (int k = 0; k < 3; k++) level[k] = p->coefficients[k];
-    for (int k = 0; k < 3; k++) force[k] = mu * (G[k][0] * level[0] + G[k][1] * level[1] + G[k][2] * level[2]);
-    r->force_ratio[0][i] = at.t[0][0] * force[0] + at.t[0][1] * force[1];
-    r->force_ratio[1][i] = at.t[1][0] * force[0] + at.t[1][1] * force[1];
-    r->force_ratio[2][i] = at.sign * (force[2] + mg_cross2(centre_offset, force));
+    const mg_real *force = slip.force[i];
+    for (int k = 0; k < 2; k++) r->force_ratio[k][i] = slip.at.t[k][0] * force[0] + slip.at.t[k][1] * force[1];
+    r->force_ratio[2][i] = slip.at.sign * (force[2] + mg_cross2(slip.offset, force));
   }
   for (int k = 0; k < MG_PATCH_ROWS; k++) mg_update_inverse_mass_row(c, row + k);
 }

@@ -49,9 +49,7 @@ static mg_real mg_friction_margin_lower_bound(const mg_context *c, int slot, mg_
                   c->system->patch_friction[2 * mg_patch_of_slot(c, slot)];
 }
 
-/* Friction margin N (1 - used part of the limit surface) of a sticking patch, and the twist of the first support
-   and about N with which slip would start. */
-static mg_real mg_patch_friction_margin(mg_context *c, int slot, mg_real *twist) {
+MG_INTERNAL mg_real mg_patch_friction_margin(mg_context *c, int slot, mg_real *twist) {
   const mg_real mu = c->system->patch_friction[2 * mg_patch_of_slot(c, slot)];
   const mg_real *force = c->solution.force + mg_first_patch_friction_row(c, slot);
   mg_patch_friction *r = c->patches.friction + slot;

@@ -23,10 +23,10 @@ MG_API long mg_sensitivity_size(const mg_system *s, int n) {
   const long states = (long)s->n_q + s->n_u + s->n_eta + 1;
   return 2 * mg_count_reals(mg_save_size(s), 1) + mg_count_reals(1, sizeof(mg_blow)) + 36L * s->n_body +
          4 * mg_sensitivity_rows(s) + s->n_friction_row + (12L * (n ? n : 1) + n + 3) * states + 3 * mg_packed_size(s) +
-         18 + n + 1 + 2L * s->n_pair + 6L * s->n_joint;
+         18 + n + 1 + 2L * s->n_pair + 6L * s->n_joint + 6L * s->n_patch_slot;
 }
 
-MG_API long mg_sensitivity_int_size(const mg_system *s) { return (long)s->n_contact + s->n_friction; }
+MG_API long mg_sensitivity_int_size(const mg_system *s) { return (long)s->n_contact + s->n_friction + s->n_patch_slot; }
 
 MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int n, mg_real *work, int *iwork) {
   const mg_system *system = c->system;
@@ -40,6 +40,7 @@ MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int
   s->at.value = mg_take_reals(&work, rows), s->at.rate = mg_take_reals(&work, rows);
   s->at.residual = mg_take_reals(&work, rows), s->at.force = mg_take_reals(&work, rows);
   s->at.ratio = mg_take_reals(&work, system->n_friction_row);
+  s->at.tangents = mg_take_reals(&work, 6L * system->n_patch_slot);
   s->wrench = mg_take_reals(&work, 6 * b), s->slopes = mg_take_reals(&work, 12L * (n ? n : 1) * states);
   s->stage = mg_take_reals(&work, states), s->before = mg_take_reals(&work, states);
   s->slope_before = mg_take_reals(&work, states);
@@ -48,7 +49,7 @@ MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int
   s->event_rate = mg_take_reals(&work, n + 1);
   s->pair = mg_take_reals(&work, 2L * system->n_pair), s->joint = mg_take_reals(&work, 6L * system->n_joint);
   s->closed_before = mg_take_ints(&iwork, system->n_contact);
-  s->slip_begins = mg_take_ints(&iwork, system->n_friction);
+  s->slip_begins = mg_take_ints(&iwork, system->n_friction + system->n_patch_slot);
 }
 
 /* Opens the memory of derivatives along directions; the bytes of the run before and after a step come first. */

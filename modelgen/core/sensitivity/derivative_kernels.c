@@ -43,6 +43,7 @@ MG_INTERNAL mg_real mg_direction_size(const mg_context *c, const mg_sensitivity 
                 {system->n_contact, system->n_contact, d->restitution, system->restitution},
                 {n_friction, n_friction, d->friction_static, system->friction_static},
                 {n_friction, n_friction, d->friction_kinetic, system->friction_kinetic},
+                {2 * system->n_patch, 2 * system->n_patch, d->patch_friction, system->patch_friction},
                 {3, 3, d->gravity, system->gravity},
                 {3 * system->n_input, 3 * system->n_input, d->input, c->run->input}};
   mg_real most = 0;

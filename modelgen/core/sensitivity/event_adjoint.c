@@ -6,18 +6,22 @@
 MG_INTERNAL void mg_event_function_adjoint(mg_context *c, mg_sensitivity *s, const mg_crossing *crossing, mg_real t,
                                            mg_real weight, mg_real *x_bar) {
   const int contact = crossing->contact, g = crossing->constraint,
-            eta = c->system->n_q + c->system->n_u + c->system->contact_eta[contact];
+            eta = c->system->n_q + c->system->n_u + c->system->contact_eta[contact],
+            slot = mg_slot_of_support(c, contact);
   const int row = g < 0 ? 0 : mg_first_friction_row(c, contact, g), rows = g < 0 ? 0 : mg_friction_row_count(c, g);
   mg_clear_cotangents(c, s);
   mg_zero_reals(s->stage, c->layout.n_states);
   if (crossing->kind == MG_CROSSES_GAP) s->at.value[contact] = weight;
-  if (crossing->kind == MG_CROSSES_SLIP) {
+  if (crossing->kind == MG_CROSSES_SLIP && slot >= 0) mg_patch_slip_rate_adjoint(c, s, slot, weight);
+  if (crossing->kind == MG_CROSSES_BOUND && slot >= 0) mg_patch_bound_adjoint(c, s, slot, weight);
+  if (crossing->kind == MG_CROSSES_SLIP && slot < 0) {
     const mg_real *direction = c->run->slip_direction + 3 * g, *tangents = c->rows.tangents + 6 * contact;
     for (int k = 0; k < rows; k++)
       s->at.rate[row + k] = weight * (rows == 1 ? direction[0] : mg_dot3(tangents + 3 * k, direction));
   }
-  if (crossing->kind == MG_CROSSES_FORCE || crossing->kind == MG_CROSSES_BOUND) s->at.force[contact] = weight;
-  if (crossing->kind == MG_CROSSES_BOUND) {
+  if (crossing->kind == MG_CROSSES_FORCE || (crossing->kind == MG_CROSSES_BOUND && slot < 0))
+    s->at.force[contact] = weight;
+  if (crossing->kind == MG_CROSSES_BOUND && slot < 0) {
     const mg_real *mu = c->system->friction_static + 2 * g;
     mg_real size = 0;
     for (int k = 0; k < rows; k++) size += c->solution.force[row + k] / mu[k] * (c->solution.force[row + k] / mu[k]);

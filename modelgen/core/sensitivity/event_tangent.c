@@ -21,7 +21,9 @@ static int mg_crossed_function(const mg_context *c, int kind, int contact) {
     return c->run->closed[contact] ? MG_CROSSES_NOTHING : MG_CROSSES_GAP;
   if (kind == MG_EVENT_LIFT_OFF || kind == MG_EVENT_TIPPING) return MG_CROSSES_FORCE;
   if (kind == MG_EVENT_FEATURE_CHANGE || kind == MG_EVENT_VANISH) return MG_CROSSES_BORDER;
-  if (kind < MG_EVENT_SLIP_START || kind >= MG_EVENT_FALLBACK_START || mg_constraint_of_event(c, contact, kind) < 0)
+  if (kind < MG_EVENT_SLIP_START || kind >= MG_EVENT_FALLBACK_START) return MG_CROSSES_NOTHING;
+  const int slot = mg_slot_of_support(c, contact);
+  if (slot >= 0 ? !mg_is_whole_plane(c, mg_patch_of_slot(c, slot)) : mg_constraint_of_event(c, contact, kind) < 0)
     return MG_CROSSES_NOTHING;
   return (kind - MG_EVENT_SLIP_START) % MG_EVENTS_PER_FRICTION ? MG_CROSSES_SLIP : MG_CROSSES_BOUND;
 }
@@ -139,7 +141,10 @@ MG_INTERNAL void mg_differentiate_event(mg_context *c, mg_sensitivity *s, mg_cro
     const mg_real *dx = s->is_time ? s->slope_before : s->tangent->x + (long)j * states;
     mg_rhs_tangent(c, s, j, t, c->step.end, dx, s->stage);
     const int eta = c->system->n_q + c->system->n_u + c->system->contact_eta[contact];
+    const int slot = mg_slot_of_support(c, contact);
     if (crossing->kind == MG_CROSSES_GAP) s->event_rate[j] = s->at.value[contact];
+    else if (crossing->kind == MG_CROSSES_SLIP && slot >= 0) s->event_rate[j] = mg_patch_slip_rate_tangent(c, s, slot);
+    else if (crossing->kind == MG_CROSSES_BOUND && slot >= 0) s->event_rate[j] = mg_patch_bound_tangent(c, s, j, slot);
     else if (crossing->kind == MG_CROSSES_SLIP) s->event_rate[j] = mg_slip_tangent(c, s, contact, crossing->constraint);
     else if (crossing->kind == MG_CROSSES_BOUND)
       s->event_rate[j] = mg_bound_tangent(c, s, j, contact, crossing->constraint);
@@ -184,12 +189,17 @@ static mg_real mg_rate_tangent_size(const mg_context *c, const mg_sensitivity *s
 
 /* True if slip that ends at the event would not end in a changed run: it is left with a part across its direction. */
 static int mg_leaves_slip_across(mg_context *c, mg_sensitivity *s, const mg_crossing *crossing) {
-  const int row = mg_first_friction_row(c, crossing->contact, crossing->constraint);
-  if (mg_friction_row_count(c, crossing->constraint) < 2) return 0;
+  const int slot = mg_slot_of_support(c, crossing->contact),
+            row = slot >= 0 ? mg_first_patch_friction_row(c, slot)
+                            : mg_first_friction_row(c, crossing->contact, crossing->constraint);
+  const mg_real spin = slot >= 0 ? mg_support_radius(c, slot) : 0; /* of a patch counts as slip at this distance */
+  if (slot < 0 && mg_friction_row_count(c, crossing->constraint) < 2) return 0;
   for (int j = 0; j < s->directions->n; j++) {
     mg_rhs_tangent(c, s, j, c->run->t, c->run->x, s->tangent->x + (long)j * c->layout.n_states, s->stage);
-    const mg_real left = sqrt(mg_dot2(s->at.rate + row, s->at.rate + row)),
-                  size = mg_rate_tangent_size(c, s, row) + mg_rate_tangent_size(c, s, row + 1);
+    const mg_real turn = slot >= 0 ? spin * s->at.rate[row + 2] : 0,
+                  left = sqrt(mg_dot2(s->at.rate + row, s->at.rate + row) + turn * turn),
+                  size = mg_rate_tangent_size(c, s, row) + mg_rate_tangent_size(c, s, row + 1) +
+                         (slot >= 0 ? spin * mg_rate_tangent_size(c, s, row + 2) : 0);
     if (left > sqrt(c->settings->slip_speed) * (fabs(s->event_rate[j]) + size)) return 1;
   }
   return 0;

@@ -18,7 +18,7 @@ MG_INTERNAL void mg_clear_cotangents(const mg_context *c, mg_sensitivity *s) {
   mg_zero_reals(s->at.pose, 12 * b), mg_zero_reals(s->at.twist, 6 * b), mg_zero_reals(s->at.acceleration, 6 * b);
   mg_zero_reals(s->at.wrench, 6 * b), mg_zero_reals(s->at.value, rows), mg_zero_reals(s->at.rate, rows);
   mg_zero_reals(s->at.residual, rows), mg_zero_reals(s->at.force, rows);
-  mg_zero_reals(s->at.ratio, c->system->n_friction_row);
+  mg_zero_reals(s->at.ratio, c->system->n_friction_row), mg_zero_reals(s->at.tangents, 6L * c->system->n_patch_slot);
 }
 
 MG_INTERNAL mg_real mg_response_times(const mg_context *c, int row, const mg_real *per_body) {
@@ -40,8 +40,10 @@ static int mg_slip_row(const mg_context *c, int contact, int k) {
   return c->friction.force_ratio[row - c->layout.friction_row_begin] == 0 ? -1 : row;
 }
 
-/* True if an active contact carries friction of slip. */
+/* True if an active contact or a patch carries friction of slip. */
 static int mg_has_slip_force(const mg_context *c) {
+  for (int slot = 0; c->friction.slips && slot < c->system->n_patch_slot; slot++)
+    if (c->patches.friction[slot].slips) return 1;
   for (int i = mg_next_row(c, -1); c->friction.slips && i < c->layout.support_begin; i = mg_next_row(c, i))
     for (int k = 0; c->run->active[i] && k < mg_rows_below_normal(c, i); k++)
       if (mg_slip_row(c, i, k) >= 0) return 1;
@@ -64,11 +66,27 @@ static int mg_solve_transposed_rows(mg_context *c, int n, const mg_real *rate, m
   return is_regular;
 }
 
+/* From the cotangents of the friction of slipping patches to those of the forces on their supports and of their
+   ratios. */
+static void mg_patch_forces_adjoint(const mg_context *c, mg_sensitivity *s) {
+  for (int slot = 0; c->friction.slips && slot < c->system->n_patch_slot; slot++) {
+    const mg_patch_friction *r = c->patches.friction + slot;
+    mg_real *N_bar = s->at.force + mg_first_support(c, slot);
+    for (int k = 0; r->slips && k < MG_PATCH_ROWS; k++) {
+      const int row = mg_first_patch_friction_row(c, slot) + k;
+      const mg_real bar = s->at.force[row] + mg_response_times(c, row, s->at.acceleration);
+      for (int i = 0; i < 3; i++) N_bar[i] -= r->force_ratio[k][i] * bar;
+      s->at.ratio[row - c->layout.friction_row_begin] -= s->at.force[row], s->at.force[row] = 0;
+    }
+  }
+}
+
 /* From the cotangents of forces and accelerations to those of the residuals of the rows; leaves in s->at.acceleration
    the cotangent of the accelerations at fixed forces. */
 static void mg_forces_adjoint(mg_context *c, mg_sensitivity *s) {
   const int redundant = c->run->forces_redundant, slips = mg_has_slip_force(c);
   mg_real *force_bar = s->at.force, *rate = c->rows.row_rate;
+  mg_patch_forces_adjoint(c, s);
   for (int i = mg_next_row(c, -1); slips && i < c->layout.support_begin; i = mg_next_row(c, i))
     for (int k = 0; c->run->active[i] && k < mg_rows_below_normal(c, i); k++) {
       const int row = mg_slip_row(c, i, k);
@@ -122,6 +140,14 @@ static void mg_slip_ratio_adjoint(mg_context *c, mg_sensitivity *s, int contact,
   }
 }
 
+/* From the cotangents of the ratios of a slipping patch, and of the wrenches that they bring. */
+static void mg_patch_ratio_adjoint(mg_context *c, mg_sensitivity *s, int slot) {
+  const int row = mg_first_patch_friction_row(c, slot);
+  mg_real *bar = s->at.ratio + row - c->layout.friction_row_begin;
+  for (int k = 0; k < MG_PATCH_ROWS; k++) bar[k] -= mg_wrench_along_row(c, row + k, s->at.wrench);
+  mg_patch_slip_adjoint(c, s, slot, bar);
+}
+
 static void mg_contact_rows_adjoint(mg_context *c, mg_sensitivity *s, int contact, const mg_real *x,
                                     const mg_real *slope_bar, mg_real *x_bar) {
   const mg_system *system = c->system;
@@ -130,6 +156,8 @@ static void mg_contact_rows_adjoint(mg_context *c, mg_sensitivity *s, int contac
   mg_real force[MG_ROWS_OF_ONE] = {active ? c->solution.force[contact] : 0}, *y = s->y_dot;
   for (int g = system->contact_friction[contact]; active && below && g < system->contact_friction[contact + 1]; g++)
     if (c->run->friction_mode[g] >= MG_SLIP_ONSET) mg_slip_ratio_adjoint(c, s, contact, g);
+  const int slot = mg_slot_of_support(c, contact), leads = slot >= 0 && contact == mg_first_support(c, slot);
+  if (leads && active && c->system->n_friction && c->patches.friction[slot].slips) mg_patch_ratio_adjoint(c, s, slot);
   mg_zero_reals(y, MG_Y_ETA_DOT + MG_MAX_ETA);
   for (int k = 0; active && k < 6; k++)
     y[MG_Y_FIRST + k] = s->at.wrench[6 * c->contacts.o[contact] + k],
@@ -139,6 +167,7 @@ static void mg_contact_rows_adjoint(mg_context *c, mg_sensitivity *s, int contac
     force[1 + k] = active ? c->solution.force[first + k] : 0, y[MG_Y_RATE + 1 + k] = s->at.rate[first + k],
               y[MG_Y_ACCEL + 1 + k] = s->at.residual[first + k];
   for (int k = 0; k < c->contacts.n_eta[contact]; k++) y[MG_Y_ETA_DOT + k] = slope_bar[eta + k];
+  for (int k = 0; leads && k < 6; k++) y[MG_Y_TANGENTS + k] = s->at.tangents[6 * slot + k];
   mg_contact_adjoint(c, s, contact, x + eta, force, c->bodies.acceleration, x_bar + eta);
 }
 

@@ -96,12 +96,19 @@ static void mg_contact_rows_tangent(mg_context *c, mg_sensitivity *s, int direct
     s->at.value[first + k] = 0, s->at.rate[first + k] = y[MG_Y_RATE + 1 + k],
                         s->at.residual[first + k] = y[MG_Y_ACCEL + 1 + k];
   for (int k = 0; k < c->contacts.n_eta[contact]; k++) slope[eta + k] = y[MG_Y_ETA_DOT + k];
+  const int slot = mg_slot_of_support(c, contact), leads = slot >= 0 && contact == mg_first_support(c, slot);
+  for (int k = 0; leads && k < 6; k++) s->at.tangents[6 * slot + k] = y[MG_Y_TANGENTS + k];
   if (!active) return;
   for (int k = 0; k < 6; k++)
     s->at.wrench[6 * c->contacts.o[contact] + k] += y[MG_Y_FIRST + k],
         s->at.wrench[6 * c->contacts.f[contact] + k] += y[MG_Y_SECOND + k];
   for (int g = system->contact_friction[contact]; below && g < system->contact_friction[contact + 1]; g++)
     if (c->run->friction_mode[g] >= MG_SLIP_ONSET) mg_slip_ratio_tangent(c, s, direction, contact, g);
+  if (!leads || !c->system->n_friction || !c->patches.friction[slot].slips) return;
+  mg_patch_slip_tangent(c, s, direction, slot);
+  const int row = mg_first_patch_friction_row(c, slot);
+  for (int k = 0; k < MG_PATCH_ROWS; k++)
+    mg_add_row_wrench(c, row + k, -s->at.ratio[row + k - c->layout.friction_row_begin], s->at.wrench);
 }
 
 static void mg_joint_rows_tangent(mg_context *c, mg_sensitivity *s, int direction, int joint, mg_real t) {
@@ -168,6 +175,22 @@ static void mg_forces_tangent(mg_context *c, mg_sensitivity *s) {
     }
 }
 
+/* Derivatives of the friction of slipping patches, and what those of the forces on their supports add to the
+   accelerations. */
+static void mg_patch_forces_tangent(mg_context *c, mg_sensitivity *s) {
+  for (int slot = 0; c->friction.slips && slot < c->system->n_patch_slot; slot++) {
+    const mg_patch_friction *r = c->patches.friction + slot;
+    const mg_real *N_dot = s->at.force + mg_first_support(c, slot);
+    for (int k = 0; r->slips && k < MG_PATCH_ROWS; k++) {
+      const int row = mg_first_patch_friction_row(c, slot) + k;
+      const mg_real change =
+          -(r->force_ratio[k][0] * N_dot[0] + r->force_ratio[k][1] * N_dot[1] + r->force_ratio[k][2] * N_dot[2]);
+      mg_add_row_response(c, row, change, s->at.acceleration);
+      s->at.force[row] = change - s->at.ratio[row - c->layout.friction_row_begin];
+    }
+  }
+}
+
 MG_INTERNAL void mg_rows_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
                                  const mg_real *dx, mg_real *slope) {
   const mg_system *system = c->system;
@@ -188,6 +211,7 @@ MG_INTERNAL void mg_rhs_tangent(mg_context *c, mg_sensitivity *s, int direction,
   mg_loads_tangent(c, s, direction, t);
   mg_bodies_tangent(c, s, direction, x, dx, slope);
   mg_forces_tangent(c, s);
+  mg_patch_forces_tangent(c, s);
   for (int b = 0; b < c->system->n_body; b++)
     mg_copy_velocity(c, b, s->at.acceleration + 6 * b, slope + c->system->n_q + c->system->body_u[b]);
 }

@@ -11,6 +11,7 @@
 #define MG_SENSITIVITY_H
 
 #include "model/context.h"
+#include "forces/forces.h"
 
 enum {
   MG_ROWS_OF_ONE = 6, /* rows of a contact or joint in the packed formulas */
@@ -35,7 +36,8 @@ typedef struct {
   mg_real *rate;         /* [per row] of J u */
   mg_real *residual;     /* [per row] of J a + gamma at fixed forces */
   mg_real *force;        /* [per row] of the force */
-  mg_real *ratio;        /* [per friction row] of the force ratio of slip */
+  mg_real *ratio;    /* [per friction row] of the force ratio of slip; of a patch: of the ratios, times the forces */
+  mg_real *tangents; /* [6 per slot] of t1 and t2 of its patch */
 } mg_direction_view;
 
 /* An explicit Runge-Kutta method: stage i adds value[k] * slope[column[k]], row[i] <= k < row[i + 1]; the last row
@@ -112,7 +114,7 @@ typedef struct {
   mg_blow *blow;         /* the blow of the event */
   mg_real *start;        /* [n n_states] derivatives before the step */
   int *closed_before;    /* [n_contact] closed before the event */
-  int *slip_begins;      /* [n_friction] 1: slip begins in the step */
+  int *slip_begins;      /* [n_friction + n_patch_slot] 1: slip of the constraint or patch begins in the step */
   mg_crossing crossing;  /* of the step treated last */
   mg_real t_dot;         /* derivative of the time in the direction looked at: 1 of time itself */
   int is_time;           /* 1: the direction looked at is time: no number changes */
@@ -160,6 +162,42 @@ MG_INTERNAL void mg_rhs_tangent(mg_context *c, mg_sensitivity *s, int direction,
 /* Of that only the derivatives of value, rate and residual of all rows, at forces and accelerations of the state. */
 MG_INTERNAL void mg_rows_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
                                  const mg_real *dx, mg_real *slope);
+
+/* patch_tangent.c */
+
+/* Slot of a support, or -1 for other contacts. */
+MG_INTERNAL int mg_slot_of_support(const mg_context *c, int contact);
+
+/* True if the derivatives of the friction of a slipping patch are known. Needs the velocities of the rows. */
+MG_INTERNAL int mg_is_patch_slip_known(const mg_context *c, int slot);
+
+/* Derivative of the friction matrix of a pressure. */
+MG_INTERNAL void mg_friction_matrix_dot(const mg_winkler_pressure_field *p, const mg_real *twist,
+                                        const mg_real *twist_dot, mg_real G_dot[3][3]);
+
+/* Axes x and y of the hull in axes of f. */
+MG_INTERNAL void mg_hull_axes_in_f(const mg_context *c, int slot, const mg_patch_frame *at, mg_real local[2][3]);
+
+/* Derivatives of the force ratios of a slipping patch times the forces, into s->at.ratio. Needs s->at.tangents and the
+   derivatives of its slip. */
+MG_INTERNAL void mg_patch_slip_tangent(mg_context *c, mg_sensitivity *s, int direction, int slot);
+
+/* Derivatives of the slip of a patch along its stored direction, and of what is left of its bound while it sticks. */
+MG_INTERNAL mg_real mg_patch_slip_rate_tangent(const mg_context *c, const mg_sensitivity *s, int slot);
+MG_INTERNAL mg_real mg_patch_bound_tangent(mg_context *c, const mg_sensitivity *s, int direction, int slot);
+
+/* Derivatives of the second, where nothing is left, by the forces on the rows of the patch (3 supports, then 3 of
+   friction), and by its coefficient. */
+MG_INTERNAL void mg_patch_bound_gradient(mg_context *c, int slot, mg_real *by_force, mg_real *by_mu);
+
+/* patch_adjoint.c */
+
+/* From the cotangents of the three s->at.ratio of a slipping patch. */
+MG_INTERNAL void mg_patch_slip_adjoint(mg_context *c, mg_sensitivity *s, int slot, const mg_real *bar);
+
+/* Of the event functions, times a weight. */
+MG_INTERNAL void mg_patch_slip_rate_adjoint(const mg_context *c, mg_sensitivity *s, int slot, mg_real weight);
+MG_INTERNAL void mg_patch_bound_adjoint(mg_context *c, mg_sensitivity *s, int slot, mg_real weight);
 
 /* step_tangent.c */
 

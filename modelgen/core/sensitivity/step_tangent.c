@@ -62,10 +62,10 @@ MG_INTERNAL void mg_settle_eta_tangents(mg_context *c, mg_sensitivity *s, mg_rea
   }
 }
 
-/* True if friction of a patch slips. */
-static int mg_has_rubbing_patch(const mg_context *c) {
+/* True if a patch slips whose friction is not differentiated. */
+static int mg_has_unknown_patch_slip(const mg_context *c) {
   for (int slot = 0; slot < c->system->n_patch_slot; slot++)
-    if (c->run->patch_mode[slot] >= MG_SLIP_ONSET) return 1;
+    if (c->run->patch_mode[slot] >= MG_SLIP_ONSET && !mg_is_patch_slip_known(c, slot)) return 1;
   return 0;
 }
 
@@ -96,7 +96,7 @@ static int mg_uncertain_step(mg_context *c, mg_sensitivity *s, mg_real h) {
   s->doubtful = mg_first_closed_support(c);
   if (mg_rests_on_moving_points(c, s)) return MG_BY_BORDER;
   if (mg_has_rolling_start(c)) return MG_BY_ROLLING_START;
-  if (mg_has_rubbing_patch(c)) return MG_BY_FACES;
+  if (mg_has_unknown_patch_slip(c)) return MG_BY_FACES;
   s->doubtful = -1;
   if (mg_has_anisotropic_friction(c, s)) return MG_BY_ANISOTROPY;
   if (c->settings->method == MG_DOP853 && c->system->n_friction) {
@@ -119,6 +119,8 @@ static int mg_mark_beginning_slip(mg_context *c, mg_sensitivity *s) {
                           !mg_is_turned_by_slip(c, g, c->rows.d_dot + mg_first_friction_row(c, i, g));
       any |= s->slip_begins[g];
     }
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++)
+    any |= s->slip_begins[c->system->n_friction + slot] = c->run->patch_mode[slot] == MG_SLIP_STARTING;
   return any;
 }
 
@@ -137,6 +139,24 @@ static int mg_turns_slip_onset(const mg_context *c, mg_sensitivity *s, int direc
       s->doubtful = i;
       return 1;
     }
+  return 0;
+}
+
+/* The same of a patch: slip along t1 and t2, and spin as slip at the distance of its supports. */
+static int mg_turns_patch_slip_onset(const mg_context *c, mg_sensitivity *s, int direction) {
+  const mg_real least = MG_ROUNDED_TANGENT * mg_direction_size(c, s, direction) * c->system->length / c->system->time;
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
+    if (!s->slip_begins[c->system->n_friction + slot]) continue;
+    const int row = mg_first_patch_friction_row(c, slot);
+    const mg_real radius = mg_support_radius(c, slot), *slip = c->rows.d_dot + row, *dot = s->at.rate + row;
+    const mg_real v[3] = {slip[0], slip[1], radius * slip[2]}, v_dot[3] = {dot[0], dot[1], radius * dot[2]};
+    mg_real across[3];
+    mg_cross_product(v, v_dot, across);
+    const mg_real change = mg_dot3(v_dot, v_dot);
+    if (!(mg_dot3(across, across) > MG_EPS * mg_dot3(v, v) * change) || !(change > least * least)) continue;
+    s->doubtful = mg_first_support(c, slot);
+    return 1;
+  }
   return 0;
 }
 
@@ -197,9 +217,10 @@ MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h) {
     mg_normalise_tangent(c, c->step.end, dx);
   }
   mg_settle_step_end(c, s, t + h);
+  if (!reason && mg_has_unknown_patch_slip(c)) reason = MG_BY_FACES, s->doubtful = mg_first_closed_support(c);
   for (int j = 0; j < n && !reason && slip_begins; j++) {
     mg_rhs_tangent(c, s, j, t + h, c->step.end, s->tangent->x + (long)j * states, s->stage);
-    if (mg_turns_slip_onset(c, s, j)) reason = MG_BY_SLIP_ONSET;
+    if (mg_turns_slip_onset(c, s, j) || mg_turns_patch_slip_onset(c, s, j)) reason = MG_BY_SLIP_ONSET;
   }
   return reason;
 }

@@ -215,10 +215,11 @@ RECORD_ARRAYS = (
 )
 DIRECTION_ARRAYS = (
     *("start", "parameters", "gravity", "restitution", "friction_static", "friction_kinetic"),
-    *("input", "moves_borders"),
+    *("patch_friction", "input", "moves_borders"),
 )
 COTANGENT_ARRAYS = (
-    *("x", "parameters", "gravity", "restitution", "friction_static", "friction_kinetic", "input"),
+    *("x", "parameters", "gravity", "restitution", "friction_static", "friction_kinetic"),
+    *("patch_friction", "input"),
 )
 EVENT_ARRAYS = ("t", "kind", "contact", "feature_pair", "speed")
 QUERY_GIVEN = ("parameters", "pose_o", "pose_f", "step_limit")
