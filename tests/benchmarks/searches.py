@@ -1,14 +1,16 @@
 """Runs that searches without derivatives need for tasks of the worked examples, beside the ways of modelgen.
 
-    python -m tests.benchmarks.searches [--starts 5]
+    python -m tests.benchmarks.searches [--starts 5] [--task masse_shot]
 
 Two tasks, from perturbed starts:
 
-- throw_a_cube: velocity and spin of a cube, so that it ends on a face at a place; by Gauss and Newton's method with
+- throw_a_cube: velocity and spin of a cube, so that it ends on a face at a place; by Gauss and Newton's
+method with
   derivatives of runs, with differences of runs, and by CMA-ES (package `cma`, extra `searches`);
-- masse_shot: speed and spin of a ball, so that it passes beside an obstacle and is at its goal to 1e-3 m; by the plan
-  with complementarity constraints (a run for the guess and one that checks), by sequential quadratic programs with
-  differences of runs, and by CMA-ES.
+- masse_shot: speed and spin of a ball, so that it passes beside an obstacle and is at its goal to 1e-3 m; by
+the plan
+  with complementarity constraints (a run for the guess and one that checks), by sequential quadratic programs
+  with differences of runs, and by CMA-ES.
 
 Told are the starts that reach the goal, and the median of the runs that each of these took.
 """
@@ -20,7 +22,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from scipy.optimize import least_squares, minimize
+from scipy.optimize import minimize
 
 from modelgen.optimal_control.motion_guess import run_from
 from tests.examples import masse_shot, throw_a_cube
@@ -88,10 +90,7 @@ def throws(starts: int) -> None:
     found: dict[str, Array] = {}
 
     def by_differences(start: Array) -> Array:
-        answer: Any = least_squares(
-            throw.residual, start, jac="2-point", x_scale=throw_a_cube.SPREAD, max_nfev=60
-        )
-        return np.asarray(answer.x)
+        return throw_a_cube.searched(throw, start, "2-point")
 
     def by_search(start: Array) -> Array:
         best: list[Any] = [np.inf, start]
@@ -160,9 +159,12 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--starts", type=int, default=5)
+    parser.add_argument("--task", choices=["throw_a_cube", "masse_shot"])
     given = parser.parse_args()
-    throws(given.starts)
-    shots(given.starts)
+    if given.task != "masse_shot":
+        throws(given.starts)
+    if given.task != "throw_a_cube":
+        shots(given.starts)
 
 
 if __name__ == "__main__":

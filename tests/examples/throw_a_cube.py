@@ -55,7 +55,7 @@ value = "2*(q_y*q_z + q_w*q_x)"
 name = "tilt_z"
 value = "1 - 2*(q_x**2 + q_y**2)"
 """
-UNTIL, REST = 0.5, 2.5  # s: some time after the first blow; at rest
+EARLY, UNTIL, REST = 0.38, 0.5, 2.5  # s: while it tips after the first blow; when it has tipped; at rest
 PLACE = (0.35, 0.05)  # m, at UNTIL
 FIRST = np.array([1.04, 0.04, 0.5, -0.6, -4.8, -0.1])  # m/s, rad/s
 SPREAD = np.array([0.1, 0.1, 0.1, 0.3, 0.3, 0.3])
@@ -70,7 +70,7 @@ class CubeThrow:
     """What a throw misses, with a count of runs."""
 
     def __init__(self, library: Library) -> None:
-        self._library, self.runs = library, 0
+        self._library, self.runs, self.until = library, 0, UNTIL
 
     def thrown(self, throw: Array) -> Library:
         """The library with another start."""
@@ -82,13 +82,13 @@ class CubeThrow:
     def residual(self, throw: Array) -> Array:
         """(7,) of the place, m, the tilt, and the tumbling, weighed."""
         self.runs += 1
-        found = _weighed(sensitivity(self.thrown(throw), UNTIL, of=OF, by=[]).value[0])
+        found = _weighed(sensitivity(self.thrown(throw), self.until, of=OF, by=[]).value[0])
         found[:2] -= PLACE
         return found
 
     def slope(self, throw: Array) -> Array:
         """(7, 6), by the throw."""
-        return _weighed(sensitivity(self.thrown(throw), UNTIL, of=OF, by=BY).jacobian[0])
+        return _weighed(sensitivity(self.thrown(throw), self.until, of=OF, by=BY).jacobian[0])
 
     def reached(self, throw: Array) -> bool:
         """At its place, and, of a run until rest, on the face."""
@@ -116,8 +116,16 @@ def perturbed(random: np.random.Generator) -> Array:
 
 
 def by_derivatives(throw: CubeThrow, start: Array) -> Array:
-    found: Any = least_squares(throw.residual, start, jac=throw.slope, x_scale=SPREAD, max_nfev=60)
-    return np.asarray(found.x)
+    return searched(throw, start, throw.slope)
+
+
+def searched(throw: CubeThrow, start: Array, slope: Any) -> Array:
+    """By Gauss and Newton's method, first at a time at which the cube tips and a change of the throw is seen
+    in its tilt: once it lies on another face, none is."""
+    found = start
+    for throw.until, most in ((EARLY, 20), (UNTIL, 40)):
+        found = least_squares(throw.residual, found, jac=slope, x_scale=SPREAD, max_nfev=most).x
+    return np.asarray(found)
 
 
 if __name__ == "__main__":
