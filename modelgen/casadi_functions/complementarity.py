@@ -26,12 +26,12 @@ def mpcc(source: Source, feature_pairs: Mapping[str, str] | None = None) -> dict
     Returns:
         a dict. Symbols: `t`, `q`, `v`, `eta`, `x` = [q, v, eta], `u` (settings of the inputs, 3 each),
         `gravity`, `p` (parameters), `lambda_normal`, `lambda_joint`, `direction` of the friction, and
-        `gamma`, the multiplier of each friction constraint, a speed.
-        Expressions: `lambda_tangent` = mu lambda_normal direction, `M`, `invM`, `f_v`, `q_dot`, `eta_dot`, `eta_error` (zero where eta gives the closest
-        points), `f_c` (gaps, m), `J_normal`, `J_tangent`, `J_joint` (columns are wrenches), `Gamma2`,
-        `v_dot`, `joint_value`, `Gamma1`, the pairs `G` and `H`, and `equal`.
-        Numbers: `x0`, `p0`, `g0` of the scene, `mu` (one column of two coefficients a friction constraint),
-        `e` (restitution of each contact), `names` of the contacts.
+        `gamma`, the multiplier of each friction constraint, a speed. Expressions: `lambda_tangent` = mu
+        lambda_normal direction, `M`, `invM`, `f_v`, `q_dot`, `eta_dot`, `eta_error` (zero where eta gives the
+        closest points), `f_c` (gaps, m), `J_normal`, `J_tangent`, `J_joint` (columns are wrenches), `Gamma2`,
+        `v_dot`, `joint_value`, `Gamma1`, the pairs `G` and `H`, and `equal`. Numbers: `x0`, `p0`, `g0` of the
+        scene, `mu` (one column of two coefficients a friction constraint), `e` (restitution of each contact),
+        `names` of the contacts.
 
     Raises:
         ModelgenError: a name is unknown, or the library's scene cannot be read again.

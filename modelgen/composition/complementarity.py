@@ -1,9 +1,9 @@
 """A scene as complementarity system: M v_dot = f_v + J_n lambda_n + J_t lambda_t + J_j lambda_j, with the
 conditions of contacts, limits and friction as pairs G, H: 0 <= G, 0 <= H, G H = 0.
 
-The friction forces of a contact are lambda_n mu d, with a direction d, |d| <= 1. Coulomb's law, with s the slip
-times mu, and g >= 0: s + g d = 0, g complementary to 1 - |d|^2. So d and g are known where the contact is open,
-too: g = |s|.
+The friction forces of a contact are lambda_n mu d, with a direction d, |d| <= 1. Coulomb's law, with s the
+slip times mu, and g >= 0: s + g d = 0, g complementary to 1 - |d|^2. So d and g are known where the contact
+is open, too: g = |s|.
 """
 
 from __future__ import annotations
@@ -27,7 +27,9 @@ class ComplementaritySystem:
     """Expressions of the symbols of a scene, of the loads of its rows and of the speeds of its friction."""
 
     scene: WrittenScene
-    loads: Expression  # symbols (rows,): forces of contacts and limits, directions of friction, forces of joints
+    loads: (
+        Expression  # symbols (rows,): forces of contacts and limits, directions of friction, forces of joints
+    )
     forces: Expression  # (rows,) N, of the loads
     speeds: Expression  # (friction constraints,)
     contacts: tuple[int, ...]  # places of the contacts and limits among the rows

@@ -17,7 +17,8 @@ Symbol = TypeVar("Symbol", ca.SX, ca.MX)
 
 @dataclass(frozen=True)
 class ComplementarityProgram(Generic[Symbol]):
-    """min f(x, p) with lbx <= x <= ubx, lbg <= g <= ubg, 0 <= G, 0 <= H, and G_i H_j = 0 for each pair (i, j).
+    """min f(x, p) with lbx <= x <= ubx, lbg <= g <= ubg, 0 <= G, 0 <= H, and G_i H_j = 0 for each pair (i,
+    j).
 
     Attributes:
         first: (n,) G.
@@ -46,10 +47,10 @@ class ComplementarityProgram(Generic[Symbol]):
             "lbx": (len(self.lbx), self.x.numel()), "ubx": (len(self.ubx), self.x.numel()),
             "lbg": (len(self.lbg), self.g.numel()), "ubg": (len(self.ubg), self.g.numel()),
         }  # fmt: skip
-        for name, (found, needed) in sizes.items():
-            if found != needed:
+        for name, (given, needed) in sizes.items():
+            if given != needed:
                 raise ModelgenError(
-                    "ComplementarityProgram", f"{found} entries in {name}", f"{needed} are needed"
+                    "ComplementarityProgram", f"{given} entries in {name}", f"{needed} are needed"
                 )
         if self.pairs is None and n != m:
             found = f"{n} entries in first, {m} in second"
@@ -85,7 +86,7 @@ class RelaxedProgram(Generic[Symbol]):
     and H are zero in place of it."""
 
     def __init__(self, program: ComplementarityProgram[Symbol], options: dict[str, Any]) -> None:
-        self._program = program
+        self._program: ComplementarityProgram[Symbol] = program
         symbol = type(program.x)
         tau = symbol.sym("tau")
         given = program.p if program.p is not None else symbol(0, 1)
@@ -142,8 +143,8 @@ class RelaxedProgram(Generic[Symbol]):
 
 
 def without_repeated_bounds(program: ComplementarityProgram[Symbol]) -> Array:
-    """lbx without the bounds 0 <= x_k of unknowns that are an entry of G or H: a row that is set to zero beside
-    such a bound would leave no interior and no unique multiplier."""
+    """lbx without the bounds 0 <= x_k of unknowns that are an entry of G or H: a row that is set to zero
+    beside such a bound would leave no interior and no unique multiplier."""
     sides = ca.vertcat(program.first, program.second)
     lbx = np.array(program.lbx, dtype=float)
     if program.p is not None or not sides.numel():

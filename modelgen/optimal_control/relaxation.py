@@ -1,12 +1,12 @@
 """Programs with complementarity constraints by a homotopy, and the branch of the constraints where it ends.
 
-The homotopy solves 0 <= G, 0 <= H, G H <= tau with tau falling, each from the solution of the one before
-(S. Scholtes, SIAM J. Optim. 11 (2001), 918-936). Its end is off by about tau, and may be C-stationary only. So,
-once tau is small, one entry of each pair is set to zero, that which is nearer, and the program without products
-is solved from there; where that fails, tau falls further.
-Where both entries of a pair are zero in its solution, the multiplier of the one that was set to zero says whether
-the other branch leads to a smaller value; if so, it is solved too. An end at which no multiplier says so is strongly
-stationary (H. Scheel, S. Scholtes, Math. Oper. Res. 25 (2000), 1-22).
+The homotopy solves 0 <= G, 0 <= H, G H <= tau with tau falling, each from the solution of the one before (S.
+Scholtes, SIAM J. Optim. 11 (2001), 918-936). Its end is off by about tau, and may be C-stationary only. So,
+once tau is small, one entry of each pair is set to zero, that which is nearer, and the program without
+products is solved from there; where that fails, tau falls further. Where both entries of a pair are zero in
+its solution, the multiplier of the one that was set to zero says whether the other branch leads to a smaller
+value; if so, it is solved too. An end at which no multiplier says so is strongly stationary (H. Scheel, S.
+Scholtes, Math. Oper. Res. 25 (2000), 1-22).
 """
 
 from __future__ import annotations
@@ -33,6 +33,7 @@ BRANCHES = 20  # that are solved at most
 GAIN = 1e-9  # of the value, relative, that is worth another branch
 OPTIONS: dict[str, Any] = {
     "print_time": False,
+    "show_eval_warnings": False,  # a step to where the functions are not defined is cut
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
     "ipopt.tol": 1e-8,
@@ -92,7 +93,7 @@ class RelaxedSolver(Generic[Symbol]):
         self._relaxations, self._branches = tuple(relaxations), branches
         self._pairs = program.paired
         self._sides = int(program.first.numel())
-        self._relaxed = RelaxedProgram(program, OPTIONS | (options or {}))
+        self._relaxed: RelaxedProgram[Symbol] = RelaxedProgram(program, OPTIONS | (options or {}))
 
     def solve(self, start: Array, p: Sequence[float] = ()) -> RelaxedSolution:
         """The solution from a start: relaxation by relaxation, until a branch is solved."""

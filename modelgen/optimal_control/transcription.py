@@ -129,6 +129,7 @@ class Transcription:
         self._second: list[ca.MX] = []
         self._pairs: list[tuple[int, int]] = []
         self._begin = (0, 0)  # of the last element among the entries of G and H
+        self._into = 0  # of the approach at its start, among those of H
         self._objective = ca.MX(0)
         n_x = (model.n_q, model.n_u, model.n_eta)
         self._start = [self._unknown(size) for size in n_x]
@@ -269,9 +270,8 @@ class Transcription:
         self._begin = begin
         if self._impacts:  # what carries force in the element does not approach at its start
             size = int(found[0][4].numel())
-            for stage in range(len(self._c)):
-                at = begin[0] + size * stage
-                self._pairs += [(at + k, self._into + k) for k in range(self._contacts)]
+            for begun in range(begin[0], begin[0] + size * len(self._c), size):
+                self._pairs += [(begun + k, self._into + k) for k in range(self._contacts)]
 
     def _sizes(self) -> tuple[int, int]:
         """Entries of G and of H so far."""
@@ -279,7 +279,8 @@ class Transcription:
 
     def _pair_with_left_end(self, begin: tuple[int, int], size: int) -> None:
         """Pair forces of an element with the gap at its start, and what is left of the bound of friction with
-        the slip there, so that contacts close and stick at the ends of elements alone. Impulses let slip jump."""
+        the slip there, so that contacts close and stick at the ends of elements alone. Impulses let slip
+        jump."""
         first, second = (each + size * (len(self._c) - 1) for each in self._begin)  # of the last stage before
         for stage in range(len(self._c)):
             at = [each + size * stage for each in begin]
@@ -287,9 +288,7 @@ class Transcription:
             if not self._impacts:
                 self._pairs += [(first + k, at[1] + k) for k in range(self._contacts, size)]
 
-    def _pair(
-        self, first: list[ca.MX], second: list[ca.MX], partners: list[list[int]] | None = None
-    ) -> None:
+    def _pair(self, first: list[ca.MX], second: list[ca.MX], partners: list[list[int]] | None = None) -> None:
         """Pair the entries of each column of `first` with those of each of `second`: with the same, or with
         those whose number is that in `partners`."""
         size = int(first[0].numel())
@@ -325,8 +324,8 @@ class Transcription:
         return np.concatenate(parts)
 
     def _friction(self, forces: Array, rates: Array) -> tuple[Array, Array]:
-        """The loads of these forces (rows,), N, and the speeds of friction, m/s. A direction is that of the force
-        where there is one, else against the slip."""
+        """The loads of these forces (rows,), N, and the speeds of friction, m/s. A direction is that of the
+        force where there is one, else against the slip."""
         loads, speeds = forces.copy(), []
         for places, index, kinetic in self._frictions():
             slip = rates[places] * kinetic

@@ -1,4 +1,5 @@
-"""Statements of data: members of sets, and values of parameters and starts of variables as lists and tables."""
+"""Statements of data: members of sets, and values of parameters and starts of variables as lists and
+tables."""
 
 from __future__ import annotations
 

@@ -17,7 +17,26 @@ RELATIONS: dict[str, Callable[[Any, Any], Any]] = {
     "<": operator.lt, "<=": operator.le, "=": operator.eq, "==": operator.eq, "!=": operator.ne,
     "<>": operator.ne, ">": operator.gt, ">=": operator.ge,
 }  # fmt: skip
-ENDS_A_SET = {",", "}", ")", ":", ":=", "diff", "union", "inter", "cross", "within", "in", "then", "default", "and", "or", "&&", "||", ""}
+ENDS_A_SET = {
+    ",",
+    "}",
+    ")",
+    ":",
+    ":=",
+    "diff",
+    "union",
+    "inter",
+    "cross",
+    "within",
+    "in",
+    "then",
+    "default",
+    "and",
+    "or",
+    "&&",
+    "||",
+    "",
+}
 
 
 class Parser:
@@ -227,9 +246,7 @@ class Parser:
         low = self.expression()
         self.need("..")
         high = self.expression()
-        return SetTerm(
-            lambda d: {(k,): None for k in range(round(low(d)), round(high(d)) + 1)}, lambda: 1
-        )
+        return SetTerm(lambda d: {(k,): None for k in range(round(low(d)), round(high(d)) + 1)}, lambda: 1)
 
     def _after(self) -> str:
         """Text of the token after the next."""
@@ -311,9 +328,7 @@ def _joined(how: str, a: SetTerm, b: SetTerm) -> SetTerm:
 
 
 def _product_of(a: SetTerm, b: SetTerm) -> SetTerm:
-    return SetTerm(
-        lambda d: {_together(x, y): None for x in a(d) for y in b(d)}, lambda: a.size() + b.size()
-    )
+    return SetTerm(lambda d: {_together(x, y): None for x in a(d) for y in b(d)}, lambda: a.size() + b.size())
 
 
 def _together(a: Key, b: Key) -> Key:

@@ -66,9 +66,7 @@ class Indexing:
 
     def size(self) -> int:
         """Indices of a member."""
-        return sum(
-            len(pattern) if pattern is not None else members.size() for pattern, members in self.items
-        )
+        return sum(len(pattern) if pattern is not None else members.size() for pattern, members in self.items)
 
 
 def _matched(pattern: tuple[str, ...] | None, member: Key, dummies: Dummies) -> Dummies | None:

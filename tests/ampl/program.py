@@ -1,7 +1,7 @@
 """Models in a part of AMPL, enough for MacMPEC, as programs with complementarity constraints of CasADi.
 
-R. Fourer, D. M. Gay, B. W. Kernighan, AMPL: A Modeling Language for Mathematical Programming, 2003; complementarity:
-M. C. Ferris, R. Fourer, D. M. Gay, SIAM J. Optim. 9 (1999), 991-1009.
+R. Fourer, D. M. Gay, B. W. Kernighan, AMPL: A Modeling Language for Mathematical Programming, 2003;
+complementarity: M. C. Ferris, R. Fourer, D. M. Gay, SIAM J. Optim. 9 (1999), 991-1009.
 """
 
 from __future__ import annotations
@@ -91,7 +91,8 @@ class _Model:
         if first in IGNORED:
             return
         known = {
-            "set": self._set, "param": self._param, "var": self._var, "let": self._command, "fix": self._command, "for": self._command,
+            "set": self._set, "param": self._param, "var": self._var,
+            "let": self._command, "fix": self._command, "for": self._command,
             "minimize": self._objective, "maximize": self._objective,
         }  # fmt: skip
         known.get(first, self._constraint)(parser)

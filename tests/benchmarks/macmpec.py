@@ -3,9 +3,10 @@
     python -m tests.benchmarks.macmpec [--source URL] [--only NAME ..] [--largest 700] [--out FILE]
 
 The AMPL text of the programs and their table are cloned by git from `--source`, a URL or a folder with a
-repository, into a temporary folder, and kept nowhere. Each program is written to FILE as a line of JSON as soon
-as it is solved; those that FILE holds already are not solved again. Told are the value found, the published one,
-iterations of IPOPT in all, and what is left of complementarity and constraints. A program counts as
+repository, into a temporary folder, and kept nowhere. Each program is written to FILE as a line of JSON as
+soon as it is solved; those that FILE holds already are not solved again. Told are the value found, the
+published one, iterations of IPOPT in all, and what is left of complementarity and constraints. A program
+counts as
 
 - equal: to all published digits, or to 1e-5 of max(1, value);
 - lower: feasible, with a better value than the published one;
@@ -104,7 +105,9 @@ def solved(problem: AmplProgram) -> dict[str, Any]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--source", default=SOURCE)
     parser.add_argument("--only", nargs="+")
     parser.add_argument("--largest", type=int, default=700)
@@ -146,7 +149,8 @@ def line(row: dict[str, Any]) -> str:
     text = f"{row['name']:14s} {row['variables']:9d} {row['pairs']:5d} "
     return text + (
         f"{row['value']:14.7g} {row['published']:12.6g} {row['iterations']:6d}  {row['verdict']:6s}"
-        f" {'strong' if row['strong'] else '':6s} complementarity {row['complementarity']:.0e}, violation {row['violation']:.0e}"
+        f" {'strong' if row['strong'] else '':6s} complementarity {row['complementarity']:.0e},"
+        f" violation {row['violation']:.0e}"
     )
 
 

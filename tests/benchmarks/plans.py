@@ -2,10 +2,10 @@
 
     python -m tests.benchmarks.plans [--starts 20] [--only roll_an_ellipsoid ..] [--out FILE]
 
-Each example of `tests/examples` is solved from guesses that are simulated runs with random starts or inputs. Told
-are: how many are solved and, simulated, miss their goal by at most 1e-3 m; iterations of IPOPT; the largest difference
-of positions between plan and run. Each solution is written to FILE as a line of JSON; those that it holds are not
-solved again.
+Each example of `tests/examples` is solved from guesses that are simulated runs with random starts or inputs.
+Told are: how many are solved and, simulated, miss their goal by at most 1e-3 m; iterations of IPOPT; the
+largest difference of positions between plan and run. Each solution is written to FILE as a line of JSON;
+those that it holds are not solved again.
 """
 
 from __future__ import annotations
@@ -43,7 +43,9 @@ def solved(example: PlanExample, solver: Any, seed: int) -> dict[str, Any]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--starts", type=int, default=20)
     parser.add_argument("--only", nargs="+", default=NAMES)
     parser.add_argument("--out", type=Path, default=Path(tempfile.gettempdir()) / "plans.jsonl")
@@ -68,9 +70,7 @@ def told(name: str, rows: list[dict[str, Any]]) -> str:
     good = [row for row in rows if row["missed"] < NEAR]
     if not good:
         return f"{name}: none of {len(rows)}"
-    iterations, missed, apart = (
-        [row[key] for row in good] for key in ("iterations", "missed", "positions")
-    )
+    iterations, missed, apart = ([row[key] for row in good] for key in ("iterations", "missed", "positions"))
     return (
         f"{name:24s} {len(good)} of {len(rows)}, iterations {int(np.median(iterations))}, "
         f"missed {np.median(missed):.1e} m (most {max(missed):.1e}), "

@@ -2,8 +2,8 @@
 
     python -m tests.examples.masse_shot
 
-Speed and spin of the strike are sought, with least energy. The ends of the elements move to the instant at which it
-begins to roll.
+Speed and spin of the strike are sought, with least energy. The ends of the elements move to the instant at
+which it begins to roll.
 """
 
 from __future__ import annotations

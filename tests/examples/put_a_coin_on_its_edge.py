@@ -2,8 +2,8 @@
 
     python -m tests.examples.put_a_coin_on_its_edge
 
-A coin that is held leaning over a table, and spins, is moved by a force and a torque until it touches the table with
-its rim, with as little force as that takes. Then it is let go, and spins on.
+A coin that is held leaning over a table, and spins, is moved by a force and a torque until it touches the
+table with its rim, with as little force as that takes. Then it is let go, and spins on.
 """
 
 from __future__ import annotations

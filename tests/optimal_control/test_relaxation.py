@@ -9,6 +9,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from modelgen.errors import ModelgenError
 from modelgen.optimal_control.complementarity_program import ComplementarityProgram
 from modelgen.optimal_control.relaxation import RelaxedSolver
 
@@ -56,3 +57,40 @@ def test_small_programs_reach_their_published_values(name: str) -> None:
     found = RelaxedSolver(program).solve(np.array(start, dtype=float))
     assert found.success
     assert found.value == pytest.approx(value, abs=1e-6)
+    assert found.complementarity < 1e-9
+    relaxed = RelaxedSolver(program, branches=False).solve(np.array(start, dtype=float))
+    assert relaxed.success
+    assert not relaxed.strong
+    assert relaxed.value == pytest.approx(value, abs=1e-2)
+
+
+def test_a_better_branch_is_found_where_the_homotopy_ends_at_a_worse_one() -> None:
+    """dempe of MacMPEC from its start: the homotopy alone ends at 31.25; published is 28.25."""
+    x = ca.SX.sym("x", 3)
+    inf = np.full(3, np.inf)
+    program = ComplementarityProgram(
+        x=x, f=(x[0] - 3.5) ** 2 + (x[1] + 4) ** 2, g=x[1] - 3 + 2 * x[1] * x[2], lbx=-inf, ubx=inf,
+        lbg=np.zeros(1), ubg=np.zeros(1), first=x[0] - x[1] ** 2, second=x[2],
+    )  # fmt: skip
+    start = np.array([0.183193, 0.428106, 3.00379])
+    found = RelaxedSolver(program).solve(start)
+    assert found.strong
+    assert found.value == pytest.approx(28.25, abs=1e-6)
+
+
+def test_sizes_that_do_not_fit_are_refused() -> None:
+    x = ca.SX.sym("x", 2)
+    with pytest.raises(ModelgenError, match="entries in first"):
+        small(x, x[0], x, x[0])
+    with pytest.raises(ModelgenError, match="a pair beyond"):
+        small(x, x[0], x, x[0], [(0, 0), (2, 0)])
+    with pytest.raises(ModelgenError, match="entries in lbx"):
+        ComplementarityProgram(
+            x, x[0], ca.SX(0, 1), np.zeros(1), np.zeros(2), np.zeros(0), np.zeros(0), x[0], x[1]
+        )
+
+
+def small(x: ca.SX, f: ca.SX, first: ca.SX, second: ca.SX, pairs: Any = None) -> Any:
+    none = np.zeros(0)
+    free = np.full(2, np.inf)
+    return ComplementarityProgram(x, f, ca.SX(0, 1), -free, free, none, none, first, second, pairs=pairs)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from types import ModuleType
+from importlib import import_module
 from typing import Any
 
 import casadi as ca
@@ -14,7 +14,8 @@ from modelgen.casadi_functions.complementarity import mpcc
 from modelgen.errors import ModelgenError
 from modelgen.optimal_control.motion_guess import followed
 from modelgen.optimal_control.transcription import Transcription
-from tests.examples import masse_shot, roll_an_ellipsoid
+from tests.benchmarks.plans import NAMES, NEAR, solved
+from tests.examples import masse_shot, throw_a_cube
 from tests.running import SCENES, scene_of
 
 Array = np.ndarray[Any, Any]
@@ -23,7 +24,8 @@ Array = np.ndarray[Any, Any]
 @pytest.mark.parametrize(("stages", "order"), [(1, 1), (2, 3), (3, 5)])
 @pytest.mark.parametrize("name", ["ellipsoid_on_plane", "rolling_ellipsoid"])
 def test_a_plan_without_freedom_converges_to_the_run(name: str, stages: int, order: int) -> None:
-    """The positions of Radau IIA on constraints of positions have order 1, 3 and 5 (Hairer and Wanner, VII)."""
+    """The positions of Radau IIA on constraints of positions have order 1, 3 and 5 (Hairer and Wanner,
+    VII)."""
     derivation, library = derive(require(read(SCENES / f"{name}.toml"))), scene_of(name)
     model, errors = derivation.model, []
     for n in (6, 12):
@@ -67,22 +69,45 @@ def test_contacts_that_rebound_are_refused() -> None:
         Transcription(derivation, 1.0, 4, stages=4, impacts=False)
 
 
-@pytest.mark.parametrize("example", [roll_an_ellipsoid, masse_shot], ids=lambda each: each.__name__)
-def test_a_worked_example_is_solved_in_short(example: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With half as many elements and two relaxations."""
-    monkeypatch.setattr(example, "ELEMENTS", 6)
-    plan, library, guess = example.problem()
-    found = plan.solve(guess, (1e-4, 1e-6))
+@pytest.mark.parametrize(
+    "name", ["roll_an_ellipsoid", pytest.param("put_a_coin_on_its_edge", marks=pytest.mark.slow)]
+)
+def test_a_worked_example_is_solved_from_its_guess(name: str) -> None:
+    example = import_module(f"tests.examples.{name}").problem()
+    found = example.plan.solve(example.guess)
     assert found.solution.success
-    assert example.missed(library, found) < 1e-2
+    assert found.solution.complementarity < 1e-9
+    assert example.missed(example.simulated(found)[-1]) < 1e-3
+    assert example.reproduced(found)[0] < 1e-3
+
+
+def test_a_plan_whose_contact_changes_at_ends_of_elements_is_followed_to_a_millionth() -> None:
+    """The ball slides, then rolls; the ends of the elements move to that instant."""
+    example = masse_shot.problem()
+    found = example.plan.solve(example.guess)
+    assert found.solution.strong
+    assert example.reproduced(found)[0] < 1e-6
+    assert example.missed(example.simulated(found)[-1]) < 1e-6
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("example", [roll_an_ellipsoid, masse_shot], ids=lambda each: each.__name__)
-def test_worked_examples_converge_from_perturbed_guesses(example: ModuleType) -> None:
-    plan, library, _ = example.problem()
-    solver, random, good = plan.solver(), np.random.default_rng(0), 0
-    for _ in range(20):
-        found = plan.solve(example.perturbed(plan, library, random), solver=solver)
-        good += found.solution.success and example.missed(library, found) < 1e-3
-    assert good >= 18
+@pytest.mark.parametrize("name", NAMES)
+def test_worked_examples_converge_from_perturbed_starts(name: str) -> None:
+    example = import_module(f"tests.examples.{name}").problem()
+    solver = example.plan.solver()
+    rows = [solved(example, solver, seed) for seed in range(20)]
+    assert sum(row["missed"] < NEAR for row in rows) >= 18
+
+
+def test_a_thrown_cube_ends_on_its_face() -> None:
+    throw = throw_a_cube.problem()
+    found = throw_a_cube.by_derivatives(throw, throw_a_cube.FIRST)
+    assert throw.reached(found)
+    assert not throw.ends_on_the_face(throw_a_cube.ELSEWHERE)
+
+
+@pytest.mark.slow
+def test_throws_of_a_cube_converge_from_perturbed_starts() -> None:
+    throw = throw_a_cube.problem()
+    starts = (throw_a_cube.perturbed(np.random.default_rng(seed)) for seed in range(20))
+    assert sum(throw.reached(throw_a_cube.by_derivatives(throw, start)) for start in starts) >= 18
