@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -20,11 +20,6 @@ from modelgen.runtime.start import REFUSED, refusal
 from modelgen.runtime.tables.array_block import ArrayBlock
 from modelgen.runtime.tables.ctypes_structures import EVENT_ARRAYS, INTEGER, Array, address
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome
-
-PARTS = 8  # parts of the lanes for each thread, so that threads end together though lanes differ
-
-
-_Place = tuple[int, int]  # address of an array by lane, and bytes of an entry
 
 
 class _Scratch:
@@ -79,13 +74,11 @@ class SessionGroup:
         self._ends = np.zeros(self.n, dtype=self._like.tables.dtype)
         self._systems = (ctypes.c_void_p * self.n)(*map(ctypes.addressof, self._system_of))
         self._columns, self._lists = self._event_lists()
-        self._systems_at, self._runs_at, self._lists_at = (
-            (ctypes.addressof(entries), ctypes.sizeof(entries) // self.n)
-            for entries in (self._systems, self._runs, self._lists)
+        self._systems_at, self._runs_at, self._lists_at = map(
+            ctypes.addressof, (self._systems, self._runs, self._lists)
         )
         self.sensed = np.zeros((self.n, self._like.shared.n_sensor), self._like.tables.dtype)
-        self._sensed_at = address(self.sensed), self.sensed.strides[0]
-        self._codes_at, self._ends_at = ((address(a), a.itemsize) for a in (self.codes, self._ends))
+        self._sensed_at, self._codes_at, self._ends_at = map(address, (self.sensed, self.codes, self._ends))
         self._told: list[list[Event]] = [[] for _ in range(self.n)]
         self._scratch: list[_Scratch] = []
         self._pool: ThreadPoolExecutor | None = None
@@ -178,29 +171,25 @@ class SessionGroup:
                 setattr(events, name, at[name] + lane * arrays[name].strides[0])
         return [arrays[name] for name in EVENT_ARRAYS], lists
 
-    def _share(self, name: str, by_lane: tuple[_Place, ...], threads: int) -> None:
-        """Call a function of the core for all lanes, in parts that the threads take as they become free; its
-        arguments `by_lane` are arrays with an entry for each."""
+    def _share(self, name: str, by_lane: tuple[int, ...], threads: int) -> None:
+        """Call a function of the core once in each thread, which share the lanes; its arguments `by_lane` are
+        addresses of arrays with an entry for each."""
         count = min(_whole("threads", threads, "give the number of threads"), self.n)
         while len(self._scratch) < count:
             self._scratch.append(_Scratch(self._like))
-        size = max(1, self.n // (PARTS * count)) if count > 1 else self.n
-        parts = iter(range(0, self.n, size))
+        taken = ctypes.c_int(0)
         run = self.library.cdll[name]  # a function object of its own, as others may call it otherwise
-        run.argtypes = [ctypes.c_int, *[ctypes.c_void_p] * (5 + len(by_lane))]
-        settings, systems, runs = ctypes.addressof(self._like.settings), self._systems_at, self._runs_at
+        run.argtypes = [ctypes.c_int, *[ctypes.c_void_p] * (6 + len(by_lane))]
+        head = ctypes.addressof(taken), self._systems_at, ctypes.addressof(self._like.settings), self._runs_at
 
         def work(scratch: _Scratch) -> None:
-            for first in parts:
-                given = [at + first * width for at, width in by_lane]
-                head = systems[0] + first * systems[1], settings, runs[0] + first * runs[1]
-                run(min(size, self.n - first), *head, *given, *scratch.addresses)
+            run(self.n, *head, *by_lane, *scratch.addresses)
 
         others = [self._threads(count - 1).submit(work, scratch) for scratch in self._scratch[1:count]]
         try:
             work(self._scratch[0])
         finally:
-            _exhaust(parts)  # when interrupted, so that the other threads stop
+            taken.value = self.n  # when interrupted, so that the other threads stop
             for other in others:
                 other.result()
 
@@ -219,11 +208,6 @@ class SessionGroup:
         """mg_system, mg_settings and mg_run of a lane."""
         settings, run = ctypes.byref(self._like.settings), ctypes.byref(self._runs[lane])
         return ctypes.byref(self._system_of[lane]), settings, run
-
-
-def _exhaust(parts: Iterator[int]) -> None:
-    for _ in parts:
-        pass
 
 
 def _whole(name: str, value: Any, remedy: str) -> int:

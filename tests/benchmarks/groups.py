@@ -5,7 +5,8 @@ takes all pairs as candidates (`[contacts]` with `between = "all"`); the second 
 the first; least CPU time of some rounds that alternate. With --seeds, so many groups are dropped instead,
 and the deepest penetration of any two bodies in the samples of each run is told by an independent distance:
 the largest gap along a direction, by support functions in closed form (the normals of the run are tried
-first: any direction proves a least gap); of tori from points of their centre circles. Results are added to FILE, and seeds that it holds are not run again.
+first: any direction proves a least gap); of tori from points of their centre circles. Results are added to
+FILE, and seeds that it holds are not run again.
 """
 
 from __future__ import annotations

@@ -59,4 +59,10 @@ MG_INTERNAL int mg_explain_failed_outcome(mg_context *c, int outcome);
    present time was the cause, and the run has crossed that instant; else the given one. */
 MG_INTERNAL int mg_cross_integrable_peak(mg_context *c, int outcome, mg_events *events);
 
+/* batch.c */
+
+/* Takes some of n lanes for one of the threads that share `taken`: fewer as fewer are left. Returns their number, 0 if
+   none are left, and in *end the lane after the last. */
+MG_INTERNAL int mg_take_lanes(int n, int *taken, int *end);
+
 #endif
