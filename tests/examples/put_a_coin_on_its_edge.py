@@ -66,7 +66,7 @@ WEIGHT = 0.1 * 9.81
 
 
 def problem(elements: int = ELEMENTS, stages: int = 3) -> PlanExample:
-    derivation = derive(require(read_text(SCENE, "coin.toml")))
+    derivation = derive(require(read_text(SCENE, "put_a_coin_on_its_edge.toml")))
     library = build(emit(derivation), level="O1")
     model = derivation.model
     plan = Transcription(derivation, HORIZON, elements, stages=stages)
