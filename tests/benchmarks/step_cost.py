@@ -169,7 +169,7 @@ def linked_tori() -> Scene:
 
 
 def times_of_run(name: str, library: Library) -> None:
-    """CPU time of a run per right-hand side beside that of the prototype, the least of runs of both in turn."""
+    """CPU time of a run per right-hand side beside the prototype's, the least of runs of both in turn."""
     with TemporaryDirectory() as folder:
         session, prototype = both(library, Path(folder), "-march=native")
         session.smooth(100), prototype.steps(100)
