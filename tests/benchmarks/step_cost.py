@@ -144,7 +144,8 @@ def times(name: str) -> None:
     """Wall time of one stage of RK4, the least of many short runs of both in turn."""
     with TemporaryDirectory() as folder:
         session, prototype = both(library_of(name), Path(folder), "-march=native")
-        session.smooth(1000), prototype.steps(1000)
+        session.smooth(1000)
+        prototype.steps(1000)
         apart = difference(session.x[:-1], prototype.state)
         pairs = [(seconds(session.smooth), seconds(prototype.steps)) for _ in range(REPEATS)]
         ours, theirs = (1e9 * min(column) / STEPS / STAGES for column in zip(*pairs, strict=True))
@@ -172,7 +173,8 @@ def times_of_run(name: str, library: Library) -> None:
     """CPU time of a run per right-hand side beside the prototype's, the least of runs of both in turn."""
     with TemporaryDirectory() as folder:
         session, prototype = both(library, Path(folder), "-march=native")
-        session.smooth(100), prototype.steps(100)
+        session.smooth(100)
+        prototype.steps(100)
         state = prototype.state.copy()
         ours, theirs = [], []
         for _ in range(LINKED_REPEATS):
