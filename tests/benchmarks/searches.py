@@ -5,12 +5,10 @@
 Two tasks, from perturbed starts:
 
 - throw_a_cube: velocity and spin of a cube, so that it ends on a face at a place; by Gauss and Newton's
-method with
-  derivatives of runs, with differences of runs, and by CMA-ES (package `cma`, extra `searches`);
+  method with derivatives of runs, with differences of runs, and by CMA-ES (package `cma`, extra `searches`);
 - masse_shot: speed and spin of a ball, so that it passes beside an obstacle and is at its goal to 1e-3 m; by
-the plan
-  with complementarity constraints (a run for the guess and one that checks), by sequential quadratic programs
-  with differences of runs, and by CMA-ES.
+  the plan with complementarity constraints (a run for the guess and one that checks), by sequential quadratic
+  programs with differences of runs, and by CMA-ES.
 
 Told are the starts that reach the goal, and the median of the runs that each of these took.
 """
