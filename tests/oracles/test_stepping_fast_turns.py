@@ -31,9 +31,8 @@ def gap(span: Array, turned: list[tuple[Array, Array]]) -> float:
     directions = np.random.default_rng(0).normal(size=(400, 3))
     best = max(directions, key=lambda n: separation(n, span, turned))
     rules = {"xatol": 1e-9, "fatol": 1e-15, "maxiter": 4000}
-    return -float(
-        minimize(lambda n: -separation(n, span, turned), best, method="Nelder-Mead", options=rules).fun
-    )
+    found = minimize(lambda n: -separation(n, span, turned), best, method="Nelder-Mead", options=rules)
+    return -float(found.fun)
 
 
 @pytest.mark.parametrize("scheme", ["stewart-trinkle", "moreau"])
