@@ -6,13 +6,16 @@ from os import environ
 from pathlib import Path
 from shutil import rmtree
 from tempfile import mkdtemp
+from typing import Any
 
 import pytest
 from hypothesis import settings
 
-from modelgen.benchmark.scene_under_measurement import BUILD
+from modelgen.benchmark import scene_under_measurement
 from modelgen.codegen import build
 from modelgen.codegen.compiler import Compiler, compile_library
+from modelgen.codegen.emit import Package
+from modelgen.codegen.library import Library
 from tests.running import LEVEL
 
 GOLDEN = 0.6180339887
@@ -64,6 +67,11 @@ def compile_without_optimisation(compiler: Compiler, flags: tuple[str, ...], *pl
     compile_library(compiler, ("-O0", *(flag for flag in flags if not flag.startswith("-O"))), *places)
 
 
+def build_at_one_level(package: Package, **options: Any) -> Library:
+    """The library of a package, compiled as all of a test run."""
+    return build.build(package, **options | {"level": LEVEL})
+
+
 @pytest.fixture
 def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
     """Few repeats, no counted instructions, nothing compiled at another level, no figures of exports: what a
@@ -71,5 +79,5 @@ def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("modelgen.benchmark.cost.ENOUGH_S", 1e-3)
     monkeypatch.setattr("modelgen.benchmark.cost.BRIEF_S", 0.0)
     monkeypatch.setattr("modelgen.benchmark.setting_evaluation.instructions", lambda *given: None)
-    monkeypatch.setitem(BUILD, "level", LEVEL)
+    monkeypatch.setattr(scene_under_measurement, "build", build_at_one_level)
     monkeypatch.setattr("modelgen.export.c_folder.figures_of", lambda *given: None)

@@ -68,7 +68,7 @@ def worst_errors(o: str, f: str, form: str, at: Pairs, expected: Truth, fine: Ar
     return {name: float(error(*pair)[fine].max()) for name, pair in pairs.items()}
 
 
-@pytest.mark.cases(48)
+@pytest.mark.cases(30)
 @pytest.mark.parametrize(("o", "f", "form"), CASES)
 def test_rates_are_those_of_the_implicit_solution(o: str, f: str, form: str) -> None:
     at, expected = case(o, f)

@@ -45,7 +45,7 @@ def test_the_rims_of_a_roller_on_a_slide_push_from_the_first_sample_on(
     height: float, friction: float
 ) -> None:
     scene = read_text(CAM_AND_ROLLER.format(height=height, friction=friction), "cam.toml")
-    path = simulate(library_of(scene), until=0.1, samples=20)
+    path = simulate(library_of(scene), until=0.03, samples=20)
     assert path.force.min() >= 0
     assert path.force[0].sum() == pytest.approx(WEIGHT, rel=1e-11)
     assert np.abs(np.diff(path.force.sum(axis=1))).max() < 1e-3

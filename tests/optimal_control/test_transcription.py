@@ -81,6 +81,7 @@ def test_a_worked_example_is_solved_from_its_guess(name: str) -> None:
     assert example.reproduced(found)[0] < 1e-3
 
 
+@pytest.mark.slow
 def test_a_plan_whose_contact_changes_at_ends_of_elements_is_followed_to_a_millionth() -> None:
     """The ball slides, then rolls; the ends of the elements move to that instant."""
     example = masse_shot.problem()

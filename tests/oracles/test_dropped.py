@@ -65,7 +65,7 @@ def lowest(heights: dict[str, float], within: float) -> set[str]:
     return {name for name, z in heights.items() if z < min(heights.values()) + within}
 
 
-@pytest.mark.cases(10)
+@pytest.mark.cases(8)
 @EVERY_TILT
 @EVERY_START
 def test_the_run_goes_on_to_rest_on_a_face(start: str, tilt: float) -> None:

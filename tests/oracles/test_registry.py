@@ -67,7 +67,7 @@ def test_every_scene_has_a_test_against_its_reference(name: str) -> None:
     assert name in ast.unparse(next(node for node in tree.body if getattr(node, "name", "") == wanted))
 
 
-@pytest.mark.cases(20)
+@pytest.mark.cases(14)
 @pytest.mark.parametrize("accuracy", ACCURACIES)
 @pytest.mark.parametrize(("name", "form"), FORCED)
 def test_a_scene_runs_to_its_end_within_its_bounds(name: str, form: str, accuracy: str) -> None:
@@ -86,7 +86,7 @@ def test_a_scene_runs_to_its_end_within_its_bounds(name: str, form: str, accurac
     assert path.margin_min > REGISTRY[name].margin
 
 
-@pytest.mark.cases(40)
+@pytest.mark.cases(20)
 @pytest.mark.parametrize("accuracy", ACCURACIES)
 @pytest.mark.parametrize(("name", "form"), FORCED)
 def test_events_are_those_of_the_registry(name: str, form: str, accuracy: str) -> None:

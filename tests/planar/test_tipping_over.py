@@ -153,6 +153,7 @@ def test_a_spinning_can_that_is_pushed_tips_at_one_time_wherever_samples_and_end
         assert tips[0] == pytest.approx(PUSHED_TIPS, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_two_accuracies_agree_where_pressure_reaches_the_edge_of_a_face_that_does_not_tip() -> None:
     """The pressure that is used near the edge is continuous in the centre of pressure."""
     library = library_of(spinning_box())

@@ -20,7 +20,7 @@ NUMBER = 1e-3  # the numbers of these scenes are larger, but for a few
 ALIKE = 1e-10  # of the largest derivative; both are sums of the same numbers in another order
 
 
-@pytest.mark.cases(3)
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("name", [name for name in NAMES if name not in SLOPPY])
 def test_backward_equals_forward(name: str) -> None:
     library = shipped(name)
@@ -35,7 +35,9 @@ def test_backward_equals_forward(name: str) -> None:
     loss = ca.Function("loss", [values], [ca.sum1(ca.sum2(weights * ca.sin(values)))])
     found = gradient(library, times, loss, of=of, by=by)
     expected = np.einsum("ij,ijk->k", weights * np.cos(forward.value), forward.jacobian)
-    assert np.allclose(found.gradient, expected, rtol=0, atol=ALIKE * np.max(np.abs(expected)))
+    rounding = np.finfo(float).eps * np.abs(weights).sum()  # where all derivatives are zero
+    allowed = ALIKE * np.max(np.abs(expected)) + rounding
+    assert np.allclose(found.gradient, expected, rtol=0, atol=allowed)
 
 
 @pytest.mark.cases(2)

@@ -26,6 +26,7 @@ def test_a_run_prints_its_share_from_time_to_time(
     assert answer.json["outcome"] == "done"
 
 
+@pytest.mark.usefixtures("hasty")
 def test_a_measurement_prints_what_it_does(modelgen: Modelgen, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(progress, "INTERVAL", 0.0)
     answer = modelgen("measure", EGG, "--knobs", "tolerance", "--until", 0.05, "--limit", 1)
