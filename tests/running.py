@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from atexit import register
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from fcntl import LOCK_EX, flock
@@ -71,6 +71,15 @@ def scene_of(name: str, form: str = "auto", real: str = "double") -> Library:
     scene = read(SCENES / f"{name}.toml")
     contacts = tuple(replace(pair, form=form) for pair in scene.contacts)
     return library_of(replace(scene, contacts=contacts), real)
+
+
+def with_velocity(library: Library, body: str, velocity: Sequence[float]) -> Library:
+    """The library with another velocity and angular velocity (6,) of a body at the start."""
+    instance = library.manifest.instance
+    first = next(each for each in instance["bodies"] if each["name"] == body)["u"]
+    u = list(instance["initial_u"])
+    u[first : first + 6] = map(float, velocity)
+    return library.with_instance(instance | {"initial_u": u})
 
 
 def run(

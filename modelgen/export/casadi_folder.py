@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import json
 import shlex
-import tempfile
-from pathlib import Path
 
 import casadi as ca
 
 from modelgen.codegen.amalgamation import HEADER, header_text
-from modelgen.codegen.compiler import LIBRARIES, SHARED, find_compiler, portable_flags, run_compiler
+from modelgen.codegen.compiler import LIBRARIES, SHARED, find_compiler, portable_flags
 from modelgen.codegen.emit import Package
 from modelgen.derivation import Derivation
 from modelgen.errors import ModelgenError
 from modelgen.export.scene_text import source
+from modelgen.export.shared_library import shared_library
 
 LIBRARY, COMPOSED = "libkernels.so", "rhs.casadi"
 
@@ -59,10 +58,5 @@ def _compiled(texts: dict[str, str]) -> tuple[bytes, str]:
     """The shared library of the kernels, and a command that makes it."""
     compiler = find_compiler()
     flags = portable_flags(compiler, "double")
-    with tempfile.TemporaryDirectory(prefix="modelgen-") as name:
-        folder = Path(name)
-        for file, text in texts.items():
-            (folder / file).write_text(text, encoding="utf-8")
-        command = [*compiler.command, *flags, *SHARED, "-o", LIBRARY, "model.c", *LIBRARIES]
-        run_compiler(command, folder, folder / "kernels.log")
-        return (folder / LIBRARY).read_bytes(), shlex.join(["cc", *flags, *SHARED, *command[-4:]])
+    command = ["cc", *flags, *SHARED, "-o", LIBRARY, "model.c", *LIBRARIES]
+    return shared_library(compiler, flags, texts, ("model.c",)), shlex.join(command)

@@ -6,13 +6,11 @@ import hashlib
 import io
 import platform
 import sys
-import tempfile
 import zipfile
 from collections.abc import Mapping
-from pathlib import Path
 
 from modelgen.codegen.amalgamation import SOURCE
-from modelgen.codegen.compiler import LIBRARIES, SHARED, find_compiler, portable_flags, run_compiler
+from modelgen.codegen.compiler import find_compiler, portable_flags
 from modelgen.codegen.core_cache import runtime_object
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import REAL_FLAGS, Library
@@ -27,6 +25,7 @@ from modelgen.export.fmu_description import (
     variables_of,
 )
 from modelgen.export.scene_text import source
+from modelgen.export.shared_library import shared_library
 from modelgen.runtime.session import Session
 from modelgen.runtime.settings import accuracy_of
 
@@ -126,11 +125,4 @@ def _compiled(sources: Mapping[str, str], interface: str, real: str) -> bytes:
     compiler = find_compiler()
     flags = portable_flags(compiler, real)
     core = runtime_object(compiler, flags)
-    with tempfile.TemporaryDirectory(prefix="modelgen-") as name:
-        folder = Path(name)
-        for file, text in sources.items():
-            (folder / file).write_text(text, encoding="utf-8")
-        units = ["scene.c", "fmu.c", interface, str(core)]
-        command = [*compiler.command, *flags, *SHARED, "-o", "fmu.so", *units, *LIBRARIES]
-        run_compiler(command, folder, folder / "fmu.log")
-        return (folder / "fmu.so").read_bytes()
+    return shared_library(compiler, flags, sources, ("scene.c", "fmu.c", interface, str(core)))

@@ -91,15 +91,15 @@ class RelaxedSolver(Generic[Symbol]):
         branches: bool = True,
     ) -> None:
         self._relaxations, self._branches = tuple(relaxations), branches
-        self._pairs = program.paired
-        self._sides = int(program.first.numel())
+        self._first = program.paired[:, 0]  # places of the pairs among G and H, one behind the other
+        self._second = program.paired[:, 1] + int(program.first.numel())
         self._relaxed: RelaxedProgram[Symbol] = RelaxedProgram(program, OPTIONS | (options or {}))
 
     def solve(self, start: Array, p: Sequence[float] = ()) -> RelaxedSolution:
         """The solution from a start: relaxation by relaxation, until a branch is solved."""
         at = best = np.asarray(start, dtype=float)
         iterations, relaxation, strong = 0, np.inf, False
-        paired = len(self._pairs) > 0
+        paired = len(self._first) > 0
         for tau in self._relaxations if paired else self._relaxations[-1:]:
             answer = self._relaxed.relaxed(at, p, tau)
             iterations += answer.iterations
@@ -141,7 +141,7 @@ class RelaxedSolver(Generic[Symbol]):
         """(n + m,) the entries that are set to zero, so that each pair has one: first those whose partner
         is not zero, then the smaller ones."""
         zero = np.zeros(len(sides), dtype=bool)
-        first, second = self._pairs[:, 0], self._pairs[:, 1] + self._sides
+        first, second = self._first, self._second
         nearer = np.where(sides[first] <= sides[second], first, second)
         order = np.argsort(-np.maximum(sides[first], sides[second]))
         for k in order:
@@ -153,9 +153,8 @@ class RelaxedSolver(Generic[Symbol]):
         """With the entries released whose multipliers say so, and their partners zero in place of them."""
         sides = self._relaxed.measured(answer.x, p)[2]
         small = answer.multipliers > ZERO * max(1.0, np.abs(answer.multipliers).max(initial=0.0))
-        first, second = self._pairs[:, 0], self._pairs[:, 1] + self._sides
         found = zero.copy()
-        for one, other in ((first, second), (second, first)):
+        for one, other in ((self._first, self._second), (self._second, self._first)):
             for entry in np.unique(one[zero[one] & small[one]]):
                 partners = other[one == entry]
                 if (sides[partners] <= ZERO).all():
@@ -163,5 +162,4 @@ class RelaxedSolver(Generic[Symbol]):
         return None if (found == zero).all() else found
 
     def _apart(self, sides: Array) -> float:
-        first, second = self._pairs[:, 0], self._pairs[:, 1] + self._sides
-        return float(np.abs(np.minimum(sides[first], sides[second])).max(initial=0.0))
+        return float(np.abs(np.minimum(sides[self._first], sides[self._second])).max(initial=0.0))

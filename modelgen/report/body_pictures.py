@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,10 +17,6 @@ LIGHT = np.array([0.3, -0.4, 0.87])
 ROOM = 1.05  # of the picture, against the space
 AMBIENT = 0.45
 NEARER = 0.01  # of the picture, by which edges are before their faces
-PALETTE = (
-    *((0.20, 0.52, 0.80), (0.88, 0.50, 0.20), (0.28, 0.65, 0.42), (0.62, 0.42, 0.74)),
-    *((0.80, 0.36, 0.38), (0.38, 0.62, 0.70), (0.68, 0.58, 0.25), (0.50, 0.50, 0.82)),
-)
 STILL, EDGE = (0.84, 0.86, 0.89), (0.12, 0.16, 0.20)
 
 
@@ -40,11 +35,11 @@ def draw_bodies(axes: Any, record: Record, stage: Stage, sample: int) -> None:
     from matplotlib.collections import PolyCollection
 
     right, up, _ = _eye()
-    colours = _colours(stage.actors)
+    colours = stage.colours(STILL)
     order: tuple[list[_Part], list[_Part]] = ([], [])  # what has no end, which is behind, and the others
     for index, actor in enumerate(stage.actors):
         turn, place = pose_at(record.columns, index, sample)
-        order[actor.bounded].append(_part(actor, turn, place, colours[index], stage.size))
+        order[actor.bounded].append(_part(actor, turn, place, np.array(colours[index]), stage.size))
     for level, parts in enumerate(order):
         corners = [each for part in parts for each in part.corners]
         if not corners:
@@ -76,19 +71,10 @@ def _eye() -> tuple[Array, Array, Array]:
     return right, np.cross(back, right), back
 
 
-def _colours(actors: Sequence[Actor]) -> list[Array]:
-    found, moving = [], 0
-    for actor in actors:
-        found.append(np.array(PALETTE[moving % len(PALETTE)] if actor.moves else STILL))
-        moving += actor.moves
-    return found
-
-
 def _centre(record: Record, stage: Stage, sample: int) -> Array:
-    followed = [k for k, actor in enumerate(stage.actors) if actor.moves and actor.bounded]
-    if not stage.follow or not followed:
+    if not stage.follow or not stage.followed:
         return stage.centre
-    return np.asarray(np.mean([pose_at(record.columns, k, sample)[1] for k in followed], axis=0))
+    return np.asarray(np.mean([pose_at(record.columns, k, sample)[1] for k in stage.followed], axis=0))
 
 
 def _part(actor: Actor, turn: Array, place: Array, colour: Array, size: float) -> _Part:

@@ -12,7 +12,6 @@ from modelgen.report.body_pictures import draw_bodies
 from modelgen.report.run_record import Record
 from modelgen.report.stage import Stage
 
-SUFFIXES = (".gif", ".mp4")
 RATE = 20  # pictures per s
 LONGEST, SHORTEST = 6.0, 2.0  # s, of a film
 SIZE, DOTS = (6.0, 4.8), 100

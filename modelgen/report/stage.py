@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from modelgen.rotations import rotation_of
 from modelgen.scene.scene_types import Body
 
 Array = np.ndarray[Any, Any]
+Colour = tuple[float, float, float]  # red, green, blue, 0 to 1
 
 REACH = 1.6  # of unbounded surfaces, against half the size of the space in which bodies move
 AHEAD = 6.0  # of those of a run that only begins, against half the size of its start
@@ -23,6 +25,10 @@ NEAR = 2.2  # of a picture that follows, against the group
 WIDE = 3.0  # of what stands still, against all motion, from which on the picture shows the motion alone
 LEVER = 1.2  # of the distance of a joint, against the radius of a body, from which on a lever is drawn
 UNBOUNDED = ("plane", "halfspace", "line", "paraboloid", "cone", "helix")
+PALETTE = (  # of bodies that move, in turn
+    *((0.20, 0.52, 0.80), (0.88, 0.50, 0.20), (0.28, 0.65, 0.42), (0.62, 0.42, 0.74)),
+    *((0.80, 0.36, 0.38), (0.38, 0.62, 0.70), (0.68, 0.58, 0.25), (0.50, 0.50, 0.82)),
+)
 COARSE = 0.05  # tolerance of the meshes by which the space is measured
 INSTANTS = 60  # samples by which it is measured
 
@@ -46,6 +52,16 @@ class Stage:
     centre: Array  # (3,)
     size: float  # half the size of the picture
     follow: bool  # the picture moves with the bodies
+
+    @property
+    def followed(self) -> list[int]:
+        """The bodies with which a picture moves."""
+        return [k for k, actor in enumerate(self.actors) if actor.moves and actor.bounded]
+
+    def colours(self, still: Colour) -> list[Colour]:
+        """Of each body; `still`: of those that do not move."""
+        palette = cycle(PALETTE)
+        return [next(palette) if actor.moves else still for actor in self.actors]
 
 
 def stage_of(record: Record, model: Model, tolerance: float) -> Stage:

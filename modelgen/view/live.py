@@ -34,11 +34,7 @@ SPEEDS = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0)
 STEPS = 200  # of a slider
 TOLERANCE = 1e-2  # of the meshes, as a part of the size of a shape
 AWAY = 1e4  # sizes of the picture, where marks go that are not shown
-PALETTE = (
-    *((51, 133, 204), (224, 128, 51), (71, 166, 107), (158, 107, 189)),
-    *((204, 92, 97), (97, 158, 179), (173, 148, 64), (128, 128, 209)),
-)
-GREY, EDGE = (204, 209, 217), (31, 41, 51)
+GREY, EDGE = (0.80, 0.82, 0.85), (31, 41, 51)
 INKS = {"normal": (194, 43, 38), "friction": (242, 153, 26), "pressure": (122, 46, 133)}
 
 
@@ -195,12 +191,12 @@ class Live:
     def _show_bodies(self) -> None:
         scene, stage = self._server.scene, self._stage
         scene.set_up_direction("+z")
-        self._frames, colours = [], 0
-        for index, actor in enumerate(stage.actors):
+        self._frames = []
+        for index, (actor, shade) in enumerate(zip(stage.actors, stage.colours(GREY), strict=True)):
             name, mesh = f"/bodies/{index}", actor.mesh
             self._frames.append(scene.add_frame(name, show_axes=False))
-            colour = PALETTE[colours % len(PALETTE)] if actor.moves else GREY
-            colours += actor.moves
+            red, green, blue = (round(255 * part) for part in shade)
+            colour = (red, green, blue)
             if len(mesh.triangles):
                 side: Literal["double", "front"] = "double" if actor.two_sided else "front"
                 scene.add_mesh_simple(f"{name}/faces", mesh.vertices, mesh.triangles, color=colour, side=side)
@@ -232,7 +228,7 @@ class Live:
 
     def _look(self, columns: Mapping[str, Array]) -> None:
         """Move the cameras with the bodies that move, if asked to."""
-        seen = [k for k, actor in enumerate(self._stage.actors) if actor.moves and actor.bounded]
+        seen = self._stage.followed
         centre = columns["p"][0, seen].mean(axis=0) if seen else self._stage.centre
         if self.follow.value and self._centre is not None and np.linalg.norm(centre - self._centre) > 0:
             for client in self._server.get_clients().values():

@@ -18,6 +18,7 @@ from scipy.optimize import least_squares
 from modelgen import sensitivity
 from modelgen.codegen.library import Library
 from modelgen.scene.read import read_text
+from tests.running import with_velocity
 from tests.sensitivity.differences import differentiable
 
 SCENE = """
@@ -53,12 +54,7 @@ class Throw:
         self._library, self._target, self.runs = library, target, 0
 
     def _thrown(self, throw: np.ndarray) -> Library:
-        """The library with another start."""
-        entry = self._library.manifest.instance
-        u = list(entry["initial_u"])
-        body = next(each for each in entry["bodies"] if each["name"] == BODY)
-        u[body["u"] : body["u"] + 6] = throw.tolist()
-        return self._library.with_instance(entry | {"initial_u": u})
+        return with_velocity(self._library, BODY, throw)
 
     def residual(self, throw: np.ndarray) -> np.ndarray:
         """(9,) the miss, m, and the throw against the first one, weighted."""

@@ -18,6 +18,7 @@ from modelgen import build, derive, emit, require, sensitivity, simulate
 from modelgen.codegen.library import Library
 from modelgen.scene.read import read_text
 from tests.examples.plan_example import Array, upright
+from tests.running import with_velocity
 
 SCENE = """
 gravity = [0.0, 0.0, -9.81]
@@ -74,10 +75,7 @@ class CubeThrow:
 
     def thrown(self, throw: Array) -> Library:
         """The library with another start."""
-        entry = self._library.manifest.instance
-        u = list(entry["initial_u"])
-        u[:6] = throw.tolist()
-        return self._library.with_instance(entry | {"initial_u": u})
+        return with_velocity(self._library, "cube", throw)
 
     def residual(self, throw: Array) -> Array:
         """(7,) of the place, m, the tilt, and the tumbling, weighed."""

@@ -258,11 +258,10 @@ static int mg_is_cell_outside_quadrics(const mg_context *c, const mg_cell *cell,
   const mg_real slack = 8 * c->settings->feature_border * s->length;
   if (cell->is_of_centres || !(cell->radius < MG_MAX)) return 0;
   for (int k = s->feature_pair_condition[limits->feature_pair]; k < s->feature_pair_condition[limits->feature_pair + 1];
-       k++)
-    if (s->condition_feature[k] == limits->side && s->condition_kind[k] == MG_CONDITION_QUADRIC &&
-        s->condition_feature_pair[k] != MG_BEYOND_WATCHED &&
-        mg_quadric_over_cell(s->numbers + s->condition_numbers[k], cell) < -slack)
-      return 1;
+       k++) {
+    const mg_real *quadric = mg_bounding_quadric(c, limits->side, k);
+    if (quadric && mg_quadric_over_cell(quadric, cell) < -slack) return 1;
+  }
   return 0;
 }
 

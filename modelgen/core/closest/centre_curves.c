@@ -13,13 +13,11 @@
 #define MG_ANGLE_PARTS 32    /* parts of a turn in which roots are looked for */
 #define MG_ANGLE_HALVINGS 60 /* bisections of a part */
 
-/* A feature about its centre curve, with the place of that. */
+/* The centre curve of a feature, with its place. */
 typedef struct {
-  int kind;          /* MG_CENTRE_LINE or MG_CENTRE_CIRCLE */
+  mg_centre_curve curve;
   mg_real centre[3]; /* of the circle, or a point of the line, m */
   mg_real axes[9];   /* of the shape, by columns: the line is along the third, the circle in the plane of the others */
-  mg_real radius;    /* of the circle, m */
-  mg_real tube;      /* as in mg_centre_curve, m */
 } mg_centred_feature;
 
 /* p cos a + q sin a + r cos 2a + s sin 2a */
@@ -62,24 +60,21 @@ MG_INTERNAL void mg_foot_on_centre_curve(const mg_centre_curve *curve, const mg_
   foot[2] = curve->kind == MG_CENTRE_LINE ? x[2] : 0;
 }
 
-MG_INTERNAL void mg_sample_about_centre_curve(const mg_context *c, int feature_pair, int side, const mg_real *local,
-                                              mg_sample *sample) {
+MG_INTERNAL void mg_sample_about_centre_curve(const mg_context *c, int feature_pair, int side,
+                                              const mg_centre_curve *curve, const mg_real *local, mg_sample *sample) {
   const mg_real *x = local, azimuth = atan2(x[1], x[0]);
   const int is_curve = mg_feature_dimension(c, feature_pair, side) == 1;
-  mg_centre_curve curve;
-  mg_read_centre_curve(c, feature_pair, side, &curve);
   for (int k = 0; k < 3; k++) sample->local[k] = x[k], sample->direction[k] = 0;
-  if (curve.kind == MG_CENTRE_LINE) sample->uv[0] = is_curve ? x[2] : azimuth, sample->uv[1] = x[2];
+  if (curve->kind == MG_CENTRE_LINE) sample->uv[0] = is_curve ? x[2] : azimuth, sample->uv[1] = x[2];
   else
-    sample->uv[0] = azimuth, sample->uv[1] = is_curve ? 0 : atan2(x[2], sqrt(x[0] * x[0] + x[1] * x[1]) - curve.radius);
+    sample->uv[0] = azimuth,
+    sample->uv[1] = is_curve ? 0 : atan2(x[2], sqrt(x[0] * x[0] + x[1] * x[1]) - curve->radius);
 }
 
 /* Reads a feature that has a centre curve, and where that is. */
 static void mg_read_centred_feature(const mg_context *c, int feature_pair, int side, mg_centred_feature *at) {
   const mg_real *pose = c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side);
-  mg_centre_curve curve;
-  mg_read_centre_curve(c, feature_pair, side, &curve);
-  at->kind = curve.kind, at->radius = curve.radius, at->tube = curve.tube;
+  mg_read_centre_curve(c, feature_pair, side, &at->curve);
   mg_to_world(pose, mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_PLACEMENT, 1, at->centre);
   mg_shape_rotation(c, feature_pair, side, at->axes);
 }
@@ -87,9 +82,9 @@ static void mg_read_centred_feature(const mg_context *c, int feature_pair, int s
 /* Point of a centre curve: at an angle of the circle, at a distance along the line. */
 static void mg_centre_point(const mg_centred_feature *at, mg_real where, mg_real *x) {
   for (int k = 0; k < 3; k++)
-    x[k] = at->centre[k] + (at->kind == MG_CENTRE_LINE
+    x[k] = at->centre[k] + (at->curve.kind == MG_CENTRE_LINE
                                 ? where * at->axes[6 + k]
-                                : at->radius * (cos(where) * at->axes[k] + sin(where) * at->axes[3 + k]));
+                                : at->curve.radius * (cos(where) * at->axes[k] + sin(where) * at->axes[3 + k]));
 }
 
 /* Distance along a line of the point nearest to x. */
@@ -162,7 +157,7 @@ static int mg_circle_angles(const mg_centred_feature *circle, const mg_centred_f
   mg_real span[3], middle[3], u[3], v[3];
   for (int k = 0; k < 3; k++) span[k] = circle->centre[k] - line->centre[k];
   mg_across_line(line, span, middle), mg_across_line(line, circle->axes, u), mg_across_line(line, circle->axes + 3, v);
-  for (int k = 0; k < 3; k++) u[k] *= circle->radius, v[k] *= circle->radius;
+  for (int k = 0; k < 3; k++) u[k] *= circle->curve.radius, v[k] *= circle->curve.radius;
   const mg_angle_polynomial g = {mg_dot3(middle, v), -mg_dot3(middle, u), mg_dot3(u, v),
                                  (mg_dot3(v, v) - mg_dot3(u, u)) / 2};
   const mg_real size = fabs(g.p) + fabs(g.q) + fabs(g.r) + fabs(g.s);
@@ -173,7 +168,7 @@ static int mg_circle_angles(const mg_centred_feature *circle, const mg_centred_f
 /* The gap where points of the centre curves are `span` apart: the nearer sides face each other, and of a cavity the
    side towards which the other is off the centre. */
 static mg_real mg_gap_at_centres(const mg_centred_feature *o, const mg_centred_feature *f, mg_real span) {
-  return (o->tube < 0 || f->tube < 0 ? -span : span) - o->tube - f->tube;
+  return (o->curve.tube < 0 || f->curve.tube < 0 ? -span : span) - o->curve.tube - f->curve.tube;
 }
 
 /* Converges from the points that two points of the centre curves stand for. */
@@ -186,12 +181,13 @@ static void mg_converge_from_centres(mg_context *c, int feature_pair, const mg_c
   for (int k = 0; k < 3; k++) normal[k] = at[1][k] - at[0][k];
   const mg_real d = mg_gap_at_centres(of, of + 1, sqrt(mg_dot3(normal, normal)));
   if (!mg_normalise3(normal) || d > limits->gap || d < -limits->depth) return;
-  const mg_real sign = of[0].tube < 0 || of[1].tube < 0 ? -1 : 1;
-  for (int k = 0; k < 3; k++) at[0][k] += sign * of[0].tube * normal[k], at[1][k] -= sign * of[1].tube * normal[k];
+  const mg_real sign = of[0].curve.tube < 0 || of[1].curve.tube < 0 ? -1 : 1;
+  for (int k = 0; k < 3; k++)
+    at[0][k] += sign * of[0].curve.tube * normal[k], at[1][k] -= sign * of[1].curve.tube * normal[k];
   for (int side = 0; side < 2; side++) {
     mg_real local[3];
     mg_point_in_shape_axes(c, feature_pair, side, at[side], local);
-    mg_sample_about_centre_curve(c, feature_pair, side, local, sample + side);
+    mg_sample_about_centre_curve(c, feature_pair, side, &of[side].curve, local, sample + side);
   }
   mg_start_eta(c, feature_pair, sample, sample + 1, eta);
   if (mg_converge_from_any_start(c, feature_pair, eta) >= 0) mg_keep_minimum_at(c, feature_pair, eta, least, kept);
@@ -209,14 +205,14 @@ MG_INTERNAL void mg_search_centre_curves(mg_context *c, int feature_pair, const 
   mg_centred_feature of[2];
   mg_real angle[4], where[2], x[3], foot[3];
   for (int side = 0; side < 2; side++) mg_read_centred_feature(c, feature_pair, side, of + side);
-  if (of[0].kind == of[1].kind) {
+  if (of[0].curve.kind == of[1].curve.kind) {
     if (mg_lines_nearest(of, of + 1, where)) {
       mg_converge_from_centres(c, feature_pair, of, where, limits, least, kept);
       return;
     }
     where[0] = 0, mg_centre_point(of, 0, x), where[1] = mg_foot_on_line(of + 1, x);
   } else {
-    const int circle = of[0].kind == MG_CENTRE_CIRCLE ? 0 : 1;
+    const int circle = of[0].curve.kind == MG_CENTRE_CIRCLE ? 0 : 1;
     const int count = mg_circle_angles(of + circle, of + 1 - circle, angle);
     for (int k = 0; k < count; k++) {
       where[circle] = angle[k], mg_centre_point(of + circle, angle[k], x);

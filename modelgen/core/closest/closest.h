@@ -121,8 +121,8 @@ MG_INTERNAL int mg_is_about_centre_curve(const mg_context *c, int feature_pair, 
 MG_INTERNAL void mg_foot_on_centre_curve(const mg_centre_curve *curve, const mg_real *x, mg_real *foot);
 
 /* Sample of a feature that has a centre curve at a point of it in the axes of the shape; without the world point. */
-MG_INTERNAL void mg_sample_about_centre_curve(const mg_context *c, int feature_pair, int side, const mg_real *local,
-                                              mg_sample *sample);
+MG_INTERNAL void mg_sample_about_centre_curve(const mg_context *c, int feature_pair, int side,
+                                              const mg_centre_curve *curve, const mg_real *local, mg_sample *sample);
 
 /* True if the critical points of a feature pair follow from lines or circles in closed form. */
 MG_INTERNAL int mg_has_centre_curves(const mg_context *c, int feature_pair);

@@ -22,7 +22,7 @@ typedef struct {
   int curves;                       /* bit 0: the first feature is seen as a curve, bit 1: the other */
   int is_centred[2];                /* 1: the first, the other feature is seen as its centre curve */
   mg_centre_curve centre[2];        /* that curve; tube is 0 where there is none */
-  mg_feature_limits allowed[2];  /* coordinates of the first and of the other side */
+  mg_feature_limits allowed[2];     /* coordinates of the first and of the other side */
   int n_known;                      /* critical points known */
   mg_real known[MG_CRITICAL][6];    /* their points on the first and the other feature, axes of the first shape, m */
   mg_real known_uv[MG_CRITICAL][4]; /* their coordinates on both; MG_MAX where eta does not hold them */
@@ -231,7 +231,7 @@ static void mg_sample_about_centre(const mg_critical_search *s, int which, const
   mg_normalise3(towards);
   for (int k = 0; k < 3; k++) x[k] = at->centre[k] + at->tube * towards[k] - (which ? s->origin[k] : 0);
   if (which) mg_rotate_back(s->rotation, x, x);
-  mg_sample_about_centre_curve(c, s->feature_pair, side, x, sample);
+  mg_sample_about_centre_curve(c, s->feature_pair, side, s->centre + which, x, sample);
   const int along = s->centre[which].coordinate;
   sample->uv[along] = box[2 * along] + (box[2 * along + 1] - box[2 * along]) / 2;
   mg_to_world(mg_feature_numbers(c, s->feature_pair, side) + MG_FEATURE_PLACEMENT, x, 1, in_body);

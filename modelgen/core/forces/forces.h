@@ -268,8 +268,8 @@ MG_INTERNAL mg_real mg_support_radius(const mg_context *c, int slot);
 /* Fill the frame of a patch: hull pose, tangents and support points in hull axes, and the sign of N. */
 MG_INTERNAL void mg_set_patch_frame(const mg_context *c, int slot, mg_patch_frame *at);
 
-/* Slip and spin of a patch along its stored slip direction. */
-MG_INTERNAL mg_real mg_patch_slip_along_direction(const mg_context *c, int slot);
+/* Slip and spin of a patch along its stored slip direction; rate: [per row] velocities, or their derivatives. */
+MG_INTERNAL mg_real mg_patch_slip_along_direction(const mg_context *c, int slot, const mg_real *rate);
 
 /* Set the slip direction of a patch from a twist: velocity of the first support along t1, t2 and spin about N. */
 MG_INTERNAL void mg_set_patch_slip_direction(mg_context *c, int slot, const mg_real *twist);

@@ -47,10 +47,10 @@ MG_INTERNAL void mg_set_patch_frame(const mg_context *c, int slot, mg_patch_fram
   }
 }
 
-MG_INTERNAL mg_real mg_patch_slip_along_direction(const mg_context *c, int slot) {
+MG_INTERNAL mg_real mg_patch_slip_along_direction(const mg_context *c, int slot, const mg_real *rate) {
   const mg_real *direction = c->run->patch_slip_direction + 4 * slot,
                 *t = c->rows.tangents + 6 * mg_first_support(c, slot);
-  const mg_real *slip = c->rows.d_dot + mg_first_patch_friction_row(c, slot);
+  const mg_real *slip = rate + mg_first_patch_friction_row(c, slot);
   return slip[0] * mg_dot3(t, direction) + slip[1] * mg_dot3(t + 3, direction) +
          slip[2] * mg_support_radius(c, slot) * direction[3];
 }
@@ -87,7 +87,7 @@ static int mg_patch_slip_twist(const mg_context *c, int slot, mg_real *twist) {
   const mg_real radius = mg_support_radius(c, slot), spin_velocity = slip[2] * radius;
   const mg_real size = sqrt(slip[0] * slip[0] + slip[1] * slip[1] + spin_velocity * spin_velocity);
   const int is_small = size <= 2 * c->settings->slip_speed * c->system->length / c->system->time;
-  const int sign = !is_small && mg_patch_slip_along_direction(c, slot) < 0 ? -1 : 1;
+  const int sign = !is_small && mg_patch_slip_along_direction(c, slot, c->rows.d_dot) < 0 ? -1 : 1;
   const int is_solved_for = c->friction.follows_angle && c->run->patch_mode[slot] == MG_SLIP_ONSET;
   mg_real e[3][3];
   for (int k = 0; k < 3; k++) twist[k] = sign * slip[k];

@@ -79,7 +79,7 @@ MG_INTERNAL mg_real mg_patch_friction_margin(mg_context *c, int slot, mg_real *t
 MG_INTERNAL mg_real mg_patch_friction_event_value(mg_context *c, int slot, int cause) {
   mg_real twist[3];
   return cause == MG_FRICTION_EXCEEDED ? mg_patch_friction_margin(c, slot, twist)
-                                       : mg_patch_slip_along_direction(c, slot);
+                                       : mg_patch_slip_along_direction(c, slot, c->rows.d_dot);
 }
 
 MG_INTERNAL int mg_find_patch_friction_event(mg_context *c, int slot) {
@@ -138,7 +138,7 @@ static mg_real mg_patch_slip_stop_time(const mg_context *c, int slot) {
                 *t = c->rows.tangents + 6 * mg_first_support(c, slot);
   mg_real rate[3];
   mg_patch_slip_acceleration(c, slot, rate);
-  const mg_real along = mg_patch_slip_along_direction(c, slot);
+  const mg_real along = mg_patch_slip_along_direction(c, slot, c->rows.d_dot);
   const mg_real braking =
       -(rate[0] * mg_dot3(t, direction) + rate[1] * mg_dot3(t + 3, direction) + rate[2] * direction[3]);
   return along > 0 && braking > 0 ? along / braking : 0;

@@ -136,6 +136,14 @@ static void mg_feature_coordinates(const mg_context *c, int feature_pair, int si
   uv[1] = mg_parametrisation(c, feature_pair, side) == MG_CHART ? own[1] : point[1];
 }
 
+MG_INTERNAL const mg_real *mg_bounding_quadric(const mg_context *c, int side, int k) {
+  const mg_system *s = c->system;
+  return s->condition_feature[k] == side && s->condition_kind[k] == MG_CONDITION_QUADRIC &&
+                 s->condition_feature_pair[k] != MG_BEYOND_WATCHED
+             ? s->numbers + s->condition_numbers[k]
+             : 0;
+}
+
 MG_INTERNAL mg_real mg_quadric_condition(const mg_real *a, const mg_real *x) {
   return a[0] + mg_dot3(a + 1, x) + a[4] * x[0] * x[0] + a[5] * x[1] * x[1] + a[6] * x[2] * x[2] + a[7] * x[0] * x[1] +
          a[8] * x[0] * x[2] + a[9] * x[1] * x[2];
@@ -161,11 +169,10 @@ MG_INTERNAL mg_real mg_sine_between(const mg_real *a, const mg_real *b) {
 
 MG_INTERNAL int mg_is_within_border(const mg_context *c, int feature_pair, int side, const mg_real *x) {
   const mg_system *s = c->system;
-  for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++)
-    if (s->condition_feature[k] == side && s->condition_kind[k] == MG_CONDITION_QUADRIC &&
-        s->condition_feature_pair[k] != MG_BEYOND_WATCHED &&
-        mg_quadric_condition(s->numbers + s->condition_numbers[k], x) < 0)
-      return 0;
+  for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++) {
+    const mg_real *quadric = mg_bounding_quadric(c, side, k);
+    if (quadric && mg_quadric_condition(quadric, x) < 0) return 0;
+  }
   return 1;
 }
 

@@ -111,6 +111,9 @@ MG_INTERNAL int mg_feature_body(const mg_context *c, int feature_pair, int side)
 /* Parametrisation of a feature, MG_NONE .. */
 MG_INTERNAL int mg_parametrisation(const mg_context *c, int feature_pair, int side);
 
+/* Numbers of the condition k if it is an MG_CONDITION_QUADRIC that bounds the feature of a side, else 0. */
+MG_INTERNAL const mg_real *mg_bounding_quadric(const mg_context *c, int side, int k);
+
 /* Value of an MG_CONDITION_QUADRIC at a point in the axes of its shape, m. */
 MG_INTERNAL mg_real mg_quadric_condition(const mg_real *a, const mg_real *x);
 

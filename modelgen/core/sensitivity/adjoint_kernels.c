@@ -1,16 +1,8 @@
 /* Calls of the generated adjoints, as derivative_kernels.c calls the tangents: cotangents of results are packed into
    s->y_dot, those of arguments come back in s->x_dot and are added to s->at and to the numbers of the mg_adjoint. */
-#include <string.h>
-
 #include "sensitivity/sensitivity.h"
 #include "base/base.h"
 #include "model/model.h"
-
-static mg_real *mg_pack_part(mg_real *to, int n, const mg_real *from) {
-  if (from) memcpy(to, from, (size_t)n * sizeof(mg_real));
-  else mg_zero_reals(to, n);
-  return to + n;
-}
 
 /* Adds n numbers to an array; returns the place after them in the source. */
 static const mg_real *mg_add_part(mg_real *to, int n, const mg_real *from) {
@@ -24,8 +16,8 @@ static void mg_call_adjoint(const mg_context *c, mg_sensitivity *s, int task, in
 }
 
 static mg_real *mg_pack_state(const mg_context *c, int body, mg_real *x) {
-  x = mg_pack_part(x, 12, c->bodies.pose + 12 * body);
-  return mg_pack_part(x, 6, c->bodies.twist + 6 * body);
+  x = mg_pack(x, 12, c->bodies.pose + 12 * body);
+  return mg_pack(x, 6, c->bodies.twist + 6 * body);
 }
 
 static const mg_real *mg_add_to_body(mg_sensitivity *s, int body, const mg_real *x_bar) {
@@ -35,8 +27,8 @@ static const mg_real *mg_add_to_body(mg_sensitivity *s, int body, const mg_real 
 
 static void mg_pack_weights(mg_sensitivity *s, int rows, const mg_real *force, const mg_real *accel_first,
                             const mg_real *accel_second) {
-  mg_real *w = mg_pack_part(mg_pack_part(s->weights, rows, force), MG_ROWS_OF_ONE - rows, 0);
-  mg_pack_part(mg_pack_part(w, 6, accel_first), 6, accel_second);
+  mg_real *w = mg_pack(mg_pack(s->weights, rows, force), MG_ROWS_OF_ONE - rows, 0);
+  mg_pack(mg_pack(w, 6, accel_first), 6, accel_second);
 }
 
 /* Adds cotangents of the parameters of a contact; those of a support point end with the point, which is fixed. */
@@ -53,8 +45,8 @@ MG_INTERNAL void mg_contact_adjoint(mg_context *c, mg_sensitivity *s, int contac
   mg_pack_weights(s, MG_ROWS_OF_ONE, force, acceleration ? acceleration + 6 * o : 0,
                   acceleration ? acceleration + 6 * f : 0);
   mg_real *x = mg_pack_state(c, f, mg_pack_state(c, o, s->x));
-  x = mg_pack_part(x, n_eta, eta);
-  mg_pack_part(x, c->kernels->contact_kinds[kind].n_parameters, mg_contact_parameters(c, contact));
+  x = mg_pack(x, n_eta, eta);
+  mg_pack(x, c->kernels->contact_kinds[kind].n_parameters, mg_contact_parameters(c, contact));
   mg_call_adjoint(c, s, MG_TASK_CONTACT, kind);
   const mg_real *x_bar = mg_add_to_body(s, f, mg_add_to_body(s, o, s->x_dot));
   mg_add_contact_parameters(c, s, contact, mg_add_part(eta_bar, n_eta, x_bar));
@@ -64,9 +56,9 @@ MG_INTERNAL void mg_placement_adjoint(mg_context *c, mg_sensitivity *s, int cont
   const int kind = c->contacts.kind[contact], n_eta = c->kernels->contact_kinds[kind].n_eta;
   mg_real *x = s->x;
   for (int side = 0; side < 2; side++)
-    x = mg_pack_part(x, 12, c->bodies.pose + 12 * (side ? c->contacts.f[contact] : c->contacts.o[contact]));
-  x = mg_pack_part(x, n_eta, eta);
-  mg_pack_part(x, c->kernels->contact_kinds[kind].n_parameters, mg_contact_parameters(c, contact));
+    x = mg_pack(x, 12, c->bodies.pose + 12 * (side ? c->contacts.f[contact] : c->contacts.o[contact]));
+  x = mg_pack(x, n_eta, eta);
+  mg_pack(x, c->kernels->contact_kinds[kind].n_parameters, mg_contact_parameters(c, contact));
   mg_call_adjoint(c, s, MG_TASK_PLACEMENT, kind);
   const mg_real *x_bar = mg_add_part(s->at.pose + 12 * c->contacts.o[contact], 12, s->x_dot);
   x_bar = mg_add_part(s->at.pose + 12 * c->contacts.f[contact], 12, x_bar);
@@ -82,7 +74,7 @@ MG_INTERNAL void mg_joint_adjoint(const mg_context *c, mg_sensitivity *s, int jo
   mg_pack_weights(s, rows, force, acceleration ? acceleration + 6 * a : 0, acceleration ? acceleration + 6 * b : 0);
   *s->x = t;
   mg_real *x = mg_pack_state(c, b, mg_pack_state(c, a, s->x + 1));
-  mg_pack_part(mg_pack_part(x, n, system->parameters + offset), 3 * system->n_input, c->run->input);
+  mg_pack(mg_pack(x, n, system->parameters + offset), 3 * system->n_input, c->run->input);
   for (int k = 0; k < 3 * system->n_input; k++) s->x_dot[37 + n + k] = 0; /* of rows that no input moves */
   mg_call_adjoint(c, s, MG_TASK_JOINT, kind);
   const mg_real *x_bar = mg_add_to_body(s, b, mg_add_to_body(s, a, s->x_dot + 1));
@@ -96,7 +88,7 @@ MG_INTERNAL void mg_load_adjoint(const mg_context *c, mg_sensitivity *s, int loa
             offset = system->load_parameters[load];
   *s->x = t;
   mg_real *x = mg_pack_state(c, b, mg_pack_state(c, a, s->x + 1));
-  mg_pack_part(mg_pack_part(x, n, system->parameters + offset), 3 * system->n_input, c->run->input);
+  mg_pack(mg_pack(x, n, system->parameters + offset), 3 * system->n_input, c->run->input);
   for (int k = 0; k < 3 * system->n_input; k++) s->x_dot[37 + n + k] = 0;
   mg_call_adjoint(c, s, MG_TASK_LOAD, kind);
   const mg_real *x_bar = mg_add_to_body(s, b, mg_add_to_body(s, a, s->x_dot + 1));
@@ -109,10 +101,10 @@ MG_INTERNAL void mg_motion_adjoint(const mg_context *c, mg_sensitivity *s, int b
   const int kind = mg_body_kind_of(c, body), n_q = c->kernels->body_kinds[kind].n_q,
             n_u = c->kernels->body_kinds[kind].n_u, n = c->kernels->body_kinds[kind].n_parameters,
             offset = c->system->body_parameters[body];
-  mg_real *x = mg_pack_part(mg_pack_part(s->x, n_q, q), 7 - n_q, 0);
-  x = mg_pack_part(mg_pack_part(x, n_u, u), 6 - n_u, 0);
-  x = mg_pack_part(mg_pack_part(x, 6, wrench), 3, gravity);
-  mg_pack_part(x, n, c->system->parameters + offset);
+  mg_real *x = mg_pack(mg_pack(s->x, n_q, q), 7 - n_q, 0);
+  x = mg_pack(mg_pack(x, n_u, u), 6 - n_u, 0);
+  x = mg_pack(mg_pack(x, 6, wrench), 3, gravity);
+  mg_pack(x, n, c->system->parameters + offset);
   mg_call_adjoint(c, s, MG_TASK_MOTION, kind);
   mg_add_part(q_bar, n_q, s->x_dot), mg_add_part(u_bar, n_u, s->x_dot + 7), mg_add_part(wrench_bar, 6, s->x_dot + 13);
   if (gravity) mg_add_part(s->adjoint->gravity, 3, s->x_dot + 19);
@@ -123,9 +115,9 @@ MG_INTERNAL void mg_motion_adjoint(const mg_context *c, mg_sensitivity *s, int b
 static void mg_path_adjoint(const mg_context *c, mg_sensitivity *s, int body, mg_real t) {
   const int offset = c->system->body_parameters[body], inputs = 3 * c->system->n_input;
   *s->x = t;
-  mg_pack_part(mg_pack_part(s->x + 1, 12, c->system->parameters + offset), inputs, c->run->input);
-  mg_real *y = mg_pack_part(s->y_dot, 12, s->at.pose + 12 * body);
-  mg_pack_part(mg_pack_part(y, 6, s->at.twist + 6 * body), 6, s->at.acceleration + 6 * body);
+  mg_pack(mg_pack(s->x + 1, 12, c->system->parameters + offset), inputs, c->run->input);
+  mg_real *y = mg_pack(s->y_dot, 12, s->at.pose + 12 * body);
+  mg_pack(mg_pack(y, 6, s->at.twist + 6 * body), 6, s->at.acceleration + 6 * body);
   for (int k = 0; k < inputs; k++) s->x_dot[13 + k] = 0;
   mg_call_adjoint(c, s, MG_TASK_PATH, mg_body_kind_of(c, body));
   mg_add_part(s->adjoint->input, inputs, mg_add_part(s->adjoint->parameters + offset, 12, s->x_dot + 1));
@@ -142,7 +134,7 @@ MG_INTERNAL void mg_place_bodies_adjoint(const mg_context *c, mg_sensitivity *s,
     else mg_add_part(u_bar, n_u, s->at.twist + 6 * b);
     if (motion == MG_POINT) mg_add_part(q_bar, 3, s->at.pose + 12 * b);
     if (motion == MG_FREE) {
-      mg_pack_part(s->x, 7, x + system->body_q[b]), mg_pack_part(s->y_dot, 12, s->at.pose + 12 * b);
+      mg_pack(s->x, 7, x + system->body_q[b]), mg_pack(s->y_dot, 12, s->at.pose + 12 * b);
       mg_call_adjoint(c, s, MG_TASK_POSE, mg_body_kind_of(c, b));
       mg_add_part(q_bar, 7, s->x_dot);
     }
@@ -154,17 +146,17 @@ MG_INTERNAL void mg_sensors_adjoint(const mg_context *c, mg_sensitivity *s, mg_r
   const int bodies = system->n_body, n = system->n_parameters - system->sensor_parameters, inputs = 3 * system->n_input;
   mg_real *x = s->x;
   *x++ = t;
-  x = mg_pack_part(mg_pack_part(x, 12 * bodies, c->bodies.pose), 6 * bodies, c->bodies.twist);
-  x = mg_pack_part(x, 6 * bodies, c->sensors.acceleration);
-  x = mg_pack_part(mg_pack_part(x, 2 * system->n_pair, c->sensors.pair), 6 * system->n_joint, c->sensors.joint);
-  x = mg_pack_part(x, 3, system->gravity);
-  mg_pack_part(mg_pack_part(x, n, system->parameters + system->sensor_parameters), inputs, c->run->applied_input);
-  mg_pack_part(s->y_dot, c->kernels->n_sensor, sensors_bar);
+  x = mg_pack(mg_pack(x, 12 * bodies, c->bodies.pose), 6 * bodies, c->bodies.twist);
+  x = mg_pack(x, 6 * bodies, c->sensors.acceleration);
+  x = mg_pack(mg_pack(x, 2 * system->n_pair, c->sensors.pair), 6 * system->n_joint, c->sensors.joint);
+  x = mg_pack(x, 3, system->gravity);
+  mg_pack(mg_pack(x, n, system->parameters + system->sensor_parameters), inputs, c->run->applied_input);
+  mg_pack(s->y_dot, c->kernels->n_sensor, sensors_bar);
   mg_call_adjoint(c, s, MG_TASK_SENSORS, 0);
   const mg_real *x_bar = mg_add_part(s->at.pose, 12 * bodies, s->x_dot + 1);
   x_bar = mg_add_part(s->at.acceleration, 6 * bodies, mg_add_part(s->at.twist, 6 * bodies, x_bar));
-  mg_pack_part(s->pair, 2 * system->n_pair, x_bar), x_bar += 2 * system->n_pair;
-  mg_pack_part(s->joint, 6 * system->n_joint, x_bar), x_bar += 6 * system->n_joint;
+  mg_pack(s->pair, 2 * system->n_pair, x_bar), x_bar += 2 * system->n_pair;
+  mg_pack(s->joint, 6 * system->n_joint, x_bar), x_bar += 6 * system->n_joint;
   x_bar = mg_add_part(s->adjoint->gravity, 3, x_bar);
   x_bar = mg_add_part(s->adjoint->parameters + system->sensor_parameters, n, x_bar);
   mg_add_part(s->adjoint->input, inputs, x_bar);

@@ -6,8 +6,7 @@
 #include "base/base.h"
 #include "model/model.h"
 
-/* Copies n numbers, or zeros if there are none to copy; returns the place after them. */
-static mg_real *mg_pack(mg_real *to, int n, const mg_real *from) {
+MG_INTERNAL mg_real *mg_pack(mg_real *to, int n, const mg_real *from) {
   if (from) memcpy(to, from, (size_t)n * sizeof(mg_real));
   else mg_zero_reals(to, n);
   return to + n;

@@ -143,7 +143,8 @@ MG_INTERNAL void mg_differentiate_event(mg_context *c, mg_sensitivity *s, mg_cro
     const int eta = c->system->n_q + c->system->n_u + c->system->contact_eta[contact];
     const int slot = mg_slot_of_support(c, contact);
     if (crossing->kind == MG_CROSSES_GAP) s->event_rate[j] = s->at.value[contact];
-    else if (crossing->kind == MG_CROSSES_SLIP && slot >= 0) s->event_rate[j] = mg_patch_slip_rate_tangent(c, s, slot);
+    else if (crossing->kind == MG_CROSSES_SLIP && slot >= 0)
+      s->event_rate[j] = mg_patch_slip_along_direction(c, slot, s->at.rate);
     else if (crossing->kind == MG_CROSSES_BOUND && slot >= 0) s->event_rate[j] = mg_patch_bound_tangent(c, s, j, slot);
     else if (crossing->kind == MG_CROSSES_SLIP) s->event_rate[j] = mg_slip_tangent(c, s, contact, crossing->constraint);
     else if (crossing->kind == MG_CROSSES_BOUND)

@@ -102,14 +102,6 @@ MG_INTERNAL void mg_patch_slip_tangent(mg_context *c, mg_sensitivity *s, int dir
   }
 }
 
-MG_INTERNAL mg_real mg_patch_slip_rate_tangent(const mg_context *c, const mg_sensitivity *s, int slot) {
-  const int row = mg_first_patch_friction_row(c, slot);
-  const mg_real *direction = c->run->patch_slip_direction + 4 * slot,
-                *t = c->rows.tangents + 6 * mg_first_support(c, slot);
-  return s->at.rate[row] * mg_dot3(t, direction) + s->at.rate[row + 1] * mg_dot3(t + 3, direction) +
-         s->at.rate[row + 2] * mg_support_radius(c, slot) * direction[3];
-}
-
 /* The bound is the least, over the twists t that slip may start with, of what friction may dissipate less what it does:
    its derivatives are those with the least t held. */
 MG_INTERNAL void mg_patch_bound_gradient(mg_context *c, int slot, mg_real *by_force, mg_real *by_mu) {

@@ -140,6 +140,9 @@ MG_INTERNAL void mg_place_bodies_tangent(const mg_context *c, mg_sensitivity *s,
 /* Of what the sensors show. Needs s->pair and s->joint. */
 MG_INTERNAL void mg_sensors_tangent(const mg_context *c, mg_sensitivity *s, int direction, mg_real t);
 
+/* Copies n numbers, or zeros if there are none to copy; returns the place after them. */
+MG_INTERNAL mg_real *mg_pack(mg_real *to, int n, const mg_real *from);
+
 /* Derivative of a number along a direction; 0 while s->is_time or where the array is not given. */
 MG_INTERNAL mg_real mg_number_dot(const mg_sensitivity *s, const mg_real *array, long n, int direction, int i);
 
@@ -182,11 +185,10 @@ MG_INTERNAL void mg_hull_axes_in_f(const mg_context *c, int slot, const mg_patch
    derivatives of its slip. */
 MG_INTERNAL void mg_patch_slip_tangent(mg_context *c, mg_sensitivity *s, int direction, int slot);
 
-/* Derivatives of the slip of a patch along its stored direction, and of what is left of its bound while it sticks. */
-MG_INTERNAL mg_real mg_patch_slip_rate_tangent(const mg_context *c, const mg_sensitivity *s, int slot);
+/* Derivative of what is left of the bound of a patch while it sticks. */
 MG_INTERNAL mg_real mg_patch_bound_tangent(mg_context *c, const mg_sensitivity *s, int direction, int slot);
 
-/* Derivatives of the second, where nothing is left, by the forces on the rows of the patch (3 supports, then 3 of
+/* Derivatives of that, where nothing is left, by the forces on the rows of the patch (3 supports, then 3 of
    friction), and by its coefficient. */
 MG_INTERNAL void mg_patch_bound_gradient(mg_context *c, int slot, mg_real *by_force, mg_real *by_mu);
 
@@ -195,7 +197,7 @@ MG_INTERNAL void mg_patch_bound_gradient(mg_context *c, int slot, mg_real *by_fo
 /* From the cotangents of the three s->at.ratio of a slipping patch. */
 MG_INTERNAL void mg_patch_slip_adjoint(mg_context *c, mg_sensitivity *s, int slot, const mg_real *bar);
 
-/* Of the event functions, times a weight. */
+/* Of the slip of a patch along its stored direction, and of what is left of its bound, times a weight. */
 MG_INTERNAL void mg_patch_slip_rate_adjoint(const mg_context *c, mg_sensitivity *s, int slot, mg_real weight);
 MG_INTERNAL void mg_patch_bound_adjoint(mg_context *c, mg_sensitivity *s, int slot, mg_real weight);
 

@@ -125,9 +125,9 @@ static int mg_mark_beginning_slip(mg_context *c, mg_sensitivity *s) {
 }
 
 /* True if slip that has begun in this step turns with a direction: then its first direction, a limit, has a derivative
-   that the step does not have. Needs the derivatives of that direction at the end of the step. */
-static int mg_turns_slip_onset(const mg_context *c, mg_sensitivity *s, int direction) {
-  const mg_real least = MG_ROUNDED_TANGENT * mg_direction_size(c, s, direction) * c->system->length / c->system->time;
+   that the step does not have. Needs the derivatives of that direction at the end of the step;
+   `least`: of rates that are not rounding. */
+static int mg_turns_slip_onset(const mg_context *c, mg_sensitivity *s, mg_real least) {
   for (int i = mg_next_row(c, -1); c->system->n_friction && i < c->layout.support_begin; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
       const int row = mg_first_friction_row(c, i, g);
@@ -143,8 +143,7 @@ static int mg_turns_slip_onset(const mg_context *c, mg_sensitivity *s, int direc
 }
 
 /* The same of a patch: slip along t1 and t2, and spin as slip at the distance of its supports. */
-static int mg_turns_patch_slip_onset(const mg_context *c, mg_sensitivity *s, int direction) {
-  const mg_real least = MG_ROUNDED_TANGENT * mg_direction_size(c, s, direction) * c->system->length / c->system->time;
+static int mg_turns_patch_slip_onset(const mg_context *c, mg_sensitivity *s, mg_real least) {
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     if (!s->slip_begins[c->system->n_friction + slot]) continue;
     const int row = mg_first_patch_friction_row(c, slot);
@@ -220,7 +219,8 @@ MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h) {
   if (!reason && mg_has_unknown_patch_slip(c)) reason = MG_BY_FACES, s->doubtful = mg_first_closed_support(c);
   for (int j = 0; j < n && !reason && slip_begins; j++) {
     mg_rhs_tangent(c, s, j, t + h, c->step.end, s->tangent->x + (long)j * states, s->stage);
-    if (mg_turns_slip_onset(c, s, j) || mg_turns_patch_slip_onset(c, s, j)) reason = MG_BY_SLIP_ONSET;
+    const mg_real least = MG_ROUNDED_TANGENT * mg_direction_size(c, s, j) * c->system->length / c->system->time;
+    if (mg_turns_slip_onset(c, s, least) || mg_turns_patch_slip_onset(c, s, least)) reason = MG_BY_SLIP_ONSET;
   }
   return reason;
 }

@@ -1,0 +1,27 @@
+"""Texts of C compiled to a shared library."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from modelgen.codegen.compiler import LIBRARIES, SHARED, Compiler, run_compiler
+
+NAME, LOG = "compiled.so", "compiled.log"
+
+
+def shared_library(
+    compiler: Compiler, flags: Sequence[str], texts: Mapping[str, str], units: Sequence[str]
+) -> bytes:
+    """The library of `units`, which are files of `texts` or objects with their full path.
+
+    Raises LibraryError where the compiler fails.
+    """
+    with tempfile.TemporaryDirectory(prefix="modelgen-") as name:
+        folder = Path(name)
+        for file, text in texts.items():
+            (folder / file).write_text(text, encoding="utf-8")
+        command = [*compiler.command, *flags, *SHARED, "-o", NAME, *units, *LIBRARIES]
+        run_compiler(command, folder, folder / LOG)
+        return (folder / NAME).read_bytes()
