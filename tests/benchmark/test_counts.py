@@ -30,6 +30,7 @@ int main(void) {
 """
 
 
+@pytest.mark.slow
 def test_the_program_ends_where_the_run_does(tmp_path: Path) -> None:
     library = library_of(named("ended"))
     text = driver_text(library, Accuracy.balanced(), UNTIL)

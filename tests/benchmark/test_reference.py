@@ -67,6 +67,7 @@ def test_a_scene_that_ends_early_is_measured_up_to_there() -> None:
     assert reference.ending == ""
 
 
+@pytest.mark.slow
 def test_a_billiard_is_predicted_up_to_a_horizon_and_judged_by_distributions_beyond() -> None:
     found = measure(read_text(BILLIARD, "billiard.toml"), knobs=["tolerance"], root=folder())
     horizon, until = found.reference["horizon"], found.subject.until

@@ -99,14 +99,13 @@ def without_solution(core: Any) -> str:
 def main() -> None:
     names = [*COUNTS, *(["Siconos NSGS"] if interpreter() else [])]
     table = Table(*("contacts, rank", *names), title="success, median and longest time of a problem")
-    with TemporaryDirectory() as folder:
-        core = core_in(Path(folder), "double", "-march=native")
-        for kind, problems in classes():
-            slow = len(problems[0].first) > MPCC_CONTACTS
-            cells = ["" if slow and name == "mpcc" else measured(name, problems, core) for name in COUNTS]
-            table.add_row(kind, *cells, *([of_siconos(problems, core)] if interpreter() else []))
-        Console(width=180).print(table)
-        print(without_solution(core))
+    core = core_in("double", "-march=native")
+    for kind, problems in classes():
+        slow = len(problems[0].first) > MPCC_CONTACTS
+        cells = ["" if slow and name == "mpcc" else measured(name, problems, core) for name in COUNTS]
+        table.add_row(kind, *cells, *([of_siconos(problems, core)] if interpreter() else []))
+    Console(width=180).print(table)
+    print(without_solution(core))
 
 
 if __name__ == "__main__":

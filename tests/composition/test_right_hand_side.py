@@ -74,7 +74,7 @@ def assert_same(derivation: Derivation, found: list[Array], expected: list[Array
         np.testing.assert_allclose(got, wanted, rtol=0, atol=1e-10 * size)
 
 
-@pytest.mark.cases(8)
+@pytest.mark.cases(5)
 @pytest.mark.parametrize("name", sorted(REGISTRY))
 def test_accelerations_rates_and_forces_are_those_of_the_core(name: str) -> None:
     derivation, refused = derived(name), 0

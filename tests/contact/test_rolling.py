@@ -182,6 +182,7 @@ def test_a_rolling_coin_arrives_where_published() -> None:
     np.testing.assert_allclose(axes @ force, [-0.807813489485, -0.634913784517, 9.83551980688], atol=1e-6)
 
 
+@pytest.mark.slow
 def test_an_ellipsoid_that_rolls_keeps_its_energy_and_stays_in_contact() -> None:
     """0.10 x 0.07 x 0.05 m tilted by 0.3 rad at 6 rad/s about the vertical, two seconds without slip."""
     axes, tilt, up = np.array([0.05, 0.035, 0.025]), 0.3, np.array([0.0, 0.0, 1.0])

@@ -6,10 +6,13 @@ import ctypes
 import shutil
 import subprocess
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from tests.running import held, pool
 
 CORE = Path(__file__).parents[2] / "modelgen" / "core"
 SOLVERS = ("base", "solve")  # rooms that know no bodies
@@ -41,21 +44,36 @@ def includes(*rooms: str) -> str:
     return "".join(f'#include "{path.relative_to(CORE)}"\n' for path in sources)
 
 
-def compile_core(folder: Path, text: str, *flags: str) -> Path:
+def compile_core(text: str, *flags: str) -> Path:
     """The solvers, and `text` after them, in one file."""
-    unit = folder / "lcp_unit.c"
-    unit.write_text(includes(*SOLVERS) + text)
-    out = folder / "lcp_unit.out"
-    command = [str(compiler()), *WARNINGS, f"-I{CORE}", *flags, str(unit), "-o", str(out), "-lm"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
+    return compile_text(includes(*SOLVERS) + text, *flags)
+
+
+def compile_text(text: str, *flags: str) -> Path:
+    """The file that a text of C gives with the core beside it, compiled once in a test run."""
+    command = [str(compiler()), *WARNINGS, f"-I{CORE}", *flags]
+    folder = pool() / sha256("\0".join([*command, text]).encode()).hexdigest()[:16]
+    folder.mkdir(parents=True, exist_ok=True)
+    unit, out = folder / "unit.c", folder / "unit.out"
+    with held(folder / ".lock"):
+        if not out.exists():
+            unit.write_text(text)
+            done = subprocess.run(
+                [*command, unit, "-o", out, "-lm"], capture_output=True, text=True, check=False
+            )
+            assert done.returncode == 0, done.stderr
     return out
 
 
-def core_in(folder: Path, real: str, *flags: str) -> CoreBuild:
-    """The library over "double", "float" or "long double"."""
+def core_in(real: str, *flags: str) -> CoreBuild:
+    """The library of the solvers over "double", "float" or "long double"."""
+    return library_in(real, includes(*SOLVERS), "-O2", *flags)
+
+
+def library_in(real: str, text: str, *flags: str) -> CoreBuild:
+    """The library that a text gives over "double", "float" or "long double"."""
     define, dtype = REALS[real]
-    path = compile_core(folder, "", "-O2", *flags, "-fvisibility=hidden", "-shared", "-fPIC", *define)
+    path = compile_text(text, *flags, "-fvisibility=hidden", "-shared", "-fPIC", *define)
     return CoreBuild(ctypes.CDLL(str(path)), dtype)
 
 

@@ -2,38 +2,29 @@
 
 from __future__ import annotations
 
-import ctypes
-import subprocess
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
 import pytest
 
-from tests.core.compiling import CORE, REALS, CoreBuild, compile_core, compiler, core_in, includes
+from tests.core.compiling import CoreBuild, compile_core, compiler, core_in, includes, library_in
 
 
 @pytest.fixture(scope="session")
-def lcp_compile(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+def lcp_compile() -> Callable[..., Path]:
     """Compile the solvers, and `text` after them, into one file."""
     if compiler() is None:
         pytest.skip("no C compiler on the path")
-    return lambda text, *flags: compile_core(tmp_path_factory.mktemp("lcp"), text, *flags)
+    return compile_core
 
 
 @pytest.fixture(scope="session")
-def lcp_in(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], CoreBuild]:
+def lcp_in() -> Callable[[str], CoreBuild]:
     """The library over "double", "float" or "long double"."""
     if compiler() is None:
         pytest.skip("no C compiler on the path")
-    builds: dict[str, CoreBuild] = {}
-
-    def build(real: str) -> CoreBuild:
-        if real not in builds:
-            builds[real] = core_in(tmp_path_factory.mktemp("lcp"), real)
-        return builds[real]
-
-    return build
+    return cache(core_in)
 
 
 @pytest.fixture(scope="session")
@@ -42,35 +33,13 @@ def lcp(lcp_in: Callable[[str], CoreBuild]) -> CoreBuild:
 
 
 @pytest.fixture(scope="session")
-def regions_in(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], CoreBuild]:
+def regions_in() -> Callable[[str], CoreBuild]:
     """The regions alone over plane curves written by hand, in "double", "float" or "long double"."""
     if compiler() is None:
         pytest.skip("no C compiler on the path")
-    folder = tmp_path_factory.mktemp("regions")
-    unit = folder / "regions.c"
     kinds = Path(__file__).with_name("region_kinds.c")
-    unit.write_text(f'#include "{kinds}"\n' + includes("base", "region"))
-    warnings = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-Wno-unused-function")
-
-    @cache
-    def build(real: str) -> CoreBuild:
-        flags, dtype = REALS[real]
-        out = folder / f"{real.replace(' ', '_')}.so"
-        command = [
-            str(compiler()),
-            *warnings,
-            "-O2",
-            "-fvisibility=hidden",
-            "-shared",
-            "-fPIC",
-            f"-I{CORE}",
-            *flags,
-        ]
-        done = subprocess.run([*command, unit, "-o", out, "-lm"], capture_output=True, text=True, check=False)
-        assert done.returncode == 0, done.stderr
-        return CoreBuild(ctypes.CDLL(str(out)), dtype)
-
-    return build
+    text = f'#include "{kinds}"\n' + includes("base", "region")
+    return cache(lambda real: library_in(real, text, "-O2", "-Wno-conversion"))
 
 
 @pytest.fixture(scope="session")

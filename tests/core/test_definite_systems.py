@@ -57,6 +57,7 @@ def error(A: np.ndarray, z: np.ndarray, exact: np.ndarray) -> float:
     return float(np.linalg.norm(d * (z - exact)) / np.linalg.norm(d * exact) / condition)
 
 
+@pytest.mark.cases(3)
 @pytest.mark.parametrize("least", LEAST_PIVOTS)
 def test_a_definite_system_is_solved_to_rounding_at_every_size(least: float, lcp: CoreBuild) -> None:
     """|D (z - z*)| <= 4 n^2 eps cond(S) |D z*|: a factorisation commits at most n (n + 1) roundings of S
@@ -69,6 +70,7 @@ def test_a_definite_system_is_solved_to_rounding_at_every_size(least: float, lcp
             assert error(A, z, exact) <= 4 * n**2 * np.finfo(float).eps
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("real", ["float", "double", "long double"])
 def test_the_small_factorisation_agrees_with_the_general_one_in_every_real_type(
     real: str, lcp_in: Any

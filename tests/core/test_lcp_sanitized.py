@@ -11,7 +11,7 @@ import pytest
 DRIVERS = ("lcp_driver.c", "friction_driver.c")
 
 
-@pytest.mark.cases(2)
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("driver", DRIVERS)
 @pytest.mark.parametrize(
     "real", [(), ("-DMG_REAL_FLOAT",), ("-DMG_REAL_LONG",)], ids=["double", "float", "long"]

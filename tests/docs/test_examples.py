@@ -67,8 +67,9 @@ def workplace(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def examples(language: str) -> list[object]:
+    """All blocks of a language; those that draw a film are studies, which take long."""
     return [
-        pytest.param(code, id=f"{path.stem}-{number}")
+        pytest.param(code, id=f"{path.stem}-{number}", marks=pytest.mark.slow if ".gif" in code else ())
         for path in PAGES
         for number, code in enumerate(blocks(path, language))
     ]

@@ -72,6 +72,7 @@ def test_the_page_of_keys_has_every_table(names: Iterable[str]) -> None:
     assert not [name for name in names if f"`{name}`" not in keys_page()]
 
 
+@pytest.mark.cases(20)
 @pytest.mark.parametrize("key", [*SHAPE_KINDS, *JOINT.tables, "run", "contact", "body", "static"])
 def test_every_table_kind_and_key_has_a_page_of_its_own(key: str) -> None:
     result = CliRunner().invoke(app, ["schema", key])

@@ -31,6 +31,7 @@ ROUND = {
 }
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("shape", ROUND)
 def test_triangles_of_smooth_shapes_stay_within_the_tolerance(shape: str) -> None:
     mesh = meshed(shape)

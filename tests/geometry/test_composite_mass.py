@@ -209,6 +209,7 @@ def ring_net(count: int) -> Shape:
     return build.bspline(points, periodic=[True, True])
 
 
+@pytest.mark.slow
 def test_a_closed_net_encloses_its_volume() -> None:
     """The error against the torus falls with the fourth power of the spacing."""
     mass, _, inertia = mass_properties(build.torus(2, 0.5), 1.0)

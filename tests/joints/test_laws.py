@@ -39,7 +39,7 @@ def differences(value, a: Motion, b: Motion) -> tuple[np.ndarray, np.ndarray]:
     return np.array(first), np.array(second)
 
 
-@pytest.mark.cases(21)
+@pytest.mark.cases(12)
 @pytest.mark.parametrize(("kind", "seed"), list(product(KINDS, SEEDS)), ids=lambda x: getattr(x, "name", x))
 def test_value_dot_is_J_u_plus_bias_and_value_ddot_is_J_a_plus_gamma(kind: JointKind, seed: int) -> None:
     rng = np.random.default_rng(seed)

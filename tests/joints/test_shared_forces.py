@@ -36,7 +36,7 @@ axis_angle = {{ axis = [1.0, 0.0, 0.0], angle = "-pi/2" }}
 WEIGHT = 0.0356890624665  # N, that the cam's acceleration needs at first
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("friction", [0.0, 0.2])
 @pytest.mark.parametrize(
     "height", [pytest.param(0.0, marks=pytest.mark.slow), 0.035, pytest.param(0.2, marks=pytest.mark.slow)]

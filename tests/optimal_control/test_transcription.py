@@ -21,6 +21,7 @@ from tests.running import SCENES, scene_of
 Array = np.ndarray[Any, Any]
 
 
+@pytest.mark.cases(3)
 @pytest.mark.parametrize(("stages", "order"), [(1, 1), (2, 3), (3, 5)])
 @pytest.mark.parametrize("name", ["ellipsoid_on_plane", "rolling_ellipsoid"])
 def test_a_plan_without_freedom_converges_to_the_run(name: str, stages: int, order: int) -> None:
@@ -100,6 +101,7 @@ def test_worked_examples_converge_from_perturbed_starts(name: str) -> None:
     assert sum(row["missed"] < NEAR for row in rows) >= 18
 
 
+@pytest.mark.slow
 def test_a_thrown_cube_ends_on_its_face() -> None:
     throw = throw_a_cube.problem()
     found = throw_a_cube.by_derivatives(throw, throw_a_cube.FIRST)

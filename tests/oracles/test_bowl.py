@@ -43,6 +43,7 @@ def force_of(path: Trajectory, pair: str) -> np.ndarray[Any, Any]:
     return path.force[:, [pair_of(name) == pair for name in path.contact_names]].sum(axis=1)
 
 
+@pytest.mark.slow
 def test_up_to_the_first_collision_each_stone_moves_as_if_alone() -> None:
     together = path_of("implicit")
     scene = read(SCENES / "ellipsoids_in_bowl.toml")

@@ -190,7 +190,7 @@ PAIRS = {
 }  # fmt: skip
 
 
-@pytest.mark.cases(2)
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("name", PAIRS)
 def test_the_motion_does_not_depend_on_how_a_surface_is_told(name: str) -> None:
     told, least = PAIRS[name]

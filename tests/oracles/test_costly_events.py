@@ -83,7 +83,7 @@ def test_located_events_cost_no_more_than_several_times_what_steps_do(seed: int)
     assert excess(run(seed, fallback=False), seed) > 1  # what would be located
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_run_comes_back_and_rests_where_that_of_all_events_does(seed: int) -> None:
     path, exact = run(seed), run(seed, fallback=False)

@@ -71,6 +71,7 @@ def test_an_egg_sliding_along_a_trough_that_comes_to_fit_it_stops_at_the_margin(
     assert path.gap[-1, 0] == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_an_egg_sliding_to_where_a_trough_is_narrower_than_itself_slides_on_on_two_points() -> None:
     # radii of curvature across the trough: 0.1 m of the egg, 1 / (8 + 4 u) of the trough
     trough = make.chart("u", "v", "v**2*(4+2*u)", domain=[(-2, 2), (-0.5, 0.5)])

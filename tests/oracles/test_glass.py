@@ -143,6 +143,7 @@ def test_the_reference_keeps_its_energy_and_does_not_care_where_its_series_ends(
     assert abs(one.rotation - other.rotation).max() < 1e-11
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("glass", FEW_GLASSES)
 def test_the_glass_rolls_as_the_reference_does(glass: Glass) -> None:
     run = rolled(scene_of_glass(glass, CIRCLE), (1.0, 0.0, 0.0), TAU, Accuracy.tight())
@@ -152,7 +153,7 @@ def test_the_glass_rolls_as_the_reference_does(glass: Glass) -> None:
     assert run.session.run.energy_error_max < 1e-11
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("base", "rim"), KINDS, ids=lambda x: str(x))
 def test_any_smooth_base_rolls_as_the_reference_does(base: str, rim: str) -> None:
     """In every form of the contact: without eta, with a curve parameter, with a chart of the plane too."""

@@ -18,7 +18,7 @@ EDGE = MASS * G * RADIUS / hypot(ABOVE * PUSH, TIP)  # s; when the pressure reac
 BOUNDS = {"tight": (1e-12, 1e-10), "balanced": (1e-11, 1e-8)}  # m; rotation
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("accuracy", BOUNDS)
 def test_the_shipped_glass_slides_and_rolls_as_the_reference_does(accuracy: str) -> None:
     spin, yaw = TURN / INERTIA[2] * EDGE, TURN / INERTIA[2] * EDGE**2 / 2

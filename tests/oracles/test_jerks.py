@@ -85,6 +85,7 @@ def test_a_path_that_turns_fast_but_smoothly_strikes_nothing(accuracy: str, off:
     assert np.abs(path.p[:, 1, 2] - 0.1 - 1e-4 * (1 - np.cos(200 * path.t))).max() < 100 * off
 
 
+@pytest.mark.cases(12)
 @pytest.mark.parametrize("start", [0.0, 0.25, 0.3, 0.7])
 @pytest.mark.parametrize("after", [0.0, 1e-3, 0.04])
 @pytest.mark.parametrize("accuracy", ["fast", "balanced", "tight"])

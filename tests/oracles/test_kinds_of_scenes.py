@@ -55,7 +55,7 @@ def exported(library: Library) -> set[str]:
     return defined_symbols(Path(library.path))
 
 
-@pytest.mark.cases(13)
+@pytest.mark.cases(5)
 @EVERY_SCENE
 def test_check_shows_the_kinds_of_the_registry_and_of_the_manifest(name: str) -> None:
     shown = check_facts(derived(name))["kinds"]
@@ -64,6 +64,7 @@ def test_check_shows_the_kinds_of_the_registry_and_of_the_manifest(name: str) ->
     assert [kind["name"] for group in GROUPS for kind in kinds[group]] == shown
 
 
+@pytest.mark.cases(14)
 @EVERY_SCENE
 def test_every_kind_is_used_by_the_scene(name: str) -> None:
     kinds, instance = manifest_of(name).kinds, manifest_of(name).instance

@@ -13,7 +13,7 @@ from tests.running import run
 SCENES = ("ellipsoid_on_plane", "ellipsoid_in_cavity")
 
 
-@pytest.mark.cases(2)
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(("accuracy", "drift"), [("balanced", 1e-7), ("tight", 1e-9)])
 @pytest.mark.parametrize(("name", "form"), [(name, form) for name in SCENES for form in REGISTRY[name].forms])
 def test_a_thousand_seconds(name: str, form: str, accuracy: str, drift: float) -> None:

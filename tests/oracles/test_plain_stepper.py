@@ -90,6 +90,7 @@ def test_three_ellipsoids_that_fall_into_a_bowl_and_collide(restitution: float, 
     assert len(kinds) == (6 if restitution == 0 else 95)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("rate", "kinds"),
     [

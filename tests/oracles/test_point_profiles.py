@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from scipy.interpolate import CubicSpline
 from scipy.optimize import fsolve
 
@@ -15,6 +16,7 @@ from tests.running import library_of
 BALL, TURNS = 0.02, 2.5
 
 
+@pytest.mark.slow
 def test_a_ball_on_a_cam_through_points_follows_it_for_several_turns() -> None:
     """Its centre is a point of the spline plus the radius along the normal, on the line that guides it."""
     angles = 2 * np.pi * (np.arange(20) + 0.3 * np.random.default_rng(1).uniform(-1, 1, 20)) / 20

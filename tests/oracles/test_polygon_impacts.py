@@ -66,7 +66,7 @@ def depth_of_points(points: np.ndarray, polygon: np.ndarray) -> float:
     return float(np.where(is_inside, apart, 0.0).max())
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("accuracy", ["fast", "balanced", "tight"])
 @pytest.mark.parametrize(
     ("lean", "restitution", "torque", "friction"),

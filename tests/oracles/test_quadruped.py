@@ -60,6 +60,7 @@ def test_a_quadruped_lands_is_pushed_and_stands_in_balance(scheme: str) -> None:
     assert len(times(path, "touch-down")) >= len(LEGS)
 
 
+@pytest.mark.slow
 def test_the_schemes_agree_where_it_stands_unless_pushed() -> None:
     """Height and forces on the feet agree; where exactly the feet stick is left to the landing."""
     paths = [stood(scheme, "0.0", 2.0) for scheme in SCHEMES]

@@ -67,7 +67,7 @@ def test_every_scene_has_a_test_against_its_reference(name: str) -> None:
     assert name in ast.unparse(next(node for node in tree.body if getattr(node, "name", "") == wanted))
 
 
-@pytest.mark.cases(14)
+@pytest.mark.cases(8)
 @pytest.mark.parametrize("accuracy", ACCURACIES)
 @pytest.mark.parametrize(("name", "form"), FORCED)
 def test_a_scene_runs_to_its_end_within_its_bounds(name: str, form: str, accuracy: str) -> None:
@@ -86,7 +86,7 @@ def test_a_scene_runs_to_its_end_within_its_bounds(name: str, form: str, accurac
     assert path.margin_min > REGISTRY[name].margin
 
 
-@pytest.mark.cases(20)
+@pytest.mark.cases(12)
 @pytest.mark.parametrize("accuracy", ACCURACIES)
 @pytest.mark.parametrize(("name", "form"), FORCED)
 def test_events_are_those_of_the_registry(name: str, form: str, accuracy: str) -> None:
@@ -101,6 +101,7 @@ def test_events_are_those_of_the_registry(name: str, form: str, accuracy: str) -
         assert accuracy == "fast" or count is None or found[kind] == count
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("name", SEVERAL)
 def test_all_forms_end_in_the_same_state(name: str) -> None:
     first, *others = (path_of(name, form, "tight") for form in REGISTRY[name].forms)
@@ -109,6 +110,7 @@ def test_all_forms_end_in_the_same_state(name: str) -> None:
         assert np.abs(other.quaternion[-1] - first.quaternion[-1]).max() < 100 * REGISTRY[name].apart
 
 
+@pytest.mark.cases(12)
 @pytest.mark.parametrize("name", REGISTRY)
 def test_a_scene_requires_these_kinds(name: str) -> None:
     model = require(read(SCENES / f"{name}.toml"))

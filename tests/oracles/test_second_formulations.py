@@ -89,6 +89,7 @@ def test_a_coin_in_a_bowl_follows_a_second_formulation() -> None:
     compared("coin_in_bowl")
 
 
+@pytest.mark.slow
 def test_a_helix_on_a_cylinder_follows_a_second_formulation() -> None:
     compared("helix_on_cylinder")
 

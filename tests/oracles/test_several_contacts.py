@@ -160,7 +160,7 @@ def are_apart(first: np.ndarray, second: np.ndarray, angles: Sequence[np.ndarray
     return apart
 
 
-@pytest.mark.cases(2)
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("bead", [False, True])
 @pytest.mark.parametrize("spin", [10.0, 30.0, 300.0])
 def test_the_head_of_a_long_arm_strikes_what_it_swings_into(spin: float, bead: bool) -> None:

@@ -35,6 +35,7 @@ def gap(span: Array, turned: list[tuple[Array, Array]]) -> float:
     return -float(found.fun)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("scheme", ["stewart-trinkle", "moreau"])
 def test_the_gap_of_two_ellipsoids_that_turn_fast_is_their_distance(scheme: str) -> None:
     """The pair with the bowl comes first and has several contacts, so that contacts and pairs of features are

@@ -59,6 +59,7 @@ def test_a_pebble_that_passes_its_poles_follows_a_second_route() -> None:
     assert rotation < 1e-9
 
 
+@pytest.mark.slow
 def test_an_egg_that_crosses_knots_follows_a_second_route() -> None:
     bowl, egg = shapes_of("egg_on_spline")
     assert isinstance(bowl.spline, Net)

@@ -128,6 +128,7 @@ def test_a_body_on_round_feet_turns_about_the_line_that_touches_two_of_them() ->
     assert np.abs(lean - leans(0.08 + radius, start, path.t[after])).max() < 1e-11
 
 
+@pytest.mark.slow
 def test_a_stool_that_slides_over_an_edge_tips_when_its_feet_in_front_have_left_it() -> None:
     """The hull reaches to the edge while a strip of them is on the desk, and then only to the hind feet."""
     desk = make.fixed("desk", make.box(1.0, 1.0, 0.1, position=[-0.5, 0, -0.05]))

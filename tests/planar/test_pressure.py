@@ -62,6 +62,7 @@ def test_an_elliptic_base_tips_where_the_ray_of_its_pressure_leaves_the_ellipse(
     assert tip.t == pytest.approx(time, abs=1e-9)
 
 
+@pytest.mark.slow
 @given(
     corners=st.integers(3, 7),
     seed=st.integers(0, 10**6),

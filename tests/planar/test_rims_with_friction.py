@@ -104,6 +104,7 @@ def test_an_elliptic_base_rolls_without_slip_alike_on_both_sides(azimuth: float)
     assert np.abs(path.p[:, 1] - coarse.p[:, 1]).max() < 1e-8
 
 
+@pytest.mark.slow
 def test_a_cup_that_falls_on_its_side_passes_where_that_is_parallel_to_the_table() -> None:
     """Its straight side has no closest points of its own there; it comes to lie on both of its rims."""
     top = make.fixed("table", make.box(2.0, 2.0, 0.1), position=[0, 0, -0.05])

@@ -56,6 +56,7 @@ def test_a_joint_has_a_page_without_empty_parts(joint_facts: dict[str, Any]) -> 
     assert "failed" not in text.replace(".failed", "")
 
 
+@pytest.mark.cases(1)
 @pytest.mark.skipif(browser() is None, reason="no Chromium")
 @pytest.mark.parametrize("name", ["facts", "joint_facts"])
 def test_a_browser_renders_every_formula(name: str, request: pytest.FixtureRequest, tmp_path: Path) -> None:

@@ -78,7 +78,7 @@ def error(run: Ran, truth: Ran) -> float:
     return float(np.abs(run.session.x[:n_q] - truth.session.x[:n_q]).max())
 
 
-@pytest.mark.cases(6)
+@pytest.mark.cases(4)
 @pytest.mark.parametrize(("name", "n"), [(name, n) for n in (7, 1000) for name in NAMES])
 def test_many_calls_make_the_run_of_one(name: str, n: int) -> None:
     """Errors are less than twice those of one call, beside ten local errors of a step. So are those of

@@ -34,6 +34,7 @@ QUICK = ("bouncing_ellipsoid", "double_pendulum", "glass_on_table", "sliding_puc
 OTHERS = [pytest.param(name, marks=pytest.mark.slow) for name in NAMES if name not in QUICK]
 
 
+@pytest.mark.cases(5)
 @pytest.mark.parametrize("accuracy", ["fast", "balanced"])
 @pytest.mark.parametrize("name", [*QUICK, *OTHERS])
 def test_each_kind_of_error_of_the_samples_is_covered(name: str, accuracy: str) -> None:

@@ -92,6 +92,7 @@ def impacts(path: Trajectory) -> list[tuple[float, frozenset[str]]]:
     return [(e.t, frozenset(e.contact.split("-"))) for e in path.events if e.kind == "impact"]
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("seed", range(3))
 def test_no_collision_of_a_gas_is_missed(seed: int) -> None:
     scene = gas(seed)

@@ -62,7 +62,7 @@ def starts(group: SessionGroup) -> None:
     group.x[:, instance["n_q"] : instance["n_q"] + instance["n_u"]] *= spread
 
 
-@pytest.mark.cases(6)
+@pytest.mark.cases(3)
 @pytest.mark.parametrize("threads", [1, 2, 3])
 @pytest.mark.parametrize("name", SCENES)
 def test_lanes_are_sessions(name: str, threads: int) -> None:

@@ -211,6 +211,7 @@ def poses(path: Trajectory, k: int) -> Any:
     return np.hstack([path.p[:, k], np.array(turned)])
 
 
+@pytest.mark.slow
 def test_ellipsoids_are_named_where_their_certified_distance_is_negative() -> None:
     """Against the closest points of the same pair, listed, at 1000 poses of each of 16 random flights."""
     random = np.random.default_rng(5)

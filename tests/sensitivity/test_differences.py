@@ -51,14 +51,14 @@ def assert_differences(library: Library, name: str, times: list[float]) -> Sensi
     return found
 
 
-@pytest.mark.cases(4)
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("case", [case for case in NUMBERS if case not in ("end of the run", "radius")])
 def test_by_numbers_of_a_scene(case: str) -> None:
     """Masses, inertia, shapes, places, friction, restitution, springs, joints, gravity."""
     assert_differences(differentiable(read_text(with_parameter(case), "scene.toml")), "number", [0.06, 0.3])
 
 
-@pytest.mark.cases(2)
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("quantity", ["velocity", "position", "angular_velocity"])
 def test_by_starts_of_a_shipped_scene(name: str, quantity: str) -> None:
@@ -73,6 +73,7 @@ def test_by_starts_of_a_shipped_scene(name: str, quantity: str) -> None:
     assert_differences(library, f"{body}.{quantity}", [0.1 * until, 0.4 * until])
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(
     "name", ["double_pendulum", pytest.param("egg_on_spline", marks=pytest.mark.slow), "newton_cradle"]
 )

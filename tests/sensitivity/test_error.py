@@ -12,6 +12,7 @@ from tests.sensitivity.test_differences import moving
 FAR = 300.0  # times the largest error; the estimate is safe by 2, the rest is luck of rounding and steps
 
 
+@pytest.mark.cases(3)
 @pytest.mark.parametrize("accuracy", ["fast", "balanced"])
 @pytest.mark.parametrize(
     ("name", "t"), [("double_pendulum", 1.2), ("egg_on_spline", 0.8), ("bouncing_ellipsoid", 0.5)]

@@ -20,7 +20,7 @@ NUMBER = 1e-3  # the numbers of these scenes are larger, but for a few
 ALIKE = 1e-10  # of the largest derivative; both are sums of the same numbers in another order
 
 
-@pytest.mark.cases(2)
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("name", [name for name in NAMES if name not in SLOPPY])
 def test_backward_equals_forward(name: str) -> None:
     library = shipped(name)
@@ -40,7 +40,7 @@ def test_backward_equals_forward(name: str) -> None:
     assert np.allclose(found.gradient, expected, rtol=0, atol=allowed)
 
 
-@pytest.mark.cases(2)
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("case", [case for case in NUMBERS if case != "end of the run"])
 def test_backward_equals_forward_by_numbers_of_a_scene(case: str) -> None:
     library = differentiable(read_text(with_parameter(case), "scene.toml"))

@@ -54,6 +54,7 @@ def test_people_read_which_feature_touches(modelgen: Modelgen) -> None:
     assert "box-table:" in first
 
 
+@pytest.mark.slow
 def test_the_file_of_a_run_gives_its_picture(modelgen: Modelgen, tmp_path: Path) -> None:
     modelgen("simulate", "scenes/cylinder_dropped.toml", "--samples", 30, "--out", tmp_path / "can.npz")
     answer = modelgen("plot", tmp_path / "can.npz", "-o", tmp_path / "can.png", "--json")

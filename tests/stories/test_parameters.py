@@ -233,7 +233,7 @@ def assert_equal_runs(one: Trajectory, other: Trajectory) -> None:
             assert same, field.name
 
 
-@pytest.mark.cases(14)
+@pytest.mark.cases(8)
 @pytest.mark.parametrize("case", NUMBERS)
 def test_a_run_with_another_value_is_that_of_a_scene_with_that_number(case: str) -> None:
     value = NUMBERS[case][-1]

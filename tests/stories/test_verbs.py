@@ -26,7 +26,7 @@ def test_version(modelgen: Modelgen) -> None:
     assert modelgen("--version").out == f"modelgen {__version__}\n"
 
 
-@pytest.mark.cases(20)
+@pytest.mark.cases(8)
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_check_says_what_a_scene_requires_and_compiles_nothing(
     path: Path, modelgen: Modelgen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

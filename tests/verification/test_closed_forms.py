@@ -22,7 +22,7 @@ def kind(name: str, cavity: bool = False) -> ShapeKind:
     return ShapeKind(name, name, SHAPES[name].parameters, cavity)
 
 
-@pytest.mark.cases(7)
+@pytest.mark.cases(4)
 @pytest.mark.parametrize(
     ("name", "cavity"),
     [(name, cavity) for name in NUMBERS for cavity in ((False,) if SHAPES[name].curve else (False, True))],

@@ -85,6 +85,7 @@ def second_route(mu: float, e: float, until: float) -> tuple[list[float], Array]
         s[10:] += np.cross(arm, impulse)
 
 
+@pytest.mark.slow
 def test_blows_without_end_are_refused() -> None:
     with pytest.raises(AssertionError, match="without end"):
         bounced(*bouncing_ellipsoid(0.05), [0.6], 0.5)

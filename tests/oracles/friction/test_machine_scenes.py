@@ -45,7 +45,7 @@ def test_a_brake_shoe_is_pressed_on_by_its_friction_and_off_again(accuracy: str,
     assert np.abs(path.p[:, 1] - path.p[0, 1]).max() < off
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @BOTH
 def test_a_wheel_on_rail_follows_a_second_formulation(accuracy: str, off: float) -> None:
     path = run("wheel_on_rail", Accuracy.named(accuracy), samples=3)

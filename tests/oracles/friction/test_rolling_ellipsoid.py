@@ -16,6 +16,7 @@ def rolled() -> Rolled:
     return reference(TIMES)
 
 
+@pytest.mark.slow
 def test_energy_is_kept_and_the_contact_neither_slips_nor_opens(rolled: Rolled) -> None:
     assert np.abs((rolled.energy - rolled.energy[0]) / rolled.kinetic[0]).max() < 1e-14
     lever = np.array([R.T[:, 2] for R in rolled.R])

@@ -20,7 +20,7 @@ def total_force(path: Trajectory) -> np.ndarray:
     return path.force[:, :1] * path.normals[:, 0] + path.friction[:, 0]
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("accuracy", "drift", "off"), [("balanced", 1e-9, 1e-11), ("tight", 1e-12, 1e-13)])
 def test_a_passive_ellipsoid_rolls_as_its_reference(accuracy: str, drift: float, off: float) -> None:
     path = run("rolling_ellipsoid", Accuracy.named(accuracy), samples=10)
