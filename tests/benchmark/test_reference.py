@@ -81,6 +81,7 @@ def test_a_billiard_is_predicted_up_to_a_horizon_and_judged_by_distributions_bey
     assert best.errors["energy"] < 1e-9
 
 
+@pytest.mark.slow
 def test_an_error_is_promised_up_to_the_horizon_only() -> None:
     scene = read_text(BILLIARD, "billiard.toml")
     with pytest.raises(ModelgenError, match="an error can be promised up to") as refused:

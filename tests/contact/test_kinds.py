@@ -108,7 +108,7 @@ def test_a_ball_on_the_ground_costs_next_to_nothing() -> None:
     assert instructions(kind) <= 13
 
 
-@pytest.mark.cases(44)
+@pytest.mark.cases(22)
 @pytest.mark.parametrize(("o", "f"), PAIRS)
 def test_the_cheapest_regular_form_is_chosen(o: str, f: str) -> None:
     names = regular_forms(side(o), side(f))

@@ -78,6 +78,7 @@ def test_flat_sides_err_as_their_number_says(lcp: Any) -> None:
         assert worst >= 0.2 * np.pi / facets
 
 
+@pytest.mark.slow
 def test_where_coulombs_answer_is_unique_all_exact_solvers_agree(lcp: Any) -> None:
     """Motions of the core and of IPOPT, on problems with a proof of uniqueness."""
     compared = 0

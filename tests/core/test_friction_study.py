@@ -31,6 +31,7 @@ def test_problems_with_a_solution_are_solved(lcp: Any) -> None:
     assert unsolved(lcp, range(FEW)) == []
 
 
+@pytest.mark.cases(20)
 @pytest.mark.parametrize("seed", range(60))
 def test_a_problem_without_a_solution_is_proved_to_have_none(seed: int, lcp: Any) -> None:
     assert coulomb(impossible(seed), lcp).outcome is Outcome.INFEASIBLE

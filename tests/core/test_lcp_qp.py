@@ -118,6 +118,7 @@ def test_feasible_or_not_as_qpoases_finds(n: int, lcp: Any) -> None:
     assert len(seen) == 2
 
 
+@pytest.mark.cases(8)
 @pytest.mark.parametrize("misfit", [0.0, *10.0 ** np.arange(-16, 0)])
 def test_rows_that_repeat_each_other_may_disagree_by_any_amount(misfit: float, lcp: Any) -> None:
     """Of equal rows the one with the least b decides: these rows alone give all accelerations."""

@@ -69,6 +69,7 @@ def bounds(core: ctypes.CDLL, function: ca.Function, box: np.ndarray) -> list[Mo
     return list(out)
 
 
+@pytest.mark.cases(12)
 @pytest.mark.parametrize("name", INPUTS)
 def test_a_model_contains_the_function_and_its_rest_falls_with_the_cube_of_the_box(
     core: ctypes.CDLL, name: str

@@ -68,7 +68,7 @@ def worst_errors(o: str, f: str, form: str, at: Pairs, expected: Truth, fine: Ar
     return {name: float(error(*pair)[fine].max()) for name, pair in pairs.items()}
 
 
-@pytest.mark.cases(30)
+@pytest.mark.cases(20)
 @pytest.mark.parametrize(("o", "f", "form"), CASES)
 def test_rates_are_those_of_the_implicit_solution(o: str, f: str, form: str) -> None:
     at, expected = case(o, f)
@@ -96,7 +96,7 @@ def test_parallel_tangents_at_a_gap_are_regular(o: str, f: str, form: str) -> No
     assert max(worst_errors(o, f, form, at, expected, fine).values()) < TOLERANCE
 
 
-@pytest.mark.cases(48)
+@pytest.mark.cases(20)
 @pytest.mark.parametrize(("o", "f", "form"), CASES)
 def test_moving_the_world_changes_nothing(o: str, f: str, form: str) -> None:
     at, _ = case(o, f)
@@ -138,7 +138,7 @@ def test_swapping_two_curves_changes_signs_only(o: str, f: str) -> None:
         assert error(found[index], wanted)[fine].max() < TOLERANCE
 
 
-@pytest.mark.cases(45)
+@pytest.mark.cases(20)
 @pytest.mark.parametrize(("o", "f", "form"), CARRIED)
 def test_extremality_stays_zero_along_eta_dot(o: str, f: str, form: str) -> None:
     """The Newton correction vanishes on extremal pairs only; its derivative along the motion is zero."""

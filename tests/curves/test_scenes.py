@@ -47,6 +47,7 @@ def test_a_disc_on_its_rim_is_a_heavy_symmetric_top_on_a_sliding_point() -> None
     assert path.gap_max < 1e-12
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("form", ["curve_implicit", "curve_block", "curve_differentiated"])
 def test_every_form_takes_the_disc_the_same_way(form: str) -> None:
     other = run("disc_on_rim", TIGHT, form, until=0.5)

@@ -58,6 +58,7 @@ def chosen(o: str, f: str, seed: int) -> Pairs:
     return at_index(drawn, int(np.argmax((mu > 0.1) & (np.arange(30) // 10 == seed))))
 
 
+@pytest.mark.cases(8)
 @pytest.mark.parametrize(("o", "f", "seed", "form"), FAMILY)
 def test_rates_are_those_of_solved_and_differenced_pairs(o: str, f: str, seed: int, form: str) -> None:
     at, kind = chosen(o, f, seed), kind_of(o, f, form)

@@ -54,6 +54,7 @@ def test_corners_that_are_nearly_in_one_plane_leave_no_gap(seed: int, decade: fl
     assert all(ends[feature.name] == 2 for feature in features if feature.dimension == 1)
 
 
+@pytest.mark.slow
 def test_faces_of_one_plane_are_merged_and_points_inside_left_out() -> None:
     """A cube told by its corners, middles of edges and faces, and its centre: 6, 12 and 8."""
     points = [[x, y, z] for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1)]

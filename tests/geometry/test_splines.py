@@ -150,6 +150,7 @@ def across(axis: int, size: int, random: np.random.Generator) -> tuple[Array, Ar
     return end, start
 
 
+@pytest.mark.cases(9)
 @pytest.mark.parametrize(
     ("name", "form"),
     [*product(NETS, ("mixed", "block")), *product(["waves"], ("implicit", "mixed", "block"))],

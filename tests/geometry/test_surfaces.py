@@ -175,6 +175,7 @@ def test_tangents_complete_any_normal_to_a_rotation(n: tuple[float, float, float
     assert np.linalg.det(frame) == pytest.approx(1.0)
 
 
+@pytest.mark.cases(5)
 @pytest.mark.parametrize("name", [name for name in SURFACES if name != "plane"])
 @given(at=INSIDE)
 def test_no_point_lies_beyond_the_bounding_radius(name: str, at: tuple[float, float]) -> None:

@@ -49,7 +49,7 @@ def error(found: Array, expected: Array) -> Array:
     return np.linalg.norm(found - expected, axis=0) / scale
 
 
-@pytest.mark.cases(80)
+@pytest.mark.cases(40)
 @pytest.mark.parametrize(("o", "f", "form"), CASES)
 def test_rates_are_those_of_the_implicit_solution(o: str, f: str, form: str) -> None:
     at, expected = case(o, f)

@@ -36,7 +36,7 @@ def margins(o: str, f: str, form: str, eta: Array, poses: tuple[Array, Array]) -
     return np.abs(columns(place, *poses, eta, parameters(o, f, COUNT))[3])
 
 
-@pytest.mark.cases(50)
+@pytest.mark.cases(25)
 @pytest.mark.parametrize(("o", "f", "form"), CARRIED)
 def test_extremality_stays_zero_along_eta_dot(o: str, f: str, form: str) -> None:
     at = random_pairs(SPECIMENS[o], SPECIMENS[f], COUNT, seed=21)
@@ -67,7 +67,7 @@ def test_newton_converges_quadratically(o: str, f: str, form: str) -> None:
     assert constants[2] < 3 * constants[0]
 
 
-@pytest.mark.cases(60)
+@pytest.mark.cases(30)
 @pytest.mark.parametrize(("o", "f", "form"), CASES)
 def test_place_reports_the_same_contact_in_every_form(o: str, f: str, form: str) -> None:
     """d, points, normal and margin are those of the construction and of the oracle form; residuals vanish."""

@@ -80,6 +80,7 @@ def test_two_forms_stay_together_through_collisions() -> None:
     assert np.abs(one.quaternion - other.quaternion).max() < 1e-7
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("form", ["implicit", "mixed"])
 def test_the_laws_hold_through_collisions(form: str) -> None:
     path = path_of(form)

@@ -31,6 +31,7 @@ def shower(seed: int, speed: float) -> tuple[Scene, np.ndarray]:
     return make.scene("shower", [make.fixed("floor", make.plane()), *balls], contact=pairs), radii
 
 
+@pytest.mark.cases(3)
 @pytest.mark.parametrize("scheme", ["stewart-trinkle", "moreau"])
 @pytest.mark.parametrize(("seed", "speed"), [(0, 2.0), (1, 20.0), (2, 100.0)])
 def test_no_pair_that_is_left_out_meets(seed: int, speed: float, scheme: str) -> None:

@@ -65,7 +65,7 @@ def is_inside(shape: Shape, at: np.ndarray) -> bool:
     return bool(abs(turns.sum()) > np.pi)
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["outline_wall", "outline"])
 def test_a_ball_is_as_far_from_a_gear_as_from_the_nearest_point_of_its_outline(kind: str) -> None:
     """On flanks, tips, roots and corners, at any pose of both."""

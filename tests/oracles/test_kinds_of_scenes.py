@@ -86,6 +86,7 @@ def test_every_kind_is_used_by_the_scene(name: str) -> None:
     assert in_contact | in_bounds == set(range(len(kinds["shape"])))
 
 
+@pytest.mark.cases(14)
 @EVERY_SCENE
 def test_every_function_is_of_one_of_these_kinds_and_check_counts_all(name: str) -> None:
     kinds, functions = manifest_of(name).kinds, manifest_of(name).functions

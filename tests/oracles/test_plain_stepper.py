@@ -74,7 +74,7 @@ def test_an_ellipsoid_that_lifts_off_an_ellipsoid() -> None:
     assert agree(scene_of("ellipsoid_on_ellipsoid"), 0.6) == ["lift-off"]
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("restitution", "until"), [(0.0, 0.5), (0.5, 0.35)])
 def test_three_ellipsoids_that_fall_into_a_bowl_and_collide(restitution: float, until: float) -> None:
     stones = [

@@ -65,6 +65,7 @@ def test_a_ball_on_a_cam_through_points_follows_it_for_several_turns() -> None:
     assert path.eta[:, 0].max() < 1.5
 
 
+@pytest.mark.slow
 def test_a_body_turned_from_points_comes_to_rest_on_a_plane() -> None:
     points = measured(3, 12, closed=False) - [0.2, 0.0]
     points[0, 0] = points[-1, 0] = 0.0

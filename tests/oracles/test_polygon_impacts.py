@@ -23,7 +23,7 @@ SHAPES = {
 }
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("accuracy", ["fast", "balanced", "tight"])
 @pytest.mark.parametrize("case", CASES)
 def test_teeth_that_strike_with_two_corners_always_have_impulses(

@@ -41,6 +41,7 @@ def apart(one: Trajectory, other: Trajectory) -> tuple[float, float, float]:
     return p, e, w
 
 
+@pytest.mark.cases(3)
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("accuracy", [Accuracy.of(1e-5), Accuracy.balanced(), Accuracy.tight()])
 def test_float_follows_double(form: str, accuracy: Accuracy) -> None:

@@ -94,6 +94,7 @@ def test_a_helix_on_a_cylinder_follows_a_second_formulation() -> None:
     compared("helix_on_cylinder")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["peg_in_hole", "helix_on_cylinder", pytest.param("coin_in_bowl", marks=pytest.mark.slow)]
 )

@@ -26,6 +26,7 @@ def check(scene: Scene, scheme: str, until: float, exact: float) -> None:
         assert len(times(path, "touch-down")) == len(found) - 1
 
 
+@pytest.mark.cases(3)
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize(("amplitude", "frequency"), [(0.02, 40.0), (0.3, 8.0), (0.004, 55.0)])
 def test_a_ball_leaves_a_plate_where_gravity_no_longer_follows_it(

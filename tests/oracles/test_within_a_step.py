@@ -113,6 +113,7 @@ def test_a_box_slides_once_its_grip_was_exceeded_for_a_moment(preset: str, over:
     check_place(path, slid(4.0, 4 * (1 - over), 3 * (1 - over)), over, preset)
 
 
+@pytest.mark.cases(8)
 @PRESETS
 @OVER
 def test_a_ball_slips_once_its_grip_was_exceeded_for_a_moment(preset: str, over: float) -> None:

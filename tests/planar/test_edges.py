@@ -83,6 +83,7 @@ def test_a_regular_polygon_tips_when_its_inscribed_circle_or_vertex_is_reached(n
     assert polygon_tips(n, pi / n) == pytest.approx(exit_time(RADIUS * cos(pi / n)), abs=1e-10)
 
 
+@pytest.mark.slow
 def test_the_times_of_polygons_tend_to_that_of_the_circle_with_the_square_of_the_side() -> None:
     circle = events(glass(exit_time(RADIUS) + 0.01, 4), "tipping")[0].t
     short = [circle - polygon_tips(n, pi / n) for n in (16, 32)]

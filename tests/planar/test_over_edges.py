@@ -109,7 +109,7 @@ OUTLINES = {
 }
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", OUTLINES)
 @pytest.mark.parametrize(
     "spin", [pytest.param(0.0, marks=pytest.mark.slow), 3.0, pytest.param(-2.0, marks=pytest.mark.slow)]

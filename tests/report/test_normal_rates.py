@@ -15,6 +15,7 @@ MOVING = (
 )
 
 
+@pytest.mark.cases(5)
 @pytest.mark.parametrize("name", MOVING)
 def test_it_is_the_derivative_of_the_normals(name: str) -> None:
     """Against differences of order 8 over samples 1e-4 s apart, which lose about 1e-12 of the turning rate

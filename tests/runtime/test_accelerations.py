@@ -220,6 +220,7 @@ def test_what_is_shown_at_an_event_is_after_it() -> None:
     assert np.isnan(stepped.sensors).all()  # which has no accelerations
 
 
+@pytest.mark.slow
 def test_derivatives_of_accelerations_follow_from_those_of_the_state() -> None:
     library = differentiable(read_text(SCENE, "egg.toml"))
     names, by, times = ["tippush", "seenpush", "imu", "twist"], ["heft", "egg.velocity"], [0.05, 0.1]

@@ -88,7 +88,7 @@ def assert_goes_on_alike(session: Session, until: float) -> None:
 CASES = [(name, number) for number in range(PER_SCENE) for name in NAMES]
 
 
-@pytest.mark.cases(16)
+@pytest.mark.cases(8)
 @pytest.mark.parametrize(("name", "number"), CASES)
 def test_a_saved_state_goes_on_bit_for_bit(name: str, number: int) -> None:
     assert_goes_on_alike(*instant_of(name, number))

@@ -105,6 +105,7 @@ def test_the_sequence_of_steps_resumes_after_a_stop(name: str) -> None:
     assert many.steps + many.rejected <= one.steps + one.rejected + 3 * 7
 
 
+@pytest.mark.cases(4)
 @pytest.mark.parametrize("accuracy", [BALANCED, Accuracy(method="rk4", step=1e-3)], ids=lambda a: a.method)
 @pytest.mark.parametrize("name", ["ellipsoid_on_plane", "four_bar", "gears", "bouncing_ellipsoid"])
 def test_calls_for_a_number_of_steps_change_no_bit(name: str, accuracy: Accuracy) -> None:

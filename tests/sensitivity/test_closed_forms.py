@@ -368,6 +368,7 @@ friction = "rough"
 )
 
 
+@pytest.mark.slow
 def test_a_disc_that_spins_on_its_face() -> None:
     """Friction of a uniform pressure slows the spin w by 4 mu g / (3 R), and a small slip v beside it by
     mu g v / (w R): v is as w^(3/4). Its centre of mass is in the face, so that friction does not tilt it."""

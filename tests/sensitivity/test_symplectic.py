@@ -84,6 +84,7 @@ def canonical(session: Session, derivatives: Array) -> tuple[Array, Array]:
     return np.hstack(parts).astype(float), form
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize(
     ("text", "t", "blows"), [(EGG + FLOOR, 0.9, 2), (FREE + EGG + STONE, 0.6, 1), (EGG + FLOOR, 0.2, 0)]
 )

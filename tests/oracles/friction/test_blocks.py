@@ -60,7 +60,7 @@ def test_a_block_thrown_up_an_incline_stays_or_returns(static: float) -> None:
     follows(path, 0, thrown_up_incline(0.5, 2.0, static, 0.4), 1e-12)
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("direction", [(0.5, 0.866025403784), (0.0, 1.0), (-1.0, 0.0)])
 def test_a_box_pushed_in_any_direction_moves_as_its_closed_form(direction: tuple[float, float]) -> None:
     d = np.array(direction) / np.hypot(*direction)

@@ -210,6 +210,7 @@ def test_a_face_struck_corner_by_corner_keeps_what_the_blows_leave(law: str, e: 
     assert np.sort(np.abs(path.w[-1, 0, :2])) == pytest.approx(np.sort(np.abs(wanted[1:])), abs=2e-5)
 
 
+@pytest.mark.cases(5)
 @pytest.mark.parametrize("mu", [0.0, 0.5])
 @pytest.mark.parametrize("e", [0.3, 0.8])
 @pytest.mark.parametrize("law", LAWS)

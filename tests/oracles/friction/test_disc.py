@@ -65,7 +65,7 @@ def resisting(disc: Disc) -> Body:
     return Body(disc.mass, inertia, circle_reach(disc.radius, [0, 0, 1]), **resistances)
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("resistance", [(0.0, 0.0), (2e-3, 0.0), (1e-3, 5e-4)])
 def test_three_formulations_roll_a_disc_alike(resistance: tuple[float, float]) -> None:
     disc = Disc(Real("0.1"), Real("0.4"), *reals(resistance))

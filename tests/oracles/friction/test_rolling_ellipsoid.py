@@ -40,6 +40,7 @@ def test_the_start_is_the_scene() -> None:
     assert float(begin.kinetic[0]) == pytest.approx(0.08200542090368218, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_lagranges_equations_roll_the_same_way(rolled: Rolled) -> None:
     ellipsoid = body()
     route = LagrangeRoute(ellipsoid_support(SEMI_AXES), float(ellipsoid.mass), ellipsoid.inertia)

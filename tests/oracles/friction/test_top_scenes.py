@@ -78,6 +78,7 @@ def test_a_tippe_top_turns_over_as_its_reference(accuracy: str, off: float) -> N
     assert imbalance(path) < 1e-3 * off
 
 
+@pytest.mark.slow
 @BOTH
 def test_a_spinning_egg_rises_as_its_reference(accuracy: str, off: float) -> None:
     path = run("spinning_egg", Accuracy.named(accuracy), samples=SAMPLES)

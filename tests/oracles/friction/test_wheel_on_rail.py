@@ -56,6 +56,7 @@ def test_a_wheel_that_leans_and_yaws_keeps_its_energy_and_its_contact() -> None:
     assert np.ptp(states[:, 1]) > 1e-4
 
 
+@pytest.mark.slow
 def test_a_spheroid_on_a_flat_rail_is_an_ellipsoid_on_a_plane() -> None:
     """A wheel whose profile is fitted to a spheroid's, near enough to its equator to tell."""
     from tests.oracles.friction.extrapolation import reals
