@@ -111,6 +111,13 @@ typedef struct {
   mg_real tube;   /* distance of the feature, m; negative: a cavity, 0: the curve itself */
 } mg_centre_curve;
 
+/* The centre curve of a feature, with its place. */
+typedef struct {
+  mg_centre_curve curve;
+  mg_real centre[3]; /* of the circle, or a point of the line, m */
+  mg_real axes[9];   /* of the shape, by columns: the line is along the third, the circle in the plane of the others */
+} mg_centred_feature;
+
 /* Reads the centre curve of a feature that has one. */
 MG_INTERNAL void mg_read_centre_curve(const mg_context *c, int feature_pair, int side, mg_centre_curve *at);
 
@@ -130,6 +137,22 @@ MG_INTERNAL int mg_has_centre_curves(const mg_context *c, int feature_pair);
 /* Adds the minima of such a feature pair with gaps within the limits and not below `least` to those kept. */
 MG_INTERNAL void mg_search_centre_curves(mg_context *c, int feature_pair, const mg_search_limits *limits, mg_real least,
                                          mg_minima *kept);
+
+/* centre_curve_places.c */
+
+enum { MG_STATIONARY = 64 }; /* most places of two centre curves */
+
+/* Point of a centre curve: at an angle of the circle, at a distance along the line. */
+MG_INTERNAL void mg_centre_point(const mg_centred_feature *at, mg_real where, mg_real *x);
+
+/* Unit vector from the first to the second of two places that are stationary; where they meet, normal to both curves.
+   Returns 0 where that is not known: the curves meet and have one tangent. */
+MG_INTERNAL int mg_centre_normal(const mg_centred_feature *of, const mg_real *where, mg_real *normal);
+
+/* Places on both curves (angle of a circle, rad; distance along a line, m) at which the distance is stationary, of two
+   circles those at which the gap can be a minimum. Returns their number; 0 if the distance is the same along the
+   curves, and where[0] then is one of the places nearest to each other. `where` has room for MG_STATIONARY. */
+MG_INTERNAL int mg_stationary_places(const mg_centred_feature *of, mg_real (*where)[2]);
 
 /* far_sides.c */
 
