@@ -14,7 +14,7 @@ from mpmath import mp, mpf
 from tests.laws.exhaustive_minima import Array
 
 DIGITS = 50
-PARTS = 360  # of the second circle, in each of which at most one minimum is seen
+PARTS = 2000
 
 Vector = tuple[mpf, mpf, mpf]
 

@@ -94,7 +94,7 @@ static int mg_lines_nearest(const mg_centred_feature *o, const mg_centred_featur
 }
 
 /* Places of a circle and a line. Returns their number; 0 if the distance is constant. */
-static int mg_circle_and_line(const mg_centred_feature *of, int circle, mg_real (*where)[2]) {
+static int mg_circle_and_line(const mg_centred_feature *of, int circle, mg_stationary_place *place) {
   const mg_centred_feature *line = of + 1 - circle;
   const mg_real cosine[3] = {0, 2, 0}, sine[3] = {-2, 0, 2}, one[3] = {2, 0, 2};
   mg_real span[3], middle[3], u[3], v[3], x[3];
@@ -116,9 +116,9 @@ static int mg_circle_and_line(const mg_centred_feature *of, int circle, mg_real 
     mg_add_bernstein_product(2, sine, 2, cosine, 2 * s, polynomial);
     const int roots = mg_add_angles(4, polynomial, 16 * MG_EPS * size, first, angle);
     for (int k = 0; k < roots && count < MG_STATIONARY; k++, count++) {
-      where[count][circle] = angle[k].low + (angle[k].high - angle[k].low) / 2;
-      mg_centre_point(of + circle, where[count][circle], x);
-      where[count][1 - circle] = mg_foot_on_line(line, x);
+      place[count].where[circle] = angle[k].low + (angle[k].high - angle[k].low) / 2, place[count].regularity = 1;
+      mg_centre_point(of + circle, place[count].where[circle], x);
+      place[count].where[1 - circle] = mg_foot_on_line(line, x);
     }
   }
   return count;
@@ -162,19 +162,6 @@ static void mg_polish_place(const mg_centred_feature *of, mg_real *where) {
   }
 }
 
-/* True if the gap can be a minimum at a stationary place: the distance is a minimum; or, in a hollow, one over the
-   points of the hollow's circle, of which that of the other circle's points is a maximum. */
-static int mg_can_be_minimum(const mg_centred_feature *of, const mg_real *where) {
-  const mg_circle_derivatives d = mg_differentiate_distance(of, where);
-  const mg_real r[2] = {of[0].curve.radius, of[1].curve.radius};
-  const mg_real first = d.bend[0][0] / (r[0] * r[0]), second = d.bend[1][1] / (r[1] * r[1]),
-                mixed = d.bend[0][1] / (r[0] * r[1]), size = fabs(first) + fabs(second) + fabs(mixed),
-                slack = sqrt(MG_EPS) * size, determinant = first * second - mixed * mixed;
-  if (of[0].curve.tube < 0 || of[1].curve.tube < 0)
-    return (of[0].curve.tube < 0 ? first : second) >= -slack && determinant <= slack * size;
-  return first >= -slack && second >= -slack && determinant >= -slack * size;
-}
-
 /* How far the gradient of the distance is from zero at a place, as a part of the size of the circles. */
 static mg_real mg_gradient_at(const mg_centred_feature *of, const mg_real *where) {
   const mg_circle_derivatives d = mg_differentiate_distance(of, where);
@@ -201,30 +188,46 @@ static int mg_angles_of_second(const mg_centred_feature *of, mg_real angle, mg_r
 }
 
 /* True if a place is on the list. */
-static int mg_is_place_listed(const mg_real *where, mg_real (*list)[2], int count) {
+static int mg_is_place_listed(const mg_real *where, const mg_stationary_place *list, int count) {
   for (int k = 0; k < count; k++)
-    if (fabs(sin((where[0] - list[k][0]) / 2)) <= MG_SAME_PLACE &&
-        fabs(sin((where[1] - list[k][1]) / 2)) <= MG_SAME_PLACE)
+    if (fabs(sin((where[0] - list[k].where[0]) / 2)) <= MG_SAME_PLACE &&
+        fabs(sin((where[1] - list[k].where[1]) / 2)) <= MG_SAME_PLACE)
       return 1;
   return 0;
 }
 
+/* Adds a stationary place if the gap can be a minimum there: the distance is a minimum; or, in a hollow, one over the
+   points of the hollow's circle, of which that of the other circle's points is a maximum. At most eight places are
+   apart from each other; where there are more, the distance is constant along a curve, and any of them stands for all.
+   Returns the length of the list. */
+static int mg_add_place(const mg_centred_feature *of, const mg_real *where, mg_stationary_place *list, int count) {
+  const mg_circle_derivatives d = mg_differentiate_distance(of, where);
+  const mg_real r[2] = {of[0].curve.radius, of[1].curve.radius};
+  const mg_real first = d.bend[0][0] / (r[0] * r[0]), second = d.bend[1][1] / (r[1] * r[1]),
+                mixed = d.bend[0][1] / (r[0] * r[1]), size = fabs(first) + fabs(second) + fabs(mixed),
+                slack = sqrt(MG_EPS) * size, determinant = first * second - mixed * mixed;
+  const int in_first = of[0].curve.tube < 0, is_hollow = in_first || of[1].curve.tube < 0;
+  const int can_be_minimum = is_hollow ? (in_first ? first : second) >= -slack && determinant <= slack * size
+                                       : first >= -slack && second >= -slack && determinant >= -slack * size;
+  if (!can_be_minimum || count == MG_STATIONARY || mg_is_place_listed(where, list, count)) return count;
+  list[count].where[0] = where[0], list[count].where[1] = where[1];
+  list[count].regularity = fabs(determinant) / (size * size);
+  return count + 1;
+}
+
 /* Adds the place at a simple root: of the angles of the second circle that which solves both equations best. */
-static int mg_add_simple_place(const mg_centred_feature *of, mg_real angle, mg_real (*where)[2], int count) {
+static int mg_add_simple_place(const mg_centred_feature *of, mg_real angle, mg_stationary_place *list, int count) {
   mg_real other[4], least = MG_MAX, best[2] = {angle, 0};
   const int n = mg_angles_of_second(of, angle, other);
   for (int k = 0; k < n; k++) {
     const mg_real at[2] = {angle, other[k]}, gradient = mg_gradient_at(of, at);
     if (gradient < least) least = gradient, best[1] = other[k];
   }
-  if (count == MG_STATIONARY || !mg_can_be_minimum(of, best)) return count;
-  where[count][0] = best[0], where[count][1] = best[1];
-  return count + 1;
+  return mg_add_place(of, best, list, count);
 }
 
-/* Adds the places in an interval of roots that almost coincide. At most eight places are apart from each other; where
-   more are found the distance is constant along a curve, and any of them stands for all. */
-static int mg_add_close_places(const mg_centred_feature *of, const mg_root_interval *angle, mg_real (*where)[2],
+/* Adds the places in an interval of roots that almost coincide. */
+static int mg_add_close_places(const mg_centred_feature *of, const mg_root_interval *angle, mg_stationary_place *list,
                                int count) {
   mg_real other[4];
   const mg_real scale = of[0].curve.radius + of[1].curve.radius + sqrt(mg_dot3(of[0].centre, of[0].centre)) +
@@ -232,12 +235,10 @@ static int mg_add_close_places(const mg_centred_feature *of, const mg_root_inter
   for (int part = 0; part < 3; part++) {
     const mg_real start = angle->low + (mg_real)part / 2 * (angle->high - angle->low);
     const int n = mg_angles_of_second(of, start, other);
-    for (int k = 0; k < n && count < MG_STATIONARY; k++) {
-      mg_real *at = where[count];
-      at[0] = start, at[1] = other[k];
+    for (int k = 0; k < n; k++) {
+      mg_real at[2] = {start, other[k]};
       mg_polish_place(of, at);
-      count += mg_gradient_at(of, at) <= sqrt(MG_EPS) * scale && mg_can_be_minimum(of, at) &&
-               !mg_is_place_listed(at, where, count);
+      if (mg_gradient_at(of, at) <= sqrt(MG_EPS) * scale) count = mg_add_place(of, at, list, count);
     }
   }
   return count;
@@ -267,33 +268,56 @@ static mg_real mg_circles_polynomial(const mg_centred_feature *of, mg_real first
   return 32 * MG_EPS * (large_a * large_a * (large_x * large_x + large_y * large_y) + R * R * large_b * large_b);
 }
 
-/* Places of two circles. Returns their number. */
-static int mg_circle_and_circle(const mg_centred_feature *of, mg_real (*where)[2]) {
+/* Places of two circles, by the angle of the first one. Returns their number. `widest`: the widest interval of roots
+   that almost coincide, rad. */
+static int mg_places_by_first(const mg_centred_feature *of, mg_stationary_place *place, mg_real *widest) {
   mg_real polynomial[MG_BERNSTEIN_DEGREE + 1];
   mg_root_interval angle[MG_BERNSTEIN_ROOTS];
   int count = 0;
+  *widest = 0;
   for (int half = 0; half < 2; half++) {
     const mg_real first = MG_FIRST_ANGLE + (mg_real)half * MG_PI, noise = mg_circles_polynomial(of, first, polynomial);
     const int roots = mg_add_angles(MG_BERNSTEIN_DEGREE, polynomial, noise, first, angle);
-    for (int k = 0; k < roots; k++)
-      count = angle[k].low == angle[k].high ? mg_add_simple_place(of, angle[k].low, where, count)
-                                            : mg_add_close_places(of, angle + k, where, count);
+    for (int k = 0; k < roots; k++) {
+      *widest = fmax(*widest, angle[k].high - angle[k].low);
+      count = angle[k].low == angle[k].high ? mg_add_simple_place(of, angle[k].low, place, count)
+                                            : mg_add_close_places(of, angle + k, place, count);
+    }
   }
   return count;
 }
 
-MG_INTERNAL int mg_stationary_places(const mg_centred_feature *of, mg_real (*where)[2]) {
+/* Places of two circles. More than two roots that almost coincide belong to a part of the second circle that is
+   about equally far from a point of the first, or to a curve of stationary places: then the angle of the second circle
+   tells them apart. Returns the number of places. */
+static int mg_circle_and_circle(const mg_centred_feature *of, mg_stationary_place *place) {
+  const mg_centred_feature swapped[2] = {of[1], of[0]};
+  mg_stationary_place more[MG_STATIONARY];
+  mg_real widest, unused;
+  int count = mg_places_by_first(of, place, &widest);
+  if (!(widest > sqrt(sqrt(MG_EPS)))) return count;
+  const int n = mg_places_by_first(swapped, more, &unused);
+  for (int k = 0; k < n; k++) {
+    const mg_real where[2] = {more[k].where[1], more[k].where[0]};
+    count = mg_add_place(of, where, place, count);
+  }
+  return count;
+}
+
+MG_INTERNAL int mg_stationary_places(const mg_centred_feature *of, mg_stationary_place *place) {
+  mg_real *where = place[0].where;
+  place[0].regularity = 1;
   const int circle = of[0].curve.kind == MG_CENTRE_CIRCLE ? 0 : 1;
-  const int count = of[circle].curve.kind == MG_CENTRE_LINE       ? mg_lines_nearest(of, of + 1, where[0])
-                    : of[1 - circle].curve.kind == MG_CENTRE_LINE ? mg_circle_and_line(of, circle, where)
-                                                                  : mg_circle_and_circle(of, where);
+  const int count = of[circle].curve.kind == MG_CENTRE_LINE       ? mg_lines_nearest(of, of + 1, where)
+                    : of[1 - circle].curve.kind == MG_CENTRE_LINE ? mg_circle_and_line(of, circle, place)
+                                                                  : mg_circle_and_circle(of, place);
   if (count) return count;
   mg_real x[3];
-  where[0][circle] = 0, mg_centre_point(of + circle, 0, x);
-  if (of[1 - circle].curve.kind == MG_CENTRE_LINE) where[0][1 - circle] = mg_foot_on_line(of + 1 - circle, x);
+  where[circle] = 0, mg_centre_point(of + circle, 0, x);
+  if (of[1 - circle].curve.kind == MG_CENTRE_LINE) where[1 - circle] = mg_foot_on_line(of + 1 - circle, x);
   else {
     mg_real other[4];
-    mg_angles_of_second(of, 0, other), where[0][1] = other[0];
+    mg_angles_of_second(of, 0, other), where[1] = other[0];
   }
   return 0;
 }

@@ -67,8 +67,9 @@ static mg_real mg_gap_at_centres(const mg_centred_feature *o, const mg_centred_f
 /* Converges from the points that places on the centre curves stand for. Where that fails, or the critical point is one
    of a curve of them to rounding, its gap is noted. */
 static void mg_converge_from_centres(mg_context *c, int feature_pair, const mg_centred_feature *of,
-                                     const mg_real *where, const mg_search_limits *limits, mg_real least,
+                                     const mg_stationary_place *place, const mg_search_limits *limits, mg_real least,
                                      mg_minima *kept) {
+  const mg_real *where = place->where;
   mg_real at[2][3], normal[3], eta[6] = {0};
   mg_sample sample[2];
   for (int side = 0; side < 2; side++) mg_centre_point(of + side, where[side], at[side]);
@@ -85,8 +86,8 @@ static void mg_converge_from_centres(mg_context *c, int feature_pair, const mg_c
   }
   mg_start_eta(c, feature_pair, sample, sample + 1, eta);
   const int converged = mg_converge_from_any_start(c, feature_pair, eta) >= 0;
-  const mg_real margin = mg_placement_margin(c, c->system->n_contact);
-  if (!converged || fabs(margin) <= c->settings->search_margin) mg_note_open_gap(c, d);
+  const mg_real regularity = fmin(fabs(mg_placement_margin(c, c->system->n_contact)), place->regularity);
+  if (!converged || regularity <= c->settings->search_margin) mg_note_open_gap(c, d);
   if (converged) mg_keep_minimum_at(c, feature_pair, eta, least, kept);
 }
 
@@ -100,12 +101,13 @@ MG_INTERNAL int mg_has_centre_curves(const mg_context *c, int feature_pair) {
 MG_INTERNAL void mg_search_centre_curves(mg_context *c, int feature_pair, const mg_search_limits *limits, mg_real least,
                                          mg_minima *kept) {
   mg_centred_feature of[2];
-  mg_real where[MG_STATIONARY][2], x[3], foot[3];
+  mg_stationary_place place[MG_STATIONARY];
+  mg_real x[3], foot[3];
   for (int side = 0; side < 2; side++) mg_read_centred_feature(c, feature_pair, side, of + side);
-  const int count = mg_stationary_places(of, where);
-  for (int k = 0; k < count; k++) mg_converge_from_centres(c, feature_pair, of, where[k], limits, least, kept);
+  const int count = mg_stationary_places(of, place);
+  for (int k = 0; k < count; k++) mg_converge_from_centres(c, feature_pair, of, place + k, limits, least, kept);
   if (count) return;
-  mg_centre_point(of, where[0][0], x), mg_centre_point(of + 1, where[0][1], foot);
+  mg_centre_point(of, place[0].where[0], x), mg_centre_point(of + 1, place[0].where[1], foot);
   const mg_real span[3] = {foot[0] - x[0], foot[1] - x[1], foot[2] - x[2]};
   mg_note_open_gap(c, mg_gap_at_centres(of, of + 1, sqrt(mg_dot3(span, span))));
 }

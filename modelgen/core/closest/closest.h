@@ -142,6 +142,13 @@ MG_INTERNAL void mg_search_centre_curves(mg_context *c, int feature_pair, const 
 
 enum { MG_STATIONARY = 64 }; /* most places of two centre curves */
 
+/* A place on both centre curves at which their distance is stationary. */
+typedef struct {
+  mg_real where[2];   /* angle of a circle, rad; distance along a line, m */
+  mg_real regularity; /* of two circles the determinant of the second derivatives of the squared distance, as a part of
+                         their size: 0 where it is constant along a curve; else 1 */
+} mg_stationary_place;
+
 /* Point of a centre curve: at an angle of the circle, at a distance along the line. */
 MG_INTERNAL void mg_centre_point(const mg_centred_feature *at, mg_real where, mg_real *x);
 
@@ -149,10 +156,10 @@ MG_INTERNAL void mg_centre_point(const mg_centred_feature *at, mg_real where, mg
    Returns 0 where that is not known: the curves meet and have one tangent. */
 MG_INTERNAL int mg_centre_normal(const mg_centred_feature *of, const mg_real *where, mg_real *normal);
 
-/* Places on both curves (angle of a circle, rad; distance along a line, m) at which the distance is stationary, of two
-   circles those at which the gap can be a minimum. Returns their number; 0 if the distance is the same along the
-   curves, and where[0] then is one of the places nearest to each other. `where` has room for MG_STATIONARY. */
-MG_INTERNAL int mg_stationary_places(const mg_centred_feature *of, mg_real (*where)[2]);
+/* Stationary places of two centre curves; of two circles those at which the gap can be a minimum. Returns their number;
+   0 if the distance is the same along the curves, and place[0] then is one of the places nearest to each other. `place`
+   has room for MG_STATIONARY. */
+MG_INTERNAL int mg_stationary_places(const mg_centred_feature *of, mg_stationary_place *place);
 
 /* far_sides.c */
 
@@ -221,7 +228,7 @@ MG_INTERNAL void mg_reverse_normal(const mg_context *c, int feature_pair, mg_rea
 MG_INTERNAL void mg_record_minimum(const mg_context *c, mg_minimum *found);
 
 /* True if two minima have the same point and normal, on whatever feature pairs (charts overlap). Two curves
-   without an outside have one contact at a point, whatever the direction of N. */
+   without an outside have one contact at two points, whatever the direction of N. */
 MG_INTERNAL int mg_is_same_minimum(const mg_context *c, const mg_minimum *a, const mg_minimum *b);
 
 /* Describes the minimum at eta, which solves the extremality equations. Returns 0 if it is singular or violates a
