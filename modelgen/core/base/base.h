@@ -103,6 +103,26 @@ MG_INTERNAL void mg_cross_product(const mg_real *a, const mg_real *b, mg_real *o
 /* Sorts integers in ascending order (Shell sort with Knuth's increments). */
 MG_INTERNAL void mg_sort_ints(int count, int *list);
 
+/* bernstein.c */
+
+enum {
+  MG_BERNSTEIN_DEGREE = 8, /* most of a polynomial in Bernstein form */
+  MG_BERNSTEIN_ROOTS = 16  /* most intervals that hold its roots */
+};
+
+/* Where a polynomial has a root: low = high; or is zero to rounding, as at roots that almost coincide: low < high. */
+typedef struct {
+  mg_real low, high;
+} mg_root_interval;
+
+/* sum += factor a b, with polynomials a of degree m, b of degree n and their product in Bernstein form. */
+MG_INTERNAL void mg_add_bernstein_product(int m, const mg_real *a, int n, const mg_real *b, mg_real factor,
+                                          mg_real *sum);
+
+/* Real roots of a polynomial of degree n on [-1, 1], ascending; coefficients up to `noise` count as zero. Returns
+   their number; `root` has room for MG_BERNSTEIN_ROOTS. */
+MG_INTERNAL int mg_bernstein_roots(int n, const mg_real *coefficients, mg_real noise, mg_root_interval *root);
+
 /* taylor_models.c */
 
 /* Bounds of the outputs of a program over a box u0..u1, v0..v1 of coordinates, at given parameters. memory:

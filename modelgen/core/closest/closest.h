@@ -111,6 +111,13 @@ typedef struct {
   mg_real tube;   /* distance of the feature, m; negative: a cavity, 0: the curve itself */
 } mg_centre_curve;
 
+/* The centre curve of a feature, with its place. */
+typedef struct {
+  mg_centre_curve curve;
+  mg_real centre[3]; /* of the circle, or a point of the line, m */
+  mg_real axes[9];   /* of the shape, by columns: the line is along the third, the circle in the plane of the others */
+} mg_centred_feature;
+
 /* Reads the centre curve of a feature that has one. */
 MG_INTERNAL void mg_read_centre_curve(const mg_context *c, int feature_pair, int side, mg_centre_curve *at);
 
@@ -130,6 +137,29 @@ MG_INTERNAL int mg_has_centre_curves(const mg_context *c, int feature_pair);
 /* Adds the minima of such a feature pair with gaps within the limits and not below `least` to those kept. */
 MG_INTERNAL void mg_search_centre_curves(mg_context *c, int feature_pair, const mg_search_limits *limits, mg_real least,
                                          mg_minima *kept);
+
+/* centre_curve_places.c */
+
+enum { MG_STATIONARY = 64 }; /* most places of two centre curves */
+
+/* A place on both centre curves at which their distance is stationary. */
+typedef struct {
+  mg_real where[2];   /* angle of a circle, rad; distance along a line, m */
+  mg_real regularity; /* of two circles the determinant of the second derivatives of the squared distance, as a part of
+                         their size: 0 where it is constant along a curve; else 1 */
+} mg_stationary_place;
+
+/* Point of a centre curve: at an angle of the circle, at a distance along the line. */
+MG_INTERNAL void mg_centre_point(const mg_centred_feature *at, mg_real where, mg_real *x);
+
+/* Unit vector from the first to the second of two places that are stationary; where they meet, normal to both curves.
+   Returns 0 where that is not known: the curves meet and have one tangent. */
+MG_INTERNAL int mg_centre_normal(const mg_centred_feature *of, const mg_real *where, mg_real *normal);
+
+/* Stationary places of two centre curves; of two circles those at which the gap can be a minimum. Returns their number;
+   0 if the distance is the same along the curves, and place[0] then is one of the places nearest to each other. `place`
+   has room for MG_STATIONARY. */
+MG_INTERNAL int mg_stationary_places(const mg_centred_feature *of, mg_stationary_place *place);
 
 /* far_sides.c */
 
@@ -198,7 +228,7 @@ MG_INTERNAL void mg_reverse_normal(const mg_context *c, int feature_pair, mg_rea
 MG_INTERNAL void mg_record_minimum(const mg_context *c, mg_minimum *found);
 
 /* True if two minima have the same point and normal, on whatever feature pairs (charts overlap). Two curves
-   without an outside have one contact at a point, whatever the direction of N. */
+   without an outside have one contact at two points, whatever the direction of N. */
 MG_INTERNAL int mg_is_same_minimum(const mg_context *c, const mg_minimum *a, const mg_minimum *b);
 
 /* Describes the minimum at eta, which solves the extremality equations. Returns 0 if it is singular or violates a

@@ -39,17 +39,19 @@ MG_INTERNAL void mg_record_minimum(const mg_context *c, mg_minimum *found) {
 }
 
 MG_INTERNAL int mg_is_same_minimum(const mg_context *c, const mg_minimum *a, const mg_minimum *b) {
-  mg_real apart = 0, turned = 0;
+  mg_real apart = 0, turned = 0, opposite = 0;
   for (int k = 0; k < 3; k++) {
-    apart += (a->point[k] - b->point[k]) * (a->point[k] - b->point[k]);
+    const mg_real between = a->point[k] - b->point[k], across = a->d * a->normal[k] - b->d * b->normal[k];
+    apart += between * between, opposite += (between + across) * (between + across);
     turned += (a->normal[k] - b->normal[k]) * (a->normal[k] - b->normal[k]);
   }
+  const mg_real near =
+      c->settings->search_merge_distance * mg_pair_length(c, c->system->feature_pair_owner[a->feature_pair]);
   const int sided = !(a->feature_pair == b->feature_pair && mg_has_normal_sign(c, a->feature_pair) &&
                       mg_has_no_outside(c, a->feature_pair));
+  if (!sided) return sqrt(apart) < near && sqrt(opposite) < near;
   apart += (a->d - b->d) * (a->d - b->d);
-  return sqrt(apart) <
-             c->settings->search_merge_distance * mg_pair_length(c, c->system->feature_pair_owner[a->feature_pair]) &&
-         (!sided || sqrt(turned) < c->settings->search_merge_distance);
+  return sqrt(apart) < near && sqrt(turned) < c->settings->search_merge_distance;
 }
 
 MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta, mg_minimum *found) {
