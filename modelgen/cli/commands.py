@@ -68,6 +68,7 @@ from modelgen.cli.pipeline import (
 )
 from modelgen.cli.report import report
 from modelgen.cli.sensitivity import sensitivity
+from modelgen.cli.sweep import sweep
 from modelgen.cli.view import recorded, view
 
 app = typer.Typer(
@@ -176,6 +177,7 @@ def linearise(scene: SceneFile, form: Form = None, values: Values = None, as_jso
 
 
 app.command()(fit)
+app.command()(sweep)
 app.command()(measure)
 app.command()(tune)
 app.command()(manual)
@@ -275,6 +277,7 @@ def _all_schemas() -> dict[str, Any]:
     """The JSON Schema of scene files, with those of results under `$defs`."""
     from modelgen.benchmark.extremes_result_schema import surveyed_schema
     from modelgen.benchmark.result_schema import measured_schema, tuned_schema
+    from modelgen.parameter_study.sweep_output import swept_schema
     from modelgen.report.fit_output import fitted_schema
     from modelgen.report.result_schema import linearised_schema, result_schema
     from modelgen.report.sensitivity_output import sensitivity_schema
@@ -283,6 +286,7 @@ def _all_schemas() -> dict[str, Any]:
     document = scene_schema()
     results = {"result": result_schema(), "linearised": linearised_schema(), "fitted": fitted_schema()}
     results |= {
+        "swept": swept_schema(),
         "sensitivity": sensitivity_schema(),
         "measured": measured_schema(),
         "surveyed": surveyed_schema(),
