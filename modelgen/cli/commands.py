@@ -68,8 +68,9 @@ from modelgen.cli.pipeline import (
 )
 from modelgen.cli.report import report
 from modelgen.cli.sensitivity import sensitivity
-from modelgen.cli.sweep import sweep
+from modelgen.cli.sweep import Of, plot_sweep, sweep
 from modelgen.cli.view import recorded, view
+from modelgen.errors import ModelgenError
 
 app = typer.Typer(
     help="From a scene file to a compiled model of rigid bodies in smooth contact, and its trajectory.",
@@ -191,7 +192,12 @@ app.command()(report)
 @guarded
 def plot(
     source: Annotated[
-        Path, typer.Argument(metavar="RUN.npz|SCENE", help="a run, or a scene to run first", readable=False)
+        Path,
+        typer.Argument(
+            metavar="RUN.npz|SCENE|SWEEP",
+            help="a run, a scene to run first, a folder of a sweep",
+            readable=False,
+        ),
     ],
     out: Annotated[
         Path,
@@ -204,13 +210,20 @@ def plot(
         ),
     ],
     frames: Frames = None,
+    of: Of = None,
     as_json: AsJson = False,
 ) -> None:
-    """Draw motion, forces, gaps, energy, the contact curves on both surfaces, and the bodies."""
+    """Draw motion, forces, gaps, energy, the contact curves on both surfaces, and the bodies; or the outcomes
+    of a sweep."""
+    if source.is_dir():
+        plot_sweep(source, out, of, as_json)
+        return
     from modelgen.report.run_plot import draw
     from modelgen.report.summary import print_written
 
     check_outputs(None, out)
+    if of is not None:
+        raise ModelgenError("--of", repr(of), "columns of a sweep", "leave it out for a run")
     pictures = read_option("frames", frames)
     record, trajectory = recorded(source, {})
     draw(record, out, pictures)

@@ -68,7 +68,8 @@ TableFolder = Annotated[
     ),
 ]
 Of = Annotated[
-    str | None, typer.Option(help="columns that --plot draws; default: the sensors", metavar="A,B,...")
+    str | None,
+    typer.Option(help="columns of a sweep that are drawn; default: the sensors", metavar="A,B,..."),
 ]
 
 
@@ -101,11 +102,13 @@ def sweep(
 ) -> None:
     """Run a scene many times with other numbers; write a table of the outcomes. The same command goes on."""
     from modelgen.parameter_study.folder import require_pyarrow
-    from modelgen.parameter_study.outcome_plot import draw_sweep
+    from modelgen.parameter_study.outcome_plot import check_drawn, draw_sweep
+    from modelgen.parameter_study.rows import columns_of
     from modelgen.parameter_study.sweep_output import print_sweep, sweep_facts
 
     require_pyarrow()
-    check_outputs(None, plot)
+    check_picture(plot)
+    drawn = columns_drawn(of, plot)
     if out is None:
         raise ModelgenError("--out", "no folder for the table", "", "write --out FOLDER")
     settings: dict[str, Any] = run_settings(
@@ -126,10 +129,12 @@ def sweep(
     }
     varied = named_values(vary, "--vary", "mass=0.5:2:4")
     with ready_library(scene, form) as library, progress("running") as report:
+        if drawn is not None:
+            check_drawn(drawn, list(columns_of(library.manifest.instance, list(varied))))
         kept = read_scene(scene, form) if settings["keep"] else None
         found = modelgen.sweep(library, varied, scene=kept, on_progress=report, **settings)
     if plot is not None:
-        draw_sweep(found, plot, None if of is None else [name.strip() for name in of.split(",")])
+        draw_sweep(found, plot, drawn)
     facts = sweep_facts(found) | {
         "columns": list(found.columns),
         "plot": None if plot is None else str(plot),
@@ -138,3 +143,35 @@ def sweep(
     if found.failed.all():
         typer.echo("every run failed", err=True)
         raise typer.Exit(FAILED)
+
+
+def check_picture(plot: Path | None) -> None:
+    """Raise ModelgenError for a picture that cannot be written, before anything is computed."""
+    if plot is None:
+        return
+    from modelgen.parameter_study.outcome_plot import PICTURES
+    from modelgen.report.export import check_suffix
+
+    check_suffix(plot, PICTURES)
+    check_outputs(None, plot)
+
+
+def columns_drawn(of: str | None, plot: Path | None) -> list[str] | None:
+    """The columns that `--of` names; None where it does not."""
+    if of is None:
+        return None
+    if plot is None:
+        raise ModelgenError("--of", repr(of), "columns that a picture shows", "name its file with --plot")
+    return [name.strip() for name in of.split(",") if name.strip()]
+
+
+def plot_sweep(folder: Path, out: Path, of: str | None, as_json: bool) -> None:
+    """Draw the outcomes in the folder of a sweep."""
+    from modelgen.parameter_study.outcome_plot import draw_sweep
+    from modelgen.report.summary import print_written
+
+    check_picture(out)
+    found = modelgen.load_sweep(folder)
+    draw_sweep(found, out, columns_drawn(of, out))
+    facts = {"file": str(out), "scene": found.plan["scene"], "outcome": dict(found.outcomes)}
+    print_facts(facts, as_json, lambda: print_written(out, Console()))

@@ -131,7 +131,7 @@ def _check_grid(variations: Sequence[Variation], samples: int | None) -> None:
         )
     for each in variations:
         if not each.values:
-            remedy = f"write {each.text}:5, or give a number of samples"
+            remedy = f"write {each.name}={each.text}:5, or give a number of samples"
             raise ModelgenError(f"vary {each.name}={each.text}", "a range", "a grid needs values", remedy)
     _check_size(prod(len(each.values) for each in variations))
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.errors import ModelgenError, expect, path_of
-from modelgen.parameter_study.outcome_table import DONE, Sweep
+from modelgen.parameter_study.outcome_table import DONE, Sweep, check_column
 from modelgen.parameter_study.rows import TEXT
 from modelgen.report.export import check_suffix
 from modelgen.report.run_plot import require_matplotlib
@@ -58,10 +58,15 @@ def drawn_columns(found: Sweep, of: Sequence[str] | None) -> list[str]:
     """The columns that are drawn. Raises ModelgenError for one that there is not."""
     if of is None:
         return [*found.sensors[:PANELS]] or ["outcome", "t_end"]
-    if not list(of):
+    return check_drawn(of, list(found.columns))
+
+
+def check_drawn(of: Sequence[str], columns: Sequence[str]) -> list[str]:
+    """The columns to be drawn. Raises ModelgenError where there is none, or one that a table has not."""
+    if not of:
         raise ModelgenError("of", "nothing to draw", "columns of the table", "leave it out for the sensors")
     for name in of:
-        found[name]  # raises where there is none
+        check_column("of", name, columns)
     return list(of)
 
 
@@ -73,9 +78,8 @@ def _curve(found: Sweep, name: str, x: str, axes: Any) -> None:
     if failed.any():
         known = failed & np.isfinite(shown)
         axes.scatter(at[known], shown[known], color="C3", label="failed", **FAILED)
-        bottom = axes.get_xaxis_transform()
-        rest = failed & ~known
-        axes.scatter(at[rest], np.full(rest.sum(), 0.03), color="C3", transform=bottom, **FAILED)
+        rest = at[failed & ~known]  # of which nothing is known, along the bottom
+        axes.plot(rest, np.full(len(rest), 0.03), "x", color="C3", transform=axes.get_xaxis_transform())
     _name_axes(axes, x, name)
     if labels:
         axes.set_yticks(range(len(labels)), labels)

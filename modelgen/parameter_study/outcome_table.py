@@ -48,9 +48,7 @@ class Sweep:
     def __getitem__(self, name: str) -> Array:
         """A column: (runs,) floats, NaN where there is none, or texts. Raises ModelgenError if there is none
         of that name."""
-        if name not in self.columns:
-            known = list(self.columns)
-            raise ModelgenError("column", repr(name), f"columns: {', '.join(known)}", nearest(name, known))
+        check_column("column", name, list(self.columns))
         if self.plan["columns"][name] == TEXT:
             return np.array([value or "" for value in self.columns[name]], dtype=object)
         return np.array([np.nan if value is None else value for value in self.columns[name]], dtype=float)
@@ -68,6 +66,12 @@ class Sweep:
     def rows(self, indices: Sequence[int]) -> list[dict[str, Any]]:
         """Some rows as dicts."""
         return [{name: column[k] for name, column in self.columns.items()} for k in indices]
+
+
+def check_column(where: str, name: str, columns: Sequence[str]) -> None:
+    """Raises ModelgenError for a column that a table has not."""
+    if name not in columns:
+        raise ModelgenError(where, repr(name), f"columns: {', '.join(columns)}", nearest(name, columns))
 
 
 def load_sweep(folder: str | Path) -> Sweep:

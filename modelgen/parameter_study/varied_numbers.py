@@ -12,6 +12,7 @@ from modelgen.errors import ModelgenError, nearest
 from modelgen.parameter_study.design import Variation
 from modelgen.runtime.arguments import input_range
 
+ANY = "a [[parameter]] of the scene may stand for any of its numbers"
 QUANTITIES = {"point": ("position", "velocity"), "free": ("position", "velocity", "angular_velocity")}
 
 
@@ -37,7 +38,7 @@ def varied_numbers(
     for each in variations:
         where = f"vary {each.name}={each.text}"
         if each.name not in known:
-            remedy = nearest(each.name, known) or _hint(each.name)
+            remedy = _turn(each.name) or nearest(each.name, known) or ANY
             raise ModelgenError(where, f"no number {each.name!r}", _told(library), remedy)
         if each.name in fixed:
             raise ModelgenError(where, f"{each.name!r} has a fixed value too", "", "leave one of the two out")
@@ -87,7 +88,8 @@ def _told(library: Library) -> str:
     return "; ".join(parts) or "the scene has no number that may vary"
 
 
-def _hint(name: str) -> str:
-    if ".orientation" in name or ".rpy" in name:
-        return "make the angle a [[parameter]] of the scene, and vary that"
-    return "a [[parameter]] of the scene may stand for any of its numbers"
+def _turn(name: str) -> str:
+    """The remedy where an angle is meant."""
+    quantity = name.rpartition(".")[2]
+    is_turn = quantity.startswith(("orientation", "quaternion", "rpy"))
+    return "write the angle as a [[parameter]] of the scene, and vary that" if is_turn else ""
