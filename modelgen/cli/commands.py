@@ -15,6 +15,7 @@ from modelgen.cli.export import export
 from modelgen.cli.fit import fit
 from modelgen.cli.manual import manual, print_page
 from modelgen.cli.measure_and_tune import measure, tune
+from modelgen.cli.new import new
 from modelgen.cli.options import (
     AsJson,
     At,
@@ -87,6 +88,9 @@ def version(
     if show:
         typer.echo(f"modelgen {modelgen.__version__}")
         raise typer.Exit
+
+
+app.command()(new)
 
 
 @app.command()
