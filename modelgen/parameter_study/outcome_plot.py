@@ -20,7 +20,8 @@ from modelgen.report.run_plot import require_matplotlib
 from modelgen.runtime.trajectory import Array
 
 PICTURES = (".png", ".svg")
-PANELS = 4  # outcomes that are drawn where none are named
+PANELS = 6  # of outcomes that are drawn where none are named, at least one of each pair of numbers
+NUMBERS = 5  # that are drawn against each other, the first ones
 WIDE = 3  # panels side by side
 POINT = 26.0  # area of the mark of a run, pt^2
 EVEN = 1e-9  # of the range: values of a grid that are equal
@@ -31,15 +32,15 @@ def draw_sweep(found: Sweep, path: str | Path, of: Sequence[str] | None = None) 
     """Write the picture of a sweep; the suffix says how (.png or .svg).
 
     Args:
-        of: the columns that are drawn; the sensors, or the end time and the outcome, when None.
+        of: the columns that are drawn; sensors, or the outcome and the end time, when None.
 
     Raises ModelgenError for another suffix or column, or without matplotlib.
     """
     expect("draw_sweep", found, Sweep)
     path = path_of("draw_sweep", path)
     check_suffix(path, PICTURES)
-    names = drawn_columns(found, of)
-    pairs = list(combinations(found.varied, 2)) or [(found.varied[0], "")]
+    pairs = list(combinations(found.varied[:NUMBERS], 2)) or [(found.varied[0], "")]
+    names = _drawn(found, of, PANELS // len(pairs))
     panels = [(name, *pair) for name in names for pair in pairs]
     rows = -(-len(panels) // WIDE)
     wide = min(WIDE, len(panels))
@@ -54,10 +55,10 @@ def draw_sweep(found: Sweep, path: str | Path, of: Sequence[str] | None = None) 
     figure.savefig(path, dpi=130, metadata={"Date": None} if path.suffix == ".svg" else None)
 
 
-def drawn_columns(found: Sweep, of: Sequence[str] | None) -> list[str]:
-    """The columns that are drawn. Raises ModelgenError for one that there is not."""
+def _drawn(found: Sweep, of: Sequence[str] | None, most: int) -> list[str]:
+    """The columns that are drawn, at most so many, or one, where none are named."""
     if of is None:
-        return [*found.sensors[:PANELS]] or ["outcome", "t_end"]
+        return [*found.sensors, *(() if found.sensors else ("outcome", "t_end"))][: max(most, 1)]
     return check_drawn(of, list(found.columns))
 
 

@@ -77,9 +77,7 @@ def test_lanes_that_cannot_start_or_fail_leave_the_others_alone() -> None:
     library = ball()
     n_q = library.manifest.instance["n_q"]
     starts = {2: np.array([0.3, 0.02, 0.3]), n_q: np.array([1.0, 1.0, 2.0])}
-    good, low, fast = runs_to_the_end(
-        [library] * 3, until=0.5, accuracy=Accuracy.balanced(), starts=starts
-    )
+    good, low, fast = runs_to_the_end([library] * 3, until=0.5, accuracy=Accuracy.balanced(), starts=starts)
     assert isinstance(good, Trajectory)
     assert good.outcome is Outcome.DONE
     assert isinstance(low, SimulationError)
