@@ -6,6 +6,7 @@ Their modules load when a verb is first asked for.
 `sensitivity` runs a scene and differentiates what it shows, `gradient` a number that depends on it.
 `as_casadi` makes CasADi functions of a scene's right-hand side and of a step.
 `fit` finds numbers of a scene from recorded motion.
+`sweep` runs a scene many times with other numbers; `load_sweep` reads the table that it wrote.
 `measure` finds what accuracy of a scene costs, `tune` picks a setting from that.
 `normal_rates` gives the rates of the contact normals at the samples of a trajectory.
 `record_of` joins a trajectory and its library to what `save` writes, `load` reads and `draw` draws.
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
     from modelgen.errors import ModelgenError as ModelgenError
     from modelgen.identification.fit import fit as fit
     from modelgen.linearisation.equilibrium_and_modes import linearise as linearise
+    from modelgen.parameter_study.outcome_table import load_sweep as load_sweep
+    from modelgen.parameter_study.sweep import sweep as sweep
     from modelgen.report.export import load as load
     from modelgen.report.export import save as save
     from modelgen.report.normal_rates import normal_rates as normal_rates
@@ -58,6 +61,7 @@ __all__ = [
     "gradient",
     "linearise",
     "load",
+    "load_sweep",
     "measure",
     "normal_rates",
     "read",
@@ -69,6 +73,7 @@ __all__ = [
     "simulate_batch",
     "start",
     "start_many",
+    "sweep",
     "tune",
 ]
 
@@ -91,6 +96,8 @@ _HOMES = {
     "linearise": "modelgen.linearisation.equilibrium_and_modes",
     "measure": "modelgen.benchmark",
     "tune": "modelgen.benchmark",
+    "sweep": "modelgen.parameter_study.sweep",
+    "load_sweep": "modelgen.parameter_study.outcome_table",
     "record_of": "modelgen.report.run_record",
     "save": "modelgen.report.export",
     "load": "modelgen.report.export",

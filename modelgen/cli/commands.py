@@ -15,6 +15,7 @@ from modelgen.cli.export import export
 from modelgen.cli.fit import fit
 from modelgen.cli.manual import manual, print_page
 from modelgen.cli.measure_and_tune import measure, tune
+from modelgen.cli.new import new
 from modelgen.cli.options import (
     AsJson,
     At,
@@ -68,7 +69,9 @@ from modelgen.cli.pipeline import (
 )
 from modelgen.cli.report import report
 from modelgen.cli.sensitivity import sensitivity
+from modelgen.cli.sweep import Of, plot_sweep, sweep
 from modelgen.cli.view import recorded, view
+from modelgen.errors import ModelgenError
 
 app = typer.Typer(
     help="From a scene file to a compiled model of rigid bodies in smooth contact, and its trajectory.",
@@ -85,6 +88,9 @@ def version(
     if show:
         typer.echo(f"modelgen {modelgen.__version__}")
         raise typer.Exit
+
+
+app.command()(new)
 
 
 @app.command()
@@ -176,6 +182,7 @@ def linearise(scene: SceneFile, form: Form = None, values: Values = None, as_jso
 
 
 app.command()(fit)
+app.command()(sweep)
 app.command()(measure)
 app.command()(tune)
 app.command()(manual)
@@ -189,7 +196,12 @@ app.command()(report)
 @guarded
 def plot(
     source: Annotated[
-        Path, typer.Argument(metavar="RUN.npz|SCENE", help="a run, or a scene to run first", readable=False)
+        Path,
+        typer.Argument(
+            metavar="RUN.npz|SCENE|SWEEP",
+            help="a run, a scene to run first, a folder of a sweep",
+            readable=False,
+        ),
     ],
     out: Annotated[
         Path,
@@ -202,13 +214,20 @@ def plot(
         ),
     ],
     frames: Frames = None,
+    of: Of = None,
     as_json: AsJson = False,
 ) -> None:
-    """Draw motion, forces, gaps, energy, the contact curves on both surfaces, and the bodies."""
+    """Draw motion, forces, gaps, energy, the contact curves on both surfaces, and the bodies; or the outcomes
+    of a sweep."""
+    if source.is_dir():
+        plot_sweep(source, out, of, as_json)
+        return
     from modelgen.report.run_plot import draw
     from modelgen.report.summary import print_written
 
     check_outputs(None, out)
+    if of is not None:
+        raise ModelgenError("--of", repr(of), "columns of a sweep", "leave it out for a run")
     pictures = read_option("frames", frames)
     record, trajectory = recorded(source, {})
     draw(record, out, pictures)
@@ -275,6 +294,7 @@ def _all_schemas() -> dict[str, Any]:
     """The JSON Schema of scene files, with those of results under `$defs`."""
     from modelgen.benchmark.extremes_result_schema import surveyed_schema
     from modelgen.benchmark.result_schema import measured_schema, tuned_schema
+    from modelgen.parameter_study.sweep_output import swept_schema
     from modelgen.report.fit_output import fitted_schema
     from modelgen.report.result_schema import linearised_schema, result_schema
     from modelgen.report.sensitivity_output import sensitivity_schema
@@ -283,6 +303,7 @@ def _all_schemas() -> dict[str, Any]:
     document = scene_schema()
     results = {"result": result_schema(), "linearised": linearised_schema(), "fitted": fitted_schema()}
     results |= {
+        "swept": swept_schema(),
         "sensitivity": sensitivity_schema(),
         "measured": measured_schema(),
         "surveyed": surveyed_schema(),

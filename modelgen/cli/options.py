@@ -26,6 +26,8 @@ TYPES: dict[str, Type] = {
     "starts": Whole(1, 1000),
     "seed": Whole(0, 2**31 - 1),
     "port": Whole(1, 65535),
+    "runs": Whole(1, 10_000_000),
+    "threads": Whole(1, 1024),
 }
 
 
@@ -108,15 +110,16 @@ OutPicture = Annotated[
 ]
 
 
-def read_option(name: str, text: str | None) -> Any:
-    """The value of `--name`; None if it was not given. Raises ModelgenError where it stands, `--name`."""
+def read_option(name: str, text: str | None, option: str | None = None) -> Any:
+    """The value of `--name`, or of `--option` of the type `name`; None if it was not given. Raises
+    ModelgenError where it stands."""
     if text is None:
         return None
-    kind = TYPES[name]
+    kind, told = TYPES[name], f"--{option or name}"
     try:
-        return kind.read(_number(text) if isinstance(kind, Real | Whole) else text, Place(f"--{name}"))
+        return kind.read(_number(text) if isinstance(kind, Real | Whole) else text, Place(told))
     except SceneError as error:
-        remedy = error.remedy or f"leave --{name} out for the default"
+        remedy = error.remedy or f"leave {told} out for the default"
         raise ModelgenError(error.where, error.found, error.allowed, remedy) from None
 
 
@@ -124,16 +127,26 @@ def read_values(texts: list[str] | None, option: str) -> dict[str, float]:
     """The values of an option that is written NAME=NUMBER. Raises ModelgenError where it is not, or a name
     comes twice."""
     found: dict[str, float] = {}
-    for text in texts or ():
-        name, equals, value = (part.strip() for part in text.partition("="))
-        if not equals or not name:
-            raise ModelgenError(f"{option} {text}", "no NAME=NUMBER", "", f"write {option} mass=1.2")
-        if name in found:
-            raise ModelgenError(f"{option} {text}", f"a second value of {name!r}", "", "leave one out")
+    for name, value in named_values(texts, option, "mass=1.2").items():
         try:
             found[name] = NUMBER.read(_number(value), Place(f"{option} {name}"))
         except SceneError as error:
             raise ModelgenError(error.where, error.found, error.allowed, error.remedy) from None
+    return found
+
+
+def named_values(texts: list[str] | None, option: str, example: str) -> dict[str, str]:
+    """The texts of an option that is written NAME=TEXT, by name. Raises ModelgenError where it is not, or a
+    name comes twice."""
+    found: dict[str, str] = {}
+    for text in texts or ():
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not equals or not name:
+            form = f"NAME={'NUMBER' if ':' not in example else 'VALUES'}"
+            raise ModelgenError(f"{option} {text}", f"no {form}", "", f"write {option} {example}")
+        if name in found:
+            raise ModelgenError(f"{option} {text}", f"a second value of {name!r}", "", "leave one out")
+        found[name] = value
     return found
 
 

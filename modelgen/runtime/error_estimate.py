@@ -21,7 +21,6 @@ from modelgen.runtime.run_distance import (
     forces_between,
     gaps_between,
 )
-from modelgen.runtime.session import Session
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import Outcome, Trajectory
 from modelgen.runtime.trust import steps_in_time, uncertified
@@ -34,11 +33,11 @@ BOUNCE = 10.0  # times the bound of rest: slower bounces end in one run and not 
 NUDGE = 2.0  # roundings by which each number of the start differs, at most
 
 
-def nudge(session: Session) -> None:
-    """Changes each number of the start that is not 0 by a few roundings."""
-    epsilon = float(np.finfo(session.tables.dtype).eps)
-    n = session.instance["n_q"] + session.instance["n_u"]
-    session.x[:n] *= 1 + NUDGE * epsilon * np.cos(2.4 * np.arange(n) + 1)
+def nudge(x: Array, instance: Mapping[str, Any]) -> None:
+    """Changes each number of a start (n_x,), or of several (n, n_x), that is not 0 by a few roundings."""
+    epsilon = float(np.finfo(x.dtype).eps)
+    n = instance["n_q"] + instance["n_u"]
+    x[..., :n] *= 1 + NUDGE * epsilon * np.cos(2.4 * np.arange(n) + 1)
 
 
 def estimate_of(

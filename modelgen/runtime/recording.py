@@ -56,9 +56,10 @@ class Recording:
             self.record.capacity = count + 1
             self.session.advance(float(t[count]), 0, self.record)
 
-    def columns(self) -> dict[str, Any]:
-        """The samples taken so far, as the fields of a Trajectory."""
-        kept = {name: array[: self.record.count] for name, array in self.arrays.items()}
+    def columns(self, rows: slice | None = None) -> dict[str, Any]:
+        """The samples in some rows, those taken so far unless given, as the fields of a Trajectory."""
+        taken = slice(self.record.count) if rows is None else rows
+        kept = {name: array[taken] for name, array in self.arrays.items()}
         rotation = np.swapaxes(kept["pose"][..., 3:].reshape(*kept["pose"].shape[:2], 3, 3), -1, -2)
         turning = {
             "quaternion": quaternions_of(rotation),

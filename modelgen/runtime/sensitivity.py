@@ -146,7 +146,7 @@ def sensitivity(
         epsilon = float(np.finfo(session.tables.dtype).eps)
         twin = Session(library, record.companion(epsilon))
         Inputs(twin).update(inputs or {})
-        nudge(twin)
+        nudge(twin.x, twin.instance)
         error = _error(jacobian, TangentRun(twin, arrays, len(directions)), outputs, times, epsilon)
     return Sensitivity(
         t=times,

@@ -21,6 +21,8 @@ from modelgen.runtime.tables.array_block import ArrayBlock
 from modelgen.runtime.tables.ctypes_structures import EVENT_ARRAYS, INTEGER, Array, address
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome
 
+LANE = "run {lane}, "  # how the error of a start says which of the lanes it is
+
 
 class _Scratch:
     """Scratch memory of a thread."""
@@ -42,6 +44,8 @@ class SessionGroup:
         t: (n,) s. Before `begin`: the times of the starts, 0 unless overwritten.
         codes: (n,) outcome of the core: 0 where a lane can go on, 10 and more where it failed.
         arrays: all arrays of the runs, (n, length) each, by their names in mg_run (modelgen.h).
+        like: a session of the library, with the names and sizes of its runs.
+        runs: the n mg_run.
     """
 
     def __init__(
@@ -61,23 +65,23 @@ class SessionGroup:
         self.n = _whole("n", n, "give the number of runs")
         self.library = library
         self.accuracy = Accuracy.balanced() if accuracy is None else Accuracy.taken(accuracy)
-        self._like = Session(library, self.accuracy)
-        self._system_of = [self._like.system] * self.n if systems is None else list(systems)
+        self.like = Session(library, self.accuracy)
+        self._system_of = [self.like.system] * self.n if systems is None else list(systems)
         if len(self._system_of) != self.n:
             found = f"{len(self._system_of)} entries"
             raise SimulationError("systems", found, f"{self.n}, one for each run", "")
-        self._runs, self.arrays = lanes_of(self._like, self.n)
+        self.runs, self.arrays = lanes_of(self.like, self.n)
         self.x = self.arrays["x"]
-        self.x[:] = self._like.x
-        self.t = times_of(self._like, self._runs)
+        self.x[:] = self.like.x
+        self.t = times_of(self.like, self.runs)
         self.codes = np.zeros(self.n, dtype=INTEGER)
-        self._ends = np.zeros(self.n, dtype=self._like.tables.dtype)
+        self._ends = np.zeros(self.n, dtype=self.like.tables.dtype)
         self._systems = (ctypes.c_void_p * self.n)(*map(ctypes.addressof, self._system_of))
         self._columns, self._lists = self._event_lists()
         self._systems_at, self._runs_at, self._lists_at = map(
-            ctypes.addressof, (self._systems, self._runs, self._lists)
+            ctypes.addressof, (self._systems, self.runs, self._lists)
         )
-        self.sensed = np.zeros((self.n, self._like.shared.n_sensor), self._like.tables.dtype)
+        self.sensed = np.zeros((self.n, self.like.shared.n_sensor), self.like.tables.dtype)
         self._sensed_at, self._codes_at, self._ends_at = map(address, (self.sensed, self.codes, self._ends))
         self._told: list[list[Event]] = [[] for _ in range(self.n)]
         self._scratch: list[_Scratch] = []
@@ -89,12 +93,12 @@ class SessionGroup:
         """DONE where a lane can go on, else why it ended; None where it could not start."""
         return tuple(OUTCOME_OF_CODE.get(code) for code in self.codes.tolist())
 
-    def begin(self, threads: int = 1) -> Mapping[int, SimulationError]:
-        """Settle the starts; returns the errors of the lanes that cannot start, by lane. They are left out
-        from then on."""
+    def begin(self, threads: int = 1, label: str = LANE) -> Mapping[int, SimulationError]:
+        """Settle the starts; returns the errors of the lanes that cannot start, by lane, which they tell by
+        `label`. They are left out from then on."""
         self._share("mg_begin_many", (self._codes_at, self._lists_at), threads)
         codes = enumerate(self.codes.tolist())
-        return {lane: self._refusal(lane, code) for lane, code in codes if code in REFUSED}
+        return {lane: self._refusal(lane, code, label) for lane, code in codes if code in REFUSED}
 
     def advance(self, t: float | Array, threads: int = 1) -> None:
         """Go on to t, s, one time or one for each lane, on several threads. A lane at or past it, and one
@@ -124,12 +128,10 @@ class SessionGroup:
         for name, array in self.arrays.items():
             array[lane] = -1 if name == "feature_pair" else 0
         self.arrays["input"][lane], self.x[lane] = settings, start
-        self._runs[lane].t = self._runs[lane].h = 0.0
+        self.runs[lane].t = self.runs[lane].h = 0.0
         self._lists[lane].count, self._told[lane] = 0, []
-        if not self._scratch:
-            self._scratch.append(_Scratch(self._like))
         head, events = self._head_at(lane), ctypes.byref(self._lists[lane])
-        scratch = map(ctypes.c_void_p, self._scratch[0].addresses)
+        scratch = map(ctypes.c_void_p, self._own_scratch().addresses)
         self.codes[lane] = code = self.library.cdll.mg_begin(*head, events, *scratch)
         if code in REFUSED:
             raise self._refusal(lane, int(code))
@@ -139,16 +141,23 @@ class SessionGroup:
         self._share("mg_sense_many", (self._sensed_at,), threads)
         return self.sensed
 
+    def sample(self, lane: int, record: Any) -> None:
+        """Let an mg_record take the samples that are due at the present time of a lane."""
+        events, scratch = ctypes.byref(self._lists[lane]), map(ctypes.c_void_p, self._own_scratch().addresses)
+        now, no_steps = self.like.tables.real(self.runs[lane].t), ctypes.c_long(0)
+        rest = ctypes.byref(record), events, *scratch
+        self.library.cdll.mg_advance(*self._head_at(lane), now, no_steps, *rest)
+
     def drain_events(self, lane: int) -> list[Event]:
         """The events of a lane since the last call."""
         listed = self._lists[lane]
-        told = self._told[lane] + self._like.named([column[lane] for column in self._columns], listed.count)
+        told = self._told[lane] + self.like.named([column[lane] for column in self._columns], listed.count)
         self._told[lane], listed.count = [], 0
         return told
 
     def save(self, lane: int) -> bytes:
         """The state of a lane, as `Session.save` gives it."""
-        return checkpoint.save(self.library.cdll, self._head_at(lane), self._like.shared.checkpoint_size)
+        return checkpoint.save(self.library.cdll, self._head_at(lane), self.like.shared.checkpoint_size)
 
     def load(self, lane: int, state: bytes) -> None:
         """Put a lane into a saved state of a lane or session with the same numbers, from which it goes on.
@@ -159,7 +168,7 @@ class SessionGroup:
 
     def _event_lists(self) -> tuple[list[Array], Any]:
         """The columns of the lists of events, (n, capacity) each, and the n mg_events."""
-        tables, shape = self._like.tables, (self.n, self._like.shared.n_event)
+        tables, shape = self.like.tables, (self.n, self.like.shared.n_event)
         reals, real_at = ArrayBlock(dict.fromkeys(("t", "speed"), shape)).zeros(tables.dtype)
         whole = ArrayBlock(dict.fromkeys(("kind", "contact", "feature_pair"), shape))
         integers, integer_at = whole.zeros(INTEGER)
@@ -176,11 +185,11 @@ class SessionGroup:
         addresses of arrays with an entry for each."""
         count = min(_whole("threads", threads, "give the number of threads"), self.n)
         while len(self._scratch) < count:
-            self._scratch.append(_Scratch(self._like))
+            self._scratch.append(_Scratch(self.like))
         taken = ctypes.c_int(0)
         run = self.library.cdll[name]  # a function object of its own, as others may call it otherwise
         run.argtypes = [ctypes.c_int, *[ctypes.c_void_p] * (6 + len(by_lane))]
-        head = ctypes.addressof(taken), self._systems_at, ctypes.addressof(self._like.settings), self._runs_at
+        head = ctypes.addressof(taken), self._systems_at, ctypes.addressof(self.like.settings), self._runs_at
 
         def work(scratch: _Scratch) -> None:
             run(self.n, *head, *by_lane, *scratch.addresses)
@@ -193,20 +202,26 @@ class SessionGroup:
             for other in others:
                 other.result()
 
+    def _own_scratch(self) -> _Scratch:
+        """The scratch memory of the thread that asks for a lane alone."""
+        if not self._scratch:
+            self._scratch.append(_Scratch(self.like))
+        return self._scratch[0]
+
     def _threads(self, count: int) -> ThreadPoolExecutor:
         if self._pool is None or self._pool_size < count:
             self._pool, self._pool_size = ThreadPoolExecutor(count), count
         return self._pool
 
-    def _refusal(self, lane: int, code: int) -> SimulationError:
+    def _refusal(self, lane: int, code: int, label: str = LANE) -> SimulationError:
         session = Session(self.library, self.accuracy, self._system_of[lane])
         session.x[:], session.feature_pair[:] = self.x[lane], self.arrays["feature_pair"][lane]
         session.input[:] = self.arrays["input"][lane]
-        return refusal(session, code, self._runs[lane], f"run {lane}, ")
+        return refusal(session, code, self.runs[lane], label.format(lane=lane))
 
     def _head_at(self, lane: int) -> tuple[Any, ...]:
         """mg_system, mg_settings and mg_run of a lane."""
-        settings, run = ctypes.byref(self._like.settings), ctypes.byref(self._runs[lane])
+        settings, run = ctypes.byref(self.like.settings), ctypes.byref(self.runs[lane])
         return ctypes.byref(self._system_of[lane]), settings, run
 
 

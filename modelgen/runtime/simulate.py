@@ -5,30 +5,28 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple, Unpack
+from typing import Any, Unpack
 
 import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
-from modelgen.notation import component_names
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_keywords, check_span, is_number, with_parameters
 from modelgen.runtime.error_estimate import estimate_of, nudge
 from modelgen.runtime.error_statement import Estimate
 from modelgen.runtime.inputs import Inputs
-from modelgen.runtime.joint_results import coordinate_names
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.start import begin
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome, Trajectory
+from modelgen.runtime.trajectory_of_run import Ending, trajectory_of
 from modelgen.runtime.trust import doubts
 from modelgen.runtime.warnings import warnings
 from modelgen.runtime.warnings.nonfinite import unbounded
 from modelgen.runtime.warnings.passages import passage_warnings
-from modelgen.runtime.warnings.time_stepping import fallback_step
 
 KEYWORDS = (
     "until",
@@ -133,7 +131,16 @@ def _path(session: Session, schedule: Schedule, times: Array, report: Report) ->
     recording = Recording(session, times)
     ending = _run(session, schedule, recording, report)
     recording.end()
-    return _trajectory(session, recording, ending, session.accuracy, time.perf_counter() - started)
+    return trajectory_of(
+        session,
+        session.run,
+        recording.columns(),
+        ending,
+        wall_s=time.perf_counter() - started,
+        warnings=warnings(session, session.accuracy),
+        outcome_function=unbounded(session, ending.outcome),
+        inputs=dict(Inputs(session)),
+    )
 
 
 def _estimate(
@@ -149,7 +156,7 @@ def _estimate(
         return estimate_of(path, None, accuracy, instance, "the run was interrupted: no companion followed")
     try:
         twin = Session(library, accuracy.companion(float(np.finfo(library.dtype).eps)))
-        nudge(twin)
+        nudge(twin.x, twin.instance)
         followed = [(min(until, path.t_end), settings) for until, settings in schedule]
         return estimate_of(path, _path(twin, followed, path.t, report), accuracy, instance)
     except SimulationError as refused:
@@ -173,15 +180,9 @@ def _extent(instance: Mapping[str, Any], until: float | None, samples: int | Non
     return float(end), int(intervals)
 
 
-class _Ending(NamedTuple):
-    outcome: Outcome
-    events: list[Event]
-    interrupted: bool = False  # by Ctrl-C, maybe in the call of the core that came to the end
-
-
-def _run(session: Session, schedule: Schedule, recording: Recording, report: Report) -> _Ending:
+def _run(session: Session, schedule: Schedule, recording: Recording, report: Report) -> Ending:
     if session.start_code:
-        return _Ending(OUTCOME_OF_CODE[session.start_code], session.drain_events())
+        return Ending(OUTCOME_OF_CODE[session.start_code], session.drain_events())
     events: list[Event] = []
     chunk, end, code = 100, schedule[-1][0], CONTINUE
     try:
@@ -199,68 +200,7 @@ def _run(session: Session, schedule: Schedule, recording: Recording, report: Rep
                     report(float(session.run.t) / end)
             if code:
                 break
-        return _Ending(OUTCOME_OF_CODE[code], events)
+        return Ending(OUTCOME_OF_CODE[code], events)
     except KeyboardInterrupt:
         outcome = Outcome.DONE if session.run.t >= end else Outcome.INTERRUPTED
-        return _Ending(outcome, events + session.drain_events(), interrupted=True)
-
-
-def _in_order(events: list[Event]) -> list[Event]:
-    """Events by time; at equal times a touch-down precedes the other events of its pair."""
-    latest: dict[str, float] = {}
-    told = []
-    for event in events:
-        pair = event.contact.partition("#")[0]
-        latest[pair] = max(event.t, latest.get(pair, event.t))
-        told.append(replace(event, t=latest[pair]))
-    return sorted(told, key=lambda event: event.t)
-
-
-def _trajectory(
-    session: Session,
-    recording: Recording,
-    ending: _Ending,
-    accuracy: Accuracy,
-    wall: float,
-) -> Trajectory:
-    run, shared = session.run, session.shared
-    failed, deepest = run.failed_contact, run.penetration_contact
-    return Trajectory(
-        scene=session.instance["name"],
-        **recording.columns(),
-        body_names=tuple(b["name"] for b in session.instance["bodies"]),
-        contact_names=session.contacts,
-        feature_pair_names=session.feature_pair_names,
-        patch_names=tuple(patch["name"] for patch in session.instance["patches"]),
-        joint_names=session.joints,
-        coordinate_names=coordinate_names(session),
-        sensor_names=component_names(session.instance["sensors"]["names"]),
-        events=tuple(_in_order(ending.events)),
-        outcome=ending.outcome,
-        outcome_contact=session.contacts[failed] if failed >= 0 else "",
-        t_end=float(run.t),
-        steps=int(run.steps),
-        rejected=int(run.rejected),
-        rhs_evals=int(run.rhs_evals),
-        wall_s=wall,
-        energy_drift=session.energy_drift(run),
-        gap_max=float(run.gap_max),
-        penetration_max=float(run.penetration_max),
-        penetration_t=float(run.penetration_t),
-        penetration_pair=session.contacts[deepest].partition("#")[0] if deepest >= 0 else "",
-        joint_error_max=float(run.joint_error_max),
-        complementarity_max=float(run.complementarity_max),
-        margin_min=float(min(run.margin_min, 1.0)),
-        redundant_max=int(run.redundant_max),
-        unfollowed_minima=int(run.unfollowed_minima),
-        incomplete_searches=int(run.incomplete_searches),
-        kinds=shared.kind_names,
-        instructions=dict(shared.instructions),
-        accuracy=accuracy.name,
-        warnings=warnings(session, accuracy),
-        fallback_step=fallback_step(session),
-        outcome_function=unbounded(session, ending.outcome),
-        stopped=ending.interrupted,
-        parameters={each["name"]: each["value"] for each in session.instance.get("parameters", ())},
-        inputs=dict(Inputs(session)),
-    )
+        return Ending(outcome, events + session.drain_events(), interrupted=True)

@@ -25,7 +25,7 @@ PIPELINE = (
     ("casadi_functions", "gym", "identification", "linearisation"),
     ("optimal_control",),
     ("report",),
-    ("view",),
+    ("view", "parameter_study"),
     ("benchmark",),
     ("export",),
     ("cli",),

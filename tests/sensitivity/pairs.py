@@ -285,7 +285,7 @@ class Pairs:
         self._of, self._scales = scales_of(library)
         self._plain = shown(opened(library), times, self._of, self._scales)
         nudged = opened(library)
-        nudge(nudged)
+        nudge(nudged.x, nudged.instance)
         self._nudged = (shown(nudged, times, self._of, self._scales),)
         self._rough: dict[str, list[float]] = {}
 

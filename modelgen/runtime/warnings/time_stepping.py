@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Any
 
+from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.session import Session
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Outcome
 
@@ -31,7 +33,7 @@ def stepping_warnings(session: Session) -> list[str]:
         )
     if run.chatters:
         more = f" ({run.chatters} times in all)" if run.chatters > 1 else ""
-        step = fallback_step(session)
+        step = fallback_step(run, session.accuracy, session.instance)
         found.append(
             f"from t = {float(run.chatter_first):.6g} s on contacts closed and opened so often that their "
             f"events cost several times what time-stepping does; the run went on by it{more}, for "
@@ -51,11 +53,10 @@ def stepping_warnings(session: Session) -> list[str]:
     return [*found, *_advice(session)]
 
 
-def fallback_step(session: Session) -> float:
-    """s: the longest step of time-stepping by which an event-driven run went on; 0 where it did not."""
-    run, accuracy = session.run, session.accuracy
+def fallback_step(run: Any, accuracy: Accuracy, instance: Mapping[str, Any]) -> float:
+    """s: the longest step of time-stepping by which an event-driven mg_run went on; 0 where it did not."""
     parts = (accuracy.chatter_step * (run.chatters > 0), accuracy.fallback_step * (run.fallbacks > 0))
-    return float(max(parts) * session.instance["scales"]["time"])
+    return float(max(parts) * instance["scales"]["time"])
 
 
 def _advice(session: Session) -> Iterator[str]:

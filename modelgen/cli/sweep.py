@@ -1,0 +1,177 @@
+"""The command `sweep`: a scene run many times with other numbers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+
+import modelgen
+from modelgen.cli.options import (
+    AsJson,
+    Estimated,
+    Fallback,
+    Form,
+    InputValues,
+    Method,
+    OutPicture,
+    Quality,
+    SceneFile,
+    Scheme,
+    Solver,
+    Step,
+    Tolerance,
+    Until,
+    Values,
+    named_values,
+    read_option,
+    read_values,
+)
+from modelgen.cli.output import FAILED, check_outputs, guarded, print_facts
+from modelgen.cli.pipeline import read_scene, ready_library, run_settings
+from modelgen.cli.progress import progress
+from modelgen.errors import ModelgenError
+
+Varied = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="values of a parameter, an input or a start: mass=0.5:2:4, mass=1,2, mass=0.5:2; repeat it",
+        metavar="NAME=A:B:N",
+    ),
+]
+Runs = Annotated[
+    str | None,
+    typer.Option("--samples", help="number of runs that are drawn; default: a grid", metavar="NUMBER"),
+]
+Design = Annotated[
+    str | None, typer.Option(help="how values are chosen", metavar="[grid|sobol|latin|random]")
+]
+Seed = Annotated[str | None, typer.Option(help="of the draws", metavar="NUMBER")]
+Threads = Annotated[
+    str | None, typer.Option(help="in which runs go; default: as many as processors", metavar="NUMBER")
+]
+Scheduler = Annotated[
+    str | None, typer.Option(help="runs go on the workers of this Dask scheduler", metavar="tcp://HOST:PORT")
+]
+Keep = Annotated[
+    str | None, typer.Option(help="what is kept beside the table: whole runs", metavar="trajectories")
+]
+TableFolder = Annotated[
+    Path | None,
+    typer.Option(
+        "--out",
+        help="folder of the table, in which the same command goes on",
+        metavar="FOLDER",
+        readable=False,
+    ),
+]
+Of = Annotated[
+    str | None,
+    typer.Option(help="columns of a sweep that are drawn; default: the sensors", metavar="A,B,..."),
+]
+
+
+@guarded
+def sweep(
+    scene: SceneFile,
+    vary: Varied = None,
+    samples: Runs = None,
+    design: Design = None,
+    seed: Seed = None,
+    threads: Threads = None,
+    scheduler: Scheduler = None,
+    out: TableFolder = None,
+    keep: Keep = None,
+    until: Until = None,
+    accuracy: Quality = None,
+    tolerance: Tolerance = None,
+    method: Method = None,
+    step: Step = None,
+    scheme: Scheme = None,
+    solver: Solver = None,
+    fallback: Fallback = None,
+    estimate: Estimated = None,
+    values: Values = None,
+    inputs: InputValues = None,
+    form: Form = None,
+    plot: OutPicture = None,
+    of: Of = None,
+    as_json: AsJson = False,
+) -> None:
+    """Run a scene many times with other numbers; write a table of the outcomes. The same command goes on."""
+    from modelgen.parameter_study.folder import require_pyarrow
+    from modelgen.parameter_study.outcome_plot import check_drawn, draw_sweep
+    from modelgen.parameter_study.rows import columns_of
+    from modelgen.parameter_study.sweep_output import print_sweep, sweep_facts
+
+    require_pyarrow()
+    check_picture(plot)
+    drawn = columns_drawn(of, plot)
+    if out is None:
+        raise ModelgenError("--out", "no folder for the table", "", "write --out FOLDER")
+    settings: dict[str, Any] = run_settings(
+        until, accuracy, tolerance, None,
+        method=method, step=step, scheme=scheme, solver=solver, fallback=fallback, estimate=estimate,
+    )  # fmt: skip
+    del settings["samples"]
+    settings |= {
+        "samples": read_option("runs", samples, "samples"),
+        "design": design,
+        "seed": read_option("seed", seed) or 0,
+        "threads": read_option("threads", threads),
+        "scheduler": scheduler,
+        "out": out,
+        "keep": [] if keep is None else [name.strip() for name in keep.split(",")],
+        "parameters": read_values(values, "--set"),
+        "inputs": read_values(inputs, "--input"),
+    }
+    varied = named_values(vary, "--vary", "mass=0.5:2:4")
+    with ready_library(scene, form) as library, progress("running") as report:
+        if drawn is not None:
+            check_drawn(drawn, list(columns_of(library.manifest.instance, list(varied))))
+        kept = read_scene(scene, form) if settings["keep"] else None
+        found = modelgen.sweep(library, varied, scene=kept, on_progress=report, **settings)
+    if plot is not None:
+        draw_sweep(found, plot, drawn)
+    facts = sweep_facts(found) | {
+        "columns": list(found.columns),
+        "plot": None if plot is None else str(plot),
+    }
+    print_facts(facts, as_json, lambda: print_sweep(facts, Console()))
+    if found.failed.all():
+        typer.echo("every run failed", err=True)
+        raise typer.Exit(FAILED)
+
+
+def check_picture(plot: Path | None) -> None:
+    """Raise ModelgenError for a picture that cannot be written, before anything is computed."""
+    if plot is None:
+        return
+    from modelgen.parameter_study.outcome_plot import PICTURES
+    from modelgen.report.export import check_suffix
+
+    check_suffix(plot, PICTURES)
+    check_outputs(None, plot)
+
+
+def columns_drawn(of: str | None, plot: Path | None) -> list[str] | None:
+    """The columns that `--of` names; None where it does not."""
+    if of is None:
+        return None
+    if plot is None:
+        raise ModelgenError("--of", repr(of), "columns that a picture shows", "name its file with --plot")
+    return [name.strip() for name in of.split(",") if name.strip()]
+
+
+def plot_sweep(folder: Path, out: Path, of: str | None, as_json: bool) -> None:
+    """Draw the outcomes in the folder of a sweep."""
+    from modelgen.parameter_study.outcome_plot import draw_sweep
+    from modelgen.report.summary import print_written
+
+    check_picture(out)
+    found = modelgen.load_sweep(folder)
+    draw_sweep(found, out, columns_drawn(of, out))
+    facts = {"file": str(out), "scene": found.plan["scene"], "outcome": dict(found.outcomes)}
+    print_facts(facts, as_json, lambda: print_written(out, Console()))

@@ -1,0 +1,135 @@
+"""A chunk of the runs of a sweep: run together, as rows of the table, and as files of whole runs if kept."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from threading import Lock
+from typing import NamedTuple
+
+import numpy as np
+
+from modelgen.codegen.library import Library
+from modelgen.errors import ModelgenError, SimulationError
+from modelgen.parameter_study.rows import Row, refused_row, row_of, varied_columns
+from modelgen.parameter_study.varied_numbers import VariedNumber
+from modelgen.report.export import save
+from modelgen.report.run_record import record_of
+from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.arguments import with_parameters
+from modelgen.runtime.runs_to_the_end import Ended, runs_to_the_end
+from modelgen.runtime.simulate import simulate
+from modelgen.runtime.tables.library_tables import library_tables
+from modelgen.runtime.trajectory import Array
+from modelgen.scene.scene_types import Scene
+
+READING = Lock()  # scenes are read again by one thread at a time
+
+
+@dataclass(frozen=True)
+class Study:
+    """What the runs of a sweep have in common."""
+
+    numbers: tuple[VariedNumber, ...]
+    until: float  # s
+    accuracy: Accuracy
+    estimate: bool
+    seed: int
+    parameters: Mapping[str, float]  # that do not vary
+    inputs: Mapping[str, float]
+    keep: bool = False  # whole runs, as files
+    scene: Scene | None = None  # which these hold
+
+
+class Chunk(NamedTuple):
+    """What came of some runs."""
+
+    first: int  # run
+    rows: list[Row]
+    files: list[bytes | None]  # of whole runs; none where they are not kept, or a run could not start
+
+
+def run_chunk(library: Library, study: Study, first: int, values: Array) -> Chunk:
+    """Run some of the runs of a sweep, in this thread.
+
+    Args:
+        first: the number of the first run.
+        values: (n, number of varied numbers).
+    """
+    variants = [_variant(library, study, row) for row in values.tolist()]
+    libraries = [each for each in variants if isinstance(each, Library)]
+    going = [isinstance(each, Library) for each in variants]
+    ended = iter(_ended(study, libraries, values[going]) if libraries else ())
+    instance, names = library.manifest.instance, varied_columns([each.name for each in study.numbers])
+    chunk = Chunk(first, [], [])
+    for k, (variant, row) in enumerate(zip(variants, values.tolist(), strict=True)):
+        head = {"run": first + k, "seed": study.seed, **dict(zip(names, row, strict=True))}
+        run = next(ended) if isinstance(variant, Library) else variant
+        if isinstance(run, ModelgenError):
+            chunk.rows.append(head | refused_row(run))
+            chunk.files.append(None)
+        elif isinstance(variant, Library):
+            chunk.rows.append(head | row_of(run, instance))
+            chunk.files.append(_whole_run(variant, study, row) if study.keep else None)
+    return chunk
+
+
+def _variant(library: Library, study: Study, row: Sequence[float]) -> Library | ModelgenError:
+    """The library with the numbers of a run, or why there is none."""
+    own = {each.name: value for each, value in _of_kind(study, "parameter", row)}
+    try:
+        with READING:
+            variant = with_parameters(library, {**study.parameters, **own})
+            library_tables(variant)
+    except ModelgenError as error:
+        return error
+    return variant
+
+
+def _ended(study: Study, libraries: Sequence[Library], values: Array) -> list[Ended]:
+    """What became of runs with these libraries and values (n, number of varied numbers)."""
+    columns = list(zip(study.numbers, values.T, strict=True))
+    inputs = {name: np.full(len(values), value) for name, value in study.inputs.items()}
+    inputs |= {each.name: column for each, column in columns if each.kind == "input"}
+    return runs_to_the_end(
+        libraries,
+        until=study.until,
+        accuracy=study.accuracy,
+        estimate=study.estimate,
+        inputs=inputs,
+        starts={each.place: column for each, column in columns if each.kind == "start"},
+    )
+
+
+def _of_kind(study: Study, kind: str, row: Sequence[float]) -> list[tuple[VariedNumber, float]]:
+    return [(each, value) for each, value in zip(study.numbers, row, strict=True) if each.kind == kind]
+
+
+def _whole_run(variant: Library, study: Study, row: Sequence[float]) -> bytes | None:
+    """The file of the run, as `simulate` and `save` make it."""
+    library = _started(variant, [(each.place, value) for each, value in _of_kind(study, "start", row)])
+    inputs = {**study.inputs, **{each.name: value for each, value in _of_kind(study, "input", row)}}
+    try:
+        path = simulate(
+            library, until=study.until, accuracy=study.accuracy, estimate=study.estimate, inputs=inputs
+        )
+    except SimulationError:
+        return None
+    with READING, tempfile.TemporaryDirectory(prefix="modelgen-") as scratch:
+        file = Path(scratch) / "run.npz"
+        save(record_of(path, library, study.scene), file)
+        return file.read_bytes()
+
+
+def _started(library: Library, starts: Sequence[tuple[int, float]]) -> Library:
+    """The library with other numbers in its start, by their place in the state."""
+    if not starts:
+        return library
+    instance = library.manifest.instance
+    state = [*instance["initial_q"], *instance["initial_u"]]
+    for place, value in starts:
+        state[place] = value
+    n_q = instance["n_q"]
+    return library.with_instance(instance | {"initial_q": state[:n_q], "initial_u": state[n_q:]})

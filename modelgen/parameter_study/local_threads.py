@@ -1,0 +1,46 @@
+"""The runs of a sweep in threads of this process. The core works in them; Python does what is between."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from queue import Queue
+from threading import Thread
+
+from modelgen.parameter_study.chunks import Chunk
+from modelgen.parameter_study.pending_runs import PendingRuns, Span
+
+
+def chunks_of_threads(pending: PendingRuns, run: Callable[[Span], Chunk], threads: int) -> Iterator[Chunk]:
+    """The chunks that `run` makes of the pending runs, as they come.
+
+    When the caller is interrupted, threads end with the chunk that they are at, and the process need not wait
+    for them.
+    """
+    made: Queue[Chunk | BaseException | None] = Queue()
+
+    def work() -> None:
+        try:
+            while (span := pending.take()) is not None:
+                begun = time.perf_counter()
+                chunk = run(span)
+                pending.note(span.size, time.perf_counter() - begun)
+                made.put(chunk)
+            made.put(None)
+        except BaseException as error:
+            made.put(error)
+
+    for _ in range(threads):
+        Thread(target=work, daemon=True).start()
+    try:
+        left = threads
+        while left:
+            chunk = made.get()
+            if isinstance(chunk, BaseException):
+                raise chunk
+            if chunk is None:
+                left -= 1
+            else:
+                yield chunk
+    finally:
+        pending.stop()

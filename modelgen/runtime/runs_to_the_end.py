@@ -1,0 +1,152 @@
+"""Many runs of one library from their starts to their ends, each with its own numbers, in one thread.
+
+A run takes the steps that `simulate` takes with the same numbers, and its trajectory is that of `simulate`
+with one output interval: samples at the start and at the end, events, ledger, estimate, doubts. No warnings
+are made, and pairs that no contact lists are not looked at.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from modelgen.codegen.library import Library
+from modelgen.errors import SimulationError
+from modelgen.notation import SETTING_SIZE
+from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.error_estimate import estimate_of, nudge
+from modelgen.runtime.inputs_by_lane import InputsByLane
+from modelgen.runtime.recording import Recording
+from modelgen.runtime.session_group import SessionGroup
+from modelgen.runtime.tables.ctypes_structures import Array
+from modelgen.runtime.tables.library_tables import library_tables
+from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Trajectory
+from modelgen.runtime.trajectory_of_run import Ending, trajectory_of
+from modelgen.runtime.trust import doubts
+
+FAILED = 10  # outcomes of the core from here on end a run
+Ended = Trajectory | SimulationError  # the error of a run that cannot start
+
+
+def runs_to_the_end(
+    libraries: Sequence[Library],
+    *,
+    until: float,
+    accuracy: Accuracy,
+    estimate: bool = True,
+    inputs: Mapping[str, Array] | None = None,
+    starts: Mapping[int, Array] | None = None,
+) -> list[Ended]:
+    """Run lanes to `until`, s.
+
+    Args:
+        libraries: one library with the numbers of each of the n lanes (`library_with`).
+        estimate: whether a companion of each run follows, from which its error is estimated.
+        inputs: (n,) values of inputs for the whole run, by name; the scene's defaults for the others.
+        starts: (n,) numbers of the start by their place in the state (q, then u), in place of the scene's.
+
+    Raises:
+        SimulationError: the value of an input is out of its range.
+    """
+    lanes = _Lanes(libraries, accuracy, inputs or {}, starts or {})
+    refused = lanes.begin()
+    lanes.advance(until)
+    found = [refused[lane] if lane in refused else lanes.trajectory(lane) for lane in range(lanes.n)]
+    if estimate:
+        found = _with_estimates(found, lanes)
+    return [
+        path if isinstance(path, SimulationError) else replace(path, doubts=doubts(path, accuracy, instance))
+        for path, instance in zip(found, lanes.instances, strict=True)
+    ]
+
+
+class _Lanes:
+    """Runs that share nothing but the library, with room for the first and the last sample of each."""
+
+    def __init__(
+        self,
+        libraries: Sequence[Library],
+        accuracy: Accuracy,
+        inputs: Mapping[str, Array],
+        starts: Mapping[int, Array],
+    ) -> None:
+        self._given = libraries, inputs, starts
+        self.n, self.accuracy = len(libraries), accuracy
+        self.instances = [each.manifest.instance for each in libraries]
+        tables = [library_tables(each) for each in libraries]
+        systems = [each.system for each in tables]
+        self.group = group = SessionGroup(libraries[0], accuracy, n=self.n, systems=systems)
+        group.x[:] = [each.start for each in tables]
+        for place, values in starts.items():
+            group.x[:, place] = values
+        settings = InputsByLane(group)
+        for name, values in inputs.items():
+            settings[name][:] = values
+        settings.restart(np.arange(self.n))
+        self._recording = Recording(group.like, np.zeros(2 * self.n))
+        self._taken = np.zeros(self.n, dtype=int)  # samples of each lane
+
+    def companions(self) -> _Lanes:
+        """The companions of these runs, before their start."""
+        libraries, inputs, starts = self._given
+        finer = self.accuracy.companion(float(np.finfo(libraries[0].dtype).eps))
+        twins = _Lanes(libraries, finer, inputs, starts)
+        nudge(twins.group.x, self.instances[0])
+        return twins
+
+    def begin(self) -> Mapping[int, SimulationError]:
+        """The errors of lanes that cannot start, by lane."""
+        refused = self.group.begin(label="")
+        for lane in np.flatnonzero(self.group.codes < FAILED).tolist():
+            self._sample(lane)
+        return refused
+
+    def advance(self, until: float | Array) -> None:
+        self.group.advance(until)
+        moved = (self.group.t > 0) & np.isfinite(self.group.x).all(axis=1)
+        for lane in np.flatnonzero(moved).tolist():
+            self._sample(lane)
+
+    def trajectory(self, lane: int) -> Trajectory:
+        rows = slice(2 * lane, 2 * lane + int(self._taken[lane]))
+        values = self.group.arrays["input"][lane, :-1:SETTING_SIZE].tolist()
+        names = (each["name"] for each in self.instances[lane]["inputs"])
+        return trajectory_of(
+            self.group.like,
+            self.group.runs[lane],
+            {name: column.copy() for name, column in self._recording.columns(rows).items()},
+            Ending(OUTCOME_OF_CODE[int(self.group.codes[lane])], self.group.drain_events(lane)),
+            inputs=dict(zip(names, values, strict=True)),
+            instance=self.instances[lane],
+        )
+
+    def _sample(self, lane: int) -> None:
+        """Take a sample of a lane at its present time."""
+        row, record = 2 * lane + int(self._taken[lane]), self._recording.record
+        self._recording.arrays["t"][row] = self.group.t[lane]
+        record.count, record.capacity = row, row + 1
+        self.group.sample(lane, record)
+        self._taken[lane] += 1
+
+
+def _with_estimates(found: Sequence[Ended], lanes: _Lanes) -> list[Ended]:
+    """The runs with the estimates of their errors, by their companions."""
+    twins = lanes.companions()
+    refused = twins.begin()
+    twins.advance(lanes.group.t)
+    return [
+        _estimated(path, twins, lane, refused.get(lane), lanes.accuracy)
+        if isinstance(path, Trajectory) and len(path.t)
+        else path
+        for lane, path in enumerate(found)
+    ]
+
+
+def _estimated(
+    path: Trajectory, twins: _Lanes, lane: int, refused: SimulationError | None, accuracy: Accuracy
+) -> Trajectory:
+    twin = None if refused else twins.trajectory(lane)
+    missing = f"the companion run did not start: {refused}" if refused else ""
+    return replace(path, estimate=estimate_of(path, twin, accuracy, twins.instances[lane], missing))

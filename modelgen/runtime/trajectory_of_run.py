@@ -1,0 +1,95 @@
+"""The Trajectory of an mg_run that has come to its end: its samples, with the ledger that the core kept."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+from modelgen.notation import component_names
+from modelgen.runtime.joint_results import coordinate_names
+from modelgen.runtime.session import Session
+from modelgen.runtime.trajectory import Event, Outcome, Trajectory
+from modelgen.runtime.warnings.time_stepping import fallback_step
+
+
+class Ending(NamedTuple):
+    """How a run ended."""
+
+    outcome: Outcome
+    events: Sequence[Event]
+    interrupted: bool = False  # by Ctrl-C, maybe in the call of the core that came to the end
+
+
+def trajectory_of(
+    session: Session,
+    run: Any,
+    columns: Mapping[str, Any],
+    ending: Ending,
+    *,
+    wall_s: float = 0.0,
+    warnings: Sequence[str] = (),
+    outcome_function: str = "",
+    inputs: Mapping[str, float],
+    instance: Mapping[str, Any] | None = None,
+) -> Trajectory:
+    """The trajectory of an mg_run.
+
+    Args:
+        session: of the library of the run, whose names and accuracy are those of the run.
+        run: the mg_run.
+        columns: the samples, as `Recording.columns` gives them.
+        instance: with the numbers of the run, where they are not those of the session.
+    """
+    own, shared = session.instance if instance is None else instance, session.shared
+    failed, deepest = run.failed_contact, run.penetration_contact
+    return Trajectory(
+        scene=own["name"],
+        **columns,
+        body_names=tuple(b["name"] for b in own["bodies"]),
+        contact_names=session.contacts,
+        feature_pair_names=session.feature_pair_names,
+        patch_names=tuple(patch["name"] for patch in own["patches"]),
+        joint_names=session.joints,
+        coordinate_names=coordinate_names(session),
+        sensor_names=component_names(own["sensors"]["names"]),
+        events=tuple(in_order(ending.events)),
+        outcome=ending.outcome,
+        outcome_contact=session.contacts[failed] if failed >= 0 else "",
+        t_end=float(run.t),
+        steps=int(run.steps),
+        rejected=int(run.rejected),
+        rhs_evals=int(run.rhs_evals),
+        wall_s=wall_s,
+        energy_drift=session.energy_drift(run),
+        gap_max=float(run.gap_max),
+        penetration_max=float(run.penetration_max),
+        penetration_t=float(run.penetration_t),
+        penetration_pair=session.contacts[deepest].partition("#")[0] if deepest >= 0 else "",
+        joint_error_max=float(run.joint_error_max),
+        complementarity_max=float(run.complementarity_max),
+        margin_min=float(min(run.margin_min, 1.0)),
+        redundant_max=int(run.redundant_max),
+        unfollowed_minima=int(run.unfollowed_minima),
+        incomplete_searches=int(run.incomplete_searches),
+        kinds=shared.kind_names,
+        instructions=dict(shared.instructions),
+        accuracy=session.accuracy.name,
+        warnings=tuple(warnings),
+        fallback_step=fallback_step(run, session.accuracy, own),
+        outcome_function=outcome_function,
+        stopped=ending.interrupted,
+        parameters={each["name"]: each["value"] for each in own.get("parameters", ())},
+        inputs=inputs,
+    )
+
+
+def in_order(events: Sequence[Event]) -> list[Event]:
+    """Events by time; at equal times a touch-down precedes the other events of its pair."""
+    latest: dict[str, float] = {}
+    told = []
+    for event in events:
+        pair = event.contact.partition("#")[0]
+        latest[pair] = max(event.t, latest.get(pair, event.t))
+        told.append(replace(event, t=latest[pair]))
+    return sorted(told, key=lambda event: event.t)
