@@ -6,6 +6,8 @@ Their modules load when a verb is first asked for.
 `sensitivity` runs a scene and differentiates what it shows, `gradient` a number that depends on it.
 `as_casadi` makes CasADi functions of a scene's right-hand side and of a step.
 `fit` finds numbers of a scene from recorded motion.
+`linearise` finds the small motions about an equilibrium, `linearise_steady` those about a steady motion,
+`stability` where such a motion is stable.
 `measure` finds what accuracy of a scene costs, `tune` picks a setting from that.
 `normal_rates` gives the rates of the contact normals at the samples of a trajectory.
 `record_of` joins a trajectory and its library to what `save` writes, `load` reads and `draw` draws.
@@ -27,6 +29,8 @@ if TYPE_CHECKING:
     from modelgen.errors import ModelgenError as ModelgenError
     from modelgen.identification.fit import fit as fit
     from modelgen.linearisation.equilibrium_and_modes import linearise as linearise
+    from modelgen.linearisation.stability import stability as stability
+    from modelgen.linearisation.steady_modes import linearise_steady as linearise_steady
     from modelgen.report.export import load as load
     from modelgen.report.export import save as save
     from modelgen.report.normal_rates import normal_rates as normal_rates
@@ -57,6 +61,7 @@ __all__ = [
     "fit",
     "gradient",
     "linearise",
+    "linearise_steady",
     "load",
     "measure",
     "normal_rates",
@@ -67,6 +72,7 @@ __all__ = [
     "sensitivity",
     "simulate",
     "simulate_batch",
+    "stability",
     "start",
     "start_many",
     "tune",
@@ -89,6 +95,8 @@ _HOMES = {
     "as_casadi": "modelgen.casadi_functions.as_casadi",
     "fit": "modelgen.identification.fit",
     "linearise": "modelgen.linearisation.equilibrium_and_modes",
+    "linearise_steady": "modelgen.linearisation.steady_modes",
+    "stability": "modelgen.linearisation.stability",
     "measure": "modelgen.benchmark",
     "tune": "modelgen.benchmark",
     "record_of": "modelgen.report.run_record",

@@ -13,6 +13,7 @@ from rich.console import Console
 import modelgen
 from modelgen.cli.export import export
 from modelgen.cli.fit import fit
+from modelgen.cli.linearise import linearise
 from modelgen.cli.manual import manual, print_page
 from modelgen.cli.measure_and_tune import measure, tune
 from modelgen.cli.options import (
@@ -61,7 +62,6 @@ from modelgen.cli.pipeline import (
     build_scene,
     derive_scene,
     folder_of,
-    linearise_scene,
     read_scene,
     run_scene,
     run_settings,
@@ -165,16 +165,7 @@ def simulate(
     exit_with(trajectory)
 
 
-@app.command()
-@guarded
-def linearise(scene: SceneFile, form: Form = None, values: Values = None, as_json: AsJson = False) -> None:
-    """Find the equilibrium near the start of a scene; print frequencies and shapes of its small motions."""
-    from modelgen.report.linearisation_output import mode_facts, print_modes
-
-    facts = mode_facts(linearise_scene(scene, form, read_values(values, "--set")))
-    print_facts(facts, as_json, lambda: print_modes(facts, Console()))
-
-
+app.command()(linearise)
 app.command()(fit)
 app.command()(measure)
 app.command()(tune)

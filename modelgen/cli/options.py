@@ -137,6 +137,26 @@ def read_values(texts: list[str] | None, option: str) -> dict[str, float]:
     return found
 
 
+def read_range(text: str, option: str) -> tuple[str, list[float]]:
+    """Name and values of an option that is written NAME=FIRST:LAST:COUNT, evenly spread. Raises ModelgenError
+    where it is not."""
+    name, _, rest = (part.strip() for part in text.partition("="))
+    parts = [part.strip() for part in rest.split(":")]
+    if not name or len(parts) != 3:
+        raise ModelgenError(
+            f"{option} {text}", "no NAME=FIRST:LAST:COUNT", "", f"write {option} mass=0.5:2:31"
+        )
+    place = f"{option} {name}"
+    try:
+        first, last = (NUMBER.read(_number(part), Place(place)) for part in parts[:2])
+        count = Whole(2, 1_000_000).read(_number(parts[2]), Place(place))
+    except SceneError as error:
+        raise ModelgenError(error.where, error.found, error.allowed, error.remedy) from None
+    if not first < last:
+        raise ModelgenError(place, f"{first:g} up to {last:g}", "a last value above the first", "swap them")
+    return name, [first + (last - first) * k / (count - 1) for k in range(count - 1)] + [last]
+
+
 def refuse_main(name: str | None) -> None:
     """Raises ModelgenError for `--main`, whose place `export` has taken."""
     if name is not None:

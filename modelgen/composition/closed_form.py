@@ -46,9 +46,10 @@ def closed_right_hand_side(model: Model, functions: Functions) -> ca.Function:
 
 
 def pushed(model: Model, functions: Functions, mode: ContactMode) -> ca.Function:
-    """(t, q, u, eta, gravity, parameters, inputs, force) -> (qdot, udot, eta_dot, joint_value, joint_J, rate,
-    gamma) under given forces along all rows of all contacts, contact by contact, and then of joints, N or N m;
-    what the rows of the joints hold at zero, m or rad, and their J (k, n_u); of all rows J u and gamma."""
+    """(t, q, u, eta, gravity, parameters, inputs, force) -> (qdot, udot, eta_dot, joint_value, joint_J,
+    rate, gamma) under given forces along all rows of all contacts, contact by contact, and then of joints,
+    N or N m; what the rows of the joints hold at zero, m or rad, and their J (k, n_u); of all rows J u and
+    gamma."""
     scene = written_scene(model, functions, mode, ca.SX)
     joints = [row for row in scene.rows.rows if row.kind == "joint"]
     rows = [*(row for touch in scene.rows.contacts if touch for row in touch.rows), *joints]

@@ -21,7 +21,7 @@ from modelgen.linearisation.contact_at_rest import Array
 from modelgen.linearisation.eigenmodes import Mode, small_motions
 from modelgen.linearisation.rest_forces import Friction, resting_forces
 from modelgen.linearisation.rest_state import DEPENDENT, NoPlaceError, Place, Touching, moved, size_of
-from modelgen.model import Model, Scales
+from modelgen.model import Scales
 from modelgen.runtime.arguments import with_parameters
 from modelgen.scene.reading_again import scene_with
 
@@ -98,7 +98,9 @@ def linearise(
         },
         force=force,
         friction=friction,
-        coordinates={body.name: slice(body.u, body.u + size_of(touching.model, body.kind)) for body in bodies},
+        coordinates={
+            body.name: slice(body.u, body.u + size_of(touching.model, body.kind)) for body in bodies
+        },
         mass=place.mass,
         motions=place.motions,
         stiffness=place.stiffness,

@@ -2,13 +2,14 @@
 accelerations.
 
 M u_dot = f + J^T force and J u_dot + gamma = 0, where J has the row along N of each contact that touches, the
-rows that friction and resistances hold there, and those of the joints. A change (xi, du) of place and velocity
+rows that friction and resistances hold there, and those of the joints. A change (xi, du) of place and
+velocity
 that keeps all of them, dg xi = 0 and J du + d(J u) xi = 0, changes u_dot by
 
     d u_dot = Z Z^T M d(M^-1 (f + J^T force)) - Q d(J u_dot + gamma),
 
-where Z are motions with J Z = 0, Z^T M Z = 1, Q the inverse of J of least norm in M^-1 J^T, and d holds forces
-and accelerations. It does not depend on which forces are taken where J has dependent rows.
+where Z are motions with J Z = 0, Z^T M Z = 1, Q is the inverse of J of least norm in M^-1 J^T, and d holds
+forces and accelerations. It does not depend on which forces are taken where J has dependent rows.
 """
 
 from __future__ import annotations
@@ -31,6 +32,8 @@ from modelgen.linearisation.rest_state import (
     moved,
 )
 
+Bools = np.ndarray[Any, np.dtype[np.bool_]]
+
 CORRECTIONS = 20  # of a state back onto what is held
 KEPT = 1e-12  # gaps and rates that remain, dimensionless
 
@@ -41,7 +44,7 @@ class MovingState(HeldState):
 
     called = ("in the steady motion near the start", "in it")
     u: Array  # (n,)
-    places: Array  # (m,) bool: rows along normals and of joints
+    places: Bools  # (m,) rows along normals and of joints
     udot: Array  # (n,)
     rate_by_place: Array  # (m, n) J u by xi
     udot_by_place: Array  # (n, n) by xi
@@ -56,8 +59,10 @@ class Moving:
         self.touching = touching
         self.model = touching.model
         held = np.array(touching.held)
-        self._places = np.isin(held, touching.first) | (held >= touching.contact_rows)
-        self._rows, self._derivatives = (like._rows, like._derivatives) if like else self._written()
+        self._places: Bools = np.isin(held, touching.first) | (held >= touching.contact_rows)
+        functions = (like._rows, like._derivatives) if like else self._written()
+        self._rows: ca.Function = functions[0]
+        self._derivatives: ca.Function = functions[1]
 
     def onto(self, q: Array, u: Array, etas: tuple[Array, ...]) -> MovingState:
         """The state brought back onto what is held, the velocities by the least kinetic energy.
@@ -118,7 +123,8 @@ class Moving:
 
     @cached_property
     def _settings(self) -> list[ca.DM]:
-        return [ca.DM(value) for value in self.touching.settings.values()]
+        given, last = self.touching.settings, self._rows.name_in()[3:]
+        return [ca.DM(given[name]) for name in last]
 
     def _written(self) -> tuple[ca.Function, ca.Function]:
         """(q, u, eta, settings) -> B, values of joints, J, gamma, udot without forces; (q, u, eta, force,
@@ -126,7 +132,8 @@ class Moving:
         rhs = self.touching.pushed
         q, u, eta, force = (ca.SX.sym(name, rhs.numel_in(name)) for name in ("q", "u", "eta", "force"))
         t, a = ca.SX.sym("t"), ca.SX.sym("a", self.model.n_u)
-        settings = {name: ca.SX.sym(name, rhs.numel_in(name)) for name in self.touching.settings}
+        names = [name for name in self.touching.settings if name in rhs.name_in()]
+        settings = {name: ca.SX.sym(name, rhs.numel_in(name)) for name in names}
         given = {"t": t, "q": q, "u": u, "eta": eta} | settings
         free = rhs.call(given | {"force": ca.DM(force.numel(), 1)})["udot"]
         results = rhs.call(given | {"force": force})
@@ -143,10 +150,10 @@ class Moving:
         ]  # fmt: skip
         if ca.depends_on(ca.veccat(*held, *derivatives), t):
             self._refuse_time()
-        own = list(settings.values())
-        return (
-            ca.Function("held", [q, u, eta, *own], held, {"cse": True}),
-            ca.Function("derivatives", [q, u, eta, force, a, *own], derivatives, {"cse": True}),
+        place = {"q": q, "u": u, "eta": eta}
+        under = place | {"force": force, "udot": a}
+        return _function("held", place | settings, held), _function(
+            "derivatives", under | settings, derivatives
         )
 
     def _refuse_time(self) -> None:
@@ -156,3 +163,8 @@ class Moving:
             "a steady motion is one of a scene that stays as it is",
             "leave them out",
         )
+
+
+def _function(name: str, arguments: dict[str, ca.SX], results: list[ca.SX]) -> ca.Function:
+    names = [f"result_{k}" for k in range(len(results))]
+    return ca.Function(name, list(arguments.values()), results, list(arguments), names, {"cse": True})

@@ -1,9 +1,9 @@
-"""The forces of the contacts at an equilibrium or in a steady motion: which press, and hold within the bounds of friction.
+"""The forces of contacts in an equilibrium or steady motion: which press, and hold within friction's bounds.
 
-Where they are not unique, those of minimum norm are taken if they do, others else. Whether any do is a
-convex question: the least of |free + M^-1 J^T z|_M over the cones is zero (Gauss's principle), where free is the
-acceleration without these forces less that of the motion. Joints take what they must: all of this is asked of the
-motions R that they leave, R^T J^T z = -R^T M free.
+Where they are not unique, those of minimum norm are taken if they do, others else. Whether any do is a convex
+question: the least of |free + M^-1 J^T z|_M over the cones is zero (Gauss's principle), where free is the
+acceleration without these forces less that of the motion. Joints take what they must: all of this is asked of
+the motions R that they leave, R^T J^T z = -R^T M free.
 """
 
 from __future__ import annotations
@@ -170,7 +170,8 @@ def _refuse_slipping(held: Held, z: Array, factor: float) -> NoReturn:
     worst = int(np.argmax([used for used, _ in shares]))
     contact, (_, kind) = held.touching.contacts[worst], shares[worst]
     name = {"slip": "static friction", "spin": "spinning resistance", "roll": "rolling resistance"}[kind]
-    found = f"contact {contact.name!r} would {kind} {held.place.called[1]}: it takes {factor:.6g} times its {name}"
+    what = f"contact {contact.name!r} would {kind} {held.place.called[1]}"
+    found = f"{what}: it takes {factor:.6g} times its {name}"
     _refuse(held.touching, found, "raise it as much, or start where less is needed")
 
 

@@ -252,20 +252,18 @@ class Touching:
 
     @property
     def settings(self) -> dict[str, list[float]]:
-        """The arguments of `pushed` that do not change: gravity, parameters, inputs at their default values."""
+        """Arguments of `pushed` that do not change: gravity, parameters, inputs at their default values."""
         model = _holding(self.contacts, self.model)
         inputs = [part for each in model.scene.inputs for part in (each.default, 0.0, 0.0)]
-        found = {
-            "gravity": [*model.scene.gravity], "parameters": parameter_values(model), "inputs": inputs
-        }  # fmt: skip
-        return {name: found[name] for name in self.pushed.name_in() if name in found}
+        return {"gravity": [*model.scene.gravity], "parameters": parameter_values(model), "inputs": inputs}
 
     @cached_property
     def _motion(self) -> ca.Function:
         """(q, u, eta of the contacts, forces along all their rows and those of the joints) -> B, C, D, udot,
         values and J of the rows of the joints."""
         rhs = self.pushed
-        given = {"t": ca.SX(0.0)} | {name: ca.SX(ca.DM(value)) for name, value in self.settings.items()}
+        given = {name: ca.SX(ca.DM(value)) for name, value in self.settings.items() if name in rhs.name_in()}
+        given["t"] = ca.SX(0.0)
         q, u, eta, force = (ca.SX.sym(name, rhs.numel_in(name)) for name in ("q", "u", "eta", "force"))
         results = rhs.call(given | {"q": q, "u": u, "eta": eta, "force": force})
         qdot, udot, eta_dot = (results[name] for name in ("qdot", "udot", "eta_dot"))

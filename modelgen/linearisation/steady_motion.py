@@ -1,9 +1,9 @@
 """The steady motion near the start of a scene, and the equations of the small motions about it.
 
 A steady motion goes along a symmetry: each body shifts and turns at constant rates that the scene does not
-notice, as those of a wheel that rolls straight ahead, or of a top that spins about its axis while that axis goes
-round. With the field f of the motion and that of the symmetries, c_k xi_k, it is a zero of f - c_k xi_k, and a
-small change y of the state, carried along by the symmetry, follows
+notice, as those of a wheel that rolls straight ahead, or of a top that spins about its axis while that axis
+goes round. With the field f of the motion and that of the symmetries, c_k xi_k, it is a zero of f - c_k xi_k,
+and a small change y of the state, carried along by the symmetry, follows
 
     y_dot = D(f - c_k xi_k) y
 
@@ -30,7 +30,7 @@ from modelgen.linearisation.symmetries import Generators
 STEPS = 50  # of Newton's method towards the steady motion
 FARTHEST = 0.2  # of one step, rad or characteristic lengths, and rates of them
 STEADY = 1e-11  # part of the accelerations that no symmetry accounts for, dimensionless
-SAMPLES, SPREAD, SEED = 3, 0.3, 20070808  # states at which symmetries are told, and how far from the start
+SPREAD, SEED = 0.3, 20070808  # of states at which symmetries are told: how far from the start
 NEARER = 4  # times that a state which cannot be brought onto the constraints is halved
 SYMMETRIC = 1e-9  # relative, what is rounding in the conditions of a symmetry
 
@@ -50,9 +50,10 @@ class SteadyMotion:
 class SteadySearch:
     """The symmetries of a scene near its start, and the search for a steady motion along them."""
 
-    def __init__(self, touching: Touching) -> None:
+    def __init__(self, touching: Touching, like: SteadySearch | None = None) -> None:
+        """`like`: of the same scene with other values of parameters."""
         self.touching, self.model = touching, touching.model
-        self.moving = Moving(touching)
+        self.moving: Moving = Moving(touching, like.moving if like else None)
         self.generators = Generators(
             tuple((body.u, size) for body in self.model.bodies if (size := size_of(self.model, body.kind)))
         )
@@ -71,7 +72,7 @@ class SteadySearch:
         raise SimulationError(
             f"{self.model.scene.name}: linearise",
             "no steady motion near the start",
-            "a motion along shifts and turns that the scene does not notice, in which all contacts stay closed",
+            "a motion along shifts and turns that the scene does not notice, with all contacts closed",
             "start near such a motion",
         )
 
@@ -137,11 +138,16 @@ class SteadySearch:
 
     @cached_property
     def algebra(self) -> Array:
-        """(generators, k) combinations that are symmetries, from states about the start; orthonormal."""
+        """(generators, k) combinations that are symmetries; orthonormal.
+
+        They meet the conditions of as many states about the start as it takes until another state, drawn at
+        random, excludes none of them.
+        """
         random = np.random.default_rng(SEED)
         found = np.eye(self.generators.count)
-        lengths = self._lengths()
-        for _ in range(SAMPLES):
+        lengths, before = self._lengths(), found.shape[1] + 1
+        while 0 < found.shape[1] < before:
+            before = found.shape[1]
             for conditions in self._conditions(self._sample(random)):
                 size = np.abs(conditions * lengths).max(initial=0.0)
                 found = found @ _null_space(conditions * lengths @ found, SYMMETRIC * size)
@@ -161,13 +167,15 @@ class SteadySearch:
         return (
             state.J[state.places] @ s,
             state.rate_by_place @ s + state.J @ rho,
-            np.linalg.solve(root, speeds),
+            np.asarray(np.linalg.solve(root, speeds)),
         )
 
     def _sample(self, random: np.random.Generator) -> MovingState:
         """A state that keeps what is held, about the start."""
         start, scales = self.start, self.model.scales
-        sizes = np.concatenate([[scales.length] * 3 + [1.0] * (size - 3) for _, size in self.generators.bodies])
+        sizes = np.concatenate(
+            [[scales.length] * 3 + [1.0] * (size - 3) for _, size in self.generators.bodies]
+        )
         xi, du = (SPREAD * sizes * random.standard_normal(len(sizes)) for _ in range(2))
         for _ in range(NEARER):
             try:

@@ -1,8 +1,8 @@
 """Motions of single bodies that a scene does not notice, and those of them that it does not notice together.
 
-A generator moves one body: it shifts it or turns it about the origin of the world (from the left), or turns it
-about an axis of the body through its centre of mass (from the right). It changes q by qdot = B s(q) and all
-velocities and accelerations by one linear map rho:
+A generator moves one body: it shifts it or turns it about the origin of the world (from the left), or turns
+it about an axis of the body through its centre of mass (from the right). It changes q by qdot = B s(q) and
+all velocities and accelerations by one linear map rho:
 
     shift e:       s = (e, 0)           rho (v, w) = (0, 0)
     left turn e:   s = (e x p, R^T e)   rho (v, w) = (e x v, 0)
@@ -58,7 +58,7 @@ class Generators:
         return self._columns(iter(parts))
 
     def turning(self, c: Array, turns: list[Array]) -> Array:
-        """(n, n) of s = sum c s_k: its derivative along the motions of the bodies, with the components kept."""
+        """(n, n) the derivative of the components of s = sum c_k s_k along motions of the bodies."""
         found = np.zeros((self._size, self._size))
         for (first, size), R, own in zip(self.bodies, turns, self._split(c), strict=True):
             v, w = slice(first, first + 3), slice(first + 3, first + size)

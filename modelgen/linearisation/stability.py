@@ -1,0 +1,130 @@
+"""Stability of a steady motion over a range of a parameter: eigenvalues, and where the motion is stable."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from scipy.optimize import brentq, linear_sum_assignment
+
+from modelgen.codegen.library import Library
+from modelgen.derivation import Derivation
+from modelgen.errors import ModelgenError, expect
+from modelgen.linearisation.contact_at_rest import Array
+from modelgen.linearisation.steady_modes import LinearisedSteady, Spectrum, SteadyFamily
+
+HALVINGS = 40  # of the distance of two values between which stability changes
+CLOSE = 1e-13  # relative, of an end of stability where growth crosses zero
+
+
+@dataclass(frozen=True, slots=True)
+class Stability:
+    """Eigenvalues of the small motions over the values of a parameter; arrays are read-only."""
+
+    scene: str
+    parameter: str
+    values: Array  # (m,)
+    eigenvalues: tuple[Spectrum, ...]  # (r,) complex each, 1/s; in the order of those of the value before
+    stable: tuple[tuple[float, float], ...]  # ranges of the values in which no motion grows
+
+
+def stability(
+    derivation: Derivation,
+    library: Library,
+    parameter: str,
+    values: Sequence[float],
+    *,
+    parameters: Mapping[str, float] | None = None,
+    on_progress: Callable[[float], None] | None = None,
+) -> Stability:
+    """The eigenvalues of the steady motion near the start of a scene at each value of a parameter.
+
+    An end of stability between two values is located to rounding where the growth of a motion crosses zero;
+    where it leaves zero, as without dissipation, by halving.
+
+    Args:
+        derivation: of the scene.
+        library: what `build` made of it.
+        parameter: the name of a `[[parameter]]` of the scene.
+        values: at least two, ascending.
+        parameters: values of other parameters.
+        on_progress: called with the share of the values that are done.
+
+    Raises:
+        ModelgenError, SimulationError: as `linearise_steady` at each value; or values that do not ascend.
+    """
+    expect("stability", derivation, Derivation)
+    expect("stability", library, Library)
+    found = np.array(values, dtype=float)
+    if found.ndim != 1 or len(found) < 2 or not (np.diff(found) > 0).all():
+        raise ModelgenError("stability: values", f"{values!r}", "two or more numbers that ascend")
+    family, others = SteadyFamily(derivation, library), dict(parameters or {})
+
+    def at(value: float) -> LinearisedSteady:
+        return family.at(others | {parameter: float(value)})
+
+    motions = []
+    for k, value in enumerate(found):
+        motions.append(at(value))
+        if on_progress:
+            on_progress((k + 1) / len(found))
+    return Stability(
+        scene=motions[0].scene,
+        parameter=parameter,
+        values=found,
+        eigenvalues=_in_order([motion.eigenvalues for motion in motions]),
+        stable=_stable(found, motions, at),
+    )
+
+
+def _in_order(found: list[Spectrum]) -> tuple[Spectrum, ...]:
+    """The eigenvalues of each value in the order of those before, by the least sum of distances."""
+    ordered = found[:1]
+    for values in found[1:]:
+        last = ordered[-1]
+        if len(values) == len(last):
+            order = linear_sum_assignment(np.abs(last[:, None] - values[None, :]))[1]
+            values = values[order]
+        ordered.append(values)
+    return tuple(ordered)
+
+
+def _stable(
+    values: Array, motions: list[LinearisedSteady], at: Callable[[float], LinearisedSteady]
+) -> tuple[tuple[float, float], ...]:
+    ends = [float(values[0])] if motions[0].growth <= 0 else []
+    for (a, at_a), (b, at_b) in pairwise(zip(values, motions, strict=True)):
+        if (at_a.growth <= 0) != (at_b.growth <= 0):
+            ends.append(_end(float(a), at_a, float(b), at_b, at))
+    if len(ends) % 2:
+        ends.append(float(values[-1]))
+    return tuple(zip(ends[::2], ends[1::2], strict=True))
+
+
+def _end(
+    a: float,
+    at_a: LinearisedSteady,
+    b: float,
+    at_b: LinearisedSteady,
+    at: Callable[[float], LinearisedSteady],
+) -> float:
+    """Where stability changes between a and b."""
+    neutral = min(sum(mode.kind == "neutral" for mode in motion.modes) for motion in (at_a, at_b))
+    if at_a.growth * at_b.growth < 0:
+        xtol, rtol = CLOSE * max(abs(a), abs(b)), 4 * np.finfo(float).eps
+        return float(brentq(lambda value: _growth(at(value), neutral), a, b, xtol=xtol, rtol=rtol))
+    for _ in range(HALVINGS):
+        middle = (a + b) / 2
+        if (at(middle).growth <= 0) == (at_a.growth <= 0):
+            a = middle
+        else:
+            b = middle
+    return (a + b) / 2
+
+
+def _growth(motion: LinearisedSteady, neutral: int) -> float:
+    """1/s, of the motion that grows fastest, without the so many that are nearest to neutral."""
+    values = np.linalg.eigvals(motion.matrix)
+    return float(np.max(np.real(values[np.argsort(np.abs(values))[neutral:]])))
