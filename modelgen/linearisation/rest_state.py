@@ -15,6 +15,7 @@ Source: Ju. I. Neimark, N. A. Fufaev, Dynamics of Nonholonomic Systems (1972).
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar
@@ -37,6 +38,7 @@ from modelgen.runtime.session import Session
 from modelgen.runtime.start import begin
 from modelgen.scene.scene_types import Restitution
 
+KINDS = ("slip", "spin", "roll")
 DEPENDENT = 1e-9  # part of a row of J that the others leave, against the largest row
 
 
@@ -104,7 +106,8 @@ class Place(HeldState):
 class Touching:
     """A scene at rest whose contacts are those that touch at the start, with its joints."""
 
-    def __init__(self, derivation: Derivation, library: Library) -> None:
+    def __init__(self, derivation: Derivation, library: Library, still: Collection[str] = KINDS) -> None:
+        """`still`: the kinds of friction constraints that must not move at the start."""
         self.model = model = derivation.model
         self.functions = {formula.name: formula.function for formula in derivation.formulas}
         _refuse(model)
@@ -120,7 +123,7 @@ class Touching:
         self.joint_rows = sum(joint.rows for joint in model.joints)
         self.held += range(self.contact_rows, self.contact_rows + self.joint_rows)
         facings = self.facings(np.array(model.initial_q), tuple(contact.eta for contact in self.contacts))
-        _refuse_moving(model, self.contacts, facings)
+        _refuse_moving(model, self.contacts, facings, still)
 
     @cached_property
     def first(self) -> list[int]:
@@ -301,13 +304,18 @@ def _refuse(model: Model) -> None:
             raise SimulationError(where, found, allowed, "leave its motion out, or use a weld")
 
 
-def _refuse_moving(model: Model, contacts: tuple[Contact, ...], facings: tuple[Facing, ...]) -> None:
+def _refuse_moving(
+    model: Model, contacts: tuple[Contact, ...], facings: tuple[Facing, ...], still: Collection[str]
+) -> None:
     """Raises SimulationError where what friction or a resistance should hold moves at the start."""
     u, scales, least = np.array(model.initial_u), model.scales, Accuracy.balanced().slip_speed
     for contact, facing in zip(contacts, facings, strict=True):
         for constraint, speed in moving(contact, facing.J @ u):
             unit = "m/s" if constraint.kind == "slip" else "rad/s"
-            if speed > least * (scales.length if constraint.kind == "slip" else 1.0) / scales.time:
+            if (
+                constraint.kind in still
+                and speed > least * (scales.length if constraint.kind == "slip" else 1.0) / scales.time
+            ):
                 raise SimulationError(
                     f"{model.scene.name}: linearise",
                     f"contact {contact.name!r} {constraint.kind}s at the start, at {speed:.3g} {unit}",

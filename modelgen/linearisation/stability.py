@@ -13,9 +13,9 @@ from modelgen.codegen.library import Library
 from modelgen.derivation import Derivation
 from modelgen.errors import ModelgenError, expect
 from modelgen.linearisation.contact_at_rest import Array
-from modelgen.linearisation.steady_modes import LinearisedSteady, Spectrum, SteadyFamily
+from modelgen.linearisation.steady_modes import LinearisedSteady, Spectrum, SteadyFamily, split
 
-HALVINGS = 40  # of the distance of two values between which stability changes
+HALVINGS = 30  # of the distance of two values between which stability changes
 CLOSE = 1e-13  # relative, of an end of stability where growth crosses zero
 
 
@@ -111,7 +111,7 @@ def _end(
     at: Callable[[float], LinearisedSteady],
 ) -> float:
     """Where stability changes between a and b."""
-    neutral = min(sum(mode.kind == "neutral" for mode in motion.modes) for motion in (at_a, at_b))
+    neutral = min(at_a.neutral, at_b.neutral)
     if at_a.growth * at_b.growth < 0:
         xtol, rtol = CLOSE * max(abs(a), abs(b)), 4 * np.finfo(float).eps
         return float(brentq(lambda value: _growth(at(value), neutral), a, b, xtol=xtol, rtol=rtol))
@@ -126,5 +126,5 @@ def _end(
 
 def _growth(motion: LinearisedSteady, neutral: int) -> float:
     """1/s, of the motion that grows fastest, without the so many that are nearest to neutral."""
-    values = np.linalg.eigvals(motion.matrix)
-    return float(np.max(np.real(values[np.argsort(np.abs(values))[neutral:]])))
+    moved, _ = split(motion.matrix, neutral)
+    return float(np.real(np.linalg.eigvals(moved.T @ motion.matrix @ moved)).max())

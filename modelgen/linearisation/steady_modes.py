@@ -22,6 +22,7 @@ from modelgen.runtime.arguments import with_parameters
 from modelgen.scene.reading_again import scene_with
 
 Spectrum = np.ndarray[Any, np.dtype[np.complex128]]
+RESISTANCES = ("spin", "roll")  # that hold a contact: it cannot turn in a steady motion
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +53,7 @@ class LinearisedSteady:
     p: dict[str, Array]  # of each dynamic body (3,) m, the centre of mass
     quaternion: dict[str, Array]  # (4,) (w, x, y, z); of a body without orientation the unit
     v: dict[str, Array]  # (3,) m/s, world axes
-    w: dict[str, Array]  # (3,) rad/s, body axes; of a body without orientation zero
+    w: dict[str, Array]  # (3,) rad/s, world axes; of a body without orientation zero
     force: dict[str, float]  # N, of each contact that touches, along its normal
     friction: dict[str, Friction]  # of each of them that has friction
     coordinates: dict[str, slice]  # of each dynamic body in u
@@ -76,6 +77,11 @@ class LinearisedSteady:
         where the slowest does not."""
         return max((mode.growth for mode in self.modes if mode.kind != "neutral"), default=0.0)
 
+    @property
+    def neutral(self) -> int:
+        """How many independent neutral motions there are."""
+        return sum(mode.kind == "neutral" for mode in self.modes)
+
 
 def linearise_steady(
     derivation: Derivation, library: Library, *, parameters: Mapping[str, float] | None = None
@@ -96,8 +102,8 @@ def linearise_steady(
     Raises:
         ModelgenError: what is given is something else, or a parameter is refused.
         SimulationError: a body is driven, loads depend on time, a joint has a prescribed motion or is at its
-            limit, a contact with friction slips at the start, no steady motion is near, or a contact would
-            have to pull in it or hold more than its friction does.
+            limit, a contact turns at the start against a resistance, no steady motion is near, or a contact
+            would have to pull in it or hold more than its friction does.
     """
     expect("linearise_steady", derivation, Derivation)
     expect("linearise_steady", library, Library)
@@ -117,7 +123,7 @@ class SteadyFamily:
         if parameters:
             library = with_parameters(library, parameters)
             derivation = replace(derivation, model=require(scene_with(derivation.model.whole, parameters)))
-        search = SteadySearch(Touching(derivation, library), self._known)
+        search = SteadySearch(Touching(derivation, library, RESISTANCES), self._known)
         self._known = search
         return _described(search.touching, search.steady())
 
@@ -136,8 +142,8 @@ def _described(touching: Touching, motion: SteadyMotion) -> LinearisedSteady:
         },
         v={body.name: state.u[body.u : body.u + 3] for body in bodies},
         w={
-            body.name: state.u[body.u + 3 : body.u + 6] if turned[body.name] else np.zeros(3)
-            for body in bodies
+            body.name: turn @ state.u[body.u + 3 : body.u + 6] if turned[body.name] else np.zeros(3)
+            for body, turn in zip(bodies, touching.turns_of_dynamic(state.q), strict=True)
         },
         force=force,
         friction=friction,
@@ -153,12 +159,25 @@ def _described(touching: Touching, motion: SteadyMotion) -> LinearisedSteady:
 
 def _modes(motion: SteadyMotion, slow: float) -> tuple[SteadyMode, ...]:
     """By frequency; rates below `slow`, 1/s, count as zero."""
-    found, n = [], len(motion.state.u)
-    values, vectors = np.linalg.eig(motion.system)
+    n, system = len(motion.state.u), motion.system
+    sizes = np.linalg.svd(system, compute_uv=False)
+    moved, still = split(system, int((sizes <= slow).sum()))
+    found = [(0.0, 0.0, z) for z in still.T]
+    values, vectors = np.linalg.eig(moved.T @ system @ moved)
     for value, z in zip(values, vectors.T, strict=True):
         if value.imag < 0:
             continue
         frequency, growth = (float(x) if abs(x) > slow else 0.0 for x in (value.imag, value.real))
-        change = motion.scale @ motion.changes @ (z if frequency else np.real(z))
-        found.append(SteadyMode(frequency, growth, change[:n], change[n:]))
-    return tuple(sorted(found, key=lambda mode: (mode.frequency, mode.growth)))
+        change = moved @ z
+        if frequency or growth:
+            change = change + still @ (still.T @ system @ change) / value
+        found.append((frequency, growth, change if frequency else np.real(change)))
+    changes = motion.scale @ motion.changes
+    modes = [SteadyMode(rate, growth, *np.split(changes @ z, [n])) for rate, growth, z in found]
+    return tuple(sorted(modes, key=lambda mode: (mode.frequency, mode.growth)))
+
+
+def split(system: Array, neutral: int) -> tuple[Array, Array]:
+    """Orthonormal columns (r, r - neutral) and (r, neutral); the matrix takes the latter nearest to zero."""
+    vectors = np.linalg.svd(system)[2]
+    return vectors[: len(vectors) - neutral].T, vectors[len(vectors) - neutral :].T

@@ -30,7 +30,7 @@ from modelgen.linearisation.symmetries import Generators
 STEPS = 50  # of Newton's method towards the steady motion
 FARTHEST = 0.2  # of one step, rad or characteristic lengths, and rates of them
 STEADY = 1e-11  # part of the accelerations that no symmetry accounts for, dimensionless
-SPREAD, SEED = 0.3, 20070808  # of states at which symmetries are told: how far from the start
+SPREAD, SEED = 0.1, 20070808  # of states at which symmetries are told: how far from the start
 NEARER = 4  # times that a state which cannot be brought onto the constraints is halved
 SYMMETRIC = 1e-9  # relative, what is rounding in the conditions of a symmetry
 
@@ -113,7 +113,7 @@ class SteadySearch:
         along = np.vstack([shifts, generators.carried(state.u)]) @ self.algebra
         field = np.concatenate([state.u, state.udot])
         scaled = self.unscale @ along
-        rates = np.linalg.lstsq(scaled, self.unscale @ field, rcond=DEPENDENT)[0]
+        rates = self._rates(scaled, self.unscale @ field)
         c = self.algebra @ rates
         left = self.unscale @ (field - along @ rates)
         D = np.block(
@@ -135,6 +135,14 @@ class SteadySearch:
         system = changes.T @ self.unscale @ D @ self.scale @ changes
         missed = changes.T @ left * self._time / self._unit
         return SteadyMotion(state, c, changes, orbit.shape[1], system, self.scale), missed
+
+    def _rates(self, along: Array, field: Array) -> Array:
+        """(k,) of the symmetries, that come nearest to the field. Where symmetries do the same, as those of a
+        top that stands upright do, with the least turning of the axes that are carried along."""
+        found = np.linalg.lstsq(along, field, rcond=DEPENDENT)[0]
+        same = _null_space(along, DEPENDENT * np.abs(along).max(initial=0.0))
+        turning = self.algebra[self.generators.left_turns]
+        return np.asarray(found - same @ np.linalg.lstsq(turning @ same, turning @ found, rcond=DEPENDENT)[0])
 
     @cached_property
     def algebra(self) -> Array:

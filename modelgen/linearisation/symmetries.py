@@ -39,6 +39,12 @@ class Generators:
     def count(self) -> int:
         return sum(9 if size == 6 else 6 for _, size in self.bodies)
 
+    @property
+    def left_turns(self) -> list[int]:
+        """The columns of turns about the origin of the world."""
+        firsts = np.cumsum([0, *(9 if size == 6 else 6 for _, size in self.bodies)])[:-1]
+        return [int(first) + k for first in firsts for k in (3, 4, 5)]
+
     def shifts(self, places: list[Array], turns: list[Array]) -> Array:
         """(n, count) s of each generator; of each body p (3,) and R (3, 3)."""
         return self._columns(
