@@ -267,13 +267,20 @@ def _all_schemas() -> dict[str, Any]:
     from modelgen.benchmark.extremes_result_schema import surveyed_schema
     from modelgen.benchmark.result_schema import measured_schema, tuned_schema
     from modelgen.report.fit_output import fitted_schema
-    from modelgen.report.result_schema import linearised_schema, result_schema
+    from modelgen.report.result_schema import (
+        linearised_schema,
+        result_schema,
+        stability_schema,
+        steady_schema,
+    )
     from modelgen.report.sensitivity_output import sensitivity_schema
     from modelgen.scene.json_schema import scene_schema
 
     document = scene_schema()
     results = {"result": result_schema(), "linearised": linearised_schema(), "fitted": fitted_schema()}
     results |= {
+        "linearised_steady": steady_schema(),
+        "stability": stability_schema(),
         "sensitivity": sensitivity_schema(),
         "measured": measured_schema(),
         "surveyed": surveyed_schema(),

@@ -36,6 +36,43 @@ def test_people_read_the_same(modelgen: Modelgen) -> None:
     assert "hook-ring" in text
 
 
+def test_steady_motions_and_their_stability_answer_to_their_schemas(
+    modelgen: Modelgen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bicycle = Path("scenes/bicycle.toml").read_text()
+    monkeypatch.chdir(tmp_path)
+    Path("bicycle.toml").write_text(bicycle)
+    schemas = modelgen("schema").json["$defs"]
+    facts = modelgen("linearise", "bicycle.toml", "--steady", "--json").json
+    Draft202012Validator(schemas["linearised_steady"]).validate(facts)
+    assert facts["bodies"]["rear_wheel"]["w"] == pytest.approx([0, 5 / 0.3, 0])
+    assert [mode["kind"] for mode in facts["modes"]] == ["decay", "decay", "neutral", "oscillation"]
+    assert (
+        "steady motion, unchanged along 5 directions" in modelgen("linearise", "bicycle.toml", "--steady").out
+    )
+    over = ("--vary", "speed=4.2:4.4:3", "--plot", "speeds.svg")
+    found = modelgen("linearise", "bicycle.toml", *over, "--json").json
+    Draft202012Validator(schemas["stability"]).validate(found)
+    assert found["stable"] == [pytest.approx([4.29238253634, 4.4])]
+    assert Path("speeds.svg").read_text().startswith("<?xml")
+    assert "speed from 4.29238253634 to 4.4" in modelgen("linearise", "bicycle.toml", *over).out
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--vary", "speed=0:10"), "no NAME=FIRST:LAST:COUNT"),
+        (("--vary", "speed=3:1:5"), "3 up to 1"),
+        (("--vary", "sped=1:3:5"), "speed"),
+        (("--plot", "x.png"), "no --vary"),
+    ],
+)
+def test_ranges_that_are_none_are_refused(modelgen: Modelgen, options: tuple[str, ...], message: str) -> None:
+    answer = modelgen("linearise", "scenes/bicycle.toml", *options)
+    assert (answer.code, answer.out) == (2, "")
+    assert message in answer.err
+
+
 def test_a_forced_form_has_the_same_frequencies(modelgen: Modelgen) -> None:
     egg = "scenes/ellipsoid_on_plane.toml"
     free, forced = (modelgen("linearise", egg, "--json", *more).json for more in ((), ("--form", "implicit")))
