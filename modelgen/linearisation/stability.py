@@ -11,9 +11,10 @@ from scipy.optimize import brentq, linear_sum_assignment
 
 from modelgen.codegen.library import Library
 from modelgen.derivation import Derivation
-from modelgen.errors import ModelgenError, expect
+from modelgen.errors import ModelgenError, SimulationError, expect
 from modelgen.linearisation.contact_at_rest import Array
 from modelgen.linearisation.steady_modes import LinearisedSteady, Spectrum, SteadyFamily, split
+from modelgen.runtime.arguments import with_parameters
 
 HALVINGS = 30  # of the distance of two values between which stability changes
 CLOSE = 1e-13  # relative, of an end of stability where growth crosses zero
@@ -28,6 +29,9 @@ class Stability:
     values: Array  # (m,)
     eigenvalues: tuple[Spectrum, ...]  # (r,) complex each, 1/s; in the order of those of the value before
     stable: tuple[tuple[float, float], ...]  # ranges of the values in which no motion grows
+    refused: tuple[
+        tuple[float, str], ...
+    ]  # values without such a steady motion, and why; no eigenvalues there
 
 
 def stability(
@@ -42,7 +46,8 @@ def stability(
     """The eigenvalues of the steady motion near the start of a scene at each value of a parameter.
 
     An end of stability between two values is located to rounding where the growth of a motion crosses zero;
-    where it leaves zero, as without dissipation, by halving.
+    where it leaves zero, as without dissipation, by halving. Values at which there is no such motion are kept
+    as refused.
 
     Args:
         derivation: of the scene.
@@ -53,7 +58,8 @@ def stability(
         on_progress: called with the share of the values that are done.
 
     Raises:
-        ModelgenError, SimulationError: as `linearise_steady` at each value; or values that do not ascend.
+        ModelgenError: as `linearise_steady`; the parameter does not take these values, or they do not ascend.
+        SimulationError: as `linearise_steady`, where there is no steady motion at any value.
     """
     expect("stability", derivation, Derivation)
     expect("stability", library, Library)
@@ -65,17 +71,28 @@ def stability(
     def at(value: float) -> LinearisedSteady:
         return family.at(others | {parameter: float(value)})
 
-    motions = []
+    for end in (found[0], found[-1]):
+        with_parameters(library, others | {parameter: float(end)})
+    motions: list[LinearisedSteady | None] = []
+    refused: list[tuple[float, SimulationError]] = []
     for k, value in enumerate(found):
-        motions.append(at(value))
+        try:
+            motions.append(at(value))
+        except SimulationError as error:
+            motions.append(None)
+            refused.append((float(value), error))
         if on_progress:
             on_progress((k + 1) / len(found))
+    if len(refused) == len(found):
+        raise refused[0][1]
+    none = np.zeros(0, dtype=complex)
     return Stability(
-        scene=motions[0].scene,
+        scene=derivation.model.scene.name,
         parameter=parameter,
         values=found,
-        eigenvalues=_in_order([motion.eigenvalues for motion in motions]),
+        eigenvalues=_in_order([motion.eigenvalues if motion else none for motion in motions]),
         stable=_stable(found, motions, at),
+        refused=tuple((value, str(error)) for value, error in refused),
     )
 
 
@@ -92,15 +109,24 @@ def _in_order(found: list[Spectrum]) -> tuple[Spectrum, ...]:
 
 
 def _stable(
-    values: Array, motions: list[LinearisedSteady], at: Callable[[float], LinearisedSteady]
+    values: Array, motions: Sequence[LinearisedSteady | None], at: Callable[[float], LinearisedSteady]
 ) -> tuple[tuple[float, float], ...]:
-    ends = [float(values[0])] if motions[0].growth <= 0 else []
+    """A range ends where growth begins, or at the last value before one without a motion."""
+    ends = [float(values[0])] if _is_stable(motions[0]) else []
     for (a, at_a), (b, at_b) in pairwise(zip(values, motions, strict=True)):
-        if (at_a.growth <= 0) != (at_b.growth <= 0):
+        if _is_stable(at_a) == _is_stable(at_b):
+            continue
+        if at_a is None or at_b is None:
+            ends.append(float(b if at_a is None else a))
+        else:
             ends.append(_end(float(a), at_a, float(b), at_b, at))
     if len(ends) % 2:
         ends.append(float(values[-1]))
     return tuple(zip(ends[::2], ends[1::2], strict=True))
+
+
+def _is_stable(motion: LinearisedSteady | None) -> bool:
+    return motion is not None and motion.growth <= 0
 
 
 def _end(

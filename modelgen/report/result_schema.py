@@ -167,6 +167,11 @@ _STABILITY = {
     "parameter": entry("string", "the parameter that varies"),
     "stable": entry("array", "ranges of it in which no small motion grows", items=numbers(2, "from, to")),
     "values": entry("array", "of the parameter, ascending", items={"type": NUMBER}),
+    "refused": entry(
+        "array",
+        "values without such a motion, and why",
+        items={"type": "array", "prefixItems": [{"type": NUMBER}, {"type": "string"}]},
+    ),
     "eigenvalues": entry(
         "array",
         "at each value those of the small motions, 1/s, in the order of the value before",

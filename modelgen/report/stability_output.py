@@ -21,6 +21,7 @@ def stability_facts(found: Stability) -> dict[str, Any]:
         "parameter": found.parameter,
         "stable": [list(ends) for ends in found.stable],
         "values": found.values.tolist(),
+        "refused": [list(each) for each in found.refused],
         "eigenvalues": [[[x.real, x.imag] for x in values.tolist()] for values in found.eigenvalues],
     }
 
@@ -30,13 +31,15 @@ def print_stability(facts: dict[str, Any], console: Console) -> None:
     name = facts["parameter"]
     console.print(f"{facts['scene']}: eigenvalues of the steady motion, 1/s", markup=False, soft_wrap=True)
     for value, eigenvalues in zip(facts["values"], facts["eigenvalues"], strict=True):
-        shown = ", ".join(_shown(*each) for each in eigenvalues if each[1] >= 0)
+        shown = ", ".join(_shown(*each) for each in eigenvalues if each[1] >= 0) or "no steady motion"
         console.print(f"{name} {value:.6g}: {shown}", markup=False, soft_wrap=True)
     ranges = [f"{first:.12g} to {last:.12g}" for first, last in facts["stable"]]
     text = (
         f"no motion grows for {name} from {', '.join(ranges)}" if ranges else "some motion grows everywhere"
     )
     console.print(text, markup=False, soft_wrap=True)
+    for value, why in facts["refused"]:
+        console.print(f"{name} {value:.6g}: {why}", markup=False, soft_wrap=True)
     if facts["plot"]:
         console.print(f"picture: {facts['plot']}", markup=False, soft_wrap=True)
 

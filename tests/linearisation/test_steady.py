@@ -188,6 +188,21 @@ def test_an_equilibrium_is_a_steady_motion() -> None:
     assert motion.force == pytest.approx(rest.force)
 
 
+def test_values_without_a_steady_motion_are_kept_as_refused() -> None:
+    """A wheel that circles needs more friction than some floors have."""
+    grip = '[[parameter]]\nname = "grip"\nvalue = 1.0\n' + WHEEL.replace(
+        "friction = 10.0", 'friction = "grip"'
+    )
+    scene, turning = read_text(grip), {"speed": 0.9, "about": -4.0, "lean": -0.35}
+    found = stability(
+        derive(require(scene)), library_of(scene), "grip", [0.1, 0.14, 0.2, 0.3], parameters=turning
+    )
+    assert [value for value, _ in found.refused] == [0.1, 0.14]
+    assert "times its static friction" in found.refused[0][1]
+    assert found.stable == ((0.2, 0.3),)
+    assert [len(each) for each in found.eigenvalues] == [0, 0, 4, 4]
+
+
 def test_what_speeds_up_for_ever_is_refused() -> None:
     text = """
     [[body]]
