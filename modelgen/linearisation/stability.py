@@ -16,7 +16,7 @@ from modelgen.linearisation.contact_at_rest import Array
 from modelgen.linearisation.steady_modes import LinearisedSteady, Spectrum, SteadyFamily, split
 from modelgen.runtime.arguments import with_parameters
 
-HALVINGS = 30  # of the distance of two values between which stability changes
+HALVINGS = 24  # of the distance of two values between which stability changes
 CLOSE = 1e-13  # relative, of an end of stability where growth crosses zero
 
 

@@ -122,7 +122,8 @@ class SteadyFamily:
         library, derivation = self._library, self._derivation
         if parameters:
             library = with_parameters(library, parameters)
-            derivation = replace(derivation, model=require(scene_with(derivation.model.whole, parameters)))
+            model = require(scene_with(derivation.model.whole, parameters), known=derivation.model)
+            derivation = replace(derivation, model=model)
         search = SteadySearch(Touching(derivation, library, RESISTANCES), self._known)
         self._known = search
         return _described(search.touching, search.steady())
