@@ -7,6 +7,8 @@ Their modules load when a verb is first asked for.
 `as_casadi` makes CasADi functions of a scene's right-hand side and of a step.
 `fit` finds numbers of a scene from recorded motion.
 `sweep` runs a scene many times with other numbers; `load_sweep` reads the table that it wrote.
+`linearise` finds the small motions about an equilibrium, `linearise_steady` those about a steady motion,
+`stability` where such a motion is stable.
 `measure` finds what accuracy of a scene costs, `tune` picks a setting from that.
 `normal_rates` gives the rates of the contact normals at the samples of a trajectory.
 `record_of` joins a trajectory and its library to what `save` writes, `load` reads and `draw` draws.
@@ -28,6 +30,8 @@ if TYPE_CHECKING:
     from modelgen.errors import ModelgenError as ModelgenError
     from modelgen.identification.fit import fit as fit
     from modelgen.linearisation.equilibrium_and_modes import linearise as linearise
+    from modelgen.linearisation.stability import stability as stability
+    from modelgen.linearisation.steady_modes import linearise_steady as linearise_steady
     from modelgen.parameter_study.outcome_table import load_sweep as load_sweep
     from modelgen.parameter_study.sweep import sweep as sweep
     from modelgen.report.export import load as load
@@ -60,6 +64,7 @@ __all__ = [
     "fit",
     "gradient",
     "linearise",
+    "linearise_steady",
     "load",
     "load_sweep",
     "measure",
@@ -71,6 +76,7 @@ __all__ = [
     "sensitivity",
     "simulate",
     "simulate_batch",
+    "stability",
     "start",
     "start_many",
     "sweep",
@@ -94,6 +100,8 @@ _HOMES = {
     "as_casadi": "modelgen.casadi_functions.as_casadi",
     "fit": "modelgen.identification.fit",
     "linearise": "modelgen.linearisation.equilibrium_and_modes",
+    "linearise_steady": "modelgen.linearisation.steady_modes",
+    "stability": "modelgen.linearisation.stability",
     "measure": "modelgen.benchmark",
     "tune": "modelgen.benchmark",
     "sweep": "modelgen.parameter_study.sweep",

@@ -38,6 +38,11 @@ REGISTRY: Mapping[str, Shipped] = {
         reference="oracles/test_surface_routes.py::test_a_pebble_that_passes_its_poles_follows_a_second_route",
         events={"feature-change": 2},
     ),
+    "bicycle": Shipped(
+        kinds=("fixed", "free_diagonal", "free_full", "plane_circle_support_slip", "revolute"),
+        forms=("support", *CURVE_ON_SURFACE),
+        reference="linearisation/test_bicycle.py::test_a_run_follows_the_published_equations",
+    ),
     "bouncing_ball": Shipped(
         kinds=("fixed", "point", "plane_sphere_explicit"),
         forms=("explicit", "support", "implicit"),

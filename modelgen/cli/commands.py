@@ -13,6 +13,7 @@ from rich.console import Console
 import modelgen
 from modelgen.cli.export import export
 from modelgen.cli.fit import fit
+from modelgen.cli.linearise import linearise
 from modelgen.cli.manual import manual, print_page
 from modelgen.cli.measure_and_tune import measure, tune
 from modelgen.cli.new import new
@@ -62,7 +63,6 @@ from modelgen.cli.pipeline import (
     build_scene,
     derive_scene,
     folder_of,
-    linearise_scene,
     read_scene,
     run_scene,
     run_settings,
@@ -171,16 +171,7 @@ def simulate(
     exit_with(trajectory)
 
 
-@app.command()
-@guarded
-def linearise(scene: SceneFile, form: Form = None, values: Values = None, as_json: AsJson = False) -> None:
-    """Find the equilibrium near the start of a scene; print frequencies and shapes of its small motions."""
-    from modelgen.report.linearisation_output import mode_facts, print_modes
-
-    facts = mode_facts(linearise_scene(scene, form, read_values(values, "--set")))
-    print_facts(facts, as_json, lambda: print_modes(facts, Console()))
-
-
+app.command()(linearise)
 app.command()(fit)
 app.command()(sweep)
 app.command()(measure)
@@ -296,7 +287,12 @@ def _all_schemas() -> dict[str, Any]:
     from modelgen.benchmark.result_schema import measured_schema, tuned_schema
     from modelgen.parameter_study.sweep_output import swept_schema
     from modelgen.report.fit_output import fitted_schema
-    from modelgen.report.result_schema import linearised_schema, result_schema
+    from modelgen.report.result_schema import (
+        linearised_schema,
+        result_schema,
+        stability_schema,
+        steady_schema,
+    )
     from modelgen.report.sensitivity_output import sensitivity_schema
     from modelgen.scene.json_schema import scene_schema
 
@@ -304,6 +300,8 @@ def _all_schemas() -> dict[str, Any]:
     results = {"result": result_schema(), "linearised": linearised_schema(), "fitted": fitted_schema()}
     results |= {
         "swept": swept_schema(),
+        "linearised_steady": steady_schema(),
+        "stability": stability_schema(),
         "sensitivity": sensitivity_schema(),
         "measured": measured_schema(),
         "surveyed": surveyed_schema(),

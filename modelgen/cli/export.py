@@ -1,4 +1,4 @@
-"""The command `export`: a scene as C, FMU, CasADi functions, MJCF or URDF."""
+"""The command `export`: a scene as C, FMU, CasADi or JAX functions, MJCF or URDF."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from modelgen.cli.progress import progress
 from modelgen.errors import ModelgenError
 
 To = Annotated[
-    str | None, typer.Option(help="c, fmu, casadi, mjcf or urdf", metavar="FORMAT", show_default=False)
+    str | None, typer.Option(help="c, fmu, casadi, jax, mjcf or urdf", metavar="FORMAT", show_default=False)
 ]
 Folder = Annotated[
     Path | None,
@@ -50,7 +50,7 @@ def export(
     form: Form = None,
     as_json: AsJson = False,
 ) -> None:
-    """Write a scene for use elsewhere: a C program, an FMU, CasADi functions, MJCF or URDF."""
+    """Write a scene for use elsewhere: a C program, an FMU, CasADi or JAX functions, MJCF or URDF."""
     from modelgen.export.exporting import Choices, check_format, export
 
     choices = Choices(

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import modelgen
 from modelgen.cli.known_scene import recall, remember, scene_key
@@ -21,9 +21,10 @@ if TYPE_CHECKING:
     from modelgen.codegen.library import Library
     from modelgen.derivation import Derivation
     from modelgen.identification.fit import Fit
-    from modelgen.linearisation.equilibrium_and_modes import Linearised
     from modelgen.runtime.trajectory import Trajectory
     from modelgen.scene.scene_types import Scene
+
+Result = TypeVar("Result")
 
 DERIVATIVES = "derivatives"  # end of the name of a folder, as that of a form
 
@@ -119,14 +120,15 @@ def fit_scene(path: Path, data: list[Path], settings: dict[str, Any]) -> Fit:
             return modelgen.fit(library, data, on_progress=report, **settings)
 
 
-def linearise_scene(path: Path, form: str | None, parameters: Mapping[str, float]) -> Linearised:
-    """The small motions of a scene. If there is no equilibrium, a new folder is removed again."""
+def linearise_scene(path: Path, form: str | None, find: Callable[..., Result]) -> Result:
+    """What `find` makes of the derivation, the library and a function that takes its progress. If it refuses,
+    a new folder is removed again."""
     scene = read_scene(path, form)
     with removed_if_refused(folder_of(scene, form)) as folder:
         derivation = derive_scene(scene)
         library = build_derivation(derivation, folder)
-        with progress("linearising"):
-            return modelgen.linearise(derivation, library, parameters=parameters)
+        with progress("linearising") as report:
+            return find(derivation, library, report)
 
 
 @contextmanager

@@ -46,9 +46,10 @@ def closed_right_hand_side(model: Model, functions: Functions) -> ca.Function:
 
 
 def pushed(model: Model, functions: Functions, mode: ContactMode) -> ca.Function:
-    """(t, q, u, eta, gravity, parameters, inputs, force) -> (qdot, udot, eta_dot, joint_value, joint_J) under
-    given forces along all rows of all contacts, contact by contact, and then of joints, N or N m; what the
-    rows of the joints hold at zero, m or rad, and their J (k, n_u)."""
+    """(t, q, u, eta, gravity, parameters, inputs, force) -> (qdot, udot, eta_dot, joint_value, joint_J,
+    rate, gamma) under given forces along all rows of all contacts, contact by contact, and then of joints,
+    N or N m; what the rows of the joints hold at zero, m or rad, and their J (k, n_u); of all rows J u and
+    gamma."""
     scene = written_scene(model, functions, mode, ca.SX)
     joints = [row for row in scene.rows.rows if row.kind == "joint"]
     rows = [*(row for touch in scene.rows.contacts if touch for row in touch.rows), *joints]
@@ -61,5 +62,7 @@ def pushed(model: Model, functions: Functions, mode: ContactMode) -> ca.Function
         "eta_dot": scene.eta_dot,
         "joint_value": ca.vertcat(ca.SX(0, 1), *(row.value for row in joints)),
         "joint_J": ca.vertcat(ca.SX(0, model.n_u), *(row.J for row in joints)),
+        "rate": ca.vertcat(ca.SX(0, 1), *(row.rate for row in rows)),
+        "gamma": ca.vertcat(ca.SX(0, 1), *(row.gamma for row in rows)),
     }
     return kernel("pushed", {**scene.symbols.arguments, "force": force}, outputs)

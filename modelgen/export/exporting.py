@@ -14,6 +14,7 @@ from modelgen.errors import ModelgenError, nearest
 from modelgen.export.c_folder import c_files
 from modelgen.export.casadi_folder import casadi_files
 from modelgen.export.fmu import fmu_files
+from modelgen.export.jax_folder import jax_files
 from modelgen.export.mjcf_file import check_mjcf, mjcf_files, setup_of
 from modelgen.export.urdf_file import check_urdf, urdf_files
 from modelgen.runtime.arguments import with_parameters
@@ -27,7 +28,8 @@ class Choices:
 
     Attributes:
         real: "double", "float" or "long double"; the scene's own when None. Of `c` and `fmu`.
-        parameters: values of parameters of the scene by name; others keep the scene's own. Of `c` and `fmu`.
+        parameters: values of parameters of the scene by name; others keep the scene's own. Of `c`, `fmu`
+            and `jax`.
         figures: of `c`, whether flash, RAM, stack and instructions are measured.
         states: of `fmu`, whether the states of bodies are outputs.
         step: of `mjcf`, step of the simulation, s.
@@ -48,8 +50,8 @@ class _Given:
     choices: Choices
     scratch: Path
 
-    def package(self) -> Package:
-        return emit(self.derivation)
+    def package(self, derivatives: bool = False) -> Package:
+        return emit(self.derivation, derivatives)
 
     def library(self, package: Package) -> Library:
         library = build(package, real=self.choices.real, folder=self.scratch)
@@ -70,6 +72,11 @@ def _casadi(given: _Given) -> Mapping[str, Content]:
     return casadi_files(given.derivation, given.package())
 
 
+def _jax(given: _Given) -> Mapping[str, Content]:
+    package = given.package(derivatives=True)
+    return jax_files(given.library(package), package)
+
+
 def _mjcf(given: _Given) -> Mapping[str, Content]:
     scene = given.derivation.model.scene
     check_mjcf(scene)
@@ -83,12 +90,13 @@ def _urdf(given: _Given) -> Mapping[str, Content]:
 
 
 FORMATS: Mapping[str, Callable[[_Given], Mapping[str, Content]]] = {
-    "c": _c, "fmu": _fmu, "casadi": _casadi, "mjcf": _mjcf, "urdf": _urdf
+    "c": _c, "fmu": _fmu, "casadi": _casadi, "jax": _jax, "mjcf": _mjcf, "urdf": _urdf
 }  # fmt: skip
 OPTIONS: Mapping[str, tuple[str, ...]] = {  # by format, choices that it takes
     "c": ("real", "parameters", "figures"),
     "fmu": ("real", "parameters", "states"),
     "casadi": (),
+    "jax": ("parameters",),
     "mjcf": ("step",),
     "urdf": (),
 }

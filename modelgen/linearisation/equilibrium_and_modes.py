@@ -20,8 +20,8 @@ from modelgen.errors import SimulationError, expect
 from modelgen.linearisation.contact_at_rest import Array
 from modelgen.linearisation.eigenmodes import Mode, small_motions
 from modelgen.linearisation.rest_forces import Friction, resting_forces
-from modelgen.linearisation.rest_state import DEPENDENT, NoPlaceError, Place, Touching
-from modelgen.model import Model, Scales
+from modelgen.linearisation.rest_state import DEPENDENT, NoPlaceError, Place, Touching, moved, size_of
+from modelgen.model import Scales
 from modelgen.runtime.arguments import with_parameters
 from modelgen.scene.reading_again import scene_with
 
@@ -89,7 +89,7 @@ def linearise(
     touching = Touching(derivation, library)
     place = equilibrium(touching)
     force, friction = resting_forces(touching, place)
-    bodies = [body for body in touching.model.bodies if _size(touching.model, body.kind)]
+    bodies = [body for body in touching.model.bodies if size_of(touching.model, body.kind)]
     return Linearised(
         scene=touching.model.scene.name,
         p={body.name: place.q[body.q : body.q + 3] for body in bodies},
@@ -98,7 +98,9 @@ def linearise(
         },
         force=force,
         friction=friction,
-        coordinates={body.name: slice(body.u, body.u + _size(touching.model, body.kind)) for body in bodies},
+        coordinates={
+            body.name: slice(body.u, body.u + size_of(touching.model, body.kind)) for body in bodies
+        },
         mass=place.mass,
         motions=place.motions,
         stiffness=place.stiffness,
@@ -136,7 +138,7 @@ def _sought(touching: Touching) -> Place | None:
 
 def _unrest(place: Place, scales: Scales) -> float:
     push = np.abs(place.push).max(initial=0.0) * scales.time**2 / (scales.length * np.sqrt(scales.mass))
-    return float(max(push, np.abs(place.gaps).max(initial=0.0) / scales.length))
+    return float(max(push, np.abs(place.value).max(initial=0.0) / scales.length))
 
 
 def _nearer(place: Place, touching: Touching) -> Place:
@@ -144,13 +146,13 @@ def _nearer(place: Place, touching: Touching) -> Place:
     as far again and again until the stiffness tells what pushes there."""
     Z, scales = place.motions, touching.model.scales
     square, unit = scales.time**2, scales.length * np.sqrt(scales.mass)
-    back = place.root @ np.linalg.lstsq(place.J @ place.root, place.gaps, rcond=DEPENDENT)[0]
+    back = place.root @ np.linalg.lstsq(place.J @ place.root, place.value, rcond=DEPENDENT)[0]
     K = place.stiffness + Z.T @ place.mass @ _turning(place, touching) @ Z
     along = unit * _eased(K * square, place.push * square / unit)
     size = np.abs(Z @ along).max(initial=0.0)
     along *= min(1.0, FARTHEST / size if size else 1.0)
     for _ in range(HALVINGS):
-        q = _moved(place, Z @ along - back, touching.model)
+        q = moved(place.q, place.B @ (Z @ along - back), touching.model)
         with suppress(NoPlaceError):
             found = touching.at(q, place.etas)
             if _missed(found, Z @ (place.push - K @ along), place, touching) <= MISSED:
@@ -168,20 +170,11 @@ def _missed(found: Place, expected: Array, place: Place, touching: Touching) -> 
     return float(np.sqrt(missed @ place.mass @ missed)) / size if size else 0.0
 
 
-def _moved(place: Place, step: Array, model: Model) -> Array:
-    q = place.q + place.B @ step
-    for body in model.bodies:
-        if _size(model, body.kind) == 6:
-            turn = slice(body.q + 3, body.q + 7)
-            q[turn] /= np.linalg.norm(q[turn])
-    return np.asarray(q)
-
-
 def _turning(place: Place, touching: Touching) -> Array:
     """(n, n) what of D is but the turning of a body, with its acceleration, under the world axes of v."""
     found, rest = np.zeros_like(place.D), place.motions @ place.push
     for body, turn in zip(touching.model.bodies, touching.turns(place.q), strict=True):
-        if _size(touching.model, body.kind) == 6:
+        if size_of(touching.model, body.kind) == 6:
             v, w = slice(body.u, body.u + 3), slice(body.u + 3, body.u + 6)
             found[v, w] = np.cross(turn.T, rest[v]).T
     return found
@@ -200,10 +193,5 @@ def _eased(K: Array, push: Array) -> Array:
     return np.asarray(across @ np.real(vectors @ (np.linalg.solve(vectors, across.T @ push) / stiff)))
 
 
-def _size(model: Model, kind: int) -> int:
-    """Coordinates of a body in u."""
-    return {"point": 3, "free": 6}.get(model.body_kinds[kind].motion, 0)
-
-
 def _turn(quaternion: Array, touching: Touching, kind: int) -> Array:
-    return quaternion if _size(touching.model, kind) == 6 else np.array([1.0, 0.0, 0.0, 0.0])
+    return quaternion if size_of(touching.model, kind) == 6 else np.array([1.0, 0.0, 0.0, 0.0])

@@ -1,8 +1,9 @@
-"""The forces of the contacts at an equilibrium: which press, and hold within the bounds of friction.
+"""The forces of contacts in an equilibrium or steady motion: which press, and hold within friction's bounds.
 
-Where they are not unique, those of minimum norm are taken if they do, others else. Whether any do is a
-convex question: the least of |free + M^-1 J^T z|_M over the cones is zero (Gauss's principle). Joints take
-what they must: all of this is asked of the motions R that they leave, R^T J^T z = -R^T M free.
+Where they are not unique, those of minimum norm are taken if they do, others else. Whether any do is a convex
+question: the least of |free + M^-1 J^T z|_M over the cones is zero (Gauss's principle), where free is the
+acceleration without these forces less that of the motion. Joints take what they must: all of this is asked of
+the motions R that they leave, R^T J^T z = -R^T M free.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from scipy.optimize import nnls
 
 from modelgen.errors import SimulationError
 from modelgen.linearisation.contact_at_rest import Array, cone, share
-from modelgen.linearisation.rest_state import DEPENDENT, Place, Touching
+from modelgen.linearisation.rest_state import DEPENDENT, HeldState, Touching
 from modelgen.runtime.friction import FrictionProblem, Outcome, relaxation
 
 SAME = 1e-9  # relative, what is rounding in unique forces
@@ -27,7 +28,7 @@ MOST = 1e9  # times its friction that a contact may lack
 
 @dataclass(frozen=True, slots=True)
 class Friction:
-    """Friction of a contact that sticks at rest; the array is read-only."""
+    """Friction of a contact that sticks; the array is read-only."""
 
     force: Array  # (3,) N, world axes, on the second body of the pair
     share: float  # of its static friction, or of the resistance that is taken up most; at most 1
@@ -38,7 +39,7 @@ class Held:
     """Forces that the contacts must provide at a place, in rows turned to the axes of friction."""
 
     touching: Touching
-    place: Place
+    place: HeldState
     axes: Array  # (rows, rows) of all contacts: from t1, t2 to the axes
 
     def of(self, contact: int, z: Array) -> Array:
@@ -77,7 +78,7 @@ class Held:
         return z if solved else None
 
 
-def resting_forces(touching: Touching, place: Place) -> tuple[dict[str, float], dict[str, Friction]]:
+def resting_forces(touching: Touching, place: HeldState) -> tuple[dict[str, float], dict[str, Friction]]:
     """N of each contact, and what friction holds at those that have it.
 
     Raises SimulationError if contacts would have to pull, or to hold more than their friction does.
@@ -101,17 +102,17 @@ def resting_forces(touching: Touching, place: Place) -> tuple[dict[str, float], 
     return force, friction
 
 
-def wanted(place: Place) -> Array:
+def wanted(place: HeldState) -> Array:
     """(j,) what the forces of the contacts must be along the motions that the joints leave."""
     return np.asarray(-place.joint_motions.T @ place.mass @ place.free)
 
 
-def _pressing(touching: Touching, place: Place) -> Array:
+def _pressing(touching: Touching, place: HeldState) -> Array:
     """>= 0 and of minimum norm."""
     needed, columns = wanted(place), (place.contact_J @ place.joint_motions).T
     force = least_pressing(columns, needed)
     if len(force) and np.linalg.norm(columns @ force - needed) > BALANCED * np.linalg.norm(needed):
-        _refuse_pulling(touching)
+        _refuse_pulling(touching, place)
     return force
 
 
@@ -121,7 +122,7 @@ def _holding(held: Held) -> Array:
     if held.place.redundant:
         return _among(held, z)
     if held.pulls(z):
-        _refuse_pulling(held.touching)
+        _refuse_pulling(held.touching, held.place)
     for k, contact in enumerate(held.touching.contacts):
         if contact.friction and not held.of(k, z)[0] > BALANCED * np.abs(z).max(initial=0.0):
             _refuse(held.touching, f"contact {contact.name!r} presses with no force, so nothing sticks at it",
@@ -145,7 +146,7 @@ def _refuse_lacking(held: Held) -> NoReturn:
     while held.within(enough) is None:
         enough *= 2
         if enough > MOST:
-            _refuse_pulling(held.touching)
+            _refuse_pulling(held.touching, held.place)
     lacking = enough / 2
     while enough - lacking > WITHIN * enough:
         middle = (enough + lacking) / 2
@@ -159,9 +160,9 @@ def _most(held: Held, z: Array) -> float:
     return max(used for used, _ in held.shares(z))
 
 
-def _refuse_pulling(touching: Touching) -> NoReturn:
-    _refuse(touching, "a contact would have to pull at the equilibrium near the start",
-            "start near a state of rest in which they do", "contacts press")  # fmt: skip
+def _refuse_pulling(touching: Touching, place: HeldState) -> NoReturn:
+    _refuse(touching, f"a contact would have to pull {place.called[0]}",
+            "start near one in which they do", "contacts press")  # fmt: skip
 
 
 def _refuse_slipping(held: Held, z: Array, factor: float) -> NoReturn:
@@ -169,7 +170,8 @@ def _refuse_slipping(held: Held, z: Array, factor: float) -> NoReturn:
     worst = int(np.argmax([used for used, _ in shares]))
     contact, (_, kind) = held.touching.contacts[worst], shares[worst]
     name = {"slip": "static friction", "spin": "spinning resistance", "roll": "rolling resistance"}[kind]
-    found = f"contact {contact.name!r} would {kind} at rest: it takes {factor:.6g} times its {name}"
+    what = f"contact {contact.name!r} would {kind} {held.place.called[1]}"
+    found = f"{what}: it takes {factor:.6g} times its {name}"
     _refuse(held.touching, found, "raise it as much, or start where less is needed")
 
 

@@ -15,8 +15,10 @@ Source: Ju. I. Neimark, N. A. Fufaev, Dynamics of Nonholonomic Systems (1972).
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import ClassVar
 
 import casadi as ca
 import numpy as np
@@ -36,6 +38,7 @@ from modelgen.runtime.session import Session
 from modelgen.runtime.start import begin
 from modelgen.scene.scene_types import Restitution
 
+KINDS = ("slip", "spin", "roll")
 DEPENDENT = 1e-9  # part of a row of J that the others leave, against the largest row
 
 
@@ -43,28 +46,22 @@ class NoPlaceError(ArithmeticError):
     """A contact has no point there, or a load no value."""
 
 
-@dataclass(frozen=True)
-class Place:
-    """The motion linearised at one place; coordinates: of each body v in world, then w in body axes."""
+@dataclass(frozen=True, kw_only=True)
+class HeldState:
+    """What is held at a state; coordinates: of each body v in world, then w in body axes."""
 
+    called: ClassVar[tuple[str, str]]  # for messages: what it is, and in short
     q: Array  # (n_q,)
     etas: tuple[Array, ...]  # of each contact
     facings: tuple[Facing, ...]  # of each contact
     J: Array  # (m, n) the rows that are held, those of the joints last
     joint_rows: int  # number of the latter
-    gaps: Array  # (m,) m or rad, of rows along normals and of joints; 0 of others
+    value: Array  # (m,) m or rad, of rows along normals and of joints; 0 of others
     B: Array  # (n_q, n) qdot by u
-    C: Array  # (n, n) 1/s, udot by u, under the forces that hold
-    D: Array  # (n, n) 1/s^2, udot by xi, under them
-    free: Array  # (n,) udot without forces of contacts and joints
+    free: Array  # (n,) udot without forces of contacts and joints, less udot in the state sought
     mass: Array  # (n, n)
     root: Array  # (n, n), root root^T = mass^-1
     motions: Array  # (n, k) that keep what is held; motions^T mass motions = 1
-
-    @property
-    def push(self) -> Array:
-        """(k,) what accelerates the motions."""
-        return np.asarray(self.motions.T @ self.mass @ self.free)
 
     @property
     def contact_J(self) -> Array:
@@ -74,12 +71,26 @@ class Place:
     @cached_property
     def joint_motions(self) -> Array:
         """(n, j) all motions that the joints leave; joint_motions^T mass joint_motions = 1."""
-        return _motions(self.J[len(self.J) - self.joint_rows :], self.root)
+        return motions_along(self.J[len(self.J) - self.joint_rows :], self.root)
 
     @property
     def redundant(self) -> int:
         """Rows of contacts beyond their rank among the motions that the joints leave."""
         return int(self.motions.shape[1]) + len(self.contact_J) - int(self.joint_motions.shape[1])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Place(HeldState):
+    """The motion linearised at one place, at rest there."""
+
+    called = ("at the equilibrium near the start", "at rest")
+    C: Array  # (n, n) 1/s, udot by u, under the forces that hold
+    D: Array  # (n, n) 1/s^2, udot by xi, under them
+
+    @property
+    def push(self) -> Array:
+        """(k,) what accelerates the motions."""
+        return np.asarray(self.motions.T @ self.mass @ self.free)
 
     @property
     def stiffness(self) -> Array:
@@ -95,7 +106,8 @@ class Place:
 class Touching:
     """A scene at rest whose contacts are those that touch at the start, with its joints."""
 
-    def __init__(self, derivation: Derivation, library: Library) -> None:
+    def __init__(self, derivation: Derivation, library: Library, still: Collection[str] = KINDS) -> None:
+        """`still`: the kinds of friction constraints that must not move at the start."""
         self.model = model = derivation.model
         self.functions = {formula.name: formula.function for formula in derivation.formulas}
         _refuse(model)
@@ -107,12 +119,11 @@ class Touching:
         self.held: list[int] = []  # rows among those of all contacts
         for contact, first in zip(self.contacts, self.first, strict=True):
             self.held += [first + row for row in contact.held]
-        self.motion = self._motion()
         self.contact_rows = sum(contact.rows for contact in self.contacts)
         self.joint_rows = sum(joint.rows for joint in model.joints)
         self.held += range(self.contact_rows, self.contact_rows + self.joint_rows)
-        facings = self._facings(np.array(model.initial_q), tuple(contact.eta for contact in self.contacts))
-        _refuse_moving(model, self.contacts, facings)
+        facings = self.facings(np.array(model.initial_q), tuple(contact.eta for contact in self.contacts))
+        _refuse_moving(model, self.contacts, facings, still)
 
     @cached_property
     def first(self) -> list[int]:
@@ -124,47 +135,58 @@ class Touching:
 
         Raises NoPlaceError where they have none.
         """
-        found = [
-            contact.settled(self._sides(contact.feature_pair, q), eta)
-            for contact, eta in zip(self.contacts, etas, strict=True)
-        ]
-        etas = tuple(eta for eta, _ in found)
-        facings, still = self._facings(q, etas), np.zeros(self.model.n_u)
+        etas, gaps = self.settled(q, etas)
+        facings, still = self.facings(q, etas), np.zeros(self.model.n_u)
         force = np.zeros(self.contact_rows + self.joint_rows)
         eta = np.concatenate([*etas, np.zeros(0)])
-        *_, udot, values, of_joints = self.motion(q, still, eta, force)
+        *_, udot, values, of_joints = self._motion(q, still, eta, force)
         free = np.array(udot).ravel()
         rows = np.vstack([*(facing.J for facing in facings), np.array(of_joints)])
-        J, gaps = rows[self.held], np.zeros(len(rows))
-        gaps[self.first] = [gap for _, gap in found]
-        gaps[self.contact_rows :] = np.array(values).ravel()
+        J = rows[self.held]
         if not (np.isfinite(rows).all() and np.isfinite(free).all()):
             raise NoPlaceError
         wanted = -self.root.T @ self.mass @ free
         force[self.held] = np.linalg.lstsq((J @ self.root).T, wanted, rcond=DEPENDENT)[0]
-        B, C, D = (np.array(each) for each in self.motion(q, still, eta, force)[:3])
+        B, C, D = (np.array(each) for each in self._motion(q, still, eta, force)[:3])
         return Place(
-            q, etas, facings, J, self.joint_rows, gaps[self.held], B, C, D, free, self.mass, self.root,
-            _motions(J, self.root),
+            q=q, etas=etas, facings=facings, J=J, joint_rows=self.joint_rows,
+            value=self.values(gaps, np.array(values)), B=B, C=C, D=D, free=free, mass=self.mass,
+            root=self.root, motions=motions_along(J, self.root),
         )  # fmt: skip
 
-    def stands(self, q: Array) -> bool:
+    def values(self, gaps: list[float], of_joints: Array) -> Array:
+        """(m,) of the rows that are held: gaps along normals, m, what joints hold at zero; 0 of others."""
+        found = np.zeros(self.contact_rows + self.joint_rows)
+        found[self.first] = gaps
+        found[self.contact_rows :] = of_joints.ravel()
+        return found[self.held]
+
+    def settled(self, q: Array, etas: tuple[Array, ...]) -> tuple[tuple[Array, ...], list[float]]:
+        """The contact points at q, found from `etas`, and the gaps there, m."""
+        found = [
+            contact.settled(self._sides(contact.feature_pair, q), eta)
+            for contact, eta in zip(self.contacts, etas, strict=True)
+        ]
+        return tuple(eta for eta, _ in found), [gap for _, gap in found]
+
+    def stands(self, q: Array, u: Array | None = None) -> bool:
         """Whether as many contacts as at the start touch at q, and nothing interpenetrates."""
         try:
-            session = self._at_rest(q)
+            session = self._begun(q, u)
         except SimulationError:
             return False
         return int(session.closed[: session.n_contact].sum()) == len(self.contacts)  # no limit is reached
 
-    def _at_rest(self, q: Array) -> Session:
+    def _begun(self, q: Array, u: Array | None = None) -> Session:
+        """At q with velocities u, or at rest."""
         session = Session(self.library, replace(Accuracy.tight(), planar_contacts=False))
         session.x[: len(q)] = q
-        session.x[len(q) : len(q) + self.model.n_u] = 0.0
+        session.x[len(q) : len(q) + self.model.n_u] = 0.0 if u is None else u
         begin(session)
         return session
 
     def _at_start(self) -> tuple[Contact, ...]:
-        model, session = self.model, self._at_rest(np.array(self.model.initial_q))
+        model, session = self.model, self._begun(np.array(self.model.initial_q))
         for k, limit in enumerate(model.limits, start=len(model.contacts)):
             if session.closed[k]:
                 name, where = model.joints[limit.joint].name, f"{model.scene.name}: linearise"
@@ -189,7 +211,7 @@ class Touching:
     def _kernel(self, feature_pair: FeaturePairEntry, role: str) -> ca.Function:
         return self.functions[f"mg_{self.model.contact_kinds[feature_pair.kind].name}_{role}"]
 
-    def _facings(self, q: Array, etas: tuple[Array, ...]) -> tuple[Facing, ...]:
+    def facings(self, q: Array, etas: tuple[Array, ...]) -> tuple[Facing, ...]:
         return tuple(
             contact.facing(self._sides(contact.feature_pair, q), eta, self.model)
             for contact, eta in zip(self.contacts, etas, strict=True)
@@ -199,6 +221,11 @@ class Touching:
         """The rotation (3, 3) of each body."""
         poses = [self._pose(index, q) for index in range(len(self.model.bodies))]
         return [np.reshape(pose[3:12], (3, 3)).T for pose in poses]
+
+    def turns_of_dynamic(self, q: Array) -> list[Array]:
+        """The rotation (3, 3) of each dynamic body."""
+        sizes = [size_of(self.model, body.kind) for body in self.model.bodies]
+        return [turn for turn, size in zip(self.turns(q), sizes, strict=True) if size]
 
     def turning(self, q: Array) -> Array:
         """(n, n) orthogonal, to u from u with v in body axes."""
@@ -220,20 +247,27 @@ class Touching:
             return np.concatenate([q[body.q : body.q + 3], np.eye(3).ravel()])
         return call(self.functions[f"mg_{kind.name}_pose"], q[body.q : body.q + 7])[0]
 
+    @cached_property
+    def pushed(self) -> ca.Function:
+        """The accelerations under given forces of what is held."""
+        model = _holding(self.contacts, self.model)
+        return pushed(model, self.functions, held_mode(model))
+
+    @property
+    def settings(self) -> dict[str, list[float]]:
+        """Arguments of `pushed` that do not change: gravity, parameters, inputs at their default values."""
+        model = _holding(self.contacts, self.model)
+        inputs = [part for each in model.scene.inputs for part in (each.default, 0.0, 0.0)]
+        return {"gravity": [*model.scene.gravity], "parameters": parameter_values(model), "inputs": inputs}
+
+    @cached_property
     def _motion(self) -> ca.Function:
         """(q, u, eta of the contacts, forces along all their rows and those of the joints) -> B, C, D, udot,
         values and J of the rows of the joints."""
-        model = _holding(self.contacts, self.model)
-        rhs = pushed(model, self.functions, held_mode(model))
+        rhs = self.pushed
+        given = {name: ca.SX(ca.DM(value)) for name, value in self.settings.items() if name in rhs.name_in()}
+        given["t"] = ca.SX(0.0)
         q, u, eta, force = (ca.SX.sym(name, rhs.numel_in(name)) for name in ("q", "u", "eta", "force"))
-        settings = [part for each in model.scene.inputs for part in (each.default, 0.0, 0.0)]
-        at_rest = {
-            "t": ca.SX(0.0),
-            "gravity": ca.SX(ca.DM(model.scene.gravity)),
-            "parameters": ca.SX(ca.DM(parameter_values(model))),
-            "inputs": ca.SX(ca.DM(settings)),
-        }
-        given = {name: at_rest[name] for name in rhs.name_in() if name in at_rest}
         results = rhs.call(given | {"q": q, "u": u, "eta": eta, "force": force})
         qdot, udot, eta_dot = (results[name] for name in ("qdot", "udot", "eta_dot"))
         B, E, C = ca.jacobian(qdot, u), ca.jacobian(eta_dot, u), ca.jacobian(udot, u)
@@ -270,13 +304,18 @@ def _refuse(model: Model) -> None:
             raise SimulationError(where, found, allowed, "leave its motion out, or use a weld")
 
 
-def _refuse_moving(model: Model, contacts: tuple[Contact, ...], facings: tuple[Facing, ...]) -> None:
+def _refuse_moving(
+    model: Model, contacts: tuple[Contact, ...], facings: tuple[Facing, ...], still: Collection[str]
+) -> None:
     """Raises SimulationError where what friction or a resistance should hold moves at the start."""
     u, scales, least = np.array(model.initial_u), model.scales, Accuracy.balanced().slip_speed
     for contact, facing in zip(contacts, facings, strict=True):
         for constraint, speed in moving(contact, facing.J @ u):
             unit = "m/s" if constraint.kind == "slip" else "rad/s"
-            if speed > least * (scales.length if constraint.kind == "slip" else 1.0) / scales.time:
+            if (
+                constraint.kind in still
+                and speed > least * (scales.length if constraint.kind == "slip" else 1.0) / scales.time
+            ):
                 raise SimulationError(
                     f"{model.scene.name}: linearise",
                     f"contact {contact.name!r} {constraint.kind}s at the start, at {speed:.3g} {unit}",
@@ -297,7 +336,22 @@ def _mass_inverse(model: Model) -> Array:
     return np.asarray(block_diag(*blocks)) if blocks else np.zeros((0, 0))
 
 
-def _motions(J: Array, root: Array) -> Array:
+def size_of(model: Model, kind: int) -> int:
+    """Coordinates of a body in u."""
+    return {"point": 3, "free": 6}.get(model.body_kinds[kind].motion, 0)
+
+
+def moved(q: Array, step: Array, model: Model) -> Array:
+    """q after a step (n_q,), with unit quaternions."""
+    q = q + step
+    for body in model.bodies:
+        if model.body_kinds[body.kind].motion == "free":
+            turn = slice(body.q + 3, body.q + 7)
+            q[turn] /= np.linalg.norm(q[turn])
+    return np.asarray(q)
+
+
+def motions_along(J: Array, root: Array) -> Array:
     """(n, k) with J motions = 0 and motions^T M motions = 1."""
     _, sizes, vectors = np.linalg.svd(np.vstack([J @ root, np.zeros((1, len(root)))]))
     rank = int((sizes > DEPENDENT * sizes.max(initial=0.0)).sum())

@@ -39,7 +39,7 @@ PACKAGE_DATA = {  # part of the program: the text of the core, the page that pla
     "codegen/amalgamation.py": {"read_text"},
     "view/page.py": {"read_text", "write_text"},
 }
-C_CALLERS = ("codegen/library.py", "runtime/")
+C_CALLERS = ("codegen/library.py", "runtime/", "export/sources/")  # the last: what is written for elsewhere
 
 # Numbers below 1e-3 in runtime/ outside Accuracy, and why each is no tolerance of a run.
 SMALL = {

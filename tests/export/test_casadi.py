@@ -13,7 +13,7 @@ from modelgen import derive, read, require
 from tests.export.folders import exported, needs_gcc
 from tests.running import SCENES
 
-ALONE = """
+BARRED = """
 import sys
 
 class Barred:
@@ -23,6 +23,10 @@ class Barred:
 
 sys.meta_path.insert(0, Barred())
 sys.path.insert(0, sys.argv[1])
+"""
+ALONE = (
+    BARRED
+    + """
 from load import load
 
 functions = load()
@@ -31,6 +35,7 @@ f = functions[name]
 values = f(*[0.1 + 0.01 * k for k in range(f.n_in())])
 print(len(functions), *[repr(float(x)) for v in values for x in v.full().ravel()])
 """
+)
 
 
 @needs_gcc

@@ -1,7 +1,7 @@
 """All minima of the distance of two circles in space, in 50 digits, independent of the project's code.
 
-The distance of a point of the second circle from the first one is known in closed form; its derivative along the
-second circle changes its sign at each minimum.
+The distance of a point of the second circle from the first one is known in closed form; its derivative along
+the second circle changes its sign at each minimum.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class CirclePair:
 
     @property
     def axes(self) -> tuple[Vector, Vector, Vector]:
-        """Centre, and the two radii of the second circle along its axes, m; the radii made normal to each other."""
+        """Centre, and the two radii of the second circle along its axes, m; the radii are made normal."""
         at = [mpf(float(x)) for x in self.pose]
         u, v = at[3:6], at[6:9]
         u = [x / mp.sqrt(dot(u, u)) for x in u]
@@ -92,7 +92,7 @@ class CirclePair:
         first = self.R**2 + dot(near, span)
         second = self.r**2 - dot(tuple(a - b for a, b in zip(x, centre, strict=True)), span)
         along = self.point(t, 1)
-        mixed = (-near[1] * along[0] + near[0] * along[1]) 
+        mixed = -near[1] * along[0] + near[0] * along[1]
         margin = (first * second - mixed**2) / (self.R * self.r) ** 2
         return Minimum(
             float(mp.sqrt(dot(span, span))), float(margin), np.array([float(a) for a in (*near, *x)])

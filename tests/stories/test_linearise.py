@@ -3,15 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
+from rich.console import Console
+
+from modelgen.report.linearisation_output import print_steady
+from modelgen.report.stability_output import print_stability
+from tests.linearisation.test_steady import WHEEL
 
 Modelgen = Callable[..., Any]
 RINGS = "scenes/linked_rings.toml"
+
+
+def printed(show: Callable[[Any, Console], None], facts: dict[str, Any]) -> str:
+    """What a command prints of its facts for people."""
+    text = StringIO()
+    show(facts, Console(file=text, width=500))
+    return text.getvalue()
 
 
 def test_it_answers_to_its_schema(modelgen: Modelgen) -> None:
@@ -34,6 +47,40 @@ def test_people_read_the_same(modelgen: Modelgen) -> None:
         if mode["frequency"]:
             assert f"{mode['frequency']:.9g} rad/s" in text
     assert "hook-ring" in text
+
+
+def test_steady_motions_and_their_stability_answer_to_their_schemas(
+    modelgen: Modelgen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("wheel.toml").write_text(WHEEL)
+    schemas = modelgen("schema").json["$defs"]
+    facts = modelgen("linearise", "wheel.toml", "--steady", "--json").json
+    Draft202012Validator(schemas["linearised_steady"]).validate(facts)
+    assert facts["bodies"]["wheel"]["w"] == pytest.approx([0, 10, 0])
+    assert [mode["kind"] for mode in facts["modes"]] == ["neutral", "neutral", "oscillation"]
+    assert "steady motion, unchanged along 4 directions" in printed(print_steady, facts)
+    over = ("--vary", "speed=0.5:0.6:2", "--plot", "speeds.svg")
+    found = modelgen("linearise", "wheel.toml", *over, "--json").json
+    Draft202012Validator(schemas["stability"]).validate(found)
+    assert found["stable"] == [pytest.approx([0.571839138, 0.6])]
+    assert Path("speeds.svg").read_text().startswith("<?xml")
+    assert "speed from 0.571839" in printed(print_stability, found)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--vary", "speed=0:10"), "a grid needs values"),
+        (("--vary", "speed=3:1:5"), "from 3 to 1"),
+        (("--vary", "sped=1:3:5"), "speed"),
+        (("--plot", "x.png"), "no --vary"),
+    ],
+)
+def test_ranges_that_are_none_are_refused(modelgen: Modelgen, options: tuple[str, ...], message: str) -> None:
+    answer = modelgen("linearise", "scenes/bicycle.toml", *options)
+    assert (answer.code, answer.out) == (2, "")
+    assert message in answer.err
 
 
 def test_a_forced_form_has_the_same_frequencies(modelgen: Modelgen) -> None:
