@@ -8,6 +8,7 @@ Their modules load when a verb is first asked for.
 `fit` finds numbers of a scene from recorded motion.
 `measure` finds what accuracy of a scene costs, `tune` picks a setting from that.
 `normal_rates` gives the rates of the contact normals at the samples of a trajectory.
+`import_scene` makes a scene of a file of another program.
 `record_of` joins a trajectory and its library to what `save` writes, `load` reads and `draw` draws.
 """
 
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from modelgen.derivation import derive as derive
     from modelgen.errors import ModelgenError as ModelgenError
     from modelgen.identification.fit import fit as fit
+    from modelgen.importing.importing import import_scene as import_scene
     from modelgen.linearisation.equilibrium_and_modes import linearise as linearise
     from modelgen.report.export import load as load
     from modelgen.report.export import save as save
@@ -56,6 +58,7 @@ __all__ = [
     "emit",
     "fit",
     "gradient",
+    "import_scene",
     "linearise",
     "load",
     "measure",
@@ -88,6 +91,7 @@ _HOMES = {
     "simulate_batch": "modelgen.runtime.batch",
     "as_casadi": "modelgen.casadi_functions.as_casadi",
     "fit": "modelgen.identification.fit",
+    "import_scene": "modelgen.importing.importing",
     "linearise": "modelgen.linearisation.equilibrium_and_modes",
     "measure": "modelgen.benchmark",
     "tune": "modelgen.benchmark",

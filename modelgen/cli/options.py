@@ -11,7 +11,7 @@ import typer
 
 from modelgen.errors import ModelgenError, SceneError
 from modelgen.scene.run_settings import ACCURACIES, FORMS, METHODS, REALS, RUN, SCHEMES, SOLVERS
-from modelgen.scene.scalar_types import NUMBER, Choice, Real, Type, Whole
+from modelgen.scene.scalar_types import NUMBER, POSITIVE, Choice, Real, Type, Whole
 from modelgen.scene.source_location import Place
 
 STYLES = ("text", "latex", "html")
@@ -26,6 +26,8 @@ TYPES: dict[str, Type] = {
     "starts": Whole(1, 1000),
     "seed": Whole(0, 2**31 - 1),
     "port": Whole(1, 65535),
+    "corners": Whole(4, 1000),
+    "length": POSITIVE,
 }
 
 
