@@ -16,16 +16,30 @@ Source = Annotated[
 ]
 Out = Annotated[
     Path | None,
-    typer.Option("--out", "-o", help="scene file to write; default: standard output", metavar="FILE.toml", readable=False),
+    typer.Option(
+        "--out",
+        "-o",
+        help="scene file to write; default: standard output",
+        metavar="FILE.toml",
+        readable=False,
+    ),
 ]
 Format = Annotated[
     str | None,
     typer.Option("--format", help="mjcf, urdf or profile; default: by the file itself", metavar="FORMAT"),
 ]
-Key = Annotated[str | None, typer.Option("--key", help="mjcf: keyframe to begin with, by name or number", metavar="NAME")]
-Until = Annotated[str | None, typer.Option("--until", help="end of the run, s; default: 1", metavar="SECONDS")]
+Key = Annotated[
+    str | None, typer.Option("--key", help="mjcf: keyframe to begin with, by name or number", metavar="NAME")
+]
+Floating = Annotated[
+    bool, typer.Option("--floating", help="urdf: the first link moves freely; else it rests")
+]
+Until = Annotated[
+    str | None, typer.Option("--until", help="end of the run, s; default: 1", metavar="SECONDS")
+]
 Corners = Annotated[
-    str | None, typer.Option("--corners", help="most corners of a polyhedron that stands for a mesh", metavar="NUMBER")
+    str | None,
+    typer.Option("--corners", help="most corners of a polyhedron that stands for a mesh", metavar="NUMBER"),
 ]
 As = Annotated[
     str | None,
@@ -38,10 +52,14 @@ Unit = Annotated[str, typer.Option("--unit", help="of a profile", metavar="[m|cm
 Off = Annotated[
     str | None,
     typer.Option(
-        "--tolerance", help="by which points may lie off, on average, m; default: their noise", metavar="NUMBER"
+        "--tolerance",
+        help="by which points may lie off, on average, m; default: their noise",
+        metavar="NUMBER",
     ),
 ]
-Length = Annotated[str | None, typer.Option("--length", help="of a wall or an extrusion, m", metavar="NUMBER")]
+Length = Annotated[
+    str | None, typer.Option("--length", help="of a wall or an extrusion, m", metavar="NUMBER")
+]
 Without = Annotated[
     str | None, typer.Option("--without", help="parts of the file that may be left out", metavar="A,B,...")
 ]
@@ -53,6 +71,7 @@ def import_file(
     out: Out = None,
     format: Format = None,
     key: Key = None,
+    floating: Floating = False,
     until: Until = None,
     corners: Corners = None,
     without: Without = None,
@@ -70,21 +89,24 @@ def import_file(
         check_file(out)
     given: dict[str, Any] = {
         "key": key,
+        "floating": floating,
         "until": read_option("until", until),
         "corners": read_option("corners", corners),
         "without": None if without is None else [each.strip() for each in without.split(",") if each.strip()],
         "kind": kind,
         "columns": columns,
         "unit": unit,
-        "tolerance": read_length("tolerance", tolerance),
+        "tolerance": read_option("tolerance", tolerance),
         "length": read_option("length", length),
     }
-    found = import_scene(file, format, **{key: value for key, value in given.items() if value is not None})  # type: ignore[arg-type]
+    found = import_scene(file, format, **{key: value for key, value in given.items() if value is not None})
     if out is not None:
         try:
             out.write_text(found.text, encoding="utf-8")
         except OSError as cause:
-            raise ModelgenError(str(out), f"it cannot be written: {cause.strerror}", "", "name another file") from cause
+            raise ModelgenError(
+                str(out), f"it cannot be written: {cause.strerror}", "", "name another file"
+            ) from cause
     facts = {
         "scene": found.scene.name,
         "file": None if out is None else str(out),

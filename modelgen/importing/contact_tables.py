@@ -16,7 +16,7 @@ Pairs = dict[frozenset[Partner], Touch]
 
 
 def contact_tables(found: Touches, shapes: Shapes, joints: Iterable[ModelJoint]) -> list[Section]:
-    """`[contacts]`, or a `[[contact]]` for each pair of bodies, or of shapes where those of two bodies differ."""
+    """`[contacts]`, or a `[[contact]]` for each pair of shapes."""
     partners = {geom: (body.name, str(table["name"])) for geom, (body, table) in shapes.items()}
     pairs: Pairs = {
         frozenset((partners[a], partners[b])): touch

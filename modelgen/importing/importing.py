@@ -9,10 +9,9 @@ from typing import TypedDict, Unpack
 from xml.etree import ElementTree
 
 from modelgen.errors import ModelgenError, nearest, path_of
+from modelgen.importing import profile_scene, robot_scene
 from modelgen.importing.model_shapes import CORNERS
 from modelgen.importing.notes import Notes, check_without
-from modelgen.importing.profile_scene import Reading, profile_text
-from modelgen.importing.robot_scene import robot_text
 from modelgen.scene.read import read_text
 from modelgen.scene.scene_types import Scene
 
@@ -39,6 +38,7 @@ class Chosen(TypedDict, total=False):
     """The choices of `Choices`, as keywords."""
 
     key: str | None
+    floating: bool
     until: float
     corners: int
     without: Collection[str]
@@ -55,6 +55,7 @@ class Choices:
 
     Attributes:
         key: of `mjcf`, name or number of the keyframe that the scene begins with.
+        floating: of `urdf`, whether the first link moves freely; else it rests.
         until: end of the run, s.
         corners: of `mjcf` and `urdf`, the most corners of a polyhedron that stands for a mesh.
         without: of `mjcf` and `urdf`, keys of `notes.WITHOUT`: parts of the file that may be left out.
@@ -66,6 +67,7 @@ class Choices:
     """
 
     key: str | None = None
+    floating: bool = False
     until: float = UNTIL
     corners: int = CORNERS
     without: Collection[str] = ()
@@ -77,12 +79,15 @@ class Choices:
 
 
 def _robot(path: Path, urdf: bool, choices: Choices, notes: Notes) -> str:
-    return robot_text(path, urdf, choices.key, choices.until, choices.corners, notes)
+    reading = robot_scene.Reading(urdf, choices.key, choices.floating, choices.corners)
+    return robot_scene.robot_text(path, reading, choices.until, notes)
 
 
 def _profile(path: Path, choices: Choices, notes: Notes) -> str:
-    reading = Reading(choices.kind, choices.columns, choices.unit, choices.tolerance, choices.length)
-    return profile_text(path, reading, choices.until, notes)
+    reading = profile_scene.Reading(
+        choices.kind, choices.columns, choices.unit, choices.tolerance, choices.length
+    )
+    return profile_scene.profile_text(path, reading, choices.until, notes)
 
 
 FORMATS: Mapping[str, Callable[[Path, Choices, Notes], str]] = {
@@ -93,12 +98,16 @@ FORMATS: Mapping[str, Callable[[Path, Choices, Notes], str]] = {
 _OF_PROFILES = ("kind", "columns", "unit", "tolerance", "length")
 OPTIONS: Mapping[str, tuple[str, ...]] = {  # by format, choices that it takes
     "mjcf": ("key", "corners", "without"),
-    "urdf": ("corners", "without"),
+    "urdf": ("floating", "corners", "without"),
     "profile": _OF_PROFILES,
 }
-WORDS = {"key": "--key", "corners": "--corners", "without": "--without", "kind": "--as"} | {
-    name: f"--{name}" for name in _OF_PROFILES[1:]
-}
+WORDS = {
+    "key": "--key",
+    "floating": "--floating",
+    "corners": "--corners",
+    "without": "--without",
+    "kind": "--as",
+} | {name: f"--{name}" for name in _OF_PROFILES[1:]}
 ROOTS = {"mujoco": "mjcf", "robot": "urdf"}  # first element of a file
 TEXTS = (".csv", ".txt", ".dat")  # ends of the names of profiles
 
@@ -112,7 +121,8 @@ def import_scene(path: str | Path, format: str | None = None, **choices: Unpack[
         choices: those of `Choices`, by name.
 
     Raises:
-        ModelgenError: the file cannot be read, is of no known format, or has parts that a scene has no like of.
+        ModelgenError: the file cannot be read, is of no known format, or has parts that a scene has no like
+            of.
     """
     chosen, path = Choices(**choices), path_of("import_scene", path)
     check_without(chosen.without)
@@ -141,6 +151,9 @@ def _format(path: Path, format: str | None) -> str:
         root = next(ElementTree.iterparse(path, events=("start",)))[1].tag
     except (ElementTree.ParseError, StopIteration, UnicodeDecodeError):
         root = ""
+    if root == "sdf":
+        remedy = "convert it to URDF or MJCF"
+        raise ModelgenError(str(path), "SDF, for which there is no kept parser in Python", allowed, remedy)
     if root not in ROOTS:
         raise ModelgenError(str(path), "a file of no known format", allowed, "name it with --format")
     return ROOTS[root]

@@ -52,7 +52,14 @@ def actuated(
         return []
     names, found = expression_names(), Actuated()
     for number in range(source.model.nu):
-        _add(source, number, bodies, joints, (names.of(source.name("actuator", number), f"u{number}"), found), notes)
+        _add(
+            source,
+            number,
+            bodies,
+            joints,
+            (names.of(source.name("actuator", number), f"u{number}"), found),
+            notes,
+        )
     return [*found.inputs, *found.sections]
 
 
@@ -94,7 +101,9 @@ def _moved(
     elif kind == mj.mjtTrn.mjTRN_TENDON:
         first, count = int(model.tendon_adr[target]), int(model.tendon_num[target])
         if all(int(model.wrap_type[k]) == mj.mjtWrap.mjWRAP_JOINT for k in range(first, first + count)):
-            parts = [(int(model.wrap_objid[k]), float(model.wrap_prm[k])) for k in range(first, first + count)]
+            parts = [
+                (int(model.wrap_objid[k]), float(model.wrap_prm[k])) for k in range(first, first + count)
+            ]
     found = [(joints[number], share) for number, share in parts if number in joints]
     coordinates = all(joint.kind != "spherical" for joint, _ in found)
     return found if coordinates and len(found) == len(parts) else []
@@ -107,12 +116,14 @@ def _law(source: Compiled, number: int) -> Law | None:
         return None
     if int(model.actuator_gaintype[number]) != mj.mjtGain.mjGAIN_FIXED:
         return None
-    limits = tuple(map(float, model.actuator_forcerange[number])) if model.actuator_forcelimited[number] else None
+    low, high = (float(each) for each in model.actuator_forcerange[number])
+    limits = (low, high) if model.actuator_forcelimited[number] else None
     if int(model.actuator_biastype[number]) == mj.mjtBias.mjBIAS_NONE:
         biases = np.zeros(3)
     elif int(model.actuator_biastype[number]) != mj.mjtBias.mjBIAS_AFFINE:
         return None
-    return Law(float(gains[0]), *(float(each) for each in biases[:3]), limits)  # type: ignore[arg-type]
+    constant, by_length, by_rate = (float(each) for each in biases[:3])
+    return Law(float(gains[0]), constant, by_length, by_rate, limits)
 
 
 def _is_steady(source: Compiled, site: int) -> bool:
@@ -184,7 +195,9 @@ def _at_site(
     for key, axis in (("force", gear[:3]), ("torque", gear[3:])):
         if not axis.any():
             continue
-        components = [linear_text([(each, f"({text})" if " " in text else text)]) for each in vector(turn @ axis)]
+        components = [
+            linear_text([(each, f"({text})" if " " in text else text)]) for each in vector(turn @ axis)
+        ]
         point = {"point": vector(placed.position)} if key == "force" and any(vector(placed.position)) else {}
         found.append(Section(key, {"body": body.name, key: components, **point, "frame": frame}))
     return found

@@ -1,4 +1,4 @@
-"""Which geoms of a MuJoCo model touch, and how: filters, exclusions and listed pairs as MuJoCo applies them."""
+"""Which geoms of a MuJoCo model touch, and how: by filters, exclusions and listed pairs, as in MuJoCo."""
 
 from __future__ import annotations
 
@@ -68,9 +68,7 @@ def _filtered(source: Compiled) -> Iterator[tuple[int, int]]:
     model = source.model
     weld = [int(each) for each in model.body_weldid]
     above = [weld[int(model.body_parentid[each])] for each in weld]
-    excluded = {
-        frozenset((int(s) >> LISTED, int(s) & ((1 << LISTED) - 1))) for s in model.exclude_signature
-    }
+    excluded = {frozenset((int(s) >> LISTED, int(s) & ((1 << LISTED) - 1))) for s in model.exclude_signature}
     by_parent = not source.is_disabled("FILTERPARENT")
     kinds = [(int(model.geom_contype[g]), int(model.geom_conaffinity[g])) for g in range(model.ngeom)]
     silent = [kind == (0, 0) for kind in kinds]
@@ -119,12 +117,13 @@ def _touch(dimension: int, friction: Any, solref: Array) -> Touch:
 
 
 def _restitution(solref: Array) -> float:
-    """What a spring and damper give back: of the damping ratio; of a time constant, or stiffness and damping."""
+    """The coefficient of restitution of a contact's spring and damper.
+
+    Args:
+        solref: time constant, s, and damping ratio; or, negative, stiffness and damping.
+    """
     first, second = (float(each) for each in solref)
-    if first > 0:
-        ratio = second
-    else:
-        ratio = -second / (2 * sqrt(-first)) if first < 0 else 1.0
+    ratio = second if first > 0 else -second / (2 * sqrt(-first)) if first < 0 else 1.0
     if ratio >= 1:
         return 0.0
     ratio = max(ratio, 0.0)

@@ -109,8 +109,8 @@ def _links(
 ) -> Iterator[RigidBody]:
     """A link after each joint but the last, where the joints before it have put it.
 
-    One that does not turn, because slides alone carry it, has the inertia of the body: its joints are then well
-    conditioned, and no motion depends on it.
+    One that does not turn, because slides alone carry it, has the inertia of the body: its joints are then
+    well conditioned, and no motion depends on it.
     """
     first, inertia = body.members[0], _about_joints(source, body, numbers)
     for k in range(1, len(numbers)):
@@ -199,7 +199,8 @@ def _reference(source: Compiled, number: int, kind: str) -> Pose:
 
 
 def _keys(source: Compiled, number: int) -> dict[str, Any]:
-    model, keys = source.model, {}
+    model = source.model
+    keys: dict[str, Any] = {}
     if model.jnt_limited[number] and not source.is_disabled("LIMIT"):
         keys["limits"] = [float(each) for each in model.jnt_range[number]]
     stiffness, damping = _linear(model, "jnt_stiffness", number), _damping(model, number)
@@ -234,7 +235,7 @@ def _note(source: Compiled, number: int, kind: str, on_world: bool, notes: Notes
         notes.omit(f"armature of {told}, {armature:g}")
     elif armature and not on_world:
         notes.approximate(
-            f"armature of {told}, {armature:g}, is a disc on its body: the part of its parent's rotation in it is too much"
+            f"armature of {told}, {armature:g}, is a disc on its body, which its parent's rotation turns too"
         )
     if kind == "spherical" and model.jnt_stiffness[number]:
         notes.omit(f"stiffness of the ball {told}")

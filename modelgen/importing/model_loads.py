@@ -23,7 +23,8 @@ Bodies = Mapping[int, RigidBody]
 
 def tendons(source: Compiled, bodies: Bodies, notes: Notes) -> list[Section]:
     """Springs and ropes between two points each."""
-    names, found = Names(), []
+    names = Names()
+    found: list[Section] = []
     for number in range(source.model.ntendon):
         told, ends = source.told("tendon", number), _straight(source, number, bodies)
         if ends is None:
@@ -32,7 +33,9 @@ def tendons(source: Compiled, bodies: Bodies, notes: Notes) -> list[Section]:
             continue
         if source.model.tendon_frictionloss[number]:
             notes.omit(f"dry friction of {told}")
-        found += _tendon(source, number, ends, names.of(source.name("tendon", number), f"tendon{number}"), notes)
+        found += _tendon(
+            source, number, ends, names.of(source.name("tendon", number), f"tendon{number}"), notes
+        )
     return found
 
 
@@ -60,7 +63,13 @@ def site_end(source: Compiled, site: int, bodies: Bodies) -> tuple[str, Pose]:
 def _acts(source: Compiled, number: int) -> bool:
     """Whether a tendon does anything by itself; what pulls at it is an actuator."""
     model = source.model
-    values = ("tendon_stiffness", "tendon_damping", "tendon_limited", "tendon_frictionloss", "tendon_armature")
+    values = (
+        "tendon_stiffness",
+        "tendon_damping",
+        "tendon_limited",
+        "tendon_frictionloss",
+        "tendon_armature",
+    )
     return any(np.any(getattr(model, name)[number]) for name in values if hasattr(model, name))
 
 
@@ -87,7 +96,8 @@ def _tendon(source: Compiled, number: int, ends: Ends, name: str, notes: Notes) 
     if model.tendon_limited[number] and not source.is_disabled("LIMIT"):
         least, largest = (float(each) for each in model.tendon_range[number])
         values = {
-            "kind": "rope", "name": name, "between": [one, other], "frames": [pose_keys(here), pose_keys(there)],
+            "kind": "rope", "name": name, "between": [one, other],
+            "frames": [pose_keys(here), pose_keys(there)],
             "limits": ["none" if least <= 0 else least, largest],
         }  # fmt: skip
         yield Section("joint", values)
@@ -150,7 +160,9 @@ def other_loads(
     """Compensated gravity, and the damping of balls on the world; notes on media, flexes and plugins."""
     model = source.model
     if model.opt.density or model.opt.viscosity:
-        notes.refuse("fluid", f"a medium of density {model.opt.density:g} and viscosity {model.opt.viscosity:g}")
+        notes.refuse(
+            "fluid", f"a medium of density {model.opt.density:g} and viscosity {model.opt.viscosity:g}"
+        )
     if model.nflex:
         notes.refuse("deformables", f"{model.nflex} flexes")
     if model.nplugin:
@@ -180,6 +192,11 @@ def _ball_dampings(source: Compiled, joints: Mapping[int, ModelJoint]) -> Iterat
     model = source.model
     for number, joint in joints.items():
         damping = float(np.atleast_1d(model.dof_damping[model.jnt_dofadr[number]])[0])
-        if joint.kind == "spherical" and joint.between[0] == WORLD and damping and not source.is_disabled("DAMPER"):
+        if (
+            joint.kind == "spherical"
+            and joint.between[0] == WORLD
+            and damping
+            and not source.is_disabled("DAMPER")
+        ):
             torque = [f"{-rounded(damping)!r}*w{axis}" for axis in "xyz"]
             yield Section("torque", {"body": joint.between[1], "torque": torque}, f"damping of {joint.name}")

@@ -16,7 +16,11 @@ from modelgen.scene.scene_types import Pose
 
 OF_JOINT = {"JOINTPOS": "coordinate", "JOINTVEL": "rate"}
 OF_POINT = {"FRAMEPOS": "position", "FRAMELINVEL": "velocity", "FRAMELINACC": "acceleration"}
-OF_BODY = {"FRAMEQUAT": "orientation", "FRAMEANGVEL": "angular_velocity", "FRAMEANGACC": "angular_acceleration"}
+OF_BODY = {
+    "FRAMEQUAT": "orientation",
+    "FRAMEANGVEL": "angular_velocity",
+    "FRAMEANGACC": "angular_acceleration",
+}
 
 
 def sensors(

@@ -15,7 +15,8 @@ from modelgen.importing.scene_writing import vector
 from modelgen.scene.pose_arithmetic import compose
 from modelgen.scene.scene_types import Pose
 
-CORNERS = 24  # of a polyhedron, unless more are asked for
+CORNERS = 12  # of a polyhedron, unless more are asked for: features, and their pairs, grow with its square
+UNITY = 1e4  # weight of the condition that weights have the sum 1
 THIN = 1e-9  # least extent of a hull, against its largest
 
 Shapes = Mapping[int, tuple[RigidBody, dict[str, Any]]]  # by geom, the body and the table of its shape
@@ -96,9 +97,7 @@ def _height_field(source: Compiled, geom: int, notes: Notes) -> dict[str, Any]:
     first = int(model.hfield_adr[number])
     half_x, half_y, top, _ = (float(each) for each in model.hfield_size[number])
     heights = top * np.reshape(model.hfield_data[first : first + rows * columns], (rows, columns)).T
-    notes.approximate(
-        f"{source.told('geom', geom)} is a smooth surface through its {rows * columns} heights; it was triangles"
-    )
+    notes.approximate(f"{source.told('geom', geom)} is a smooth surface through its {rows * columns} heights")
     return {
         "kind": "height_field",
         "x": vector(np.linspace(-half_x, half_x, columns)),
@@ -121,34 +120,38 @@ def _polyhedron(source: Compiled, geom: int, corners: int, notes: Notes) -> dict
     notes.approximate(f"{told} is the convex hull of its mesh, as in MuJoCo")
     if missed:
         notes.approximate(
-            f"{told} has {len(hull)} corners of its hull: what is cut off is {missed:.2g} m deep at most"
+            f"{told} has {len(hull)} corners of its hull: what is cut off reaches {missed:.2g} m beyond them"
         )
     return {"kind": "polyhedron", "vertices": [vector(point) for point in hull]}
 
 
 def hull_corners(points: Array, most: int) -> tuple[Array, float]:
-    """Corners (k, 3) of the hull of points (n, 3), and how deep the hull of these lies within it, m.
+    """Corners (k, 3) of the hull of points (n, 3), and how far beyond the hull of these a point is, m.
 
     Where the hull has more than `most` corners, those farthest out are taken one by one, beginning with the
     extreme ones along the principal axes.
     """
     from scipy.spatial import ConvexHull  # slow to import, and needed by meshes alone
 
-    flat = ConvexHull(points)
-    corners = points[flat.vertices]
+    corners = points[ConvexHull(points).vertices]
     if len(corners) <= most:
         return corners, 0.0
     axes = np.linalg.svd(corners - corners.mean(axis=0), full_matrices=False)[2]
     along = corners @ axes.T
     chosen = list(dict.fromkeys([*along.argmax(axis=0).tolist(), *along.argmin(axis=0).tolist()]))
+    size = float(np.ptp(corners, axis=0).max())
     while True:
         inner = ConvexHull(corners[chosen])
         outside = (corners @ inner.equations[:, :3].T + inner.equations[:, 3]).max(axis=1)
-        farthest = int(outside.argmax())
-        if len(chosen) >= most or outside[farthest] <= THIN * extents_of(corners):
-            return corners[chosen], max(float(outside[farthest]), 0.0)
-        chosen.append(farthest)
+        if len(chosen) >= most or outside.max() <= THIN * size:
+            return corners[chosen], _farthest(corners[outside > 0], corners[chosen], size)
+        chosen.append(int(outside.argmax()))
 
 
-def extents_of(points: Array) -> float:
-    return float(np.ptp(points, axis=0).max())
+def _farthest(points: Array, corners: Array, size: float) -> float:
+    """The largest distance of points (n, 3) from the hull of corners (k, 3), m, by weights of the sum 1."""
+    from scipy.optimize import nnls  # slow to import
+
+    matrix = np.vstack([corners.T / size, np.full(len(corners), UNITY)])
+    found = (nnls(matrix, np.append(point / size, UNITY))[1] for point in points)
+    return size * max(found, default=0.0)

@@ -17,6 +17,7 @@ from modelgen.importing.notes import Notes
 Array = np.ndarray[Any, np.dtype[np.float64]]
 START_KEYS = ("start", "home")  # keyframes that a run begins with, unless one is named
 UNREAD = {"mimic", "transmission", "gazebo", "safety_controller"}  # of URDF, which MuJoCo does not read
+WORLD = "world"
 MESH_ENDS = (".stl", ".obj", ".msh")
 
 
@@ -51,11 +52,12 @@ class Compiled:
         return bool(self.model.opt.disableflags & getattr(self.mj.mjtDisableBit, f"mjDSBL_{part}"))
 
 
-def compiled(path: Path, urdf: bool, key: str | None, notes: Notes) -> Compiled:
+def compiled(path: Path, urdf: bool, key: str | None, floating: bool, notes: Notes) -> Compiled:
     """The model of a file.
 
     Args:
         urdf: whether it is URDF.
+        floating: of URDF, whether the first link is free to move.
         key: name or number of the keyframe to begin with; "start" or "home" where there is one, if None.
 
     Raises:
@@ -63,7 +65,11 @@ def compiled(path: Path, urdf: bool, key: str | None, notes: Notes) -> Compiled:
     """
     mj = mujoco()
     try:
-        spec = mj.MjSpec.from_string(_urdf_text(path, notes)) if urdf else mj.MjSpec.from_file(str(path))
+        spec = (
+            mj.MjSpec.from_string(_urdf_text(path, floating, notes))
+            if urdf
+            else mj.MjSpec.from_file(str(path))
+        )
         _strip(spec, mj)
         _check_meshes(spec, mj, path, notes)
         with warnings.catch_warnings():
@@ -97,7 +103,7 @@ def _line(error: Exception) -> str:
     return " ".join(str(error).split()).removeprefix("Error: ")
 
 
-def _urdf_text(path: Path, notes: Notes) -> str:
+def _urdf_text(path: Path, floating: bool, notes: Notes) -> str:
     """The text of a URDF with the places of its meshes, and notes on what MuJoCo does not read."""
     try:
         root = ElementTree.parse(path).getroot()
@@ -108,9 +114,7 @@ def _urdf_text(path: Path, notes: Notes) -> str:
             notes.omit(f"<{element.tag}> of URDF")
     for each in root.iter("joint"):
         for mimic in each.iter("mimic"):
-            notes.refuse(
-                "constraints", f"joint {each.get('name')!r} follows joint {mimic.get('joint')!r}"
-            )
+            notes.refuse("constraints", f"joint {each.get('name')!r} follows joint {mimic.get('joint')!r}")
     for link in root.iter("link"):
         for visual in link.findall("visual"):
             link.remove(visual)
@@ -118,9 +122,27 @@ def _urdf_text(path: Path, notes: Notes) -> str:
         mesh.set("filename", str(_found(mesh.get("filename", ""), path)))
     for each in root.findall("mujoco"):
         root.remove(each)
+    _place_first_link(root, floating, notes)
     own = ElementTree.SubElement(root, "mujoco")
     ElementTree.SubElement(own, "compiler", strippath="false", fusestatic="false", discardvisual="true")
     return ElementTree.tostring(root, encoding="unicode")
+
+
+def _place_first_link(root: ElementTree.Element, floating: bool, notes: Notes) -> None:
+    """Let the first link float, or note that it rests."""
+    children = {child.get("link") for joint in root.findall("joint") for child in joint.findall("child")}
+    first = [link.get("name", "") for link in root.findall("link") if link.get("name") not in children]
+    if first == [WORLD] or len(first) != 1:
+        return
+    if not floating:
+        notes.approximate(
+            f"link {first[0]!r}, to which the others are joined, rests (--floating lets it move)"
+        )
+        return
+    ElementTree.SubElement(root, "link", name=WORLD)
+    joint = ElementTree.SubElement(root, "joint", name=f"{WORLD}_{first[0]}", type="floating")
+    ElementTree.SubElement(joint, "parent", link=WORLD)
+    ElementTree.SubElement(joint, "child", link=first[0])
 
 
 def _found(name: str, path: Path) -> Path:

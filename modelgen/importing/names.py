@@ -20,7 +20,7 @@ class Names:
     taken: set[str] = field(default_factory=set)
 
     def of(self, written: str, otherwise: str) -> str:
-        """The name nearest to what is written, which has no other owner; `otherwise` where none is written."""
+        """A name near to what is written, that has no other owner; near to `otherwise` where none is."""
         plain = re.sub(r"\W", "_", written or otherwise, flags=re.ASCII)
         plain = plain if plain[0].isalpha() else f"n_{plain.lstrip('_')}"
         name, number = plain[: self.longest], 1

@@ -36,7 +36,9 @@ def read_points(path: Path, columns: str | None, unit: str) -> tuple[Array, tupl
     for k, (line, words) in enumerate(rows):
         if len(words) <= max(chosen) or not _is_numeric([words[c] for c in chosen]):
             told = " ".join(words)[:40]
-            raise ModelgenError(f"{path}: line {line}", repr(told), "two numbers in these columns", "mend the line")
+            raise ModelgenError(
+                f"{path}: line {line}", repr(told), "two numbers in these columns", "mend the line"
+            )
         values[k] = [float(words[c]) for c in chosen]
     return values * UNITS[unit], tuple(line for line, _ in rows)
 
@@ -44,11 +46,15 @@ def read_points(path: Path, columns: str | None, unit: str) -> tuple[Array, tupl
 def _rows(path: Path) -> list[tuple[int, list[str]]]:
     """Numbers of lines, and their words."""
     if path.stat().st_size > LARGEST:
-        raise ModelgenError(str(path), "a file that large", f"at most {LARGEST} bytes are read", "take fewer points")
+        raise ModelgenError(
+            str(path), "a file that large", f"at most {LARGEST} bytes are read", "take fewer points"
+        )
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except UnicodeDecodeError:
-        raise ModelgenError(str(path), "no UTF-8 text", "a profile is a text of columns", "save it as CSV") from None
+        raise ModelgenError(
+            str(path), "no UTF-8 text", "a profile is a text of columns", "save it as CSV"
+        ) from None
     found = []
     for number, text in enumerate(lines, start=1):
         plain = text.strip()

@@ -76,7 +76,9 @@ def _kind(reading: Reading) -> str:
         meant = "write --as revolution" if reading.kind is None else nearest(reading.kind, KINDS)
         raise ModelgenError("--as", found, allowed, meant)
     if reading.kind == "revolution" and reading.length is not None:
-        raise ModelgenError("--length", "it with a revolution", "it goes with the other shapes", "leave it out")
+        raise ModelgenError(
+            "--length", "it with a revolution", "it goes with the other shapes", "leave it out"
+        )
     return reading.kind
 
 
@@ -89,10 +91,9 @@ def _turning(nodes: Array) -> float:
 
 def _head(path: Path, fitted: Fitted, notes: Notes) -> list[str]:
     x, y = fitted.least_at
-    lines = [
+    return [
         f"{path.name}, a profile imported by modelgen.",
         *(f"- {sentence}" for sentence in notes.approximated),
         f"- least radius of curvature {fitted.least_radius:.3g} m, at ({x:.4g}, {y:.4g}) m",
         *(f"- left out: {sentence}" for sentence in notes.left_out),
     ]
-    return lines

@@ -48,11 +48,11 @@ class RigidBody:
 
 
 def rigid_bodies(source: Compiled) -> dict[int, RigidBody]:
-    """By each body of the model, the rigid body that it belongs to. What rests has a body for each of its own."""
+    """By body of the model, the rigid body that it belongs to; what rests has one for each of its own."""
     model, names = source.model, Names()
     names.taken.add(WORLD)
     owners = {b: b if model.body_weldid[b] == 0 else int(model.body_weldid[b]) for b in range(model.nbody)}
-    found = {}
+    found: dict[int, RigidBody] = {}
     for first in dict.fromkeys(owners.values()):
         members = tuple(b for b, owner in owners.items() if owner == first)
         name = names.of(_written(source, first), f"body{first}")
@@ -100,7 +100,9 @@ def _inertia(source: Compiled, members: tuple[int, ...], pose: Pose) -> tuple[fl
     model = source.model
     parts = []
     for body in members:
-        local = compose(pose_in(source, body, members[0]), attached(model.body_ipos[body], model.body_iquat[body]))
+        local = compose(
+            pose_in(source, body, members[0]), attached(model.body_ipos[body], model.body_iquat[body])
+        )
         turn = rotation_of(local.quaternion)
         parts.append(
             (float(model.body_mass[body]), np.array(local.position), turn * model.body_inertia[body] @ turn.T)
@@ -116,7 +118,7 @@ def _inertia(source: Compiled, members: tuple[int, ...], pose: Pose) -> tuple[fl
 
 
 def rotor(source: Compiled, joint: int) -> Array:
-    """(3, 3) kg m^2: the armature of a hinge as a thin disc on the body that it turns; zero of other joints."""
+    """(3, 3) kg m^2: the armature of a hinge as a thin disc on the body that it turns; of others zero."""
     model = source.model
     if int(model.jnt_type[joint]) != source.mj.mjtJoint.mjJNT_HINGE:
         return np.zeros((3, 3))

@@ -1,4 +1,4 @@
-"""A start that rigid limits and contacts allow: joints within their limits, and no geoms within each other."""
+"""A start that rigid limits and contacts allow: joints within limits, and no geoms within each other."""
 
 from __future__ import annotations
 
@@ -30,13 +30,14 @@ def within_limits(source: Compiled, notes: Notes) -> None:
         if not least <= begun <= largest:
             source.data.qpos[q] = min(max(begun, least), largest)
             notes.approximate(
-                f"{source.told('joint', joint)} starts at its limit, {source.data.qpos[q]:g}, not beyond it at {begun:g}"
+                f"{source.told('joint', joint)} starts at its limit, {source.data.qpos[q]:g}, "
+                f"not beyond it at {begun:g}"
             )
     source.mj.mj_forward(model, source.data)
 
 
 def without_overlaps(source: Compiled, found: Touches, notes: Notes) -> Touches:
-    """The pairs of geoms that do not penetrate at the start; free bodies that stand in something are moved out.
+    """The pairs of geoms that do not penetrate at the start; free bodies in something are moved out.
 
     The state of `source.data` is changed.
     """
@@ -44,8 +45,8 @@ def without_overlaps(source: Compiled, found: Touches, notes: Notes) -> Touches:
     deep = {pair: depth for pair, depth, _ in _penetrating(source, found)}
     for (a, b), depth in deep.items():
         notes.omit(
-            f"contact of {source.told('geom', a)} and {source.told('geom', b)}, which are {depth:.2g} m within "
-            "each other at the start"
+            f"contact of {source.told('geom', a)} and {source.told('geom', b)}, which are {depth:.2g} m "
+            "within each other at the start"
         )
     return {pair: touch for pair, touch in found.items() if pair not in deep}
 
@@ -85,7 +86,9 @@ def _move_out(source: Compiled, found: Touches, notes: Notes) -> None:
             at = int(model.jnt_qposadr[joint])
             source.data.qpos[at : at + 3] = before[at : at + 3]
             continue
-        notes.approximate(f"{name} starts {np.linalg.norm(way):.2g} m beside its place, out of what it stands in")
+        notes.approximate(
+            f"{name} starts {np.linalg.norm(way):.2g} m beside its place, out of what it stands in"
+        )
     source.mj.mj_forward(model, source.data)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,23 +18,33 @@ from modelgen.importing.model_sensors import sensors
 from modelgen.importing.model_shapes import Shapes, pose_keys, shapes
 from modelgen.importing.mujoco_model import Compiled, compiled
 from modelgen.importing.notes import Notes
-from modelgen.importing.rigid_start import within_limits, without_overlaps
 from modelgen.importing.rigid_bodies import RigidBody, rigid_bodies
+from modelgen.importing.rigid_start import within_limits, without_overlaps
 from modelgen.importing.scene_writing import Section, scene_text, vector
 
 DIAGONAL = 1e-12  # an inertia whose other entries are zero, against its largest
 
 
-def robot_text(path: Path, urdf: bool, key: str | None, until: float, corners: int, notes: Notes) -> str:
+@dataclass(frozen=True)
+class Reading:
+    """How a file of MJCF or URDF is read: see `Choices` of importing.py."""
+
+    urdf: bool
+    key: str | None
+    floating: bool
+    corners: int
+
+
+def robot_text(path: Path, reading: Reading, until: float, notes: Notes) -> str:
     """The text of the scene of a file; raises ModelgenError."""
-    source = compiled(path, urdf, key, notes)
+    source = compiled(path, reading.urdf, reading.key, reading.floating, notes)
     within_limits(source, notes)
     found = without_overlaps(source, touches(source, notes), notes)
     bodies = rigid_bodies(source)
     _note_mocap(source, notes)
     chain = jointed(source, bodies, notes)
     numbered = chain.by_number()
-    used = shapes(source, bodies, {geom for pair in found for geom in pair}, corners, notes)
+    used = shapes(source, bodies, {geom for pair in found for geom in pair}, reading.corners, notes)
     loads = [
         *constraints(source, bodies, notes),
         *tendons(source, bodies, notes),
@@ -51,7 +62,7 @@ def robot_text(path: Path, urdf: bool, key: str | None, until: float, corners: i
         *measured,
     ]
     gravity = np.zeros(3) if source.is_disabled("GRAVITY") else source.model.opt.gravity
-    return scene_text(_head(path, source, urdf, notes), {"gravity": vector(gravity)}, sections)
+    return scene_text(_head(path, source, reading.urdf, notes), {"gravity": vector(gravity)}, sections)
 
 
 def _head(path: Path, source: Compiled, urdf: bool, notes: Notes) -> list[str]:

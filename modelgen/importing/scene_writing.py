@@ -107,5 +107,9 @@ def _value(value: Any) -> str:
     if isinstance(value, float):
         return repr(rounded(value))
     if isinstance(value, Mapping):
-        return "{}" if not value else "{ " + ", ".join(f"{key} = {_value(each)}" for key, each in value.items()) + " }"
+        return (
+            "{}"
+            if not value
+            else "{ " + ", ".join(f"{key} = {_value(each)}" for key, each in value.items()) + " }"
+        )
     return "[" + ", ".join(_value(each) for each in value) + "]"

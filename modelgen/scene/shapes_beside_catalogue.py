@@ -80,7 +80,7 @@ _REVOLUTION_FIELDS = (
 _WALL_FIELDS = (
     Field(
         "points", Sequence(Sequence(NUMBER, 2), None),
-        "points [x, y] of the profile, m, through which a spline runs; exterior on the right of their direction",
+        "points [x, y] of the profile, m, through which a spline runs; exterior on their right",
         required=True,
     ),
     Field("length", POSITIVE, "length along z, m", required=True),
@@ -96,7 +96,8 @@ FREE_SHAPES: Mapping[str, FreeShape] = {
             _revolution, exclusive=_POINTS_OR_FORMULAS,
         ),
         FreeShape(
-            "profile_wall", "an open profile through points, along z without its ends", _WALL_FIELDS, _profile_wall
+            "profile_wall", "an open profile through points, along z without its ends", _WALL_FIELDS,
+            _profile_wall,
         ),
         FreeShape("bspline", "a B-spline surface", NET_FIELDS, _spline(read_net)),
         FreeShape("height_field", "heights on a grid", HEIGHT_FIELDS, _spline(read_heights)),

@@ -47,7 +47,7 @@ def _top(pieces: list[Arc], total: float) -> Array:
 
 
 def wheel_tread(count: int = 1600, radius: float = 0.46) -> Array:
-    """Profile of a wheel, (r, z along the axle), to the tip of the flange: 1:15, tread, throat, flank, as of S1002."""
+    """Profile of a wheel, (r, z along the axle), to the tip of the flange: 1:15, tread, throat, flank."""
     pieces = [
         (0.0, 0.028), (-0.9, 0.045), (1 / 0.100, 0.012), (1 / 0.0135, 0.0146), (0.0, 0.006),
         (-1 / 0.0205, 0.0145), (-1 / 0.012, 0.020),
