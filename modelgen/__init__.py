@@ -11,6 +11,7 @@ Their modules load when a verb is first asked for.
 `stability` where such a motion is stable.
 `measure` finds what accuracy of a scene costs, `tune` picks a setting from that.
 `normal_rates` gives the rates of the contact normals at the samples of a trajectory.
+`import_scene` makes a scene of a file of another program.
 `record_of` joins a trajectory and its library to what `save` writes, `load` reads and `draw` draws.
 """
 
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from modelgen.derivation import derive as derive
     from modelgen.errors import ModelgenError as ModelgenError
     from modelgen.identification.fit import fit as fit
+    from modelgen.importing.importing import import_scene as import_scene
     from modelgen.linearisation.equilibrium_and_modes import linearise as linearise
     from modelgen.linearisation.stability import stability as stability
     from modelgen.linearisation.steady_modes import linearise_steady as linearise_steady
@@ -63,6 +65,7 @@ __all__ = [
     "emit",
     "fit",
     "gradient",
+    "import_scene",
     "linearise",
     "linearise_steady",
     "load",
@@ -99,6 +102,7 @@ _HOMES = {
     "simulate_batch": "modelgen.runtime.batch",
     "as_casadi": "modelgen.casadi_functions.as_casadi",
     "fit": "modelgen.identification.fit",
+    "import_scene": "modelgen.importing.importing",
     "linearise": "modelgen.linearisation.equilibrium_and_modes",
     "linearise_steady": "modelgen.linearisation.steady_modes",
     "stability": "modelgen.linearisation.stability",

@@ -13,6 +13,7 @@ from rich.console import Console
 import modelgen
 from modelgen.cli.export import export
 from modelgen.cli.fit import fit
+from modelgen.cli.import_file import import_file
 from modelgen.cli.linearise import linearise
 from modelgen.cli.manual import manual, print_page
 from modelgen.cli.measure_and_tune import measure, tune
@@ -180,6 +181,7 @@ app.command()(manual)
 app.command()(sensitivity)
 app.command()(view)
 app.command()(export)
+app.command("import")(import_file)
 app.command()(report)
 
 

@@ -69,7 +69,7 @@ def linearise(
             derivation,
             library,
             varied.name,
-            sorted(points[:, 0].tolist()),
+            numbers,
             parameters=given,
             on_progress=report,
         )

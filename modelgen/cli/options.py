@@ -11,7 +11,7 @@ import typer
 
 from modelgen.errors import ModelgenError, SceneError
 from modelgen.scene.run_settings import ACCURACIES, FORMS, METHODS, REALS, RUN, SCHEMES, SOLVERS
-from modelgen.scene.scalar_types import NUMBER, Choice, Real, Type, Whole
+from modelgen.scene.scalar_types import NUMBER, POSITIVE, Choice, Real, Type, Whole
 from modelgen.scene.source_location import Place
 
 STYLES = ("text", "latex", "html")
@@ -28,6 +28,8 @@ TYPES: dict[str, Type] = {
     "port": Whole(1, 65535),
     "runs": Whole(1, 10_000_000),
     "threads": Whole(1, 1024),
+    "corners": Whole(4, 1000),
+    "length": POSITIVE,
 }
 
 

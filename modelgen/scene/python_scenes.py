@@ -126,6 +126,11 @@ def revolution(r: str, z: str, *, domain: Pair, **keys: object) -> Shape:
     return shape("revolution", r=r, z=z, domain=domain, **keys)
 
 
+def profile_wall(points: Sequence[Pair], length: float, **keys: object) -> Shape:
+    """An open profile through points [x, y] in m along z, centred, without ends; exterior on their right."""
+    return shape("profile_wall", points=points, length=length, **keys)
+
+
 def bspline(points: Sequence[Sequence[Sequence[float]]], **keys: object) -> Shape:
     """A B-spline surface through a control net [u][v][xyz] in m, cubic unless `degree` is given."""
     return shape("bspline", points=points, **keys)

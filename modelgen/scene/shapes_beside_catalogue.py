@@ -1,6 +1,6 @@
 """The shapes beside the catalogue that are read to something else than a row of numbers.
 
-Revolutions become charts and lines on surfaces become curves; splines keep their points.
+Revolutions and profile walls become charts, and lines on surfaces become curves; splines keep their points.
 """
 
 from __future__ import annotations
@@ -11,8 +11,9 @@ from typing import Any
 
 from modelgen.scene.list_types import Field, Sequence
 from modelgen.scene.outline_format import OUTLINE_FIELDS, read_outline
+from modelgen.scene.profile_walls import read_profile_wall
 from modelgen.scene.revolution_profile import read_revolution
-from modelgen.scene.scalar_types import NUMBER, ExpressionText, Switch
+from modelgen.scene.scalar_types import NUMBER, POSITIVE, ExpressionText, Switch
 from modelgen.scene.shape_catalogue import REVOLUTION_PARAMETERS
 from modelgen.scene.source_location import Place
 from modelgen.scene.spline_shapes import (
@@ -48,6 +49,11 @@ def _revolution(values: Mapping[str, Any], place: Place) -> dict[str, Any]:
     return {"kind": "chart", "parameters": parameters, "chart": chart}
 
 
+def _profile_wall(values: Mapping[str, Any], place: Place) -> dict[str, Any]:
+    chart, parameters = read_profile_wall(values, place)
+    return {"kind": "chart", "parameters": parameters, "chart": chart}
+
+
 def _line(values: Mapping[str, Any], place: Place) -> dict[str, Any]:
     curve, parameters = read_surface_line(values, place)
     return {"kind": "curve", "parameters": parameters, "curve": curve}
@@ -71,6 +77,15 @@ _REVOLUTION_FIELDS = (
     Field("parameters", REVOLUTION_PARAMETERS, "named numbers that r, z may use", default=()),
 )
 
+_WALL_FIELDS = (
+    Field(
+        "points", Sequence(Sequence(NUMBER, 2), None),
+        "points [x, y] of the profile, m, through which a spline runs; exterior on their right",
+        required=True,
+    ),
+    Field("length", POSITIVE, "length along z, m", required=True),
+)  # fmt: skip
+
 _POINTS_OR_FORMULAS = tuple(("points", key) for key in ("r", "z", "domain", "periodic", "parameters"))
 
 FREE_SHAPES: Mapping[str, FreeShape] = {
@@ -79,6 +94,10 @@ FREE_SHAPES: Mapping[str, FreeShape] = {
         FreeShape(
             "revolution", "a profile r(t), z(t), or through points, turned about z", _REVOLUTION_FIELDS,
             _revolution, exclusive=_POINTS_OR_FORMULAS,
+        ),
+        FreeShape(
+            "profile_wall", "an open profile through points, along z without its ends", _WALL_FIELDS,
+            _profile_wall,
         ),
         FreeShape("bspline", "a B-spline surface", NET_FIELDS, _spline(read_net)),
         FreeShape("height_field", "heights on a grid", HEIGHT_FIELDS, _spline(read_heights)),

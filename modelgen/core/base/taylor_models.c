@@ -27,9 +27,23 @@ static mg_taylor_model mg_taylor_range(mg_real middle, mg_real low, mg_real high
   return range.rest >= 0 ? mg_rounded(range) : mg_no_bound;
 }
 
+/* True of a model that does not change over the box but for its rest. */
+static int mg_is_level(const mg_taylor_model *a) {
+  return a->slope[0] == 0 && a->slope[1] == 0 && a->bend[0] == 0 && a->bend[1] == 0 && a->bend[2] == 0;
+}
+
+/* A level number with its rounding error added: mg_rounded of it. */
+static mg_taylor_model mg_level(mg_real middle, mg_real rest) {
+  const mg_real size = fabs(middle) + rest;
+  const mg_taylor_model level = {middle, {0, 0}, {0, 0, 0}, rest + 4 * MG_EPS * size};
+  return size < MG_MAX / 8 ? level : mg_no_bound;
+}
+
 /* x a + y b, exactly but for rounding. */
 static mg_taylor_model mg_taylor_sum(mg_real x, const mg_taylor_model *a, mg_real y, const mg_taylor_model *b) {
   mg_taylor_model sum;
+  if (mg_is_level(a) && mg_is_level(b))
+    return mg_level(x * a->middle + y * b->middle, fabs(x) * a->rest + fabs(y) * b->rest);
   sum.middle = x * a->middle + y * b->middle;
   for (int k = 0; k < 2; k++) sum.slope[k] = x * a->slope[k] + y * b->slope[k];
   for (int k = 0; k < 3; k++) sum.bend[k] = x * a->bend[k] + y * b->bend[k];
@@ -41,6 +55,10 @@ static mg_taylor_model mg_taylor_product(const mg_taylor_model *a, const mg_tayl
   const mg_real of_a = mg_taylor_change(a), of_b = mg_taylor_change(b);
   if ((a->middle == 0 && of_a == 0) || (b->middle == 0 && of_b == 0)) return mg_taylor_range(0, 0, 0);
   if (of_a >= MG_MAX || of_b >= MG_MAX) return mg_no_bound;
+  if (mg_is_level(a) && mg_is_level(b)) {
+    const mg_taylor_model product = mg_taylor_sum(a->middle, b, b->middle, a);
+    return mg_level(a->middle * b->middle, product.rest + a->rest * b->rest);
+  }
   const mg_real slope_a = mg_slope_size(a), slope_b = mg_slope_size(b), rest_a = mg_bend_size(a) + a->rest,
                 rest_b = mg_bend_size(b) + b->rest;
   mg_taylor_model product = mg_taylor_sum(a->middle, b, b->middle, a);

@@ -1,0 +1,127 @@
+"""The command `import`: a file of another program as a scene."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from modelgen.cli.options import AsJson, read_option
+from modelgen.cli.output import check_file, guarded, print_facts
+from modelgen.errors import ModelgenError
+
+Source = Annotated[
+    Path, typer.Argument(metavar="FILE", help="MJCF or URDF, or the CSV of a profile", readable=False)
+]
+Out = Annotated[
+    Path | None,
+    typer.Option(
+        "--out",
+        "-o",
+        help="scene file to write; default: standard output",
+        metavar="FILE.toml",
+        readable=False,
+    ),
+]
+Format = Annotated[
+    str | None,
+    typer.Option("--format", help="mjcf, urdf or profile; default: by the file itself", metavar="FORMAT"),
+]
+Key = Annotated[
+    str | None, typer.Option("--key", help="mjcf: keyframe to begin with, by name or number", metavar="NAME")
+]
+Floating = Annotated[
+    bool, typer.Option("--floating", help="urdf: the first link moves freely; else it rests")
+]
+Until = Annotated[
+    str | None, typer.Option("--until", help="end of the run, s; default: 1", metavar="SECONDS")
+]
+Corners = Annotated[
+    str | None,
+    typer.Option("--corners", help="most corners of a polyhedron that stands for a mesh", metavar="NUMBER"),
+]
+As = Annotated[
+    str | None,
+    typer.Option("--as", help="shape of a profile: revolution, profile_wall or extrusion", metavar="SHAPE"),
+]
+Columns = Annotated[
+    str | None, typer.Option("--columns", help="of a profile, by name or number; default: 1,2", metavar="A,B")
+]
+Unit = Annotated[str, typer.Option("--unit", help="of a profile", metavar="[m|cm|mm|um|in]")]
+Off = Annotated[
+    str | None,
+    typer.Option(
+        "--tolerance",
+        help="by which points may lie off, on average, m; default: their noise",
+        metavar="NUMBER",
+    ),
+]
+Length = Annotated[
+    str | None, typer.Option("--length", help="of a wall or an extrusion, m", metavar="NUMBER")
+]
+Without = Annotated[
+    str | None, typer.Option("--without", help="parts of the file that may be left out", metavar="A,B,...")
+]
+
+
+@guarded
+def import_file(
+    file: Source,
+    out: Out = None,
+    format: Format = None,
+    key: Key = None,
+    floating: Floating = False,
+    until: Until = None,
+    corners: Corners = None,
+    without: Without = None,
+    kind: As = None,
+    columns: Columns = None,
+    unit: Unit = "m",
+    tolerance: Off = None,
+    length: Length = None,
+    as_json: AsJson = False,
+) -> None:
+    """Write the scene of a file of another program: MJCF, URDF, or a measured profile."""
+    from modelgen.importing.importing import import_scene
+
+    if out is not None:
+        check_file(out)
+    given: dict[str, Any] = {
+        "key": key,
+        "floating": floating,
+        "until": read_option("until", until),
+        "corners": read_option("corners", corners),
+        "without": None if without is None else [each.strip() for each in without.split(",") if each.strip()],
+        "kind": kind,
+        "columns": columns,
+        "unit": unit,
+        "tolerance": read_option("tolerance", tolerance),
+        "length": read_option("length", length),
+    }
+    found = import_scene(file, format, **{key: value for key, value in given.items() if value is not None})
+    if out is not None:
+        try:
+            out.write_text(found.text, encoding="utf-8")
+        except OSError as cause:
+            raise ModelgenError(
+                str(out), f"it cannot be written: {cause.strerror}", "", "name another file"
+            ) from cause
+    facts = {
+        "scene": found.scene.name,
+        "file": None if out is None else str(out),
+        "text": found.text if out is None else None,
+        "approximated": list(found.approximated),
+        "left_out": list(found.left_out),
+    }
+    print_facts(facts, as_json, lambda: _print(facts))
+
+
+def _print(facts: dict[str, Any]) -> None:
+    if facts["text"] is not None:
+        typer.echo(facts["text"], nl=False)
+        return
+    typer.echo(f"written: {facts['file']}")
+    for title, key in (("taken otherwise", "approximated"), ("left out", "left_out")):
+        for sentence in facts[key]:
+            typer.echo(f"{title}: {sentence}")

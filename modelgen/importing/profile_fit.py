@@ -1,0 +1,319 @@
+"""A smooth cubic spline through few nodes from many points that were measured with noise.
+
+Its nodes lie on the least-squares spline of some intervals, which are halved where the points, on average
+over a part of an interval, lie off the spline through the nodes by more than a tolerance (de Boor, A
+Practical Guide to Splines, 2001, ch. XIV). The noise is taken from fourth divided differences. Where intervals cannot
+be halved any more, because the profile turns as in a corner, the fit is refused.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from modelgen.errors import ModelgenError
+from modelgen.scene.point_splines import MOST
+
+Array = np.ndarray[Any, np.dtype[np.float64]]
+Mask = np.ndarray[Any, np.dtype[np.bool_]]
+Places = np.ndarray[Any, np.dtype[np.intp]]
+
+FIRST = 4  # intervals of the coarsest spline
+PARTS = 4  # parts of an interval over which points are averaged
+FEWEST = 4  # points of a part
+SURE = 4.0  # standard deviations of an average that are no chance
+OUTLIER = 6.0  # standard deviations of a point that is none of the profile
+BESIDE = 8  # points beside a spike that shares in what makes its neighbours no cubic
+MOST_OUTLIERS = 0.02  # part of all points
+ROUNDS = 40
+PROJECTIONS = 3  # times that points find their parameters anew on the spline
+DENSE = 100  # samples of an interval, to find the least radius of curvature
+SMALLEST = 1e-9  # noise, against the size of the profile: that of rounded numbers
+MAD = 0.6744897501960817  # median absolute deviation of a normal distribution with deviation 1
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A profile as nodes of the spline that a scene takes through points.
+
+    Attributes:
+        nodes: (k, 2) m.
+        noise: standard deviation of the points across the profile, from their differences, m.
+        rms, largest: deviation of the points from the spline across it, m, outliers left out.
+        outliers: indices of points that were left out.
+        least_radius: of curvature, m, and its place.
+    """
+
+    nodes: Array
+    noise: float
+    rms: float
+    largest: float
+    outliers: tuple[int, ...]
+    least_radius: float
+    least_at: tuple[float, float]
+
+
+def fit_profile(
+    points: Array, closed: bool = False, tolerance: float | None = None, source: str = "profile"
+) -> Fitted:
+    """The spline of few nodes near points in the order of the profile.
+
+    Args:
+        points: (n, 2) m.
+        closed: whether the first point follows the last.
+        tolerance: by which averages of points may lie off the spline, m; the noise when None.
+        source: of the points, for messages.
+
+    Raises:
+        ModelgenError: too few points, points out of order, or a corner.
+    """
+    x, kept = _checked(np.asarray(points, dtype=float), closed, source)
+    noise = noise_of(x, closed)
+    allowed = noise if tolerance is None else tolerance
+    near = _spikes(x, closed, OUTLIER * max(noise, allowed))
+    outliers, x, kept = kept[near], x[~near], kept[~near]
+    nodes, off = _refined(x, closed, allowed, noise, source)
+    bad = np.abs(off) > OUTLIER * max(noise, allowed)
+    if bad.any():
+        if bad.mean() > MOST_OUTLIERS:
+            _refuse_noise(x, bad, source)
+        outliers = np.sort([*outliers, *kept[bad]])
+        nodes, off = _refined(x[~bad], closed, allowed, noise, source)
+    least, at = _sharpest(nodes, closed)
+    rms, largest = float(np.sqrt(np.mean(off**2))), float(np.abs(off).max())
+    return Fitted(nodes, noise, rms, largest, tuple(map(int, outliers)), least, at)
+
+
+def noise_of(x: Array, closed: bool) -> float:
+    """Standard deviation of points (n, 2) across the line that they follow, m, from five at a time."""
+    size = float(np.ptp(x, axis=0).max())
+    return max(float(np.median(np.abs(_differences(x, closed)))) / MAD, SMALLEST * size)
+
+
+def _differences(x: Array, closed: bool) -> Array:
+    """(n - 4,) or, closed, (n,): how far five points are from a cubic, across their line, m.
+
+    Divided differences with weights of unit length: their standard deviation is that of a point. The middle
+    points are 2, 3, ... of the given ones.
+    """
+    around = np.vstack([x[-2:], x, x[:2]]) if closed else x
+    windows = np.lib.stride_tricks.sliding_window_view(_chords(around), 5)
+    gaps = windows[:, :, None] - windows[:, None, :]
+    gaps[:, np.arange(5), np.arange(5)] = 1.0
+    weights = 1 / gaps.prod(axis=2)
+    weights /= np.linalg.norm(weights, axis=1, keepdims=True)
+    values = np.lib.stride_tricks.sliding_window_view(around, 5, axis=0)  # (windows, 2, 5)
+    found = np.einsum("kc,kac->ka", weights, values)
+    along = around[4:] - around[:-4]
+    normals = np.stack([-along[:, 1], along[:, 0]], axis=1) / np.linalg.norm(along, axis=1)[:, None]
+    return np.asarray((found * normals).sum(axis=1))
+
+
+def _spikes(x: Array, closed: bool, limit: float) -> Mask:
+    """(n,) whether a point is far from a cubic through its neighbours, and they are not without it.
+
+    Where they still are, the profile is not smooth there, and its points are kept.
+    """
+    first = 0 if closed else 2
+    kept, removed = np.arange(len(x)), np.zeros(len(x), dtype=bool)
+    for last in (False, False, False, True):
+        off = np.abs(_differences(x[kept], closed))
+        peaks = np.nonzero((off > limit) & (off >= _highest_beside(off)))[0] + first
+        if last:
+            for place in kept[peaks]:
+                removed[max(0, place - BESIDE) : place + BESIDE + 1] = False
+            break
+        removed[kept[peaks]] = True
+        kept = np.nonzero(~removed)[0]
+    return removed
+
+
+def _highest_beside(values: Array) -> Array:
+    """The largest of each value and the four beside it."""
+    wide = np.pad(values, 2, constant_values=-np.inf)
+    return np.asarray(np.lib.stride_tricks.sliding_window_view(wide, 5).max(axis=1))
+
+
+def _checked(x: Array, closed: bool, source: str) -> tuple[Array, Places]:
+    """The points but for repeated ones, and their places among the given."""
+    if x.ndim != 2 or x.shape[1] != 2 or not np.isfinite(x).all():
+        raise ModelgenError(source, "points that are no pairs of finite numbers", "", "mend the file")
+    if closed and len(x) > 1 and np.array_equal(x[0], x[-1]):
+        x = x[:-1]
+    apart = np.append(True, np.linalg.norm(np.diff(x, axis=0), axis=1) > 0)
+    x, places = x[apart], np.nonzero(apart)[0]
+    fewest = FIRST * PARTS * FEWEST
+    if len(x) < fewest:
+        raise ModelgenError(
+            source, f"{len(x)} points", f"a profile that is fitted has {fewest} at least",
+            "write the points into the scene, which interpolates them",
+        )  # fmt: skip
+    steps = np.diff(x, axis=0)
+    back = np.nonzero((steps[1:] * steps[:-1]).sum(axis=1) < 0)[0]
+    if len(back) > len(x) // 20:
+        at = x[back[0] + 1]
+        raise ModelgenError(
+            source, f"points that go to and fro, first at ({at[0]:g}, {at[1]:g})",
+            "points follow each other along the profile",
+            "sort them, or take fewer, if their noise is as large as their distance",
+        )  # fmt: skip
+    return x, places
+
+
+def _chords(x: Array) -> Array:
+    return np.append(0.0, np.cumsum(np.linalg.norm(np.diff(x, axis=0), axis=1)))
+
+
+def _refined(x: Array, closed: bool, tolerance: float, noise: float, source: str) -> tuple[Array, Array]:
+    """Nodes of the spline of the scene, and the distances of the points across it, m."""
+    u = _chords(np.vstack([x, x[:1]]) if closed else x)
+    knots = np.linspace(0.0, u[-1], FIRST + 1)
+    u = u[: len(x)]
+    for _ in range(ROUNDS):
+        spline = _least_squares(x, u, knots, closed)
+        for _ in range(PROJECTIONS):
+            u = _projected(x, u, spline, knots, closed)
+            spline = _least_squares(x, u, knots, closed)
+        nodes = _nodes(knots, spline, closed)
+        off = _across(x, u, knots, nodes, closed)
+        split = _to_halve(off, u, knots, tolerance, noise)
+        if not split.any():
+            break
+        _check_halves(x, u, knots, split, source)
+        knots = np.sort(np.append(knots, (knots[:-1] + knots[1:])[split] / 2))
+    return nodes, off
+
+
+def _least_squares(x: Array, u: Array, knots: Array, closed: bool) -> Any:
+    """The cubic spline with these knots nearest to the points; of a closed profile beyond one turn."""
+    from scipy.interpolate import make_lsq_spline  # slow to import
+
+    if closed:
+        length, side = knots[-1], max(4, len(knots) // 4)
+        own = np.concatenate([knots[-side - 1 : -1] - length, knots, knots[1 : side + 1] + length])
+        inside = (u - length >= own[0]), (u + length <= own[-1])
+        values = np.concatenate([u[inside[0]] - length, u, u[inside[1]] + length])
+        points = np.concatenate([x[inside[0]], x, x[inside[1]]])
+    else:
+        own, values, points = knots, u, x
+    order = np.argsort(values, kind="stable")
+    values, points = values[order], points[order]
+    t = np.concatenate([[own[0]] * 3, own, [own[-1]] * 3])
+    values = np.clip(values, own[0], own[-1])
+    return make_lsq_spline(values, points, t, k=3)
+
+
+def _projected(x: Array, u: Array, spline: Any, knots: Array, closed: bool) -> Array:
+    """Parameters of the nearest points of the spline, by one step of Newton's method of first order.
+
+    No point moves by more than half a way to its neighbours; the ends of an open profile stay at its ends.
+    """
+    along, span = spline(u, 1), x - spline(u)
+    step = (span * along).sum(axis=1) / (along**2).sum(axis=1)
+    apart = np.diff(u)
+    most = np.minimum(np.append(apart, apart[-1]), np.append(apart[0], apart)) / 2
+    moved = u + np.clip(step, -most, most)
+    if closed:
+        return np.asarray(moved)
+    return np.asarray(knots[0] + (moved - moved[0]) * (knots[-1] - knots[0]) / (moved[-1] - moved[0]))
+
+
+def _across(x: Array, u: Array, knots: Array, nodes: Array, closed: bool) -> Array:
+    """Signed distances of points from the spline of the scene through nodes, across it.
+
+    Its parameter is the length of the chords; that of a point is sought from where it is between its nodes.
+    """
+    spline = _interpolated(nodes, closed)
+    at = knots if closed else _open_sites(knots)
+    t = np.interp(u, at, spline.x)
+    for _ in range(PROJECTIONS):
+        along, span = spline(t, 1), x - spline(t)
+        t = t + (span * along).sum(axis=1) / (along**2).sum(axis=1)
+        t = t if closed else np.clip(t, spline.x[0], spline.x[-1])
+    along = spline(t, 1)
+    normal = np.stack([-along[:, 1], along[:, 0]], axis=1) / np.linalg.norm(along, axis=1)[:, None]
+    return np.asarray(((x - spline(t)) * normal).sum(axis=1))
+
+
+def _interpolated(nodes: Array, closed: bool) -> Any:
+    """The spline of the scene through nodes (scene/point_splines.py), over the length of its chords."""
+    from scipy.interpolate import CubicSpline  # slow to import
+
+    if closed:
+        around = np.vstack([nodes, nodes[:1]])
+        return CubicSpline(_chords(around), around, bc_type="periodic")
+    return CubicSpline(_chords(nodes), nodes)
+
+
+def _to_halve(off: Array, u: Array, knots: Array, tolerance: float, noise: float) -> Mask:
+    """(k,) whether the points of an interval lie off the spline, on average over a part of it, by more than
+    the tolerance and other than by chance."""
+    place = np.clip(np.searchsorted(knots, u, side="right") - 1, 0, len(knots) - 2)
+    found = np.zeros(len(knots) - 1, dtype=bool)
+    for k in range(len(knots) - 1):
+        own = off[place == k]
+        parts = np.array_split(own, max(1, min(PARTS, len(own) // FEWEST)))
+        for part in parts:
+            if len(part):
+                middle = float(np.median(part))
+                found[k] |= abs(middle) > max(tolerance, SURE * noise / np.sqrt(len(part)))
+    return found
+
+
+def _check_halves(x: Array, u: Array, knots: Array, split: Mask, source: str) -> None:
+    """Raises ModelgenError where an interval has too few points to be halved: at a corner."""
+    counts, places = np.histogram(u, knots)[0], np.nonzero(split)[0]
+    if len(knots) + len(places) < MOST - 2 and all(counts[k] >= 2 * FEWEST for k in places):
+        return
+    widths, middles = np.diff(knots)[places], (knots[:-1] + knots[1:])[places] / 2
+    turns = [_turn(x, u, middle, width) for middle, width in zip(middles, widths, strict=True)]
+    sharpest = int(np.argmax(turns))
+    at = x[np.abs(u - middles[sharpest]).argmin()]
+    raise ModelgenError(
+        source, f"a corner, or too few points, near ({at[0]:.4g}, {at[1]:.4g}) m: the profile turns by "
+        f"{np.degrees(turns[sharpest]):.0f} degrees within {4 * widths[sharpest]:.2g} m",
+        "a profile is smooth", "split the file there, measure it more densely, or raise --tolerance",
+    )  # fmt: skip
+
+
+def _turn(x: Array, u: Array, middle: float, width: float) -> float:
+    """Angle between the profile before and after a place, rad."""
+    before, after = (
+        x[(u > middle - 3 * width) & (u < middle - width)],
+        x[(u > middle + width) & (u < middle + 3 * width)],
+    )
+    if len(before) < 2 or len(after) < 2:
+        return 0.0
+    a, b = before[-1] - before[0], after[-1] - after[0]
+    return float(abs(np.arctan2(a[0] * b[1] - a[1] * b[0], a @ b)))
+
+
+def _refuse_noise(x: Array, bad: Mask, source: str) -> None:
+    at = x[np.nonzero(bad)[0][0]]
+    raise ModelgenError(
+        source, f"{int(bad.sum())} of {len(x)} points lie off the others, first ({at[0]:g}, {at[1]:g})",
+        f"{MOST_OUTLIERS:.0%} may be left out", "mend the file, or raise --tolerance",
+    )  # fmt: skip
+
+
+def _nodes(knots: Array, spline: Any, closed: bool) -> Array:
+    """Points at the knots of a spline that are nodes of the spline of the scene."""
+    return np.asarray(spline(knots[:-1] if closed else _open_sites(knots)))
+
+
+def _open_sites(knots: Array) -> Array:
+    """The knots, and a place in the first and last interval, where an open spline has a node but no knot."""
+    return np.sort([*knots, (knots[0] + knots[1]) / 2, (knots[-2] + knots[-1]) / 2])
+
+
+def _sharpest(nodes: Array, closed: bool) -> tuple[float, tuple[float, float]]:
+    """The least radius of curvature of the spline of the scene, m, and its place."""
+    spline = _interpolated(nodes, closed)
+    u = np.linspace(0, spline.x[-1], DENSE * len(nodes))
+    d, dd = spline(u, 1), spline(u, 2)
+    bend = (d[:, 0] * dd[:, 1] - d[:, 1] * dd[:, 0]) / (d**2).sum(axis=1) ** 1.5
+    k = int(np.abs(bend).argmax())
+    x, y = (float(each) for each in spline(u[k]))
+    return float(1 / np.abs(bend[k])), (x, y)
