@@ -64,7 +64,7 @@ class Session:
         self._event_columns = [arrays[name] for name in of_events]
         self.events = self.tables.Events(shared.n_event, 0, *(at[name] for name in of_events))
         self.sensed = self._reals(shared.n_sensor + 1)
-        self.work = self._reals(shared.work_size)
+        self.work = np.empty(shared.work_size, dtype=self.tables.dtype)
         self.iwork = np.zeros(shared.iwork_size, dtype=INTEGER)
         self._head = (ctypes.byref(self.system), ctypes.byref(self.settings), ctypes.byref(self.run))
         self._scratch = (ctypes.c_void_p(address(self.work)), ctypes.c_void_p(address(self.iwork)))

@@ -115,13 +115,13 @@ typedef struct {
   mg_real low, high;
 } mg_root_interval;
 
-/* sum += factor a b, with polynomials a of degree m, b of degree n and their product in Bernstein form. */
-MG_INTERNAL void mg_add_bernstein_product(int m, const mg_real *a, int n, const mg_real *b, mg_real factor,
-                                          mg_real *sum);
+/* sum += factor a b, with a, b of degree m, n and their product given by the coefficients of (1 - t)^(n - k) t^k. */
+MG_INTERNAL void mg_add_homogeneous_product(int m, const mg_real *a, int n, const mg_real *b, mg_real factor,
+                                            mg_real *sum);
 
-/* Real roots of a polynomial of degree n on [-1, 1], ascending; coefficients up to `noise` count as zero. Returns
-   their number; `root` has room for MG_BERNSTEIN_ROOTS. */
-MG_INTERNAL int mg_bernstein_roots(int n, const mg_real *coefficients, mg_real noise, mg_root_interval *root);
+/* Real roots on [-1, 1], ascending, of a polynomial given by the coefficients of (1 - t)^(n - k) t^k, t = (1 + x)/2;
+   Bernstein coefficients up to `noise` count as zero. Returns their number; `root` has room for MG_BERNSTEIN_ROOTS. */
+MG_INTERNAL int mg_homogeneous_roots(int n, const mg_real *coefficients, mg_real noise, mg_root_interval *root);
 
 /* taylor_models.c */
 

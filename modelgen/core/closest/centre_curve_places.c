@@ -8,8 +8,8 @@
      With a = (x - C).x' and b = rho rho', C the centre and R the radius of the second, its derivative is zero where
        a rho = +- R b,    thus    a^2 rho^2 - R^2 b^2 = 0,
      a trigonometric polynomial of degree 4 in s with at most eight roots.
-   The roots are those of polynomials in the tangent of half the angle, on two halves of a turn. Where circles are
-   symmetric, two roots coincide that belong to the nearest and to the farthest point: such places are searched from
+   The roots are those of polynomials in the tangent of half the angle, on arcs of half a turn at most. Where circles
+   are symmetric, two roots coincide that belong to the nearest and to the farthest point: such places are searched from
    all points that solve one of the two equations. */
 #include "closest/closest.h"
 #include "base/base.h"
@@ -17,11 +17,26 @@
 
 #define MG_FIRST_ANGLE ((mg_real)0.7) /* so that roots of symmetric places do not lie at the ends of intervals */
 #define MG_POLISHING_STEPS 8
+#define MG_ARCS 16                  /* of a circle, which are left out where they are far from the other one */
 #define MG_SAME_PLACE (64 * MG_EPS) /* rad */
 
-/* b = p cos a + q sin a + m, times 1 + x^2, in Bernstein form of degree 2 in x = tan(a/2). */
-static void mg_angle_bernstein(mg_real p, mg_real q, mg_real m, mg_real *b) {
-  b[0] = 2 * (m - q), b[1] = 2 * p, b[2] = 2 * (m + q);
+/* An arc of a circle, up to half a turn: its middle, rad, with cosine and sine, and the tangent of a quarter of its
+   angle. */
+typedef struct {
+  mg_real middle, cosine, sine, tangent;
+} mg_arc_of_circle;
+
+/* The arc of `parts` parts of a turn that ends after `end` parts. */
+static mg_arc_of_circle mg_arc_of_parts(int end, int parts) {
+  const mg_real part = 2 * MG_PI / MG_ARCS, middle = MG_FIRST_ANGLE + ((mg_real)end - (mg_real)parts / 2) * part;
+  const mg_arc_of_circle arc = {middle, cos(middle), sin(middle), tan((mg_real)parts * part / 4)};
+  return arc;
+}
+
+/* (p cos a + q sin a + m) (1 + x^2) with x = tan(a/2) = T (2 t - 1), by the coefficients of (1 - t)^(2 - k) t^k. */
+static void mg_turning(mg_real p, mg_real q, mg_real m, mg_real T, mg_real *b) {
+  const mg_real constant = p + m, linear = 2 * q * T, square = (m - p) * T * T;
+  b[0] = constant - linear + square, b[1] = 2 * (constant - square), b[2] = constant + linear + square;
 }
 
 /* Axes in the plane of a circle, turned about its third axis, and times its radius. */
@@ -33,13 +48,14 @@ static void mg_turned_radii(const mg_centred_feature *circle, mg_real angle, mg_
   }
 }
 
-/* Adds the angles of the roots of a polynomial in x = tan((angle - first)/2). Returns the number of roots. */
-static int mg_add_angles(int n, const mg_real *polynomial, mg_real noise, mg_real first, mg_root_interval *angle) {
-  const int count = mg_bernstein_roots(n, polynomial, noise, angle);
+/* Angles of the roots of a polynomial in the parameter of an arc. Returns their number. */
+static int mg_root_angles(int n, const mg_real *polynomial, mg_real noise, const mg_arc_of_circle *arc,
+                          mg_root_interval *angle) {
+  const int count = mg_homogeneous_roots(n, polynomial, noise, angle);
   for (int k = 0; k < count; k++) {
     const int is_simple = angle[k].low == angle[k].high;
-    angle[k].low = first + 2 * atan(angle[k].low);
-    angle[k].high = is_simple ? angle[k].low : first + 2 * atan(angle[k].high);
+    angle[k].low = arc->middle + 2 * atan(arc->tangent * angle[k].low);
+    angle[k].high = is_simple ? angle[k].low : arc->middle + 2 * atan(arc->tangent * angle[k].high);
   }
   return count;
 }
@@ -58,11 +74,8 @@ static void mg_centre_tangent(const mg_centred_feature *at, mg_real where, mg_re
         at->curve.kind == MG_CENTRE_LINE ? at->axes[6 + k] : cos(where) * at->axes[3 + k] - sin(where) * at->axes[k];
 }
 
-MG_INTERNAL int mg_centre_normal(const mg_centred_feature *of, const mg_real *where, mg_real *normal) {
-  mg_real x[3], tangent[2][3];
-  mg_centre_point(of, where[0], x), mg_centre_point(of + 1, where[1], normal);
-  for (int k = 0; k < 3; k++) normal[k] -= x[k];
-  if (mg_normalise3(normal)) return 1;
+MG_INTERNAL int mg_normal_to_both(const mg_centred_feature *of, const mg_real *where, mg_real *normal) {
+  mg_real tangent[2][3];
   for (int side = 0; side < 2; side++) mg_centre_tangent(of + side, where[side], tangent[side]);
   mg_cross_product(tangent[0], tangent[1], normal);
   return mg_normalise3(normal);
@@ -96,25 +109,25 @@ static int mg_lines_nearest(const mg_centred_feature *o, const mg_centred_featur
 /* Places of a circle and a line. Returns their number; 0 if the distance is constant. */
 static int mg_circle_and_line(const mg_centred_feature *of, int circle, mg_stationary_place *place) {
   const mg_centred_feature *line = of + 1 - circle;
-  const mg_real cosine[3] = {0, 2, 0}, sine[3] = {-2, 0, 2}, one[3] = {2, 0, 2};
-  mg_real span[3], middle[3], u[3], v[3], x[3];
+  mg_real cosine[3], sine[3], one[3], span[3], middle[3], u[3], v[3], x[3];
   int count = 0;
+  mg_turning(1, 0, 0, 1, cosine), mg_turning(0, 1, 0, 1, sine), mg_turning(0, 0, 1, 1, one);
   for (int k = 0; k < 3; k++) span[k] = of[circle].centre[k] - line->centre[k];
   mg_across_line(line, span, middle);
   for (int half = 0; half < 2; half++) {
+    const mg_arc_of_circle arc = mg_arc_of_parts((half + 1) * MG_ARCS / 2, MG_ARCS / 2);
     mg_root_interval angle[MG_BERNSTEIN_ROOTS];
     mg_real polynomial[5] = {0};
-    const mg_real first = MG_FIRST_ANGLE + (mg_real)half * MG_PI;
-    mg_turned_radii(of + circle, first, u, v), mg_across_line(line, u, u), mg_across_line(line, v, v);
+    mg_turned_radii(of + circle, arc.middle, u, v), mg_across_line(line, u, u), mg_across_line(line, v, v);
     const mg_real p = mg_dot3(middle, v), q = -mg_dot3(middle, u), r = mg_dot3(u, v),
                   s = (mg_dot3(v, v) - mg_dot3(u, u)) / 2, size = fabs(p) + fabs(q) + fabs(r) + fabs(s);
     if (!(size > 64 * MG_EPS * (mg_dot3(u, u) + mg_dot3(v, v) + mg_dot3(middle, middle)))) return 0;
-    mg_add_bernstein_product(2, cosine, 2, one, p, polynomial),
-        mg_add_bernstein_product(2, sine, 2, one, q, polynomial);
-    mg_add_bernstein_product(2, cosine, 2, cosine, r, polynomial);
-    mg_add_bernstein_product(2, sine, 2, sine, -r, polynomial);
-    mg_add_bernstein_product(2, sine, 2, cosine, 2 * s, polynomial);
-    const int roots = mg_add_angles(4, polynomial, 16 * MG_EPS * size, first, angle);
+    mg_add_homogeneous_product(2, cosine, 2, one, p, polynomial);
+    mg_add_homogeneous_product(2, sine, 2, one, q, polynomial);
+    mg_add_homogeneous_product(2, cosine, 2, cosine, r, polynomial);
+    mg_add_homogeneous_product(2, sine, 2, sine, -r, polynomial);
+    mg_add_homogeneous_product(2, sine, 2, cosine, 2 * s, polynomial);
+    const int roots = mg_root_angles(4, polynomial, 16 * MG_EPS * size, &arc, angle);
     for (int k = 0; k < roots && count < MG_STATIONARY; k++, count++) {
       place[count].where[circle] = angle[k].low + (angle[k].high - angle[k].low) / 2, place[count].regularity = 1;
       mg_centre_point(of + circle, place[count].where[circle], x);
@@ -162,29 +175,38 @@ static void mg_polish_place(const mg_centred_feature *of, mg_real *where) {
   }
 }
 
-/* How far the gradient of the distance is from zero at a place, as a part of the size of the circles. */
+/* How far the gradient of the distance is from zero at a place, m. */
 static mg_real mg_gradient_at(const mg_centred_feature *of, const mg_real *where) {
   const mg_circle_derivatives d = mg_differentiate_distance(of, where);
   return fabs(d.slope[0]) / of[0].curve.radius + fabs(d.slope[1]) / of[1].curve.radius;
 }
 
-/* Angles of the second circle at which one of the two equations holds at an angle of the first: its points nearest to
-   and farthest from that of the first, and those towards which the first circle is normal. Returns their number. */
-static int mg_angles_of_second(const mg_centred_feature *of, mg_real angle, mg_real *other) {
-  const mg_real *u = of[1].axes, *v = of[1].axes + 3, p = of[0].curve.radius * cos(angle),
+/* A point of the first circle as seen from the second: its place across the axis of that, and how half the squared
+   distance from a point of that at an angle t changes along the first circle: m - a cos(t) - b sin(t). */
+typedef struct {
+  mg_real x, y, rho, a, b, m;
+} mg_point_of_first;
+
+static mg_point_of_first mg_see_from_second(const mg_centred_feature *of, mg_real angle) {
+  const mg_real *u = of[1].axes, *v = of[1].axes + 3, R = of[1].curve.radius, p = of[0].curve.radius * cos(angle),
                 q = of[0].curve.radius * sin(angle);
   mg_real span[3], along[3];
   for (int k = 0; k < 3; k++) {
     span[k] = of[0].centre[k] - of[1].centre[k] + p * of[0].axes[k] + q * of[0].axes[3 + k];
     along[k] = p * of[0].axes[3 + k] - q * of[0].axes[k];
   }
-  other[0] = atan2(mg_dot3(span, v), mg_dot3(span, u)), other[1] = other[0] + MG_PI;
-  const mg_real a = of[1].curve.radius * mg_dot3(along, u), b = of[1].curve.radius * mg_dot3(along, v),
-                size = sqrt(a * a + b * b), m = mg_dot3(along, span);
-  if (!(fabs(m) <= size) || !(size > 0)) return 2;
-  const mg_real middle = atan2(b, a), half = acos(m / size);
-  other[2] = middle + half, other[3] = middle - half;
-  return 4;
+  mg_point_of_first at = {.x = mg_dot3(span, u), .y = mg_dot3(span, v), .m = mg_dot3(along, span)};
+  at.rho = sqrt(at.x * at.x + at.y * at.y), at.a = R * mg_dot3(along, u), at.b = R * mg_dot3(along, v);
+  return at;
+}
+
+/* Angles of the second circle towards which the first circle is normal at a point of it. Returns their number. */
+static int mg_angles_normal_to_first(const mg_point_of_first *at, mg_real *angle) {
+  const mg_real size = sqrt(at->a * at->a + at->b * at->b);
+  if (!(fabs(at->m) <= size) || !(size > 0)) return 0;
+  const mg_real middle = atan2(at->b, at->a), half = acos(at->m / size);
+  angle[0] = middle + half, angle[1] = middle - half;
+  return 2;
 }
 
 /* True if a place is on the list. */
@@ -215,69 +237,138 @@ static int mg_add_place(const mg_centred_feature *of, const mg_real *where, mg_s
   return count + 1;
 }
 
-/* Adds the place at a simple root: of the angles of the second circle that which solves both equations best. */
-static int mg_add_simple_place(const mg_centred_feature *of, mg_real angle, mg_stationary_place *list, int count) {
-  mg_real other[4], least = MG_MAX, best[2] = {angle, 0};
-  const int n = mg_angles_of_second(of, angle, other);
-  for (int k = 0; k < n; k++) {
-    const mg_real at[2] = {angle, other[k]}, gradient = mg_gradient_at(of, at);
-    if (gradient < least) least = gradient, best[1] = other[k];
+/* Adds the places at a simple root: towards the nearest or the farthest point of the second circle, to whichever the
+   first circle is normal; from near the axis of the second, both angles to which it is normal. */
+static int mg_add_simple_place(const mg_centred_feature *of, mg_real angle, mg_stationary_place *place, int count) {
+  const mg_point_of_first at = mg_see_from_second(of, angle);
+  mg_real where[2] = {angle, 0}, other[2];
+  if (!(at.rho > sqrt(sqrt(MG_EPS)) * of[1].curve.radius)) {
+    const int n = mg_angles_normal_to_first(&at, other);
+    for (int k = 0; k < n; k++) where[1] = other[k], count = mg_add_place(of, where, place, count);
+    if (n) return count;
   }
-  return mg_add_place(of, best, list, count);
+  const mg_real turn = (at.a * at.x + at.b * at.y) / at.rho;
+  const int is_far = fabs(at.m + turn) < fabs(at.m - turn);
+  if (is_far && of[0].curve.tube >= 0 && of[1].curve.tube >= 0) return count;
+  where[1] = atan2(at.y, at.x) + (is_far ? MG_PI : 0);
+  return mg_add_place(of, where, place, count);
 }
 
 /* Adds the places in an interval of roots that almost coincide. */
-static int mg_add_close_places(const mg_centred_feature *of, const mg_root_interval *angle, mg_stationary_place *list,
+static int mg_add_close_places(const mg_centred_feature *of, const mg_root_interval *angle, mg_stationary_place *place,
                                int count) {
-  mg_real other[4];
   const mg_real scale = of[0].curve.radius + of[1].curve.radius + sqrt(mg_dot3(of[0].centre, of[0].centre)) +
                         sqrt(mg_dot3(of[1].centre, of[1].centre));
   for (int part = 0; part < 3; part++) {
     const mg_real start = angle->low + (mg_real)part / 2 * (angle->high - angle->low);
-    const int n = mg_angles_of_second(of, start, other);
+    const mg_point_of_first at = mg_see_from_second(of, start);
+    mg_real other[4] = {atan2(at.y, at.x), 0, 0, 0};
+    other[1] = other[0] + MG_PI;
+    const int n = 2 + mg_angles_normal_to_first(&at, other + 2);
     for (int k = 0; k < n; k++) {
-      mg_real at[2] = {start, other[k]};
-      mg_polish_place(of, at);
-      if (mg_gradient_at(of, at) <= sqrt(MG_EPS) * scale) count = mg_add_place(of, at, list, count);
+      mg_real where[2] = {start, other[k]};
+      mg_polish_place(of, where);
+      if (mg_gradient_at(of, where) <= sqrt(MG_EPS) * scale) count = mg_add_place(of, where, place, count);
     }
   }
   return count;
 }
 
-/* The polynomial whose roots are the stationary places of two circles on half a turn about the angle `first` of the
-   first one. Returns the size of its rounding errors. */
-static mg_real mg_circles_polynomial(const mg_centred_feature *of, mg_real first, mg_real *polynomial) {
-  const mg_real *u2 = of[1].axes, *v2 = of[1].axes + 3, *n = of[1].axes + 6, R = of[1].curve.radius;
-  const mg_real c[3] = {of[1].centre[0] - of[0].centre[0], of[1].centre[1] - of[0].centre[1],
-                        of[1].centre[2] - of[0].centre[2]};
-  const mg_real one[3] = {2, 0, 2};
-  mg_real u[3], v[3], a[3], x[3], y[3], z[3], rise[3], square[5] = {0}, b[5] = {0}, a2[5] = {0};
-  mg_turned_radii(of, first, u, v);
-  mg_angle_bernstein(-mg_dot3(v, c), mg_dot3(u, c), 0, a);
-  mg_angle_bernstein(mg_dot3(u, u2), mg_dot3(v, u2), -mg_dot3(c, u2), x);
-  mg_angle_bernstein(mg_dot3(u, v2), mg_dot3(v, v2), -mg_dot3(c, v2), y);
-  mg_angle_bernstein(mg_dot3(u, n), mg_dot3(v, n), -mg_dot3(c, n), z);
-  mg_angle_bernstein(mg_dot3(v, n), -mg_dot3(u, n), 0, rise);
-  mg_add_bernstein_product(2, x, 2, x, 1, square), mg_add_bernstein_product(2, y, 2, y, 1, square);
-  mg_add_bernstein_product(2, a, 2, one, 1, b), mg_add_bernstein_product(2, z, 2, rise, -1, b);
-  mg_add_bernstein_product(2, a, 2, a, 1, a2);
+/* p cos(s) + q sin(s) + m */
+typedef struct {
+  mg_real p, q, m;
+} mg_sinusoid;
+
+/* Points of the first circle, by its angle: in the axes of the second, and how far towards the centre of the second,
+   times the distance of that. */
+typedef struct {
+  mg_sinusoid x, y, z, towards;
+} mg_first_circle;
+
+static mg_sinusoid mg_along_circle(const mg_centred_feature *circle, const mg_real *axis, const mg_real *from) {
+  const mg_sinusoid out = {circle->curve.radius * mg_dot3(circle->axes, axis),
+                           circle->curve.radius * mg_dot3(circle->axes + 3, axis), -mg_dot3(from, axis)};
+  return out;
+}
+
+static mg_first_circle mg_view_first_circle(const mg_centred_feature *of) {
+  const mg_real centre[3] = {of[1].centre[0] - of[0].centre[0], of[1].centre[1] - of[0].centre[1],
+                             of[1].centre[2] - of[0].centre[2]};
+  const mg_first_circle first = {mg_along_circle(of, of[1].axes, centre), mg_along_circle(of, of[1].axes + 3, centre),
+                                 mg_along_circle(of, of[1].axes + 6, centre), mg_along_circle(of, centre, centre)};
+  return first;
+}
+
+/* A sinusoid, or its derivative, on an arc, times 1 + x^2 as in mg_turning. */
+static void mg_sinusoid_on_arc(const mg_sinusoid *f, const mg_arc_of_circle *arc, int derivative, mg_real *b) {
+  const mg_real p = f->p * arc->cosine + f->q * arc->sine, q = f->q * arc->cosine - f->p * arc->sine;
+  if (derivative) mg_turning(q, -p, 0, arc->tangent, b);
+  else mg_turning(p, q, f->m, arc->tangent, b);
+}
+
+/* The polynomial whose roots are the stationary places of two circles on an arc of the first one. Returns the size of
+   its rounding errors. */
+static mg_real mg_circles_polynomial(const mg_first_circle *first, mg_real R, const mg_arc_of_circle *arc,
+                                     mg_real *polynomial) {
+  mg_real a[3], x[3], y[3], z[3], rise[3], one[3], square[5] = {0}, b[5] = {0}, a2[5] = {0};
+  mg_turning(0, 0, 1, arc->tangent, one);
+  mg_sinusoid_on_arc(&first->x, arc, 0, x), mg_sinusoid_on_arc(&first->y, arc, 0, y);
+  mg_sinusoid_on_arc(&first->z, arc, 0, z), mg_sinusoid_on_arc(&first->z, arc, 1, rise);
+  mg_sinusoid_on_arc(&first->towards, arc, 1, a);
+  for (int k = 0; k < 3; k++) a[k] = -a[k];
+  mg_add_homogeneous_product(2, x, 2, x, 1, square), mg_add_homogeneous_product(2, y, 2, y, 1, square);
+  mg_add_homogeneous_product(2, a, 2, one, 1, b), mg_add_homogeneous_product(2, z, 2, rise, -1, b);
+  mg_add_homogeneous_product(2, a, 2, a, 1, a2);
   for (int k = 0; k <= MG_BERNSTEIN_DEGREE; k++) polynomial[k] = 0;
-  mg_add_bernstein_product(4, a2, 4, square, 1, polynomial), mg_add_bernstein_product(4, b, 4, b, -R * R, polynomial);
+  mg_add_homogeneous_product(4, a2, 4, square, 1, polynomial);
+  mg_add_homogeneous_product(4, b, 4, b, -R * R, polynomial);
   const mg_real large_a = mg_max_abs(3, a), large_x = mg_max_abs(3, x), large_y = mg_max_abs(3, y),
                 large_b = 2 * large_a + mg_max_abs(3, z) * mg_max_abs(3, rise);
   return 32 * MG_EPS * (large_a * large_a * (large_x * large_x + large_y * large_y) + R * R * large_b * large_b);
 }
 
-/* Places of two circles, by the angle of the first one. Returns their number. `widest`: the widest interval of roots
-   that almost coincide, rad. */
-static int mg_places_by_first(const mg_centred_feature *of, mg_stationary_place *place, mg_real *widest) {
+/* True if the distance of a point of the first circle from the second, of radius R, is `reach` at most. */
+static int mg_is_near_second(const mg_first_circle *first, mg_real R, mg_real cosine, mg_real sine, mg_real reach) {
+  const mg_real x = first->x.p * cosine + first->x.q * sine + first->x.m,
+                y = first->y.p * cosine + first->y.q * sine + first->y.m,
+                z = first->z.p * cosine + first->z.q * sine + first->z.m, across = sqrt(x * x + y * y) - R;
+  return z * z + across * across <= reach * reach;
+}
+
+/* Arcs of the first circle that contain all its points whose distance from the second one is `reach` at most. Returns
+   their number. */
+static int mg_near_arcs(const mg_centred_feature *of, const mg_first_circle *first, mg_real reach,
+                        mg_arc_of_circle *arc) {
+  const mg_real half = MG_PI / MG_ARCS, slack = reach + of[0].curve.radius * half,
+                turn[2] = {cos(2 * half), sin(2 * half)};
+  mg_real cosine = cos(MG_FIRST_ANGLE + half), sine = sin(MG_FIRST_ANGLE + half);
+  const int is_bounded = slack < MG_MAX / 4;
+  int count = 0, parts = 0;
+  for (int k = 0; k <= MG_ARCS; k++) {
+    const int is_near =
+        k < MG_ARCS && (!is_bounded || mg_is_near_second(first, of[1].curve.radius, cosine, sine, slack));
+    if (parts && (!is_near || parts == MG_ARCS / 2)) arc[count++] = mg_arc_of_parts(k, parts), parts = 0;
+    parts += is_near;
+    const mg_real before = cosine;
+    cosine = before * turn[0] - sine * turn[1], sine = sine * turn[0] + before * turn[1];
+  }
+  return count;
+}
+
+/* Places of two circles whose distance is `reach` at most, by the angle of the first one. Returns their number.
+   `widest`: the widest interval of roots that almost coincide, rad. */
+static int mg_places_by_first(const mg_centred_feature *of, mg_real reach, mg_stationary_place *place,
+                              mg_real *widest) {
   mg_real polynomial[MG_BERNSTEIN_DEGREE + 1];
   mg_root_interval angle[MG_BERNSTEIN_ROOTS];
+  mg_arc_of_circle arc[MG_ARCS];
+  const mg_first_circle first = mg_view_first_circle(of);
+  const int arcs = mg_near_arcs(of, &first, reach, arc);
   int count = 0;
   *widest = 0;
-  for (int half = 0; half < 2; half++) {
-    const mg_real first = MG_FIRST_ANGLE + (mg_real)half * MG_PI, noise = mg_circles_polynomial(of, first, polynomial);
-    const int roots = mg_add_angles(MG_BERNSTEIN_DEGREE, polynomial, noise, first, angle);
+  for (int i = 0; i < arcs; i++) {
+    const mg_real noise = mg_circles_polynomial(&first, of[1].curve.radius, arc + i, polynomial);
+    const int roots = mg_root_angles(MG_BERNSTEIN_DEGREE, polynomial, noise, arc + i, angle);
     for (int k = 0; k < roots; k++) {
       *widest = fmax(*widest, angle[k].high - angle[k].low);
       count = angle[k].low == angle[k].high ? mg_add_simple_place(of, angle[k].low, place, count)
@@ -287,16 +378,18 @@ static int mg_places_by_first(const mg_centred_feature *of, mg_stationary_place 
   return count;
 }
 
-/* Places of two circles. More than two roots that almost coincide belong to a part of the second circle that is
-   about equally far from a point of the first, or to a curve of stationary places: then the angle of the second circle
-   tells them apart. Returns the number of places. */
-static int mg_circle_and_circle(const mg_centred_feature *of, mg_stationary_place *place) {
+/* Places of two circles at which the gap is within a bound. More than two roots that almost coincide belong to a part
+   of the second circle that is about equally far from a point of the first, or to a curve of stationary places: then
+   the angle of the second circle tells them apart. Returns the number of places. */
+static int mg_circle_and_circle(const mg_centred_feature *of, mg_real gap, mg_stationary_place *place) {
   const mg_centred_feature swapped[2] = {of[1], of[0]};
+  const int is_hollow = of[0].curve.tube < 0 || of[1].curve.tube < 0;
+  const mg_real reach = is_hollow ? MG_MAX : gap + of[0].curve.tube + of[1].curve.tube;
   mg_stationary_place more[MG_STATIONARY];
   mg_real widest, unused;
-  int count = mg_places_by_first(of, place, &widest);
+  int count = mg_places_by_first(of, reach, place, &widest);
   if (!(widest > sqrt(sqrt(MG_EPS)))) return count;
-  const int n = mg_places_by_first(swapped, more, &unused);
+  const int n = mg_places_by_first(swapped, reach, more, &unused);
   for (int k = 0; k < n; k++) {
     const mg_real where[2] = {more[k].where[1], more[k].where[0]};
     count = mg_add_place(of, where, place, count);
@@ -304,20 +397,20 @@ static int mg_circle_and_circle(const mg_centred_feature *of, mg_stationary_plac
   return count;
 }
 
-MG_INTERNAL int mg_stationary_places(const mg_centred_feature *of, mg_stationary_place *place) {
-  mg_real *where = place[0].where;
-  place[0].regularity = 1;
+MG_INTERNAL int mg_stationary_places(const mg_centred_feature *of, mg_real gap, mg_stationary_place *place) {
   const int circle = of[0].curve.kind == MG_CENTRE_CIRCLE ? 0 : 1;
-  const int count = of[circle].curve.kind == MG_CENTRE_LINE       ? mg_lines_nearest(of, of + 1, where)
-                    : of[1 - circle].curve.kind == MG_CENTRE_LINE ? mg_circle_and_line(of, circle, place)
-                                                                  : mg_circle_and_circle(of, place);
-  if (count) return count;
-  mg_real x[3];
-  where[circle] = 0, mg_centre_point(of + circle, 0, x);
-  if (of[1 - circle].curve.kind == MG_CENTRE_LINE) where[1 - circle] = mg_foot_on_line(of + 1 - circle, x);
-  else {
-    mg_real other[4];
-    mg_angles_of_second(of, 0, other), where[1] = other[0];
-  }
-  return 0;
+  const mg_centred_feature *other = of + 1 - circle;
+  place[0].regularity = 1;
+  if (of[circle].curve.kind == MG_CENTRE_LINE) return mg_lines_nearest(of, of + 1, place[0].where);
+  return other->curve.kind == MG_CENTRE_LINE ? mg_circle_and_line(of, circle, place)
+                                             : mg_circle_and_circle(of, gap, place);
+}
+
+MG_INTERNAL mg_real mg_constant_distance(const mg_centred_feature *of) {
+  const int line = of[0].curve.kind == MG_CENTRE_LINE ? 0 : 1;
+  mg_real x[3], foot[3];
+  mg_centre_point(of + 1 - line, 0, x);
+  mg_centre_point(of + line, mg_foot_on_line(of + line, x), foot);
+  const mg_real span[3] = {foot[0] - x[0], foot[1] - x[1], foot[2] - x[2]};
+  return sqrt(mg_dot3(span, span));
 }

@@ -75,7 +75,8 @@ static void mg_converge_from_centres(mg_context *c, int feature_pair, const mg_c
   for (int side = 0; side < 2; side++) mg_centre_point(of + side, where[side], at[side]);
   for (int k = 0; k < 3; k++) normal[k] = at[1][k] - at[0][k];
   const mg_real d = mg_gap_at_centres(of, of + 1, sqrt(mg_dot3(normal, normal)));
-  if (d > limits->gap || d < -limits->depth || !mg_centre_normal(of, where, normal)) return;
+  if (d > limits->gap || d < -limits->depth) return;
+  if (!mg_normalise3(normal) && !mg_normal_to_both(of, where, normal)) return;
   const mg_real sign = of[0].curve.tube < 0 || of[1].curve.tube < 0 ? -1 : 1;
   for (int k = 0; k < 3; k++)
     at[0][k] += sign * of[0].curve.tube * normal[k], at[1][k] -= sign * of[1].curve.tube * normal[k];
@@ -102,12 +103,9 @@ MG_INTERNAL void mg_search_centre_curves(mg_context *c, int feature_pair, const 
                                          mg_minima *kept) {
   mg_centred_feature of[2];
   mg_stationary_place place[MG_STATIONARY];
-  mg_real x[3], foot[3];
   for (int side = 0; side < 2; side++) mg_read_centred_feature(c, feature_pair, side, of + side);
-  const int count = mg_stationary_places(of, place);
+  const int count = mg_stationary_places(of, limits->gap, place);
   for (int k = 0; k < count; k++) mg_converge_from_centres(c, feature_pair, of, place + k, limits, least, kept);
-  if (count) return;
-  mg_centre_point(of, place[0].where[0], x), mg_centre_point(of + 1, place[0].where[1], foot);
-  const mg_real span[3] = {foot[0] - x[0], foot[1] - x[1], foot[2] - x[2]};
-  mg_note_open_gap(c, mg_gap_at_centres(of, of + 1, sqrt(mg_dot3(span, span))));
+  if (count || (of[0].curve.kind == MG_CENTRE_CIRCLE && of[1].curve.kind == MG_CENTRE_CIRCLE)) return;
+  mg_note_open_gap(c, mg_gap_at_centres(of, of + 1, mg_constant_distance(of)));
 }

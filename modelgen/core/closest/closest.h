@@ -152,14 +152,16 @@ typedef struct {
 /* Point of a centre curve: at an angle of the circle, at a distance along the line. */
 MG_INTERNAL void mg_centre_point(const mg_centred_feature *at, mg_real where, mg_real *x);
 
-/* Unit vector from the first to the second of two places that are stationary; where they meet, normal to both curves.
-   Returns 0 where that is not known: the curves meet and have one tangent. */
-MG_INTERNAL int mg_centre_normal(const mg_centred_feature *of, const mg_real *where, mg_real *normal);
+/* Unit vector normal to both centre curves at places on them. Returns 0 where their tangents are the same. */
+MG_INTERNAL int mg_normal_to_both(const mg_centred_feature *of, const mg_real *where, mg_real *normal);
 
-/* Stationary places of two centre curves; of two circles those at which the gap can be a minimum. Returns their number;
-   0 if the distance is the same along the curves, and place[0] then is one of the places nearest to each other. `place`
-   has room for MG_STATIONARY. */
-MG_INTERNAL int mg_stationary_places(const mg_centred_feature *of, mg_stationary_place *place);
+/* Stationary places of two centre curves; of two circles those with gaps up to `gap` at which it can be a minimum.
+   Returns their number. It is 0 of a line and a curve whose distance is constant. `place` has room for MG_STATIONARY.
+ */
+MG_INTERNAL int mg_stationary_places(const mg_centred_feature *of, mg_real gap, mg_stationary_place *place);
+
+/* Distance of a line from a line or circle where it is constant, m. */
+MG_INTERNAL mg_real mg_constant_distance(const mg_centred_feature *of);
 
 /* far_sides.c */
 

@@ -357,8 +357,8 @@ static int mg_find_unfollowed_minimum(mg_context *c, int pair, mg_real moved) {
   mg_search_free_feature_pairs(c, pair, &limits, least, &found);
   for (int k = 0; k < found.count && kind < MG_NEW_PENETRATION; k++) {
     const mg_minimum *each = found.list + k;
-    if (!mg_is_minimum_within_reach(c, each, limits.depth) || mg_is_minimum_ignored(c, each) ||
-        mg_is_minimum_tracked(c, pair, -1, each))
+    if (!mg_is_minimum_within_reach(c, each, limits.depth) || mg_is_minimum_tracked(c, pair, -1, each) ||
+        mg_is_minimum_ignored(c, each))
       continue;
     const int is_deep = each->d < -touching && mg_is_minimum_accepted(c, each, limits.depth);
     kind = is_deep ? MG_NEW_PENETRATION : MG_NEW_MINIMUM;
