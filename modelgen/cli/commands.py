@@ -213,6 +213,8 @@ def plot(
     """Draw motion, forces, gaps, energy, the contact curves on both surfaces, and the bodies; or the outcomes
     of a sweep."""
     if source.is_dir():
+        if frames is not None:
+            raise ModelgenError("--frames", repr(frames), "pictures of the bodies of a run", "leave it out")
         plot_sweep(source, out, of, as_json)
         return
     from modelgen.report.run_plot import draw

@@ -31,12 +31,8 @@ def require_pyarrow() -> tuple[Any, Any]:
         import pyarrow
         import pyarrow.parquet
     except ImportError:
-        raise ModelgenError(
-            "sweep",
-            "pyarrow is not installed, which writes the table",
-            "",
-            "run: pip install 'modelgen[sweep]'",
-        ) from None
+        found, remedy = "no package 'pyarrow', which writes the table", "run: pip install 'modelgen[sweep]'"
+        raise ModelgenError("sweep", found, "", remedy) from None
     return pyarrow, pyarrow.parquet
 
 

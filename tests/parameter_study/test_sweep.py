@@ -247,7 +247,7 @@ def test_a_number_may_have_the_name_of_a_column() -> None:
     assert varied_columns(["steps", "mass"]) == ["vary.steps", "mass"]
 
 
-@pytest.mark.cases(2)
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("numbers", [1, 2, 3])
 def test_pictures_have_a_panel_for_each_pair_of_numbers(numbers: int, tmp_path: Path) -> None:
     vary = dict(list(VARY.items())[:numbers])

@@ -40,7 +40,7 @@ def test_a_scene_is_commented_and_has_a_number_to_change(kind: str) -> None:
     assert tables.get("parameter") or tables.get("input")
 
 
-@pytest.mark.cases(3)
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("kind", kinds())
 def test_a_scene_is_checked_and_runs_to_its_end(kind: str, tmp_path: Path) -> None:
     path = tmp_path / f"{kind}.toml"
