@@ -2,8 +2,8 @@
 
 Its nodes lie on the least-squares spline of some intervals, which are halved where the points, on average
 over a part of an interval, lie off the spline through the nodes by more than a tolerance (de Boor, A
-Practical Guide to Splines, 2001, ch. XIV). The noise is taken from fourth divided differences. Where intervals cannot
-be halved any more, because the profile turns as in a corner, the fit is refused.
+Practical Guide to Splines, 2001, ch. XIV). The noise is taken from fourth divided differences. Where
+intervals cannot be halved any more, because the profile turns as in a corner, the fit is refused.
 """
 
 from __future__ import annotations

@@ -24,6 +24,7 @@ IO_PLACES = (
     "benchmark/extremes_table.py",
     "benchmark/measurement_table.py",
     "export/",
+    "importing/",
     "cli/",
 )
 IO_MODULES = {"subprocess", "shutil", "tempfile", "socket", "urllib", "http", "multiprocessing"}
