@@ -15,7 +15,7 @@ FOLDER = Path(__file__).parent.parent / "manual"
 TOPICS = (
     *("first_steps", "scenes", "keys", "shapes", "joints", "contact_and_friction", "impacts"),
     *("planar_contact", "accuracy", "time_stepping", "forms_and_formulas", "python_api", "driven_runs"),
-    *("view", "sensitivities", "fit", "sweep", "casadi", "optimisation", "c", "export"),
+    *("view", "sensitivities", "fit", "sweep", "casadi", "optimisation", "c", "export", "import"),
     *("command_line", "limits", "troubleshooting"),
     *("development", "design_notes"),
     *("measurements", "glossary", "changelog"),

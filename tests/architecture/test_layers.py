@@ -27,7 +27,7 @@ PIPELINE = (
     ("report",),
     ("view", "parameter_study"),
     ("benchmark",),
-    ("export",),
+    ("export", "importing"),
     ("cli",),
 )
 LAYER = {room: number for number, rooms in enumerate(PIPELINE) for room in rooms}

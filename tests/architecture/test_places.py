@@ -28,6 +28,7 @@ IO_PLACES = (
     "parameter_study/chunks.py",
     "parameter_study/dask_workers.py",
     "parameter_study/sweep_output.py",
+    "importing/",
     "cli/",
 )
 IO_MODULES = {"subprocess", "shutil", "tempfile", "socket", "urllib", "http", "multiprocessing"}

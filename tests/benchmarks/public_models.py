@@ -21,11 +21,11 @@ COLUMNS = ("file", "import", "bodies", "joints", "contacts", "run", "trusted", "
 LIMIT = 300.0  # s, of an import or a run
 
 
-def command(*words: str) -> tuple[int, str, str]:
-    """Exit code (124 beyond the limit), standard output and error of a command of modelgen."""
+def command(folder: Path, *words: str) -> tuple[int, str, str]:
+    """Exit code (124 beyond the limit), standard output and error of a command of modelgen in a folder."""
     call = [sys.executable, "-m", "modelgen", *words]
     try:
-        done = subprocess.run(call, capture_output=True, text=True, timeout=LIMIT, check=False)
+        done = subprocess.run(call, cwd=folder, capture_output=True, text=True, timeout=LIMIT, check=False)
     except subprocess.TimeoutExpired:
         return 124, "", f"longer than {LIMIT:g} s"
     return done.returncode, done.stdout, done.stderr.strip()
@@ -33,7 +33,7 @@ def command(*words: str) -> tuple[int, str, str]:
 
 def imported(path: Path, scene: Path) -> dict[str, Any]:
     """The import of a file; of one that is refused, that without what is named."""
-    code, out, error = command("import", str(path), "--out", str(scene), "--json")
+    code, out, error = command(scene.parent, "import", str(path), "--out", str(scene), "--json")
     row: dict[str, Any] = {"import": "loads" if code == 0 else f"exit {code}"}
     if code == 2:
         row |= {"import": "refused by name", "told": re.sub(r"\S*/", "", error.split(";")[0])}
@@ -41,7 +41,7 @@ def imported(path: Path, scene: Path) -> dict[str, Any]:
         if parts:
             row["import"] = f"refused; loads without {parts[1]}"
             code, out, error = command(
-                "import", str(path), "--out", str(scene), "--json", "--without", parts[1]
+                scene.parent, "import", str(path), "--out", str(scene), "--json", "--without", parts[1]
             )
             if code:
                 row |= {"import": "refused by name", "told": re.sub(r"\S*/", "", error)}
@@ -58,7 +58,7 @@ def ran(scene: Path) -> dict[str, Any]:
     what = read(scene)
     counts = {"bodies": len(what.bodies), "joints": len(what.joints), "contacts": len(what.contacts)}
     begun = time.process_time(), time.perf_counter()
-    code, out, error = command("simulate", str(scene), "--accuracy", "fast", "--json")
+    code, out, error = command(scene.parent, "simulate", str(scene), "--accuracy", "fast", "--json")
     counts["s"] = round(time.perf_counter() - begun[1], 1)
     if not out:
         return counts | {"run": f"exit {code}", "run_told": error}
@@ -86,7 +86,7 @@ def main() -> None:
         if row is None:
             with tempfile.TemporaryDirectory() as folder:
                 scene = Path(folder) / f"{Path(name).stem}.toml"
-                row = {"file": name, **imported(given.folder / name, scene)}
+                row = {"file": name, **imported((given.folder / name).resolve(), scene)}
                 if scene.exists():
                     row |= ran(scene)
             if given.out:
