@@ -110,12 +110,11 @@ class SteadySearch:
         """The reduced system at a state as if it were steady, and what is missing, dimensionless."""
         n, generators, turns = len(state.u), self.generators, self.touching.turns_of_dynamic(state.q)
         shifts = generators.shifts(self._centres(state.q), turns)
-        along = np.vstack([shifts, generators.carried(state.u)]) @ self.algebra
-        field = np.concatenate([state.u, state.udot])
-        scaled = self.unscale @ along
-        rates = self._rates(scaled, self.unscale @ field)
-        c = self.algebra @ rates
-        left = self.unscale @ (field - along @ rates)
+        every = self.unscale @ np.vstack([shifts, generators.carried(state.u)])
+        along, least = every @ self.algebra, DEPENDENT * np.abs(every).max(initial=0.0)
+        field = self.unscale @ np.concatenate([state.u, state.udot])
+        rates = self._rates(along, field, least)
+        c, left = self.algebra @ rates, field - along @ rates
         D = np.block(
             [
                 [-generators.turning(c, turns), np.eye(n)],
@@ -130,17 +129,19 @@ class SteadySearch:
         )
         kept = kept @ self.scale
         tangent = _null_space(kept, DEPENDENT * np.abs(kept).max(initial=0.0))
-        orbit = _range(tangent.T @ scaled, DEPENDENT * np.abs(scaled).max(initial=0.0))
+        orbit = _range(tangent.T @ along, least)
         changes = tangent @ _null_space(orbit.T, DEPENDENT)
         system = changes.T @ self.unscale @ D @ self.scale @ changes
         missed = changes.T @ left * self._time / self._unit
         return SteadyMotion(state, c, changes, orbit.shape[1], system, self.scale), missed
 
-    def _rates(self, along: Array, field: Array) -> Array:
+    def _rates(self, along: Array, field: Array, least: float) -> Array:
         """(k,) of the symmetries, that come nearest to the field. Where symmetries do the same, as those of a
-        top that stands upright do, with the least turning of the axes that are carried along."""
-        found = np.linalg.lstsq(along, field, rcond=DEPENDENT)[0]
-        same = _null_space(along, DEPENDENT * np.abs(along).max(initial=0.0))
+        top that stands upright do, with the least turning of the axes that are carried along. Singular values
+        up to `least` count as zero."""
+        same = _null_space(along, least)
+        others = _null_space(same.T, DEPENDENT)
+        found = others @ np.linalg.lstsq(along @ others, field, rcond=None)[0]
         turning = self.algebra[self.generators.left_turns]
         return np.asarray(found - same @ np.linalg.lstsq(turning @ same, turning @ found, rcond=DEPENDENT)[0])
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from modelgen import Accuracy, derive, linearise, linearise_steady, require, simulate, stability
+from modelgen import Accuracy, derive, linearise, linearise_steady, read, require, simulate, stability
 from modelgen.errors import SimulationError
 from modelgen.linearisation.steady_modes import LinearisedSteady
 from modelgen.scene.read import read_text
 from tests.oracles.pieces import G
-from tests.running import library_of
+from tests.running import SCENES, library_of
 
 RADIUS, MASS = 0.1, 2.0
 
@@ -186,6 +186,14 @@ def test_an_equilibrium_is_a_steady_motion() -> None:
     found = [mode.frequency for mode in motion.modes if mode.frequency]
     assert found == pytest.approx(rest.frequencies, rel=1e-9)
     assert motion.force == pytest.approx(rest.force)
+
+
+def test_a_pendulum_that_hangs_is_steady_though_its_symmetry_does_nothing_there() -> None:
+    """A turn about the vertical moves a ball aside of its lowest place only: both swings remain."""
+    scene = read(SCENES / "ball_in_bowl.toml")
+    found = linearise_steady(derive(require(scene)), library_of(scene))
+    assert found.symmetries == 0
+    assert np.abs(found.eigenvalues) == pytest.approx([np.sqrt(G / 0.02)] * 4, rel=1e-9)
 
 
 def test_values_without_a_steady_motion_are_kept_as_refused() -> None:
