@@ -26,7 +26,7 @@ typedef struct {
 } mg_angle_polynomial;
 
 static mg_real mg_angle_value(const mg_angle_polynomial *g, mg_real a) {
-  return g->p * cos(a) + g->q * sin(a) + g->r * cos(2 * a) + g->s * sin(2 * a);
+  return g->p * mg_cos(a) + g->q * mg_sin(a) + g->r * mg_cos(2 * a) + g->s * mg_sin(2 * a);
 }
 
 MG_INTERNAL void mg_read_centre_curve(const mg_context *c, int feature_pair, int side, mg_centre_curve *at) {
@@ -62,13 +62,13 @@ MG_INTERNAL void mg_foot_on_centre_curve(const mg_centre_curve *curve, const mg_
 
 MG_INTERNAL void mg_sample_about_centre_curve(const mg_context *c, int feature_pair, int side,
                                               const mg_centre_curve *curve, const mg_real *local, mg_sample *sample) {
-  const mg_real *x = local, azimuth = atan2(x[1], x[0]);
+  const mg_real *x = local, azimuth = mg_atan2(x[1], x[0]);
   const int is_curve = mg_feature_dimension(c, feature_pair, side) == 1;
   for (int k = 0; k < 3; k++) sample->local[k] = x[k], sample->direction[k] = 0;
   if (curve->kind == MG_CENTRE_LINE) sample->uv[0] = is_curve ? x[2] : azimuth, sample->uv[1] = x[2];
   else
     sample->uv[0] = azimuth,
-    sample->uv[1] = is_curve ? 0 : atan2(x[2], sqrt(x[0] * x[0] + x[1] * x[1]) - curve->radius);
+    sample->uv[1] = is_curve ? 0 : mg_atan2(x[2], sqrt(x[0] * x[0] + x[1] * x[1]) - curve->radius);
 }
 
 /* Reads a feature that has a centre curve, and where that is. */
@@ -84,7 +84,7 @@ static void mg_centre_point(const mg_centred_feature *at, mg_real where, mg_real
   for (int k = 0; k < 3; k++)
     x[k] = at->centre[k] + (at->curve.kind == MG_CENTRE_LINE
                                 ? where * at->axes[6 + k]
-                                : at->curve.radius * (cos(where) * at->axes[k] + sin(where) * at->axes[3 + k]));
+                                : at->curve.radius * (mg_cos(where) * at->axes[k] + mg_sin(where) * at->axes[3 + k]));
 }
 
 /* Distance along a line of the point nearest to x. */
