@@ -64,22 +64,28 @@ class Stage:
         return [next(palette) if actor.moves else still for actor in self.actors]
 
 
-def stage_of(record: Record, model: Model, tolerance: float) -> Stage:
+def stage_of(record: Record, model: Model, tolerance: float, may_move: bool = False) -> Stage:
     """The bodies of a run and where it takes place.
 
     Args:
         record: what `record_of` returned.
         model: what `require` made of its scene.
         tolerance: of the meshes, as a part of the size of each shape.
+        may_move: take bodies for moving that are not fixed; else those that moved in the run.
     """
-    return _stage(record.columns, set(record.moving), model, tolerance)
+    moving = not_fixed(model) if may_move else set(record.moving)
+    return _stage(record.columns, moving, model, tolerance)
 
 
 def stage_at_start(columns: Mapping[str, Array], model: Model, tolerance: float) -> Stage:
     """The bodies of a run that begins: `columns` is its first sample, as a Trajectory names them."""
+    return _stage(columns, not_fixed(model), model, tolerance, AHEAD)
+
+
+def not_fixed(model: Model) -> set[int]:
+    """The bodies that forces or paths may move."""
     kinds = [model.body_kinds[body.kind].motion for body in model.bodies]
-    moving = {index for index, motion in enumerate(kinds) if motion != "fixed"}
-    return _stage(columns, moving, model, tolerance, AHEAD)
+    return {index for index, motion in enumerate(kinds) if motion != "fixed"}
 
 
 def _stage(

@@ -116,8 +116,9 @@ def constants() -> dict[str, mpf]:
     ln2, half_pi = mp.log(2), mp.pi / 2
     step_high, step_low = on_grid(ln2 / STEPS, GRID)  # 35 bits: exact times numbers of 18 bits
     two_high, two_low = on_grid(ln2, GRID)
-    first, rest = on_grid(half_pi, -32)
-    second = mp.floor(mp.ldexp(rest := half_pi - first, 65)) * mp.ldexp(1, -65)
+    first, _ = on_grid(half_pi, -32)
+    second, _ = on_grid(half_pi - first, -65)
+    third = mp.nint(mp.ldexp(half_pi - first - second, 98)) * mp.ldexp(1, -98)
     pi_high, pi_low = pair(half_pi)
     return {
         "MG_STEPS_PER_LN2": STEPS / ln2,
@@ -128,7 +129,8 @@ def constants() -> dict[str, mpf]:
         "MG_PER_HALF_PI": 2 / mp.pi,
         "MG_HALF_PI_1": first,
         "MG_HALF_PI_2": second,
-        "MG_HALF_PI_3": rest - second,
+        "MG_HALF_PI_3": third,
+        "MG_HALF_PI_4": half_pi - first - second - third,
         "MG_HALF_PI_HIGH": pi_high,
         "MG_HALF_PI_LOW": pi_low,
     }

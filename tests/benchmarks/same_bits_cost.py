@@ -20,7 +20,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parents[2]
-FLAGS = ("-std=c99", "-O2", "-fno-math-errno", "-ffp-contract=off", "-march=haswell", "-mtune=generic")
+FLAGS = ("-std=c99", "-O2", "-fno-math-errno", "-ffp-contract=off", "-march=x86-64-v2")
 MAIN = """#include <stdio.h>
 #include <stdlib.h>
 #include <time.h>

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import math
+import shlex
 import struct
 import subprocess
 from collections.abc import Callable, Iterator
@@ -15,7 +16,9 @@ import pytest
 from mpmath import mp, mpf
 
 from tests.benchmarks import elementary_constants
+from tests.benchmarks.same_bits import MACHINES
 from tests.core.compiling import CORE, WARNINGS, compiler, includes
+from tests.export.folders import ZIG, needs_zig, runner, said
 
 pytestmark = pytest.mark.skipif(compiler() is None, reason="needs a C compiler")
 
@@ -230,6 +233,51 @@ def test_special_values(name: str, own: dict[str, Callable[..., float]]) -> None
             assert math.isnan(found), (name, given, found)
         else:
             assert struct.pack("d", found) == struct.pack("d", expected), (name, given, found)
+
+
+DIGEST = """
+#include <stdio.h>
+static unsigned long long seed = 88172645463325252ULL, digest;
+static double draw(int is_any) { /* any double, or one of moderate size */
+  seed ^= seed << 13, seed ^= seed >> 7, seed ^= seed << 17;
+  const int exponent = is_any ? (int)(seed >> 52 & 2047) : 1023 - 12 + (int)(seed >> 52 & 15);
+  return mg_from_bits((seed & 0x800fffffffffffffULL) | (unsigned long long)exponent << 52);
+}
+static void add(double x) {
+  if (x == x) digest = (digest ^ mg_bits_of(x)) * 1099511628211ULL;
+}
+int main(void) {
+  for (int k = 0; k < 40000; k++) {
+    const double x = draw(k & 1), y = draw(k & 2);
+    add(mg_sin(x)), add(mg_cos(x)), add(mg_tan(x)), add(mg_asin(x)), add(mg_acos(x)), add(mg_atan(x));
+    add(mg_sinh(x)), add(mg_cosh(x)), add(mg_tanh(x)), add(mg_exp(x)), add(mg_log(x));
+    add(mg_atan2(x, y)), add(mg_pow(x, y)), add(mg_hypot(x, y));
+  }
+  printf("%llx\\n", digest);
+  return 0;
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def digest(tmp_path_factory: pytest.TempPathFactory) -> str:
+    return said(compiled(tmp_path_factory.mktemp("digest"), str(compiler()), "-O0", text=DIGEST))[0]
+
+
+def test_bits_do_not_depend_on_optimisation(digest: str, tmp_path: Path) -> None:
+    fast = compiled(tmp_path, str(compiler()), "-O3", "-march=native", text=DIGEST)
+    assert said(fast)[0] == digest
+
+
+@needs_zig
+@pytest.mark.slow
+@pytest.mark.parametrize("machine", MACHINES)
+def test_bits_do_not_depend_on_the_machine(machine: str, digest: str, tmp_path: Path) -> None:
+    by = runner(machine, tmp_path)
+    if by is None:
+        pytest.skip(f"nothing runs programs of {machine} here")
+    program = compiled(tmp_path, shlex.join(ZIG), "-O2", "-target", machine, text=DIGEST)
+    assert said(program, by=by)[0] == digest
 
 
 def test_powers_that_are_doubles_are_exact(own: dict[str, Callable[..., float]]) -> None:

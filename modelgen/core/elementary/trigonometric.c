@@ -1,8 +1,8 @@
 /* Sine, cosine and tangent.
 
-   x is reduced to r = x - n pi/2 with |r| <= pi/4 in three parts of pi/2 (W. J. Cody, W. Waite, 1980), or where
-   much cancels, or x is large, by the digits of 2/pi that matter (M. Payne, R. Hanek, 1983). Polynomials give sine
-   and cosine of r as pairs. */
+   x is reduced to r = x - n pi/2 with |r| <= pi/4 by parts of pi/2 (W. J. Cody, W. Waite, 1980), of which four are
+   needed where much cancels, or, if x is large, by the digits of 2/pi that matter (M. Payne, R. Hanek, 1983).
+   Polynomials give sine and cosine of r as pairs. */
 #include "elementary/elementary.h"
 
 #if !defined(MG_REAL_FLOAT) && !defined(MG_REAL_LONG)
@@ -70,8 +70,11 @@ static int mg_reduce(double x, mg_pair *left) {
     const double much = x - n * MG_HALF_PI_1, second = n * MG_HALF_PI_2, hi = much - second;
     if (fabs(hi) >= MG_LITTLE_LEFT) {
       *left = mg_pair_ordered_sum(hi, ((much - hi) - second) - n * MG_HALF_PI_3);
-      return (int)n & 3;
+    } else {
+      const mg_pair little = mg_pair_sum(much, -second), less = mg_pair_sum(little.hi, -n * MG_HALF_PI_3);
+      *left = mg_pair_ordered_sum(less.hi, little.lo + less.lo - n * MG_HALF_PI_4);
     }
+    return (int)n & 3;
   }
   const int quarters = mg_reduce_by_digits(fabs(x), left);
   if (x > 0) return quarters;

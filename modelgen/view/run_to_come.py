@@ -1,0 +1,45 @@
+"""What a page shows that computes its run itself: bodies, contacts and patches without samples."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from modelgen.model import Model
+from modelgen.report.resting_face_outlines import face_outlines
+from modelgen.report.run_record import Record
+from modelgen.report.stage import not_fixed, stage_of
+from modelgen.view.frames import contact_of, patch_of, stage_data
+from modelgen.view.plots import Shown, plots_to_come
+
+if TYPE_CHECKING:
+    from modelgen.codegen.library import Library
+
+
+def page_of_run_to_come(record: Record, model: Model, library: Library, tolerance: float) -> dict[str, Any]:
+    """The contents of a page, as `page_data` has them, less what the run gives.
+
+    Args:
+        record: a run of the scene, by which the picture is sized.
+        model: what `require` made of its scene.
+        library: what `build` returned.
+        tolerance: of the meshes, as a part of the size of each shape.
+    """
+    moving, patches = sorted(not_fixed(model)), range(len(record.patch_names))
+    record = replace(record, faces=face_outlines(library, patches))
+    stage = stage_of(record, model, tolerance, may_move=True)
+    has_friction = any(pair.friction for pair in model.pairs) or any(
+        any(each.friction) for each in model.patches
+    )
+    shown = Shown(moving, range(len(record.pairs)), patches, has_friction)
+    return {
+        **stage_data(stage, model),
+        "scene": record.summary["scene"],
+        "outcome": "",
+        "said": "",
+        "t": "",
+        "contacts": [{**contact_of(record, k, moving), "index": k} for k in shown.contacts],
+        "patches": [{**patch_of(record, k, moving), "index": k} for k in patches],
+        "events": [],
+        "plots": plots_to_come(record, stage.size, shown, None),
+    }
