@@ -63,17 +63,13 @@ static int mg_reduce_by_digits(double x, mg_pair *left) {
   return (quarters + is_above) & 3;
 }
 
-/* x - n pi/2 as a pair of at most about pi/4, for finite x with |x| > pi/4. Returns n mod 4. */
-static int mg_reduce(double x, mg_pair *left) {
+/* x - n pi/2 as a pair, of finite x where much cancels, or x is large. Returns n mod 4. */
+static int mg_reduce_further(double x, mg_pair *left) {
   if (fabs(x) <= MG_REDUCED_IN_PARTS) {
     const double n = (x * MG_PER_HALF_PI + MG_ROUNDING_SHIFT) - MG_ROUNDING_SHIFT;
-    const double much = x - n * MG_HALF_PI_1, second = n * MG_HALF_PI_2, hi = much - second;
-    if (fabs(hi) >= MG_LITTLE_LEFT) {
-      *left = mg_pair_ordered_sum(hi, ((much - hi) - second) - n * MG_HALF_PI_3);
-    } else {
-      const mg_pair little = mg_pair_sum(much, -second), less = mg_pair_sum(little.hi, -n * MG_HALF_PI_3);
-      *left = mg_pair_ordered_sum(less.hi, little.lo + less.lo - n * MG_HALF_PI_4);
-    }
+    const mg_pair first = mg_pair_sum(x - n * MG_HALF_PI_1, -n * MG_HALF_PI_2);
+    const mg_pair second = mg_pair_sum(first.hi, -n * MG_HALF_PI_3);
+    *left = mg_pair_ordered_sum(second.hi, first.lo + second.lo - n * MG_HALF_PI_4);
     return (int)n & 3;
   }
   const int quarters = mg_reduce_by_digits(fabs(x), left);
@@ -82,43 +78,54 @@ static int mg_reduce(double x, mg_pair *left) {
   return -quarters & 3;
 }
 
+/* x - n pi/2 as a pair of at most about pi/4, for finite x with |x| > pi/4. Returns n mod 4. */
+static inline int mg_reduce(double x, mg_pair *left) {
+  const double n = (x * MG_PER_HALF_PI + MG_ROUNDING_SHIFT) - MG_ROUNDING_SHIFT;
+  const double much = x - n * MG_HALF_PI_1, second = n * MG_HALF_PI_2, hi = much - second;
+  if (!(fabs(x) <= MG_REDUCED_IN_PARTS && fabs(hi) >= MG_LITTLE_LEFT)) return mg_reduce_further(x, left);
+  *left = mg_pair_ordered_sum(hi, ((much - hi) - second) - n * MG_HALF_PI_3);
+  return (int)n & 3;
+}
+
 /* sin(hi + lo) - hi. */
-static double mg_sine_rest(mg_pair r) {
+static inline double mg_sine_rest(mg_pair r) {
   const double *c = mg_sin_series, z = r.hi * r.hi;
   const double series = c[0] + z * (c[1] + z * (c[2] + z * (c[3] + z * (c[4] + z * (c[5] + z * c[6])))));
   return r.lo * (1 - z / 2) + r.hi * z * series;
 }
 
 /* cos(hi + lo) less 1 - square/2, where `square` is hi^2 rounded, and lacks `lacking`. */
-static double mg_cosine_rest(mg_pair r, double square, double lacking) {
+static inline double mg_cosine_rest(mg_pair r, double square, double lacking) {
   const double *c = mg_cos_series, z = square;
   const double series = c[0] + z * (c[1] + z * (c[2] + z * (c[3] + z * (c[4] + z * c[5]))));
   return z * z * series - (r.hi * r.lo + lacking / 2);
 }
 
-static double mg_sine(mg_pair r) { return r.hi + mg_sine_rest(r); }
+static inline double mg_sine(mg_pair r) { return r.hi + mg_sine_rest(r); }
 
-static double mg_cosine(mg_pair r) {
+static inline double mg_cosine(mg_pair r) {
   const double square = r.hi * r.hi, most = 1 - square / 2;
   return most + (((1 - most) - square / 2) + mg_cosine_rest(r, square, 0));
 }
 
-double mg_sin(double x) {
-  mg_pair r = {x, 0};
-  if (fabs(x) <= MG_QUARTER_PI) return fabs(x) < MG_LINEAR ? x : mg_sine(r);
+/* The sine of x + shift pi/2. */
+static inline double mg_shifted_sine(double x, int shift) {
+  mg_pair r;
   if (!(fabs(x) < INFINITY)) return x - x;
-  const int quarters = mg_reduce(x, &r);
+  const int quarters = mg_reduce(x, &r) + shift;
   const double value = quarters & 1 ? mg_cosine(r) : mg_sine(r);
   return quarters & 2 ? -value : value;
 }
 
+double mg_sin(double x) {
+  const mg_pair whole = {x, 0};
+  if (fabs(x) > MG_QUARTER_PI) return mg_shifted_sine(x, 0);
+  return fabs(x) < MG_LINEAR ? x : mg_sine(whole);
+}
+
 double mg_cos(double x) {
-  mg_pair r = {x, 0};
-  if (fabs(x) <= MG_QUARTER_PI) return mg_cosine(r);
-  if (!(fabs(x) < INFINITY)) return x - x;
-  const int quarters = mg_reduce(x, &r);
-  const double value = quarters & 1 ? mg_sine(r) : mg_cosine(r);
-  return (quarters + 1) & 2 ? -value : value;
+  const mg_pair whole = {x, 0};
+  return fabs(x) > MG_QUARTER_PI ? mg_shifted_sine(x, 1) : mg_cosine(whole);
 }
 
 double mg_tan(double x) {
