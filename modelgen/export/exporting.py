@@ -74,7 +74,7 @@ def _casadi(given: _Given) -> Mapping[str, Content]:
 
 def _browser(given: _Given) -> Mapping[str, Content]:
     model, package = given.derivation.model, given.package()
-    return {given.page: browser_page(model.whole, given.library(package), package)}
+    return {given.page: browser_page(model.whole, given.library(package), package, given.choices.parameters)}
 
 
 def _mjcf(given: _Given) -> Mapping[str, Content]:

@@ -111,7 +111,7 @@ def _stage(
     actors = tuple(
         Actor(
             entry.name,
-            _with_levers(body_mesh(body, entry.centre_of_mass, reaches * reach, tolerance), model, index),
+            body_shape(model, index, reaches * reach, tolerance),
             index in moving,
             bounded[index],
             bounded[index] and not any(shape.cavity for shape in body.shapes),
@@ -119,6 +119,13 @@ def _stage(
         for index, (body, entry) in enumerate(zip(bodies, entries, strict=True))
     )
     return Stage(actors, centre, size, follow)
+
+
+def body_shape(model: Model, index: int, reach: float, tolerance: float) -> Mesh:
+    """The mesh of a body. Surfaces without end are cut at `reach`, m; `tolerance` is a part of the size of a
+    shape."""
+    body, entry = model.whole.bodies[index], model.bodies[index]
+    return _with_levers(body_mesh(body, entry.centre_of_mass, reach, tolerance), model, index)
 
 
 def pose_at(columns: Mapping[str, Array], body: int, sample: int) -> tuple[Array, Array]:

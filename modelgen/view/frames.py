@@ -87,7 +87,7 @@ def _body(actor: Actor, body: Body, centre: Array) -> dict[str, Any]:
         "bounded": actor.bounded,
         "open": not actor.two_sided,
         "planes": _planes(body, centre),
-        **_packed_mesh(actor.mesh),
+        **packed_mesh(actor.mesh),
     }
 
 
@@ -101,7 +101,8 @@ def _planes(body: Body, centre: Array) -> list[list[float]]:
     return found
 
 
-def _packed_mesh(mesh: Mesh) -> dict[str, Any]:
+def packed_mesh(mesh: Mesh) -> dict[str, Any]:
+    """The triangles and lines of a body, as the page takes them."""
     return {
         "vertices": packed(mesh.vertices),
         "normals": packed_bytes(mesh.normals),

@@ -14,16 +14,32 @@ async function startRun() {
     });
   }
   look();
-  const text = document.querySelector("#title span"), values = {}, wanted = {};
+  const text = document.querySelector("#title span"), chosen = {}, wanted = {};
   let code = live.goes_on, ends = live.until, message = "", filled = 0, ramping = [];
 
   function fillTimes() {
     for (let k = 0; k < rows; k++) column.t[k] = k * (ends / (rows - 1));
     column.t[rows - 1] = ends;
   }
+  // which set of values of the parameters is chosen (export/parameter_numbers.py)
+  const row = () => live.parameters.reduce((found, each) => found * each.values.length + chosen[each.name], 0);
+  function writeNumbers() {
+    if (!live.numbers) return;
+    const { place, offset } = live.numbers, first = row() * place.length;
+    place.forEach((array, i) => new Float64Array(core.memory.buffer, core.page_number(array) + 8 * offset[i], 1)[0] = numbers[first + i]);
+  }
+  const numbers = live.numbers ? new Float64Array(bytes(live.numbers.table)) : null;
+  function showShapes() {
+    for (const k in live.meshes) {
+      const body = data.bodies[k], mesh = live.meshes[k][row()];
+      body.vertices = floats(mesh.vertices); body.lines = floats(mesh.lines); body.normals = new Int8Array(bytes(mesh.normals));
+      body.triangles = new (mesh.triangles.bytes === 2 ? Uint16Array : Uint32Array)(bytes(mesh.triangles.values));
+      loadMesh(body);
+    }
+  }
   function begin() {
     message = ""; filled = 0; data.events.length = 0; ramping = [];
-    core.page_init(); look(); fillTimes();
+    core.page_init(); look(); fillTimes(); writeNumbers();
     live.inputs.forEach((input, k) => core.page_set_input(k, wanted[input.name]));
     const refused = core.page_begin();
     code = refused ? refused : live.goes_on;
@@ -146,10 +162,10 @@ async function startRun() {
   document.getElementById("plots").prepend(panel);
   function control(name, label, given, changed) {
     const row = document.createElement("label"), head = document.createElement("span"), shownNumber = document.createElement("b"), box = document.createElement("input");
-    Object.assign(box, { type: "range", min: given.low, max: given.high, step: "any", value: given.value }); box.dataset.name = name;
-    head.textContent = label; shownNumber.textContent = (+given.value).toPrecision(4); head.append(shownNumber); row.append(head, box); panel.append(row);
-    values[name] = given.value;
-    box.oninput = () => { values[name] = +box.value; shownNumber.textContent = (+box.value).toPrecision(4); changed(+box.value); };
+    Object.assign(box, { type: "range", min: given.low, max: given.high, step: given.step || "any", value: given.value }); box.dataset.name = name;
+    head.textContent = label; const told = value => (given.told ? given.told(value) : value).toPrecision(4);
+    shownNumber.textContent = told(+given.value); head.append(shownNumber); row.append(head, box); panel.append(row);
+    box.oninput = () => { shownNumber.textContent = told(+box.value); changed(+box.value); };
   }
   const labelled = each => each.unit ? `${each.name} [${each.unit}] ` : `${each.name} `;
   for (const input of live.inputs) {
@@ -160,11 +176,17 @@ async function startRun() {
       if (!playing && goesOn()) play.click();
     });
   }
+  for (const parameter of live.parameters) {
+    const { name, own, values } = parameter;
+    chosen[name] = own;
+    control(name, labelled(parameter), { low: 0, high: values.length - 1, value: own, step: 1, told: k => values[k] },
+      position => { chosen[name] = position; showShapes(); begin(); });
+  }
   const reset = document.createElement("button"); reset.id = "reset"; reset.type = "button"; reset.textContent = "reset";
   reset.onclick = begin; document.getElementById("bar").prepend(reset);
 
   const reached = () => (times.length ? times[times.length - 1] : 0);
-  run = { reached, goesOn, goTo, core, column, values };
+  run = { reached, goesOn, goTo, core, column };
   begin();
 }
 startRun().catch(error => { document.querySelector("#title span").textContent = `the run does not start: ${error.message}`; throw error; });

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from modelgen.assembly import require
 from modelgen.model import Model
+from modelgen.report.recorded_scene import read_again
 from modelgen.report.resting_face_outlines import face_outlines
 from modelgen.report.run_record import Record
-from modelgen.report.stage import not_fixed, stage_of
-from modelgen.view.frames import contact_of, patch_of, stage_data
+from modelgen.report.stage import REACH, body_shape, not_fixed, stage_of
+from modelgen.view.frames import contact_of, packed_mesh, patch_of, stage_data
 from modelgen.view.plots import Shown, plots_to_come
 
 if TYPE_CHECKING:
     from modelgen.codegen.library import Library
+
+COARSE = 2e-2  # tolerance of the meshes of a slider, as a part of the size of each shape
 
 
 def page_of_run_to_come(record: Record, model: Model, library: Library, tolerance: float) -> dict[str, Any]:
@@ -43,3 +48,29 @@ def page_of_run_to_come(record: Record, model: Model, library: Library, toleranc
         "events": [],
         "plots": plots_to_come(record, stage.size, shown, None),
     }
+
+
+class Shapes:
+    """Meshes of the bodies at the values of the sliders of a page.
+
+    Attributes:
+        meshes: by body, those that follow from parameters: one for each set of values.
+    """
+
+    def __init__(self, record: Record, page: Mapping[str, Any]) -> None:
+        """`record`: a run of the scene; `page`: what `page_of_run_to_come` returned."""
+        self._record, self._reach = record, float(page["size"])
+        self._found: list[list[dict[str, Any]]] = []
+
+    def look(self, _: Library, values: Mapping[str, float]) -> None:
+        """Make the meshes of a set of values."""
+        scene = read_again(self._record.scene, {**self._record.summary["parameters"], **values}, "export")
+        model = require(scene)
+        reach = REACH * self._reach
+        meshes = [body_shape(model, index, reach, COARSE) for index in range(len(model.bodies))]
+        self._found.append([packed_mesh(mesh) for mesh in meshes])
+
+    @property
+    def meshes(self) -> dict[int, list[dict[str, Any]]]:
+        by_body = zip(*self._found, strict=True)
+        return {k: list(every) for k, every in enumerate(by_body) if any(one != every[0] for one in every)}

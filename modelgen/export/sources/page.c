@@ -1,14 +1,17 @@
 /* One run of the scene for a page in a browser, which calls these functions as a module of WebAssembly. */
-#include "scene.h"
+#include "scene.c"
 #include "record.h"
 
 #define PAGE(name) __attribute__((export_name(#name))) name
 
 static scene_instance scene;
 
-/* Puts the run at the start of the scene, without samples. */
+#include "numbers.h"
+
+/* Puts the run at the start of the scene, without samples. Numbers of the scene may be set after it. */
 void PAGE(page_init)(void) {
   scene_init(&scene);
+  scene.system = &page_system;
   record.count = 0;
 }
 
@@ -33,8 +36,10 @@ double PAGE(page_input)(int input) {
 }
 
 /* Arrays, by their number: samples (record.h), events (time, kind, contact, speed), numbers of the scene that follow
-   from its parameters (record.h). */
+   from its parameters (numbers.h). */
 const void *PAGE(page_column)(int column) { return column_place[column]; }
+
+void *PAGE(page_number)(int array) { return number_place[array]; }
 
 const void *PAGE(page_event)(int field) {
   const void *const places[] = {scene.events.t, scene.events.kind, scene.events.contact, scene.events.speed};
