@@ -102,6 +102,7 @@ def _stage(
     radii = {index: _radius(rough[index]) for index in places if index in moving}
     follow = False
     size = reach
+    away = [_distance(columns, k, centre) for k in range(len(bodies))]
     if radii:
         centre_of_motion, motion = _ball([places[index] for index in radii])
         group = _group(columns, radii)
@@ -111,7 +112,7 @@ def _stage(
     actors = tuple(
         Actor(
             entry.name,
-            body_shape(model, index, reaches * reach, tolerance),
+            body_shape(model, index, reaches * reach + away[index], tolerance),
             index in moving,
             bounded[index],
             bounded[index] and not any(shape.cavity for shape in body.shapes),
@@ -160,6 +161,11 @@ def _samples(columns: Mapping[str, Array]) -> list[int]:
     """Samples by which a run is measured."""
     count = len(columns["t"])
     return np.unique(np.linspace(0, count - 1, min(count, INSTANTS)).astype(int)).tolist() if count else []
+
+
+def _distance(columns: Mapping[str, Array], body: int, centre: Array) -> float:
+    """How far a body is from the middle of the space at first."""
+    return float(np.linalg.norm(centre - pose_at(columns, body, 0)[1])) if len(columns["t"]) else 0.0
 
 
 def _places(columns: Mapping[str, Array], body: int, mesh: Mesh) -> Array:

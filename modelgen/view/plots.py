@@ -13,6 +13,7 @@ from modelgen.report.run_record import Array, Record
 from modelgen.view.packing import packed
 
 CURVES = 24  # of one plot, at most
+SOURCES = 200  # of one plot of a page that computes its run, which shows those that are not zero
 NOISE = 1e-9  # a range so small against the scale of its plot is rounding, and is not spread over the plot
 PLOTS = (
     *("energy", "unexplained energy", "speed", "angular speed", "position", "normal force", "friction"),
@@ -23,7 +24,8 @@ UNEXPLAINED = (("unexplained", "energy", 0, 1),)
 ALWAYS_OPEN = ("energy", "speed", "normal force", "sensors")
 
 
-# how a curve is computed of a sample of the core: what of which column, from which entry on, of how many
+# how a curve is computed of a sample of the core: what of which column, from which entry on, of how many; of a
+# patch its number and the entry
 Source = tuple[str, str, int, int]
 
 
@@ -84,7 +86,7 @@ def plots_of(
     plots = _sorted(record, size, shown_in(record))
     return [
         {
-            **_described(plot, record, opened),
+            **_described(plot, record, opened, CURVES),
             "curves": [packed(curve[chosen]) for curve in plot.curves[:CURVES]],
         }
         for plot in plots
@@ -97,7 +99,7 @@ def plots_to_come(
     """The plots of a page that computes its run: the sources of their curves. Arguments as of `plots_of`;
     `record` is a run of the scene, from which scales are taken."""
     return [
-        {**_described(plot, record, opened), "curves": [], "sources": list(plot.sources[:CURVES])}
+        {**_described(plot, record, opened, SOURCES), "curves": [], "sources": list(plot.sources[:SOURCES])}
         for plot in _sorted(record, size, shown)
     ]
 
@@ -108,14 +110,14 @@ def _sorted(record: Record, size: float, shown: Shown) -> list[_Plot]:
     return sorted(plots, key=lambda plot: order[plot.title])
 
 
-def _described(plot: _Plot, record: Record, opened: tuple[str, ...] | None) -> dict[str, Any]:
+def _described(plot: _Plot, record: Record, opened: tuple[str, ...] | None, most: int) -> dict[str, Any]:
     usual = (*ALWAYS_OPEN, *(() if record.sensor_names else ("joint coordinates", "gap")))
     return {
         "title": plot.title,
         "unit": plot.unit,
         "open": plot.title in (usual if opened is None else opened),
         "floor": NOISE * plot.scale,
-        "names": list(plot.names)[:CURVES],
+        "names": list(plot.names)[:most],
     }
 
 
@@ -176,7 +178,7 @@ def _of_contacts(record: Record, size: float, pace: float, shown: Shown) -> list
             *("normal force", "N", [*names, *patches], forces),
             [
                 *[("value", "force", k, 1) for k in listed],
-                *[("length of patch", "pressure", k, 1) for k in resting],
+                *[("value of patch", "pressure", k, 0) for k in resting],
             ],
             most,
         ),

@@ -1,5 +1,6 @@
 "use strict";
 // The run of the page, computed by the core as a module of WebAssembly; its samples become those that the page plays.
+const MANY = 4; // curves of a plot of which those that are zero are not shown
 async function startRun() {
   const live = data.run, names = Object.keys(live.columns);
   const nothing = new Proxy({}, { get: () => () => 0 }); // functions of a system that the core does not call
@@ -47,7 +48,13 @@ async function startRun() {
     takeEvents();
     if (!refused) { code = core.page_advance(0, 0); if (code === 0) code = live.goes_on; takeEvents(); }
     end = ends; start = 0; now = 0; last = null;
-    takeSamples(); chooseSpeed(); showEvents(); playing = !refused; play.textContent = playing ? "pause" : "play";
+    takeSamples(); chooseSpeed(); showEvents(); playing = !refused && !asked;
+    if (asked) { // page.html#t=0.35
+      const wished = +asked[1];
+      while (goesOn() && reached() < wished) goTo(wished);
+      now = Math.min(wished, reached()); asked = null;
+    }
+    play.textContent = playing ? "pause" : "play";
     refresh();
   }
   const outcome = number => live.outcomes[number] || `outcome ${number}`;
@@ -93,7 +100,14 @@ async function startRun() {
     for (const each of [...data.contacts, ...data.patches])
       for (const name in each.samples) each[name] = each.samples[name].subarray(0, each.widths[name] * count);
     measureForces();
-    plots.forEach((plot, p) => { plot.curves = plotted[p].map(curve => curve.subarray(0, count)); plot.range(); });
+    plots.forEach((plot, p) => {
+      plot.curves = plotted[p].map(curve => curve.subarray(0, count));
+      if (plot.curves.length > MANY) plot.labels.forEach((label, k) => { // of many, those that are something
+        label.hidden = !plot.curves[k].some(x => x && isFinite(x));
+        plot.idle[label.hidden ? "add" : "delete"](k);
+      });
+      plot.range();
+    });
     tell(count);
   }
   const room = (owner, widths) => {
@@ -123,23 +137,34 @@ async function startRun() {
       for (const side of "of") put(contact, `on_${side}`, k, presses ? inAxes(k, contact[side], ends[side]) : nowhere);
     });
     data.patches.forEach(patch => {
-      let slot = -1;
-      for (let each = 0; each < live.columns.patch; each++) if (part("patch", 1, k, each)[0] === patch.index) slot = each;
+      const slot = slotOf(patch.index, k);
       const pressure = slot < 0 ? [0, NaN, NaN, NaN] : part("pressure", 4, k, slot), point = Array.from(pressure).slice(1);
       put(patch, "force", k, [pressure[0]]); put(patch, "point", k, point);
       put(patch, "friction", k, slot < 0 ? [0, 0, 0] : part("patch_friction", 8, k, slot).subarray(0, 3));
       put(patch, "curve", k, slot < 0 ? nowhere : inAxes(k, patch.body, point));
       if (patch.other >= 0) put(patch, "on_other", k, slot < 0 ? nowhere : inAxes(k, patch.other, point));
     });
-    data.plots.forEach((plot, p) => plot.sources.forEach((source, c) => plotted[p][c][k] = shownValue(source, k)));
+    data.plots.forEach((plot, p) => plot.sources.forEach((source, c) => plotted[p][c][k] = shownValue(source, k, plotted[p][c][k - 1])));
   }
   const plotted = data.plots.map(plot => plot.sources.map(() => new Float32Array(rows)));
-  // a component of a column, its length, or what work does not explain of the energy
-  function shownValue([what, name, at, width], k) {
+  // an entry of a column, the length of three, an angle with whole turns counted, or what work does not explain of the
+  // energy (view/plots.py); 0 of a patch that does not rest
+  function shownValue([what, name, at, count], k, before) {
     if (what === "unexplained") return column.energy[k] - column.energy[0] - column.work[k];
-    const values = column[name].subarray(k * live.columns[name] + at, k * live.columns[name] + at + width);
-    if (what === "patch") { const slot = data.patches.find(patch => patch.index === at); return slot ? slot.samples.force[k] : 0; }
-    return what === "length" ? Math.hypot(...values) : values[0];
+    let first = at;
+    if (what.endsWith("of patch")) {
+      const slot = slotOf(at, k), width = live.columns[name] / live.columns.patch;
+      if (slot < 0) return 0;
+      first = slot * width + count;
+    }
+    const values = column[name].subarray(k * live.columns[name] + first, k * live.columns[name] + first + 3);
+    if (what.startsWith("length")) return Math.hypot(...values);
+    if (what === "angle" && isFinite(before)) return values[0] + 2 * Math.PI * Math.round((before - values[0]) / (2 * Math.PI));
+    return values[0];
+  }
+  function slotOf(patch, k) {
+    for (let slot = 0; slot < live.columns.patch; slot++) if (part("patch", 1, k, slot)[0] === patch) return slot;
+    return -1;
   }
   function quaternion(R) { // of a matrix by columns
     const trace = R[0] + R[4] + R[8];

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from modelgen.assembly import require
 from modelgen.model import Model
 from modelgen.report.recorded_scene import read_again
@@ -59,15 +61,15 @@ class Shapes:
 
     def __init__(self, record: Record, page: Mapping[str, Any]) -> None:
         """`record`: a run of the scene; `page`: what `page_of_run_to_come` returned."""
-        self._record, self._reach = record, float(page["size"])
+        self._record = record
+        self._reach = REACH * float(page["size"]) + float(np.linalg.norm(page["centre"]))
         self._found: list[list[dict[str, Any]]] = []
 
     def look(self, _: Library, values: Mapping[str, float]) -> None:
         """Make the meshes of a set of values."""
         scene = read_again(self._record.scene, {**self._record.summary["parameters"], **values}, "export")
         model = require(scene)
-        reach = REACH * self._reach
-        meshes = [body_shape(model, index, reach, COARSE) for index in range(len(model.bodies))]
+        meshes = [body_shape(model, index, self._reach, COARSE) for index in range(len(model.bodies))]
         self._found.append([packed_mesh(mesh) for mesh in meshes])
 
     @property
