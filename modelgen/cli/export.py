@@ -1,4 +1,4 @@
-"""The command `export`: a scene as C, FMU, CasADi or JAX functions, MJCF or URDF."""
+"""The command `export`: a scene as C, FMU, CasADi or JAX functions, MJCF, URDF, or a page that runs it."""
 
 from __future__ import annotations
 
@@ -21,14 +21,19 @@ from modelgen.cli.options import (
 from modelgen.cli.output import guarded, print_facts
 from modelgen.cli.pipeline import check_folder, derive_scene, read_scene
 from modelgen.cli.progress import progress
+from modelgen.cli.view import check_page
 from modelgen.errors import ModelgenError
 
 To = Annotated[
-    str | None, typer.Option(help="c, fmu, casadi, jax, mjcf or urdf", metavar="FORMAT", show_default=False)
+    str | None, typer.Option(help="c, fmu, casadi, jax, mjcf, urdf or browser", metavar="FORMAT", show_default=False)
 ]
 Folder = Annotated[
     Path | None,
-    typer.Option(help="folder for the files; default: exported/SCENE", metavar="FOLDER", readable=False),
+    typer.Option(
+        help="folder for the files, or the page; default: exported/SCENE",
+        metavar="FOLDER|FILE.html",
+        readable=False,
+    ),
 ]
 
 States = Annotated[bool, typer.Option("--states", help="fmu: states of the bodies as outputs as well")]
@@ -50,8 +55,8 @@ def export(
     form: Form = None,
     as_json: AsJson = False,
 ) -> None:
-    """Write a scene for use elsewhere: a C program, an FMU, CasADi or JAX functions, MJCF or URDF."""
-    from modelgen.export.exporting import Choices, check_format, export
+    """Write a scene for use elsewhere: C, an FMU, CasADi or JAX functions, MJCF, URDF, a page that runs it."""
+    from modelgen.export.exporting import PAGES, Choices, check_format, export
 
     choices = Choices(
         real=read_option("real", real),
@@ -62,14 +67,18 @@ def export(
     )
     name = check_format(to, choices)
     what = read_scene(scene, form)
-    folder = Path("exported") / what.name if out is None else out
-    check_folder(folder)
+    default = Path("exported") / (f"{what.name}.html" if name in PAGES else what.name)
+    target = default if out is None else out
+    if name in PAGES:
+        check_page(target)
+    else:
+        check_folder(target)
     derivation = derive_scene(what)
     with progress("exporting"), tempfile.TemporaryDirectory(prefix="modelgen-") as scratch:
         try:
-            written = export(derivation, name, folder, Path(scratch), choices)
+            written = export(derivation, name, target, Path(scratch), choices)
         except OSError as cause:
             remedy = "name another folder with --out"
-            raise ModelgenError(str(folder), f"it cannot be written: {cause.strerror}", "", remedy) from cause
+            raise ModelgenError(str(target), f"it cannot be written: {cause.strerror}", "", remedy) from cause
     facts = {"scene": what.name, "to": name, "files": [str(path) for path in written]}
     print_facts(facts, as_json, lambda: typer.echo("\n".join(f"written: {path}" for path in written)))

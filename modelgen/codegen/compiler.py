@@ -56,7 +56,7 @@ def find_compiler() -> Compiler:
         raise CompilerMissing(
             "CC", f"no program {command[0]!r}", "", "correct CC, or unset it to use cc, gcc or clang"
         )
-    return Compiler(command, _version(command))
+    return Compiler(command, compiler_version(command))
 
 
 def compiler_words() -> tuple[str, ...]:
@@ -91,7 +91,8 @@ def _first_installed() -> tuple[str, ...]:
 
 
 @cache
-def _version(command: tuple[str, ...]) -> str:
+def compiler_version(command: tuple[str, ...]) -> str:
+    """What a compiler prints for --version; raises CompilerMissing where it does not run."""
     try:
         answer = subprocess.run([*command, "--version"], capture_output=True, text=True, check=True)
     except (OSError, subprocess.CalledProcessError) as error:

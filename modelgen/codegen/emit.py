@@ -24,6 +24,10 @@ from modelgen.notation import unit_of
 
 PREFIX = "mg_kernels"
 MOST_COMPOSED = 600  # instructions of a composed right-hand side that is compiled
+ELEMENTARY = (  # functions of math.h that the core has its own of, equal to the last bit on every machine
+    *("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "pow"),
+    *("hypot", "fmin", "fmax"),
+)
 MODEL_HEAD = """/* The kernels of one scene's kinds, and the table through which the core calls them. */
 #include "modelgen.h"
 
@@ -55,6 +59,9 @@ static int mg_call(int (*kernel)(const mg_real **, mg_real **, casadi_int *, mg_
   return kernel(given, wanted, 0, 0, 0);
 }}
 
+#if !defined(MG_REAL_FLOAT) && !defined(MG_REAL_LONG)
+{elementary}
+#endif
 #include "kernels.c"
 {derivatives}
 
@@ -124,6 +131,7 @@ def _head(formulas: list[Formula], packed: tuple[PackedFormula, ...]) -> str:
         longest_out=max((f.numel_out(i) for f in functions for i in range(f.n_out())), default=1),
         most_in=max((f.n_in() for f in functions), default=1),
         most_out=max((f.n_out() for f in functions), default=1),
+        elementary="\n".join(f"#define {name} mg_{name.removeprefix('f')}" for name in ELEMENTARY),
         derivatives='#include "derivatives.c"' if packed else NO_DERIVATIVES,
     )
 

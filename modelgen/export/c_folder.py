@@ -69,8 +69,7 @@ def _told(vectors: Vectors) -> str:
     return (
         f"The run of modelgen has the statement: {vectors.statement}. Of {vectors.count} states"
         f" {vectors.compared} are compared, within ten times that estimate up to each of them; the others"
-        " have none. Where the compiler and the functions of `math.h` round alike, all are equal to the last"
-        " bit."
+        " have none. In double precision all are equal to the last bit."
         " The self-test also saves a state on the way, goes on from it, and compares the ends bit for bit."
     )
 

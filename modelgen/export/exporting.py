@@ -11,6 +11,7 @@ from modelgen.codegen.emit import Package, emit
 from modelgen.codegen.library import Library
 from modelgen.derivation import Derivation
 from modelgen.errors import ModelgenError, nearest
+from modelgen.export.browser_page import browser_page
 from modelgen.export.c_folder import c_files
 from modelgen.export.casadi_folder import casadi_files
 from modelgen.export.fmu import fmu_files
@@ -49,6 +50,7 @@ class _Given:
     derivation: Derivation
     choices: Choices
     scratch: Path
+    page: str  # name of the file of a page
 
     def package(self, derivatives: bool = False) -> Package:
         return emit(self.derivation, derivatives)
@@ -77,6 +79,11 @@ def _jax(given: _Given) -> Mapping[str, Content]:
     return jax_files(given.library(package), package)
 
 
+def _browser(given: _Given) -> Mapping[str, Content]:
+    model, package = given.derivation.model, given.package()
+    return {given.page: browser_page(model.whole, given.library(package), package, given.choices.parameters)}
+
+
 def _mjcf(given: _Given) -> Mapping[str, Content]:
     scene = given.derivation.model.scene
     check_mjcf(scene)
@@ -90,13 +97,21 @@ def _urdf(given: _Given) -> Mapping[str, Content]:
 
 
 FORMATS: Mapping[str, Callable[[_Given], Mapping[str, Content]]] = {
-    "c": _c, "fmu": _fmu, "casadi": _casadi, "jax": _jax, "mjcf": _mjcf, "urdf": _urdf
+    "c": _c,
+    "fmu": _fmu,
+    "casadi": _casadi,
+    "jax": _jax,
+    "mjcf": _mjcf,
+    "urdf": _urdf,
+    "browser": _browser,
 }  # fmt: skip
+PAGES = ("browser",)  # formats of one file
 OPTIONS: Mapping[str, tuple[str, ...]] = {  # by format, choices that it takes
     "c": ("real", "parameters", "figures"),
     "fmu": ("real", "parameters", "states"),
     "casadi": (),
     "jax": ("parameters",),
+    "browser": ("parameters",),
     "mjcf": ("step",),
     "urdf": (),
 }
@@ -116,13 +131,13 @@ def check_format(name: str | None, choices: Choices) -> str:
     return name
 
 
-def export(derivation: Derivation, to: str, folder: Path, scratch: Path, choices: Choices) -> list[Path]:
-    """Write a scene in a format into a folder; the files that were written.
+def export(derivation: Derivation, to: str, out: Path, scratch: Path, choices: Choices) -> list[Path]:
+    """Write a scene in a format into a folder, or as a page; the files that were written.
 
     Args:
         derivation: what `derive` returned.
         to: a key of FORMATS.
-        folder: where; it is made if it does not exist. Other files in it stay.
+        out: the folder, in which other files stay; of a format of PAGES the file. Folders are made.
         scratch: folder in which the library of the scene is built.
         choices: what is written beside the scene itself.
 
@@ -131,11 +146,13 @@ def export(derivation: Derivation, to: str, folder: Path, scratch: Path, choices
         CompilerMissing, LibraryError: the library of the scene cannot be built.
         OSError: the folder cannot be written.
     """
-    contents = FORMATS[check_format(to, choices)](_Given(derivation, choices, scratch))
+    name = check_format(to, choices)
+    folder = out.parent if name in PAGES else out
+    contents = FORMATS[name](_Given(derivation, choices, scratch, out.name))
     folder.mkdir(parents=True, exist_ok=True)
     written = []
-    for name, content in contents.items():
-        path = folder / name
+    for file, content in contents.items():
+        path = folder / file
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(content.encode("utf-8") if isinstance(content, str) else content)
         written.append(path)

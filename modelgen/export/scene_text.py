@@ -86,7 +86,7 @@ def _header(session: Session, tables: SceneTables) -> str:
     )
     for group, names in _named(session).items():
         head += _numbers(group, names)
-    arrays = [f"  {each.type} {_field(each)}[{max(each.start.size, 1)}];" for each in tables.arrays]
+    arrays = [f"  {each.type} {field_of(each)}[{max(each.start.size, 1)}];" for each in tables.arrays]
     return head + "\n" + source("scene_interface.h").replace("@ARRAYS@", "\n".join(arrays))
 
 
@@ -145,14 +145,15 @@ def _list(values: Iterable[object]) -> str:
 def _init(session: Session, arrays: Sequence[RunArray]) -> list[str]:
     """The statements that set the pointers and the entries that are not zero."""
     lines = ["  scene->system = &scene_system;", f"  scene->events.capacity = {session.events.capacity};"]
-    lines += [f"  scene->{each.owner}.{each.field} = scene->{_field(each)};" for each in arrays]
+    lines += [f"  scene->{each.owner}.{each.field} = scene->{field_of(each)};" for each in arrays]
     for each in arrays:
         if each.start.any():
-            name, values = _field(each), ", ".join(map(number_text, each.start.ravel()))
+            name, values = field_of(each), ", ".join(map(number_text, each.start.ravel()))
             lines.append(f"  static const {each.type} start_of_{name}[] = {{{values}}};")
             lines.append(f"  memcpy(scene->{name}, start_of_{name}, sizeof start_of_{name});")
     return lines
 
 
-def _field(array: RunArray) -> str:
+def field_of(array: RunArray) -> str:
+    """The name of an array of a run in a scene_instance."""
     return array.field if array.owner == "run" else f"event_{array.field}"

@@ -64,22 +64,28 @@ class Stage:
         return [next(palette) if actor.moves else still for actor in self.actors]
 
 
-def stage_of(record: Record, model: Model, tolerance: float) -> Stage:
+def stage_of(record: Record, model: Model, tolerance: float, may_move: bool = False) -> Stage:
     """The bodies of a run and where it takes place.
 
     Args:
         record: what `record_of` returned.
         model: what `require` made of its scene.
         tolerance: of the meshes, as a part of the size of each shape.
+        may_move: take bodies for moving that are not fixed; else those that moved in the run.
     """
-    return _stage(record.columns, set(record.moving), model, tolerance)
+    moving = not_fixed(model) if may_move else set(record.moving)
+    return _stage(record.columns, moving, model, tolerance)
 
 
 def stage_at_start(columns: Mapping[str, Array], model: Model, tolerance: float) -> Stage:
     """The bodies of a run that begins: `columns` is its first sample, as a Trajectory names them."""
+    return _stage(columns, not_fixed(model), model, tolerance, AHEAD)
+
+
+def not_fixed(model: Model) -> set[int]:
+    """The bodies that forces or paths may move."""
     kinds = [model.body_kinds[body.kind].motion for body in model.bodies]
-    moving = {index for index, motion in enumerate(kinds) if motion != "fixed"}
-    return _stage(columns, moving, model, tolerance, AHEAD)
+    return {index for index, motion in enumerate(kinds) if motion != "fixed"}
 
 
 def _stage(
@@ -96,6 +102,7 @@ def _stage(
     radii = {index: _radius(rough[index]) for index in places if index in moving}
     follow = False
     size = reach
+    away = [_distance(columns, k, centre) for k in range(len(bodies))]
     if radii:
         centre_of_motion, motion = _ball([places[index] for index in radii])
         group = _group(columns, radii)
@@ -105,7 +112,7 @@ def _stage(
     actors = tuple(
         Actor(
             entry.name,
-            _with_levers(body_mesh(body, entry.centre_of_mass, reaches * reach, tolerance), model, index),
+            body_shape(model, index, reaches * reach + away[index], tolerance),
             index in moving,
             bounded[index],
             bounded[index] and not any(shape.cavity for shape in body.shapes),
@@ -113,6 +120,13 @@ def _stage(
         for index, (body, entry) in enumerate(zip(bodies, entries, strict=True))
     )
     return Stage(actors, centre, size, follow)
+
+
+def body_shape(model: Model, index: int, reach: float, tolerance: float) -> Mesh:
+    """The mesh of a body. Surfaces without end are cut at `reach`, m; `tolerance` is a part of the size of a
+    shape."""
+    body, entry = model.whole.bodies[index], model.bodies[index]
+    return _with_levers(body_mesh(body, entry.centre_of_mass, reach, tolerance), model, index)
 
 
 def pose_at(columns: Mapping[str, Array], body: int, sample: int) -> tuple[Array, Array]:
@@ -147,6 +161,11 @@ def _samples(columns: Mapping[str, Array]) -> list[int]:
     """Samples by which a run is measured."""
     count = len(columns["t"])
     return np.unique(np.linspace(0, count - 1, min(count, INSTANTS)).astype(int)).tolist() if count else []
+
+
+def _distance(columns: Mapping[str, Array], body: int, centre: Array) -> float:
+    """How far a body is from the middle of the space at first."""
+    return float(np.linalg.norm(centre - pose_at(columns, body, 0)[1])) if len(columns["t"]) else 0.0
 
 
 def _places(columns: Mapping[str, Array], body: int, mesh: Mesh) -> Array:

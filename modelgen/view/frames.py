@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from modelgen.geometry.body_meshes import Mesh
 from modelgen.model import Model
 from modelgen.report.run_record import Array, Record, rotate_inverse
-from modelgen.report.stage import Actor, stage_of
+from modelgen.report.stage import Actor, Stage, stage_of
 from modelgen.rotations import rotation_of
 from modelgen.scene.scene_types import Body
 from modelgen.view.packing import packed, packed_bytes, packed_indices
@@ -32,25 +33,17 @@ def page_data(
     columns = record.columns
     chosen = slice(None, None, max(1, -(-len(columns["t"]) // MOST)))
     stage = stage_of(record, model, tolerance)
-    bodies = zip(stage.actors, model.whole.bodies, model.bodies, strict=True)
     summary = record.summary
+    shown = stage_data(stage, model)
+    for index, body in enumerate(shown["bodies"]):
+        body["p"] = packed(np.nan_to_num(columns["p"][chosen, index]))
+        body["q"] = packed(_known(columns["quaternion"][chosen, index]))
     return {
+        **shown,
         "scene": summary["scene"],
         "outcome": _outcome(summary),
         "said": _said(summary),
-        "centre": stage.centre.tolist(),
-        "size": stage.size,
-        "follow": stage.follow,
-        "deviation": max((actor.mesh.deviation for actor in stage.actors), default=0.0),
         "t": packed(columns["t"][chosen]),
-        "bodies": [
-            {
-                **_body(actor, body, np.array(entry.centre_of_mass)),
-                "p": packed(np.nan_to_num(columns["p"][chosen, index])),
-                "q": packed(_known(columns["quaternion"][chosen, index])),
-            }
-            for index, (actor, body, entry) in enumerate(bodies)
-        ],
         "contacts": [_contact(record, k, chosen) for k in shown_contacts(record)],
         "patches": _patches(record, chosen),
         "events": [
@@ -58,6 +51,18 @@ def page_data(
             for each in summary["events"]
         ],
         "plots": plots_of(record, stage.size, chosen, plots),
+    }
+
+
+def stage_data(stage: Stage, model: Model) -> dict[str, Any]:
+    """Where a page takes place, and the shapes of the bodies."""
+    bodies = zip(stage.actors, model.whole.bodies, model.bodies, strict=True)
+    return {
+        "centre": stage.centre.tolist(),
+        "size": stage.size,
+        "follow": stage.follow,
+        "deviation": max((actor.mesh.deviation for actor in stage.actors), default=0.0),
+        "bodies": [_body(actor, body, np.array(entry.centre_of_mass)) for actor, body, entry in bodies],
     }
 
 
@@ -82,7 +87,7 @@ def _body(actor: Actor, body: Body, centre: Array) -> dict[str, Any]:
         "bounded": actor.bounded,
         "open": not actor.two_sided,
         "planes": _planes(body, centre),
-        **_packed_mesh(actor.mesh),
+        **packed_mesh(actor.mesh),
     }
 
 
@@ -96,7 +101,8 @@ def _planes(body: Body, centre: Array) -> list[list[float]]:
     return found
 
 
-def _packed_mesh(mesh: Mesh) -> dict[str, Any]:
+def packed_mesh(mesh: Mesh) -> dict[str, Any]:
+    """The triangles and lines of a body, as the page takes them."""
     return {
         "vertices": packed(mesh.vertices),
         "normals": packed_bytes(mesh.normals),
@@ -110,13 +116,17 @@ def _known(quaternions: Array) -> Array:
     return np.where(np.isfinite(quaternions), quaternions, np.array([1.0, 0.0, 0.0, 0.0]))
 
 
+def contact_of(record: Record, k: int, moving: Sequence[int]) -> dict[str, Any]:
+    """A contact without its samples; `moving`: the bodies that move."""
+    o, f = (int(body) for body in record.pairs[k])
+    side = 1 if f in moving else -1  # forces are those on f, else on o
+    return {"name": record.contact_names[k], "o": o, "f": f, "side": side}
+
+
 def _contact(record: Record, k: int, chosen: slice) -> dict[str, Any]:
     columns = record.columns
     return {
-        "name": record.contact_names[k],
-        "o": int(record.pairs[k, 0]),
-        "f": int(record.pairs[k, 1]),
-        "side": 1 if int(record.pairs[k, 1]) in record.moving else -1,  # forces are those on f, else on o
+        **contact_of(record, k, record.moving),
         "force": packed(columns["force"][chosen, k]),
         "gap": packed(columns["gap"][chosen, k]),
         "point": packed(columns["points_f"][chosen, k]),
@@ -140,8 +150,21 @@ def _in_axes(record: Record, body: int, points: Array) -> Array:
     return rotate_inverse(columns["quaternion"][:, body], points - columns["p"][:, body])
 
 
+def patch_of(record: Record, patch: int, moving: Sequence[int]) -> dict[str, Any]:
+    """A patch without its samples: outline and axes of the second face, with the friction on it."""
+    body, axes = int(record.faces[f"{patch}_body"][0]), record.faces[f"{patch}_axes"]
+    return {
+        "name": record.patch_names[patch],
+        "outline": packed(record.faces[f"{patch}_outline"]),
+        "body": body,
+        "other": int(record.faces.get(f"{patch}_other", [-1])[0]),
+        "side": 1 if body in moving else -1,
+        "axes": axes.tolist(),
+    }
+
+
 def _patches(record: Record, chosen: slice) -> list[dict[str, Any]]:
-    """Resultant, centre of pressure and outline of faces that rest, with the friction on the second."""
+    """Faces that rest, with resultant, centre of pressure and friction."""
     found = []
     for patch in record.rested:
         mine = record.columns["patch"] == patch
@@ -149,22 +172,16 @@ def _patches(record: Record, chosen: slice) -> list[dict[str, Any]]:
         point = np.where(mine[..., None], record.columns["patch_point"], 0.0).sum(axis=1)
         point = np.where(mine.any(axis=1, keepdims=True), point, np.nan)
         friction = np.where(mine[..., None], record.columns["patch_friction"], 0.0).sum(axis=1)
-        other = int(record.faces.get(f"{patch}_other", [-1])[0])
-        axes = record.faces[f"{patch}_axes"]
-        body = int(record.faces[f"{patch}_body"][0])
+        shown = patch_of(record, patch, record.moving)
+        axes, other = np.array(shown["axes"]), shown["other"]
         found.append(
             {
-                "name": record.patch_names[patch],
+                **shown,
                 "force": packed(force[chosen]),
                 "point": packed(point[chosen]),
                 "friction": packed(friction[chosen]),
-                "outline": packed(record.faces[f"{patch}_outline"]),
                 "curve": packed((axes[:3] + record.pressure_curve(patch) @ axes[3:9].reshape(2, 3))[chosen]),
-                "body": body,
-                "other": other,
                 "on_other": packed(_in_axes(record, other, point)[chosen]) if other >= 0 else "",
-                "side": 1 if body in record.moving else -1,
-                "axes": axes.tolist(),
             }
         )
     return found

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from math import isfinite
 from typing import Any, Literal
 
 import numpy as np
@@ -21,6 +20,7 @@ from modelgen.runtime.arguments import input_range
 from modelgen.runtime.contacts import columns_now
 from modelgen.runtime.simulation import Simulation, start
 from modelgen.view.arrows import arrows_of
+from modelgen.view.slider_range import slider_range
 
 try:
     import viser
@@ -182,9 +182,7 @@ class Live:
 
     def _slider(self, kind: Mapping[str, Any], value: float, low: float, high: float) -> Any:
         """A slider over the range; where an end is missing it is a way off that suits the value."""
-        way = 2 * abs(value) or 1.0
-        low = low if isfinite(low) else value - way
-        high = high if isfinite(high) else value + way
+        low, high = slider_range(low, high, value)
         label = f"{kind['name']} [{kind['unit']}]" if kind["unit"] else kind["name"]
         return self._server.gui.add_slider(label, low, high, (high - low) / STEPS, value)
 

@@ -17,6 +17,11 @@ def packed(values: Array) -> str:
     return _text(values, "<f4")
 
 
+def packed_doubles(values: Array) -> str:
+    """Numbers as 64-bit floats."""
+    return _text(values, "<f8")
+
+
 def packed_bytes(directions: Array) -> str:
     """Components from -1 to 1 as signed bytes."""
     return _text(np.rint(UNIT * directions), "i1")

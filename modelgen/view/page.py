@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from functools import cache
 from importlib import resources
 from pathlib import Path
+from typing import Any
 
 from modelgen.assembly import require
 from modelgen.model import Model
@@ -13,12 +15,12 @@ from modelgen.report.run_record import Record
 from modelgen.view.frames import page_data
 
 TOLERANCE = 4e-3  # of the meshes, as a part of the size of a shape
-PLACE = "/*DATA*/null"
+PLACE, RUN_PLACE = "/*DATA*/null", "/*RUN*/"
 
 
 @cache
-def _player() -> str:
-    return resources.files("modelgen.view").joinpath("player.html").read_text(encoding="utf-8")
+def _part(name: str) -> str:
+    return resources.files("modelgen.view").joinpath(name).read_text(encoding="utf-8")
 
 
 def page_text(
@@ -39,8 +41,22 @@ def page_text(
         ModelgenError: no model is given and the record holds no scene, or a plot is unknown.
     """
     model = require(record.scene_again("view")) if model is None else model
-    data = json.dumps(page_data(record, model, tolerance, plots), separators=(",", ":"), allow_nan=False)
-    return _player().replace(PLACE, data.replace("</", "<\\/"))
+    return _filled(page_data(record, model, tolerance, plots), "")
+
+
+def running_page_text(page: Mapping[str, Any], run: Mapping[str, Any]) -> str:
+    """The text of a page that computes its run. It loads nothing, from no network.
+
+    Args:
+        page: what `page_of_run_to_come` returned.
+        run: what run_in_page.js takes as `data.run`.
+    """
+    return _filled({**page, "run": run}, f"<script>\n{_part('run_in_page.js')}</script>")
+
+
+def _filled(data: Mapping[str, Any], script: str) -> str:
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
+    return _part("player.html").replace(PLACE, text).replace(RUN_PLACE, script)
 
 
 def write_page(

@@ -14,10 +14,20 @@ from tests.architecture.sources import PACKAGE
 
 CORE = PACKAGE / "core"
 ROOMS = (  # each may use those before it
-    *("base", "solve/lcp", "solve/friction", "region", "model", "closest", "forces", "integrate"),
+    *(
+        "elementary",
+        "base",
+        "solve/lcp",
+        "solve/friction",
+        "region",
+        "model",
+        "closest",
+        "forces",
+        "integrate",
+    ),
     *("features", "patch", "impact", "events", "timestep", "sensitivity", "run"),
 )
-BODILESS = ("base", "solve/lcp", "solve/friction", "region")  # they know no body and no scene
+BODILESS = ("elementary", "base", "solve/lcp", "solve/friction", "region")  # they know no body and no scene
 CC = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
 FUNCTION = re.compile(r"^(?:MG_API|MG_INTERNAL|static)\b[^;{}=]*?\b(mg_\w+)\([^;{]*\)\s*\{", re.MULTILINE)
 

@@ -15,7 +15,7 @@ import numpy as np
 from tests.running import held, pool
 
 CORE = Path(__file__).parents[2] / "modelgen" / "core"
-SOLVERS = ("base", "solve")  # rooms that know no bodies
+SOLVERS = ("elementary", "base", "solve")  # rooms that know no bodies
 WARNINGS = (  # a room alone does not use all that the rooms below it offer
     *("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-Wshadow", "-Wconversion"),
     "-Wno-unused-function",

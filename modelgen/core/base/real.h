@@ -8,6 +8,8 @@
 #include <float.h>
 #include <math.h>
 
+#include "elementary/elementary.h"
+
 #if defined(MG_REAL_LONG)
 typedef long double mg_real;
 #define MG_EPS LDBL_EPSILON
@@ -23,6 +25,10 @@ typedef double mg_real;
 #define MG_EPS DBL_EPSILON
 #define MG_MAX DBL_MAX
 #endif
+
+/* The smaller and the larger of two numbers; the other one where one is not a number. */
+static inline mg_real mg_min(mg_real a, mg_real b) { return a < b || b != b ? a : b; }
+static inline mg_real mg_max(mg_real a, mg_real b) { return a > b || b != b ? a : b; }
 
 /* A digest of numbers; C99 demands 64 bits of it. */
 typedef unsigned long long mg_digest;

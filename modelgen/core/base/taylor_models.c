@@ -23,7 +23,7 @@ static mg_taylor_model mg_rounded(mg_taylor_model a) {
 
 /* A number between low and high of which nothing else is known. */
 static mg_taylor_model mg_taylor_range(mg_real middle, mg_real low, mg_real high) {
-  const mg_taylor_model range = {middle, {0, 0}, {0, 0, 0}, fmax(high - middle, middle - low)};
+  const mg_taylor_model range = {middle, {0, 0}, {0, 0, 0}, mg_max(high - middle, middle - low)};
   return range.rest >= 0 ? mg_rounded(range) : mg_no_bound;
 }
 
@@ -99,7 +99,7 @@ static mg_taylor_model mg_taylor_sqrt(const mg_taylor_model *a) {
     const mg_real root = sqrt(a->middle);
     return mg_taylor_of(a, root, 1 / (2 * root), -1 / (4 * a->middle * root), 3 / (8 * least * least * sqrt(least)));
   }
-  return a->middle + change >= 0 ? mg_taylor_range(sqrt(fmax(a->middle, (mg_real)0)), 0, sqrt(a->middle + change))
+  return a->middle + change >= 0 ? mg_taylor_range(sqrt(mg_max(a->middle, (mg_real)0)), 0, sqrt(a->middle + change))
                                  : mg_no_bound;
 }
 
@@ -108,33 +108,33 @@ static mg_taylor_model mg_taylor_integer_power(const mg_taylor_model *x, mg_real
   const mg_real change = mg_taylor_change(x), least = fabs(x->middle) - change, most = fabs(x->middle) + change;
   if (n == 0) return mg_taylor_range(1, 1, 1);
   if (n < 0 && !(least > 0)) return mg_no_bound;
-  const mg_real m = x->middle, second = n == 1 ? 0 : n * (n - 1) * pow(m, n - 2);
-  const mg_real third = n == 1 || n == 2 ? 0 : n * (n - 1) * (n - 2) * pow(n < 3 ? least : most, n - 3);
-  return mg_taylor_of(x, pow(m, n), n * pow(m, n - 1), second, third);
+  const mg_real m = x->middle, second = n == 1 ? 0 : n * (n - 1) * mg_pow(m, n - 2);
+  const mg_real third = n == 1 || n == 2 ? 0 : n * (n - 1) * (n - 2) * mg_pow(n < 3 ? least : most, n - 3);
+  return mg_taylor_of(x, mg_pow(m, n), n * mg_pow(m, n - 1), second, third);
 }
 
 /* x^y; a base below zero is cut off, because no point of a shape lies there. */
 static mg_taylor_model mg_taylor_power(const mg_taylor_model *x, const mg_taylor_model *y) {
-  const mg_real change = mg_taylor_change(x), low = fmax(x->middle - change, (mg_real)0), high = x->middle + change,
+  const mg_real change = mg_taylor_change(x), low = mg_max(x->middle - change, (mg_real)0), high = x->middle + change,
                 n = y->middle, of_y = mg_taylor_change(y);
   if (of_y == 0 && floor(n) == n && fabs(n) < 1000) return mg_taylor_integer_power(x, n);
   if (!(high >= 0) || !(of_y <= 1e-6) || !(change < MG_MAX)) return mg_no_bound;
-  const mg_real middle = fmax(x->middle, (mg_real)0), at_low = pow(low, n), at_high = pow(high, n);
-  const mg_real third = fabs(n * (n - 1) * (n - 2)) * fmax(pow(low, n - 3), pow(high, n - 3));
+  const mg_real middle = mg_max(x->middle, (mg_real)0), at_low = mg_pow(low, n), at_high = mg_pow(high, n);
+  const mg_real third = fabs(n * (n - 1) * (n - 2)) * mg_max(mg_pow(low, n - 3), mg_pow(high, n - 3));
   mg_taylor_model power =
       low > 0 || (n >= 3 && x->middle >= 0)
-          ? mg_taylor_of(x, pow(middle, n), n * pow(middle, n - 1), n * (n - 1) * pow(middle, n - 2), third)
+          ? mg_taylor_of(x, mg_pow(middle, n), n * mg_pow(middle, n - 1), n * (n - 1) * mg_pow(middle, n - 2), third)
           : mg_no_bound;
-  if (power.rest >= MG_MAX / 8) power = mg_taylor_range(pow(middle, n), fmin(at_low, at_high), fmax(at_low, at_high));
-  if (of_y > 0) power.rest += of_y * 2 * fmax(at_low, at_high) * (fabs(low > 0 ? log(low) : 0) + fabs(log(high)) + 1);
+  if (power.rest >= MG_MAX / 8) power = mg_taylor_range(mg_pow(middle, n), mg_min(at_low, at_high), mg_max(at_low, at_high));
+  if (of_y > 0) power.rest += of_y * 2 * mg_max(at_low, at_high) * (fabs(low > 0 ? mg_log(low) : 0) + fabs(mg_log(high)) + 1);
   return mg_rounded(power);
 }
 
 static mg_taylor_model mg_taylor_sine(const mg_taylor_model *a, mg_real phase) {
   const mg_real change = mg_taylor_change(a);
-  if (!(change < 2)) return mg_taylor_range(change < MG_MAX ? sin(a->middle + phase) : 0, -1, 1);
+  if (!(change < 2)) return mg_taylor_range(change < MG_MAX ? mg_sin(a->middle + phase) : 0, -1, 1);
   const mg_real x = a->middle + phase;
-  mg_taylor_model sine = mg_taylor_of(a, sin(x), cos(x), -sin(x), 1);
+  mg_taylor_model sine = mg_taylor_of(a, mg_sin(x), mg_cos(x), -mg_sin(x), 1);
   sine.rest += 2 * MG_EPS * fabs(x);
   return sine;
 }
@@ -143,7 +143,7 @@ static mg_taylor_model mg_taylor_tan(const mg_taylor_model *a) {
   const mg_real change = mg_taylor_change(a), turns = a->middle / MG_PI,
                 to_pole = ((mg_real)0.5 - fabs(turns - floor(turns + (mg_real)0.5))) * MG_PI;
   if (!(change < to_pole)) return mg_no_bound;
-  const mg_real value = tan(a->middle), most = tan(MG_PI / 2 - (to_pole - change));
+  const mg_real value = mg_tan(a->middle), most = mg_tan(MG_PI / 2 - (to_pole - change));
   return mg_taylor_of(a, value, 1 + value * value, 2 * value * (1 + value * value),
                       2 * (1 + most * most) * (1 + 3 * most * most));
 }
@@ -151,8 +151,8 @@ static mg_taylor_model mg_taylor_tan(const mg_taylor_model *a) {
 /* asin, or acos with sign -1. */
 static mg_taylor_model mg_taylor_arc(const mg_taylor_model *a, mg_real sign) {
   const mg_real most = fabs(a->middle) + mg_taylor_change(a), room = 1 - most * most,
-                value = sign > 0 ? asin(fmin(fmax(a->middle, (mg_real)-1), (mg_real)1))
-                                 : acos(fmin(fmax(a->middle, (mg_real)-1), (mg_real)1));
+                value = sign > 0 ? mg_asin(mg_min(mg_max(a->middle, (mg_real)-1), (mg_real)1))
+                                 : mg_acos(mg_min(mg_max(a->middle, (mg_real)-1), (mg_real)1));
   if (!(room > 0)) return sign > 0 ? mg_taylor_range(value, -MG_PI / 2, MG_PI / 2) : mg_taylor_range(value, 0, MG_PI);
   const mg_real here = 1 - a->middle * a->middle;
   return mg_taylor_of(a, value, sign / sqrt(here), sign * a->middle / (here * sqrt(here)),
@@ -161,21 +161,21 @@ static mg_taylor_model mg_taylor_arc(const mg_taylor_model *a, mg_real sign) {
 
 static mg_taylor_model mg_taylor_atan2(const mg_taylor_model *y, const mg_taylor_model *x) {
   const mg_real of_x = mg_taylor_change(x), of_y = mg_taylor_change(y);
-  const mg_real near_x = fmax(fabs(x->middle) - of_x, (mg_real)0), near_y = fmax(fabs(y->middle) - of_y, (mg_real)0);
+  const mg_real near_x = mg_max(fabs(x->middle) - of_x, (mg_real)0), near_y = mg_max(fabs(y->middle) - of_y, (mg_real)0);
   const mg_real least = near_x * near_x + near_y * near_y, square = x->middle * x->middle + y->middle * y->middle;
   if (!(least > 0) || (near_y == 0 && x->middle < 0))
-    return of_x < MG_MAX && of_y < MG_MAX ? mg_taylor_range(atan2(y->middle, x->middle), -MG_PI, MG_PI) : mg_no_bound;
+    return of_x < MG_MAX && of_y < MG_MAX ? mg_taylor_range(mg_atan2(y->middle, x->middle), -MG_PI, MG_PI) : mg_no_bound;
   const mg_real by_y = x->middle / square, by_x = -y->middle / square;
   mg_taylor_model angle = mg_taylor_sum(by_y, y, by_x, x);
-  angle.middle = atan2(y->middle, x->middle), angle.rest += (of_x * of_x + of_y * of_y) / (2 * least);
+  angle.middle = mg_atan2(y->middle, x->middle), angle.rest += (of_x * of_x + of_y * of_y) / (2 * least);
   return mg_rounded(angle);
 }
 
 /* sinh, cosh or tanh. */
 static mg_taylor_model mg_taylor_hyperbolic(int operation, const mg_taylor_model *a) {
-  const mg_real most = fabs(a->middle) + mg_taylor_change(a), s = sinh(a->middle), c = cosh(a->middle);
-  if (operation == MG_OP_SINH) return mg_taylor_of(a, s, c, s, cosh(most));
-  if (operation == MG_OP_COSH) return mg_taylor_of(a, c, s, c, sinh(most));
+  const mg_real most = fabs(a->middle) + mg_taylor_change(a), s = mg_sinh(a->middle), c = mg_cosh(a->middle);
+  if (operation == MG_OP_SINH) return mg_taylor_of(a, s, c, s, mg_cosh(most));
+  if (operation == MG_OP_COSH) return mg_taylor_of(a, c, s, c, mg_sinh(most));
   return mg_taylor_of(a, s / c, 1 / (c * c), -2 * s / (c * c * c), 2);
 }
 
@@ -193,8 +193,8 @@ static mg_taylor_model mg_taylor_least(const mg_taylor_model *a, const mg_taylor
   if (middle - change >= 0) return *b;
   const mg_real of_a = mg_taylor_change(a), of_b = mg_taylor_change(b);
   if (!(of_a < MG_MAX) || !(of_b < MG_MAX)) return mg_no_bound;
-  return mg_taylor_range(middle < 0 ? a->middle : b->middle, fmin(a->middle - of_a, b->middle - of_b),
-                         fmax(a->middle + of_a, b->middle + of_b));
+  return mg_taylor_range(middle < 0 ? a->middle : b->middle, mg_min(a->middle - of_a, b->middle - of_b),
+                         mg_max(a->middle + of_a, b->middle + of_b));
 }
 
 /* The truth value of a condition: at the middle, and whether it is the same over the box. */
@@ -223,8 +223,8 @@ static mg_taylor_model mg_taylor_if_else_zero(const mg_taylor_model *condition, 
   if (condition->rest == 0) return condition->middle != 0 ? *b : mg_taylor_range(0, 0, 0);
   const mg_real change = mg_taylor_change(b);
   if (!(change < MG_MAX)) return mg_no_bound;
-  return mg_taylor_range(condition->middle != 0 ? b->middle : 0, fmin(b->middle - change, (mg_real)0),
-                         fmax(b->middle + change, (mg_real)0));
+  return mg_taylor_range(condition->middle != 0 ? b->middle : 0, mg_min(b->middle - change, (mg_real)0),
+                         mg_max(b->middle + change, (mg_real)0));
 }
 
 static mg_taylor_model mg_taylor_operation(int operation, const mg_taylor_model *a, const mg_taylor_model *b) {
@@ -255,11 +255,11 @@ static mg_taylor_model mg_taylor_operation(int operation, const mg_taylor_model 
     case MG_OP_POWER:
       return mg_taylor_power(a, b);
     case MG_OP_EXP:
-      return mg_taylor_of(a, exp(a->middle), exp(a->middle), exp(a->middle), exp(a->middle + change));
+      return mg_taylor_of(a, mg_exp(a->middle), mg_exp(a->middle), mg_exp(a->middle), mg_exp(a->middle + change));
     case MG_OP_LOG:
       if (!(a->middle > change)) return mg_no_bound;
-      return mg_taylor_of(a, log(a->middle), 1 / a->middle, -1 / (a->middle * a->middle),
-                          2 / pow(a->middle - change, (mg_real)3));
+      return mg_taylor_of(a, mg_log(a->middle), 1 / a->middle, -1 / (a->middle * a->middle),
+                          2 / mg_pow(a->middle - change, (mg_real)3));
     case MG_OP_SIN:
       return mg_taylor_sine(a, 0);
     case MG_OP_COS:
@@ -271,8 +271,8 @@ static mg_taylor_model mg_taylor_operation(int operation, const mg_taylor_model 
     case MG_OP_ACOS:
       return mg_taylor_arc(a, -1);
     case MG_OP_ATAN:
-      return mg_taylor_of(a, atan(a->middle), 1 / (1 + a->middle * a->middle),
-                          -2 * a->middle / pow(1 + a->middle * a->middle, (mg_real)2), 2);
+      return mg_taylor_of(a, mg_atan(a->middle), 1 / (1 + a->middle * a->middle),
+                          -2 * a->middle / mg_pow(1 + a->middle * a->middle, (mg_real)2), 2);
     case MG_OP_ATAN2:
       return mg_taylor_atan2(a, b);
     case MG_OP_SINH:

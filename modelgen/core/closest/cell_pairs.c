@@ -45,7 +45,7 @@ static void mg_find_directions(mg_linear_part *at) {
   const mg_real *K = at->K; /* by columns; K K' has the squares of the singular values */
   mg_symmetric_eigenvalues(K[0] * K[0] + K[2] * K[2], K[0] * K[1] + K[2] * K[3], K[1] * K[1] + K[3] * K[3], at->size,
                            at->u);
-  for (int i = 0; i < 2; i++) at->size[i] = sqrt(fmax(at->size[i], (mg_real)0)), at->reach[i] = at->size[i] * at->range;
+  for (int i = 0; i < 2; i++) at->size[i] = sqrt(mg_max(at->size[i], (mg_real)0)), at->reach[i] = at->size[i] * at->range;
 }
 
 /* Length of two numbers. */
@@ -78,7 +78,7 @@ static void mg_set_reach(mg_linear_part *at, int i, const mg_cell_view *view, co
   const mg_real *u = at->u + 2 * i, *K = at->K;
   const mg_real first = K[0] * u[0] + K[1] * u[1], second = K[2] * u[0] + K[3] * u[1];
   const mg_real w[3] = {first * t1[0] + second * t2[0], first * t1[1] + second * t2[1], first * t1[2] + second * t2[2]};
-  at->reach[i] = fmin(at->reach[i], mg_extent_along(view, w));
+  at->reach[i] = mg_min(at->reach[i], mg_extent_along(view, w));
 }
 
 /* Smallest eigenvalue of a symmetric 2 by 2 matrix. */
@@ -180,12 +180,12 @@ static int mg_gap_estimate(const mg_cell_view *a, const mg_cell_view *b, const m
                            const mg_search_limits *limits, mg_real *d, mg_real *error) {
   const mg_real along = mg_dot3(a->direction, v),
                 across =
-                    fmin(mg_extent_along(a, a->direction) + mg_extent_along(b, a->direction), a->radius + b->radius),
+                    mg_min(mg_extent_along(a, a->direction) + mg_extent_along(b, a->direction), a->radius + b->radius),
                 cosine = 1 - a->spread * a->spread / 2;
   mg_real low = along - across, high = along + across;
   if (low < 0) low /= cosine;
   if (high > 0) high /= cosine;
-  low = fmax(low, -limits->depth), high = fmin(high, limits->gap);
+  low = mg_max(low, -limits->depth), high = mg_min(high, limits->gap);
   if (low > high) return 0;
   *d = low + (high - low) / 2, *error = (high - low) / 2;
   return 1;
@@ -317,7 +317,7 @@ static int mg_judge_surface_curve(const mg_cell_view *a, const mg_cell_view *b, 
   at.r[0] = mg_dot3(a->direction, b->direction) + along[0] * across[0] + along[1] * across[1];
   const mg_real lag = widest * A->bend_error + gap_error * A->bend_size; /* of (1 + d W) y_A */
   const mg_real bend_a = A->bend_size + A->bend_error, bend_b = B->bend_size + B->bend_error;
-  const mg_real moved_a = (1 + a->spread) / fmax(1 / size - lag, (mg_real)0); /* |y_A| by s_B */
+  const mg_real moved_a = (1 + a->spread) / mg_max(1 / size - lag, (mg_real)0); /* |y_A| by s_B */
   const mg_real turned_b = mg_curvature_change_along(b, a->direction);
   at.error[0] = A->bend_error * a->radius + turned_b * b->radius +
                 A->bend_size * size * (lag * a->radius + b->spread * b->radius) +
@@ -444,16 +444,16 @@ static int mg_are_cells_apart(const mg_cell_view *a, const mg_cell_view *b, cons
   if (b->kind == MG_VIEW_PLANE) return 0;
   if (b->cell) {
     const mg_search_limits moved = mg_limits_along_normal(a, b, limits);
-    const mg_real reach = fmax(surfaces || !mg_is_hollow(a, b) ? moved.gap : limits->depth - a->tube - b->tube,
+    const mg_real reach = mg_max(surfaces || !mg_is_hollow(a, b) ? moved.gap : limits->depth - a->tube - b->tube,
                                surfaces ? moved.depth : 0);
     if (mg_are_cells_distant(a, b, v, distance, reach)) return 1;
-    longest = fmin(longest, reach);
+    longest = mg_min(longest, reach);
   }
   for (int side = 0; side < 2; side++) {
     const mg_cell_view *at = side ? b : a;
     if (at->kind == MG_VIEW_POINT) continue;
     const mg_real along = fabs(mg_dot3(v, at->direction)), slack = both + at->spread * longest;
-    if (at->kind == MG_VIEW_CURVE ? along > slack : sqrt(fmax(distance * distance - along * along, (mg_real)0)) > slack)
+    if (at->kind == MG_VIEW_CURVE ? along > slack : sqrt(mg_max(distance * distance - along * along, (mg_real)0)) > slack)
       return 1;
     if (at->kind == MG_VIEW_SURFACE && at->spread < 1 && mg_is_beside(at, side ? a : b, v, longest)) return 1;
   }

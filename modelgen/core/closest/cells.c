@@ -35,7 +35,7 @@ static void mg_add_change(const mg_taylor_model *x, mg_real unit, const mg_real 
   mg_real square[2] = {0, 0}, rest = 0;
   for (int k = 0; k < 3; k++) {
     for (int a = 0; a < 2; a++) square[a] += x[k].slope[a] * x[k].slope[a];
-    rest = fmax(rest, x[k].rest);
+    rest = mg_max(rest, x[k].rest);
   }
   for (int a = 0; a < 2; a++) along[a] += (rest < MG_MAX / 8 ? sqrt(square[a]) + rest * part[a] : part[a]) / unit;
 }
@@ -69,9 +69,9 @@ static void mg_bound_cell(mg_context *c, int feature_pair, int side, mg_cell *ce
     rest[k] = fabs(x->bend[0]) + fabs(x->bend[1]) + fabs(x->bend[2]) + x->rest;
   }
   for (int k = 0; k < 6; k++) cell->bend[k] = out[6 + k].middle, cell->bend_change[k] = change[6 + k];
-  cell->radius = mg_norm_or(3, change, MG_MAX), cell->spread = fmin(mg_norm_or(3, change + 3, 2), (mg_real)2);
+  cell->radius = mg_norm_or(3, change, MG_MAX), cell->spread = mg_min(mg_norm_or(3, change + 3, 2), (mg_real)2);
   cell->rest = mg_norm_or(3, rest, MG_MAX);
-  if (is_curve) cell->radius /= fmax(1 - cell->spread * cell->spread / 2, 1 / MG_MAX);
+  if (is_curve) cell->radius /= mg_max(1 - cell->spread * cell->spread / 2, 1 / MG_MAX);
   if (!(cell->radius <= MG_MAX)) cell->radius = MG_MAX;
   if (!(cell->rest <= MG_MAX)) cell->rest = MG_MAX;
   cell->bend_size = is_curve ? mg_norm_or(3, cell->bend, MG_MAX) : mg_symmetric_norm(cell->bend);
@@ -86,8 +86,8 @@ static void mg_bound_centre_cell(mg_context *c, int feature_pair, int side, mg_c
   mg_centre_curve curve;
   mg_read_centre_curve(c, feature_pair, side, &curve);
   const mg_real *ends = cell->box + 2 * curve.coordinate, half = (ends[1] - ends[0]) / 2, middle = ends[0] + half;
-  const mg_real turn = curve.kind == MG_CENTRE_CIRCLE ? fmin(half, MG_PI) : 0, chord = 2 * sin(turn / 2);
-  const mg_real e[2] = {cos(middle), sin(middle)};
+  const mg_real turn = curve.kind == MG_CENTRE_CIRCLE ? mg_min(half, MG_PI) : 0, chord = 2 * mg_sin(turn / 2);
+  const mg_real e[2] = {mg_cos(middle), mg_sin(middle)};
   for (int k = 0; k < 3; k++) cell->centre[k] = cell->slope[0][k] = cell->slope[1][k] = cell->direction[k] = 0;
   for (int k = 0; k < 6; k++) cell->bend[k] = cell->bend_change[k] = 0;
   if (curve.kind == MG_CENTRE_LINE) {
@@ -171,15 +171,15 @@ static mg_real mg_rest_from(const mg_cell *whole, const mg_cell *half, int is_up
 static void mg_narrow_by_halves(mg_cell *whole, const mg_cell *half, int is_curve) {
   mg_real radius = 0, spread = 0, rest = 0, extent[3] = {0, 0, 0};
   for (int k = 0; k < 2; k++) {
-    radius = fmax(radius, is_curve ? 2 * half[k].radius : mg_bound_from(whole->centre, half[k].centre, half[k].radius));
-    spread = fmax(spread, mg_bound_from(whole->direction, half[k].direction, half[k].spread));
-    rest = fmax(rest, mg_rest_from(whole, half + k, k));
+    radius = mg_max(radius, is_curve ? 2 * half[k].radius : mg_bound_from(whole->centre, half[k].centre, half[k].radius));
+    spread = mg_max(spread, mg_bound_from(whole->direction, half[k].direction, half[k].spread));
+    rest = mg_max(rest, mg_rest_from(whole, half + k, k));
     for (int i = 0; i < 3; i++)
-      extent[i] = fmax(extent[i], fabs(half[k].centre[i] - whole->centre[i]) + half[k].extent[i]);
+      extent[i] = mg_max(extent[i], fabs(half[k].centre[i] - whole->centre[i]) + half[k].extent[i]);
   }
-  whole->radius = fmin(whole->radius, radius), whole->spread = fmin(whole->spread, spread);
-  whole->rest = fmin(whole->rest, rest);
-  for (int i = 0; i < 3; i++) whole->extent[i] = fmin(whole->extent[i], extent[i]);
+  whole->radius = mg_min(whole->radius, radius), whole->spread = mg_min(whole->spread, spread);
+  whole->rest = mg_min(whole->rest, rest);
+  for (int i = 0; i < 3; i++) whole->extent[i] = mg_min(whole->extent[i], extent[i]);
 }
 
 MG_INTERNAL int mg_divide_cell(mg_context *c, int feature_pair, int side, int cell) {
@@ -213,7 +213,7 @@ MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side, int is_o
   mg_real window[4], bound = 0;
   mg_sample_window(c, feature_pair, side, mg_search_radius(c, feature_pair), window);
   for (int k = 0; k < 4; k++)
-    if (fabs(domain[k]) >= MG_MAX / 2) bound = fmax(bound, fabs(window[k]));
+    if (fabs(domain[k]) >= MG_MAX / 2) bound = mg_max(bound, fabs(window[k]));
   if (!(bound <= c->run->search_bound[tree])) c->run->search_bound[tree] = 2 * bound;
   bound = c->run->search_bound[tree];
   if (c->search.tree_root[root] && c->search.tree_bound[root] == bound) return c->search.tree_root[root];
@@ -234,11 +234,11 @@ MG_INTERNAL void mg_limit_feature(const mg_context *c, int feature_pair, int sid
   for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++) {
     const mg_real *a = s->numbers + s->condition_numbers[k];
     if (s->condition_feature[k] != side || s->condition_feature_pair[k] == MG_BEYOND_WATCHED) continue;
-    if (s->condition_kind[k] == MG_CONDITION_DISC) limits->disc = fmin(limits->disc, a[0] * (1 + slack));
+    if (s->condition_kind[k] == MG_CONDITION_DISC) limits->disc = mg_min(limits->disc, a[0] * (1 + slack));
     if (s->condition_kind[k] != MG_CONDITION_PARAMETER) continue;
     mg_real *ends = limits->box + 2 * (int)a[0];
-    if (a[1] > 0) ends[0] = fmax(ends[0], a[2] - slack * scale[(int)a[0]] / a[1]);
-    if (a[1] < 0) ends[1] = fmin(ends[1], a[2] - slack * scale[(int)a[0]] / a[1]);
+    if (a[1] > 0) ends[0] = mg_max(ends[0], a[2] - slack * scale[(int)a[0]] / a[1]);
+    if (a[1] < 0) ends[1] = mg_min(ends[1], a[2] - slack * scale[(int)a[0]] / a[1]);
   }
 }
 
@@ -270,6 +270,6 @@ MG_INTERNAL int mg_is_cell_beyond(const mg_context *c, int cell, const mg_featur
   if (box[1] < inside[0] || box[0] > inside[1] || box[3] < inside[2] || box[2] > inside[3]) return 1;
   if (mg_is_cell_outside_quadrics(c, c->search.cells + cell, limits)) return 1;
   if (!(limits->disc < MG_MAX)) return 0;
-  const mg_real u = fmax(fmax(box[0], -box[1]), (mg_real)0), v = fmax(fmax(box[2], -box[3]), (mg_real)0);
+  const mg_real u = mg_max(mg_max(box[0], -box[1]), (mg_real)0), v = mg_max(mg_max(box[2], -box[3]), (mg_real)0);
   return u * u + v * v > limits->disc * limits->disc;
 }

@@ -29,11 +29,11 @@ typedef struct {
 /* The arc of `parts` parts of a turn that ends after `end` parts. */
 static mg_arc_of_circle mg_arc_of_parts(int end, int parts) {
   const mg_real part = 2 * MG_PI / MG_ARCS, middle = MG_FIRST_ANGLE + ((mg_real)end - (mg_real)parts / 2) * part;
-  const mg_arc_of_circle arc = {middle, cos(middle), sin(middle), tan((mg_real)parts * part / 4)};
+  const mg_arc_of_circle arc = {middle, mg_cos(middle), mg_sin(middle), mg_tan((mg_real)parts * part / 4)};
   return arc;
 }
 
-/* (p cos a + q sin a + m) (1 + x^2) with x = tan(a/2) = T (2 t - 1), by the coefficients of (1 - t)^(2 - k) t^k. */
+/* (p cos a + q sin a + m) (1 + x^2) with x = mg_tan(a/2) = T (2 t - 1), by the coefficients of (1 - t)^(2 - k) t^k. */
 static void mg_turning(mg_real p, mg_real q, mg_real m, mg_real T, mg_real *b) {
   const mg_real constant = p + m, linear = 2 * q * T, square = (m - p) * T * T;
   b[0] = constant - linear + square, b[1] = 2 * (constant - square), b[2] = constant + linear + square;
@@ -41,7 +41,7 @@ static void mg_turning(mg_real p, mg_real q, mg_real m, mg_real T, mg_real *b) {
 
 /* Axes in the plane of a circle, turned about its third axis, and times its radius. */
 static void mg_turned_radii(const mg_centred_feature *circle, mg_real angle, mg_real *u, mg_real *v) {
-  const mg_real r = circle->curve.radius, p = r * cos(angle), q = r * sin(angle);
+  const mg_real r = circle->curve.radius, p = r * mg_cos(angle), q = r * mg_sin(angle);
   for (int k = 0; k < 3; k++) {
     u[k] = p * circle->axes[k] + q * circle->axes[3 + k];
     v[k] = p * circle->axes[3 + k] - q * circle->axes[k];
@@ -54,8 +54,8 @@ static int mg_root_angles(int n, const mg_real *polynomial, mg_real noise, const
   const int count = mg_homogeneous_roots(n, polynomial, noise, angle);
   for (int k = 0; k < count; k++) {
     const int is_simple = angle[k].low == angle[k].high;
-    angle[k].low = arc->middle + 2 * atan(arc->tangent * angle[k].low);
-    angle[k].high = is_simple ? angle[k].low : arc->middle + 2 * atan(arc->tangent * angle[k].high);
+    angle[k].low = arc->middle + 2 * mg_atan(arc->tangent * angle[k].low);
+    angle[k].high = is_simple ? angle[k].low : arc->middle + 2 * mg_atan(arc->tangent * angle[k].high);
   }
   return count;
 }
@@ -64,14 +64,14 @@ MG_INTERNAL void mg_centre_point(const mg_centred_feature *at, mg_real where, mg
   for (int k = 0; k < 3; k++)
     x[k] = at->centre[k] + (at->curve.kind == MG_CENTRE_LINE
                                 ? where * at->axes[6 + k]
-                                : at->curve.radius * (cos(where) * at->axes[k] + sin(where) * at->axes[3 + k]));
+                                : at->curve.radius * (mg_cos(where) * at->axes[k] + mg_sin(where) * at->axes[3 + k]));
 }
 
 /* Tangent of a centre curve. */
 static void mg_centre_tangent(const mg_centred_feature *at, mg_real where, mg_real *tangent) {
   for (int k = 0; k < 3; k++)
     tangent[k] =
-        at->curve.kind == MG_CENTRE_LINE ? at->axes[6 + k] : cos(where) * at->axes[3 + k] - sin(where) * at->axes[k];
+        at->curve.kind == MG_CENTRE_LINE ? at->axes[6 + k] : mg_cos(where) * at->axes[3 + k] - mg_sin(where) * at->axes[k];
 }
 
 MG_INTERNAL int mg_normal_to_both(const mg_centred_feature *of, const mg_real *where, mg_real *normal) {
@@ -147,7 +147,7 @@ static mg_circle_derivatives mg_differentiate_distance(const mg_centred_feature 
   mg_real x[2][3], along[2][3], span[3];
   mg_circle_derivatives d;
   for (int side = 0; side < 2; side++) {
-    const mg_real p = of[side].curve.radius * cos(where[side]), q = of[side].curve.radius * sin(where[side]);
+    const mg_real p = of[side].curve.radius * mg_cos(where[side]), q = of[side].curve.radius * mg_sin(where[side]);
     for (int k = 0; k < 3; k++) {
       x[side][k] = p * of[side].axes[k] + q * of[side].axes[3 + k];
       along[side][k] = p * of[side].axes[3 + k] - q * of[side].axes[k];
@@ -188,8 +188,8 @@ typedef struct {
 } mg_point_of_first;
 
 static mg_point_of_first mg_see_from_second(const mg_centred_feature *of, mg_real angle) {
-  const mg_real *u = of[1].axes, *v = of[1].axes + 3, R = of[1].curve.radius, p = of[0].curve.radius * cos(angle),
-                q = of[0].curve.radius * sin(angle);
+  const mg_real *u = of[1].axes, *v = of[1].axes + 3, R = of[1].curve.radius, p = of[0].curve.radius * mg_cos(angle),
+                q = of[0].curve.radius * mg_sin(angle);
   mg_real span[3], along[3];
   for (int k = 0; k < 3; k++) {
     span[k] = of[0].centre[k] - of[1].centre[k] + p * of[0].axes[k] + q * of[0].axes[3 + k];
@@ -204,7 +204,7 @@ static mg_point_of_first mg_see_from_second(const mg_centred_feature *of, mg_rea
 static int mg_angles_normal_to_first(const mg_point_of_first *at, mg_real *angle) {
   const mg_real size = sqrt(at->a * at->a + at->b * at->b);
   if (!(fabs(at->m) <= size) || !(size > 0)) return 0;
-  const mg_real middle = atan2(at->b, at->a), half = acos(at->m / size);
+  const mg_real middle = mg_atan2(at->b, at->a), half = mg_acos(at->m / size);
   angle[0] = middle + half, angle[1] = middle - half;
   return 2;
 }
@@ -212,8 +212,8 @@ static int mg_angles_normal_to_first(const mg_point_of_first *at, mg_real *angle
 /* True if a place is on the list. */
 static int mg_is_place_listed(const mg_real *where, const mg_stationary_place *list, int count) {
   for (int k = 0; k < count; k++)
-    if (fabs(sin((where[0] - list[k].where[0]) / 2)) <= MG_SAME_PLACE &&
-        fabs(sin((where[1] - list[k].where[1]) / 2)) <= MG_SAME_PLACE)
+    if (fabs(mg_sin((where[0] - list[k].where[0]) / 2)) <= MG_SAME_PLACE &&
+        fabs(mg_sin((where[1] - list[k].where[1]) / 2)) <= MG_SAME_PLACE)
       return 1;
   return 0;
 }
@@ -250,7 +250,7 @@ static int mg_add_simple_place(const mg_centred_feature *of, mg_real angle, mg_s
   const mg_real turn = (at.a * at.x + at.b * at.y) / at.rho;
   const int is_far = fabs(at.m + turn) < fabs(at.m - turn);
   if (is_far && of[0].curve.tube >= 0 && of[1].curve.tube >= 0) return count;
-  where[1] = atan2(at.y, at.x) + (is_far ? MG_PI : 0);
+  where[1] = mg_atan2(at.y, at.x) + (is_far ? MG_PI : 0);
   return mg_add_place(of, where, place, count);
 }
 
@@ -262,7 +262,7 @@ static int mg_add_close_places(const mg_centred_feature *of, const mg_root_inter
   for (int part = 0; part < 3; part++) {
     const mg_real start = angle->low + (mg_real)part / 2 * (angle->high - angle->low);
     const mg_point_of_first at = mg_see_from_second(of, start);
-    mg_real other[4] = {atan2(at.y, at.x), 0, 0, 0};
+    mg_real other[4] = {mg_atan2(at.y, at.x), 0, 0, 0};
     other[1] = other[0] + MG_PI;
     const int n = 2 + mg_angles_normal_to_first(&at, other + 2);
     for (int k = 0; k < n; k++) {
@@ -274,7 +274,7 @@ static int mg_add_close_places(const mg_centred_feature *of, const mg_root_inter
   return count;
 }
 
-/* p cos(s) + q sin(s) + m */
+/* p mg_cos(s) + q mg_sin(s) + m */
 typedef struct {
   mg_real p, q, m;
 } mg_sinusoid;
@@ -340,8 +340,8 @@ static int mg_is_near_second(const mg_first_circle *first, mg_real R, mg_real co
 static int mg_near_arcs(const mg_centred_feature *of, const mg_first_circle *first, mg_real reach,
                         mg_arc_of_circle *arc) {
   const mg_real half = MG_PI / MG_ARCS, slack = reach + of[0].curve.radius * half,
-                turn[2] = {cos(2 * half), sin(2 * half)};
-  mg_real cosine = cos(MG_FIRST_ANGLE + half), sine = sin(MG_FIRST_ANGLE + half);
+                turn[2] = {mg_cos(2 * half), mg_sin(2 * half)};
+  mg_real cosine = mg_cos(MG_FIRST_ANGLE + half), sine = mg_sin(MG_FIRST_ANGLE + half);
   const int is_bounded = slack < MG_MAX / 4;
   int count = 0, parts = 0;
   for (int k = 0; k <= MG_ARCS; k++) {

@@ -41,13 +41,13 @@ MG_INTERNAL void mg_foot_on_centre_curve(const mg_centre_curve *curve, const mg_
 
 MG_INTERNAL void mg_sample_about_centre_curve(const mg_context *c, int feature_pair, int side,
                                               const mg_centre_curve *curve, const mg_real *local, mg_sample *sample) {
-  const mg_real *x = local, azimuth = atan2(x[1], x[0]);
+  const mg_real *x = local, azimuth = mg_atan2(x[1], x[0]);
   const int is_curve = mg_feature_dimension(c, feature_pair, side) == 1;
   for (int k = 0; k < 3; k++) sample->local[k] = x[k], sample->direction[k] = 0;
   if (curve->kind == MG_CENTRE_LINE) sample->uv[0] = is_curve ? x[2] : azimuth, sample->uv[1] = x[2];
   else
     sample->uv[0] = azimuth,
-    sample->uv[1] = is_curve ? 0 : atan2(x[2], sqrt(x[0] * x[0] + x[1] * x[1]) - curve->radius);
+    sample->uv[1] = is_curve ? 0 : mg_atan2(x[2], sqrt(x[0] * x[0] + x[1] * x[1]) - curve->radius);
 }
 
 /* Reads a feature that has a centre curve, and where that is. */

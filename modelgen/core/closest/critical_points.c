@@ -136,7 +136,7 @@ static int mg_contains_coordinates(const mg_critical_search *s, int side, const 
   const mg_real *domain = mg_feature_numbers(s->c, s->feature_pair, side) + MG_FEATURE_DOMAIN;
   for (int k = 0; k < 2; k++) {
     const mg_real low = domain[2 * k], high = domain[2 * k + 1], far = high / 4 - low / 4;
-    const mg_real *ends = cell->box + 2 * k, slack = (ends[1] - ends[0]) / 4, at = fmin(fmax(uv[k], low), high);
+    const mg_real *ends = cell->box + 2 * k, slack = (ends[1] - ends[0]) / 4, at = mg_min(mg_max(uv[k], low), high);
     if (uv[k] >= MG_MAX || fabs(uv[k] - at) > far) continue;
     if (at < ends[0] - slack || at > ends[1] + slack) return 0;
   }
@@ -241,8 +241,8 @@ static void mg_sample_about_centre(const mg_critical_search *s, int which, const
 /* Leaves gaps out of the limits that are larger than those of interest beside the nearest minimum kept. */
 static void mg_leave_out_farther_gaps(mg_critical_search *s) {
   if (!s->kept->count) return;
-  const mg_real most = fmax(s->limits.all_within, fabs(s->kept->list[0].d));
-  s->limits.gap = fmin(s->limits.gap, most), s->limits.depth = fmin(s->limits.depth, most);
+  const mg_real most = mg_max(s->limits.all_within, fabs(s->kept->list[0].d));
+  s->limits.gap = mg_min(s->limits.gap, most), s->limits.depth = mg_min(s->limits.depth, most);
 }
 
 /* Converges from the middles of two cells and keeps what it finds. Returns 0 if it does not converge. */
@@ -387,7 +387,7 @@ static mg_real mg_bound_open_gap(mg_critical_search *s, const int *root) {
     const int verdict = mg_judge_cells(&A, &B, &s->limits);
     if (verdict == MG_CELLS_APART || (verdict != MG_CELLS_OPEN && mg_is_critical_point_known(s, &A, &B))) continue;
     if (A.radius + B.radius <= coarse) {
-      least = fmin(least, mg_least_distance(&A, &B));
+      least = mg_min(least, mg_least_distance(&A, &B));
       continue;
     }
     const int longer = mg_divide_pair(s, a, b, mg_is_first_wider(s, &A, &B), count);

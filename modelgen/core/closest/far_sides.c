@@ -56,7 +56,7 @@ static int mg_leaves_closed_feature(mg_context *c, int feature_pair, int side, c
 static int mg_may_leave_cell(const mg_cell *cell, const mg_segment *segment, mg_real length) {
   const mg_real span[3] = {cell->centre[0] - segment->start[0], cell->centre[1] - segment->start[1],
                            cell->centre[2] - segment->start[2]};
-  const mg_real part = fmin(fmax(mg_dot3(span, segment->along) / (length * length), MG_SEGMENT_START), (mg_real)1);
+  const mg_real part = mg_min(mg_max(mg_dot3(span, segment->along) / (length * length), MG_SEGMENT_START), (mg_real)1);
   mg_real apart[3];
   for (int k = 0; k < 3; k++) apart[k] = span[k] - part * segment->along[k];
   return mg_dot3(apart, apart) <= cell->radius * cell->radius &&

@@ -187,9 +187,9 @@ MG_INTERNAL long mg_search_nearest(mg_context *c, int first, int end, mg_real le
   for (;;) {
     for (int each = first; each < end; each++) mg_search_feature_pair(c, each, &limits, least, found);
     if (limits.gap <= near) incomplete = c->run->incomplete_searches - before;
-    const mg_real nearest = fmin(found->count ? fabs(found->list[0].d) : MG_MAX, c->search.open_gap);
+    const mg_real nearest = mg_min(found->count ? fabs(found->list[0].d) : MG_MAX, c->search.open_gap);
     if (nearest <= limits.gap || !(limits.gap < MG_MAX)) return incomplete;
-    limits.gap = limits.depth = limits.gap < 1000 * length ? fmax(8 * limits.gap, length / 8) : MG_MAX;
+    limits.gap = limits.depth = limits.gap < 1000 * length ? mg_max(8 * limits.gap, length / 8) : MG_MAX;
   }
 }
 
@@ -245,7 +245,7 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
     k++;
   }
   for (; k < found.count; k++) {
-    c->run->unfollowed_gap[pair] = fmin(c->run->unfollowed_gap[pair], fmax(found.list[k].d, (mg_real)0));
+    c->run->unfollowed_gap[pair] = mg_min(c->run->unfollowed_gap[pair], mg_max(found.list[k].d, (mg_real)0));
     if (fabs(found.list[k].d) <= c->settings->start_gap * s->length) mg_report_unfollowed_minimum(c, found.list + k);
   }
   return MG_DONE;
@@ -259,7 +259,7 @@ MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
     const int outcome = mg_has_own_feature_pairs(c, pair) ? mg_start_own_feature_pairs(c, pair)
                                                           : mg_start_shared_feature_pairs(c, pair);
     if (outcome) return outcome;
-    c->run->unfollowed_gap[pair] = fmin(c->run->unfollowed_gap[pair], fmax(c->search.open_gap, (mg_real)0));
+    c->run->unfollowed_gap[pair] = mg_min(c->run->unfollowed_gap[pair], mg_max(c->search.open_gap, (mg_real)0));
     c->run->moved_since_search[pair] = 0;
   }
   return MG_DONE;

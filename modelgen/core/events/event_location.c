@@ -275,7 +275,7 @@ static int mg_bisect_event_bracket(mg_context *c, mg_real h, mg_real *low, mg_re
   }
   int count = mg_mark_triggered_events_at(c, h, *high);
   for (mg_real extension = *high - *low; !count && *high < bracket_end; extension *= 2) {
-    *low = *high, *high = fmin(*high + extension, bracket_end);
+    *low = *high, *high = mg_min(*high + extension, bracket_end);
     count = mg_mark_triggered_events_at(c, h, *high);
   }
   return count;

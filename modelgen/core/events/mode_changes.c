@@ -188,7 +188,7 @@ static int mg_process_contact_events(mg_context *c, mg_events *events) {
     c->events.triggered[i] = 0;
     if (c->run->closed[i])
       mg_apply_contact_transition(c, events, i, MG_TOUCHES_DOWN, c->run->t + mg_remaining_bounce_time(c, i),
-                                  fmax(0, -c->rows.d_dot[i]));
+                                  mg_max(0, -c->rows.d_dot[i]));
   }
   const int settled = mg_solve_contact_modes(c, events);
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) c->patches.barred[slot] = -1;

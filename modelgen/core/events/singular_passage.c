@@ -222,7 +222,7 @@ static mg_real mg_try_passage_step(mg_context *c, mg_real tau) {
 static mg_real mg_choose_passage_step(mg_context *c) {
   const mg_real least = c->settings->event_tolerance * c->system->time, left = c->step.stop_time - c->run->t;
   mg_store_passage_start(c);
-  for (mg_real tau = fmin(mg_longest_passage * c->system->time, left); tau >= least; tau /= MG_PASSAGE_STEP_CUT) {
+  for (mg_real tau = mg_min(mg_longest_passage * c->system->time, left); tau >= least; tau /= MG_PASSAGE_STEP_CUT) {
     if (mg_try_passage_step(c, tau) <= c->settings->tolerance) return tau;
     mg_update_poses(c, c->run->t, c->run->x);
   }

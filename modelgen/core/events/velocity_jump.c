@@ -28,8 +28,8 @@ static mg_real mg_velocity_jump(const mg_context *c, const mg_driven_state *from
   mg_real unexplained = 0, total = 0;
   for (int k = 0; k < 6; k++) {
     const mg_real arm = k < 3 ? 1 : c->system->length, change = to->twist[k] - from->twist[k];
-    total = fmax(total, arm * fabs(change));
-    unexplained = fmax(unexplained, arm * fabs(change - (to->t - from->t) / 2 * (from->accel[k] + to->accel[k])));
+    total = mg_max(total, arm * fabs(change));
+    unexplained = mg_max(unexplained, arm * fabs(change - (to->t - from->t) / 2 * (from->accel[k] + to->accel[k])));
   }
   return unexplained > total / 2 ? unexplained : 0;
 }
@@ -48,7 +48,7 @@ static int mg_bisect_velocity_jump(const mg_context *c, int body, mg_driven_stat
     if (!(middle.t > from->t)) break;
     const mg_real first = mg_velocity_jump(c, from, &middle), second = mg_velocity_jump(c, &middle, to);
     *(second > first ? from : to) = middle;
-    jump = fmax(first, second);
+    jump = mg_max(first, second);
   }
   *to = mg_driven_state_at(c, body, to->t + mg_velocity_jump_duration(c));
   return jump > rest;

@@ -293,15 +293,15 @@ static mg_search_limits mg_penetration_limits(const mg_context *c, int pair, mg_
   const mg_real radius_o = mg_pair_ball(c, pair, 0)[3], radius_f = mg_pair_ball(c, pair, 1)[3];
   mg_search_limits limits = mg_appearance_limits(c, pair);
   if (!(moved < MG_MAX / 4)) return limits;
-  if (radius_o >= 0) moved = fmin(moved, radius_o / 2);
-  if (radius_f >= 0) moved = fmin(moved, radius_f / 2);
-  limits.depth = fmax(limits.depth, moved);
+  if (radius_o >= 0) moved = mg_min(moved, radius_o / 2);
+  if (radius_f >= 0) moved = mg_min(moved, radius_f / 2);
+  limits.depth = mg_max(limits.depth, moved);
   return limits;
 }
 
 /* Notes that no contact follows a minimum of a pair with the gap d. */
 static void mg_note_unfollowed_gap(mg_context *c, int pair, mg_real d) {
-  c->run->unfollowed_gap[pair] = fmin(c->run->unfollowed_gap[pair], fmax(d, (mg_real)0));
+  c->run->unfollowed_gap[pair] = mg_min(c->run->unfollowed_gap[pair], mg_max(d, (mg_real)0));
 }
 
 MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pair, mg_real moved) {
@@ -314,7 +314,7 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
   int count = found.count = 0;
   c->search.open_gap = MG_MAX;
   mg_search_free_feature_pairs(c, pair, &limits, least, &found);
-  c->run->unfollowed_gap[pair] = fmax(c->search.open_gap, (mg_real)0);
+  c->run->unfollowed_gap[pair] = mg_max(c->search.open_gap, (mg_real)0);
   for (int k = 0; k < found.count; k++) {
     const mg_minimum *each = found.list + k;
     if (mg_is_minimum_ignored(c, each)) continue;
@@ -379,7 +379,7 @@ static int mg_is_search_needless(const mg_context *c, int pair) {
 static mg_real mg_least_closed_margin(const mg_context *c, int pair) {
   mg_real least = 1;
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
-    if (c->run->closed[i] && c->run->margin[i] < least) least = fmax(c->run->margin[i], (mg_real)0);
+    if (c->run->closed[i] && c->run->margin[i] < least) least = mg_max(c->run->margin[i], (mg_real)0);
   return least;
 }
 
@@ -390,7 +390,7 @@ static mg_real mg_movement_until_search(const mg_context *c, int pair) {
   const mg_real least = c->settings->appear_depth / MG_SEARCHES_IN_DEPTH,
                 most = c->settings->search_movement * mg_least_closed_margin(c, pair);
   const mg_real length = mg_pair_length(c, pair);
-  return fmin(most * length, fmax(c->run->unfollowed_gap[pair], least * length));
+  return mg_min(most * length, mg_max(c->run->unfollowed_gap[pair], least * length));
 }
 
 /* True if a pair that has moved so far since its last search is to be searched. */
@@ -432,7 +432,7 @@ static int mg_is_pair_without_contacts(const mg_context *c, int pair) {
 static mg_real mg_remaining_search_range(const mg_context *c, int pair) {
   const mg_real most = mg_movement_until_search(c, pair), moved = c->run->moved_since_search[pair],
                 reach = mg_search_reach(c, pair),
-                range = c->run->unfollowed_gap[pair] < reach ? fmin(reach, 2 * most) : reach;
+                range = c->run->unfollowed_gap[pair] < reach ? mg_min(reach, 2 * most) : reach;
   return range - (moved < most ? moved : most);
 }
 

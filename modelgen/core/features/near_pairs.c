@@ -26,7 +26,7 @@ static mg_real mg_ball_reach(const mg_context *c, int ball, mg_real h, const mg_
   mg_to_world(c->bodies.pose + 12 * body, start_turn, 0, at_start);
   mg_to_world(c->bodies.pose + 12 * body, end_turn, 0, at_end);
   for (int k = 0; k < 3; k++) at_start[k] += v[k], at_end[k] += end[k];
-  return h * sqrt(fmax(mg_dot3(at_start, at_start), mg_dot3(at_end, at_end)));
+  return h * sqrt(mg_max(mg_dot3(at_start, at_start), mg_dot3(at_end, at_end)));
 }
 
 /* Bound of the motion of the centre of a ball: its speed, and the size of its acceleration. */
@@ -59,9 +59,9 @@ static void mg_set_margins(mg_context *c, mg_real h, const mg_real *change, int 
   const mg_real least = c->settings->search_gap * c->system->length / MG_FLOOR_PARTS;
   for (int b = 0; b < c->system->n_ball; b++) {
     const mg_real reach = mg_ball_reach(c, b, h, change),
-                  most = fmax(MG_MARGIN_RADII * c->system->ball[4 * b + 3], c->system->length);
+                  most = mg_max(MG_MARGIN_RADII * c->system->ball[4 * b + 3], c->system->length);
     mg_ball_centre(c, b, c->run->ball_at + 4 * b);
-    c->run->ball_at[4 * b + 3] = fmax(fmin(MG_NEAR_STEPS * reach, most), is_step_given ? reach : 0) + least;
+    c->run->ball_at[4 * b + 3] = mg_max(mg_min(MG_NEAR_STEPS * reach, most), is_step_given ? reach : 0) + least;
   }
 }
 

@@ -53,10 +53,10 @@ static int mg_is_slip_held(mg_context *c, const mg_friction_problem *p, int m, i
   const mg_real xx = S[4] - S[1] * S[3] / S[0], yy = S[8] - S[2] * S[6] / S[0],
                 xy = (S[5] - S[2] * S[3] / S[0] + S[7] - S[1] * S[6] / S[0]) / 2,
                 size = p->A[first + 1 + (long)n * (first + 1)] + p->A[first + 2 + (long)n * (first + 2)],
-                least = (xx + yy) / 2 - hypot((xx - yy) / 2, xy);
+                least = (xx + yy) / 2 - mg_hypot((xx - yy) / 2, xy);
   if (!(least <= part * size)) return 0;
-  const mg_real angle = atan2(2 * xy, xx - yy) / 2; /* of the direction that is free; across it slip is held */
-  const mg_real across[2] = {-sin(angle), cos(angle)}, *second = x - bilateral, *one = second - bilateral;
+  const mg_real angle = mg_atan2(2 * xy, xx - yy) / 2; /* of the direction that is free; across it slip is held */
+  const mg_real across[2] = {-mg_sin(angle), mg_cos(angle)}, *second = x - bilateral, *one = second - bilateral;
   mg_real replaced = 0;
   for (int r = 0; r < bilateral; r++)
     replaced += (across[0] * one[r] + across[1] * second[r]) * (c->solution.force[c->lcp.rows[m + r]] + z[m + r]);

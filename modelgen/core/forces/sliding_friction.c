@@ -183,5 +183,5 @@ MG_INTERNAL void mg_slip_direction_at_angle(const mg_context *c, int contact, in
                                             mg_real *along) {
   const mg_real *direction = c->run->slip_direction + 3 * constraint, *t = c->rows.tangents + 6 * contact;
   const mg_real x = mg_dot3(t, direction), y = mg_dot3(t + 3, direction), size = sqrt(x * x + y * y);
-  along[0] = (cos(angle) * x - sin(angle) * y) / size, along[1] = (sin(angle) * x + cos(angle) * y) / size;
+  along[0] = (mg_cos(angle) * x - mg_sin(angle) * y) / size, along[1] = (mg_sin(angle) * x + mg_cos(angle) * y) / size;
 }

@@ -72,7 +72,7 @@ static void mg_reduce_impact_matrix(mg_context *c, int n, int contact_rows, mg_i
    returns the angle. */
 static mg_real mg_remove_locked_tangent(const mg_context *c, mg_real free_trace, mg_impact_path *b) {
   mg_real *G = b->G;
-  const mg_real angle = atan2(2 * G[5], G[4] - G[8]) / 2, x = cos(angle), y = sin(angle);
+  const mg_real angle = mg_atan2(2 * G[5], G[4] - G[8]) / 2, x = mg_cos(angle), y = mg_sin(angle);
   const mg_real largest = x * x * G[4] + y * y * G[8] + 2 * x * y * G[5], smallest = G[4] + G[8] - largest,
                 lock_limit = c->settings->joint_rank_tolerance * free_trace;
   if (smallest > lock_limit) return 0;
@@ -108,7 +108,7 @@ static int mg_resolve_single_impact(mg_context *c, mg_events *events, int contac
   for (int k = 0; k < 3; k++) b.velocity[k] = k < contact_rows ? c->rows.d_dot[c->lcp.rows[k]] : 0;
   const mg_real angle = contact_rows > 1 && n > contact_rows ? mg_remove_locked_tangent(c, free_trace, &b) : 0;
   if (!mg_integrate_impact_path(&b, c->system->impact_law[contact], e)) return 0;
-  mg_rotate_pair(cos(angle), -sin(angle), b.velocity + 3, b.velocity + 4);
+  mg_rotate_pair(mg_cos(angle), -mg_sin(angle), b.velocity + 3, b.velocity + 4);
   for (int k = 0; k < contact_rows; k++) c->lcp.z[k] = k ? b.velocity[2 + k] : b.impulse;
   if (n > contact_rows) mg_solve_joint_reactions(c, n, contact_rows);
   if (contact_rows > 1)

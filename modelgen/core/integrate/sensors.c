@@ -15,13 +15,13 @@ static void mg_sum_pairs(mg_context *c, const mg_real *eta, const mg_real *force
     for (int i = s->pair_contact[pair]; i < s->pair_contact[pair + 1]; i++) {
       if (!mg_is_on_feature_pair(c, i)) continue;
       mg_place_contact(c, i, eta + s->contact_eta[i], c->search.placement + 32);
-      shown[0] = fmin(shown[0], c->search.placement[0]), shown[1] += force[i];
+      shown[0] = mg_min(shown[0], c->search.placement[0]), shown[1] += force[i];
     }
   }
   for (int slot = 0; slot < s->n_patch_slot; slot++) {
     if (mg_patch_of_slot(c, slot) < 0) continue;
     mg_real *shown = c->sensors.pair + 2 * s->patch_pair[mg_patch_of_slot(c, slot)];
-    shown[0] = fmin(shown[0], c->rows.d[mg_first_support(c, slot)]);
+    shown[0] = mg_min(shown[0], c->rows.d[mg_first_support(c, slot)]);
     shown[1] += mg_support_resultant(c, slot, force, centre);
   }
   for (int pair = 0; pair < s->n_pair; pair++)

@@ -274,7 +274,7 @@ static int mg_solve_slip_stages(mg_context *c, mg_slip_onset *o, mg_real t, cons
     if (!(angle_effect <= MG_MAX) || !(change <= MG_MAX)) return 0;
     if (last_change <= goal || (round > 3 && last_change >= previous_change / 2 && last_change <= noise)) return 1;
     if (round >= MG_SLIP_TRIAL_ROUNDS &&
-        last_change * pow(last_change / previous_change, MG_SLIP_ROUNDS - round) > noise)
+        last_change * mg_pow(last_change / previous_change, MG_SLIP_ROUNDS - round) > noise)
       return 0;
     previous_change = last_change;
   }

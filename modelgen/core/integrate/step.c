@@ -74,11 +74,11 @@ MG_INTERNAL void mg_watch_event_signs(mg_context *c) {
 
 MG_INTERNAL mg_real mg_step_growth(mg_real error, mg_real most) {
   if (error <= 0) return most;
-  const mg_real factor = (mg_real)0.8 * pow(error, -(mg_real)1 / 8);
+  const mg_real factor = (mg_real)0.8 * mg_pow(error, -(mg_real)1 / 8);
   return factor > most ? most : factor < (mg_real)0.2 ? (mg_real)0.2 : factor;
 }
 
 MG_INTERNAL mg_real mg_first_step(const mg_context *c) {
   if (c->settings->step > 0) return c->settings->step;
-  return c->system->time * pow(c->settings->tolerance, (mg_real)1 / 8) / 4;
+  return c->system->time * mg_pow(c->settings->tolerance, (mg_real)1 / 8) / 4;
 }

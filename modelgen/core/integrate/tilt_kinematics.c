@@ -62,7 +62,7 @@ MG_INTERNAL mg_contact_tilt mg_tilt_at_azimuth(const mg_context *c, int contact,
   mg_to_world(o, start->normal, 0, at.normal), mg_to_world(o, start->outward, 0, out),
       mg_to_world(f, start->axis, 0, axis);
   mg_cross_product(at.normal, out, lateral);
-  const mg_real height = mg_dot3(axis, at.normal), cosine = cos(azimuth), sine = sin(azimuth);
+  const mg_real height = mg_dot3(axis, at.normal), cosine = mg_cos(azimuth), sine = mg_sin(azimuth);
   for (int k = 0; k < 3; k++) {
     at.along[k] = cosine * out[k] + sine * lateral[k];
     at.across[k] = cosine * lateral[k] - sine * out[k];

@@ -130,12 +130,12 @@ static void mg_sample_step_part(mg_context *c, mg_real t, mg_real h, mg_real ste
   for (int k = 1; k <= sample_count; k++) {
     mg_sample_time_functions(c, t + k * h / sample_count, step_length, to);
     for (int i = 0; i < c->layout.n_timed && k < sample_count; i++)
-      low[i] = fmin(low[i], to[i]), high[i] = fmax(high[i], to[i]);
+      low[i] = mg_min(low[i], to[i]), high[i] = mg_max(high[i], to[i]);
   }
   for (int i = 0; i < c->layout.n_timed; i++) {
-    excess[i] = fmax(excess[i], fmax(high[i] - fmax(from[i], to[i]), fmin(from[i], to[i]) - low[i]));
-    mg_time_sample_row(c, MG_TIME_LEAST)[i] = fmin(mg_time_sample_row(c, MG_TIME_LEAST)[i], to[i]);
-    mg_time_sample_row(c, MG_TIME_MOST)[i] = fmax(mg_time_sample_row(c, MG_TIME_MOST)[i], to[i]);
+    excess[i] = mg_max(excess[i], mg_max(high[i] - mg_max(from[i], to[i]), mg_min(from[i], to[i]) - low[i]));
+    mg_time_sample_row(c, MG_TIME_LEAST)[i] = mg_min(mg_time_sample_row(c, MG_TIME_LEAST)[i], to[i]);
+    mg_time_sample_row(c, MG_TIME_MOST)[i] = mg_max(mg_time_sample_row(c, MG_TIME_MOST)[i], to[i]);
     from[i] = to[i];
   }
 }
@@ -155,7 +155,7 @@ static int mg_is_step_resolved_in_time(mg_context *c, mg_real h, mg_real step_le
   }
   mg_set_time_function_weights(c, h, mg_time_sample_row(c, MG_TIME_WEIGHT));
   for (int i = 0; i < c->layout.n_timed; i++) {
-    const mg_real rounding = 64 * MG_EPS * fmax(fabs(least[i]), fabs(most[i]));
+    const mg_real rounding = 64 * MG_EPS * mg_max(fabs(least[i]), fabs(most[i]));
     const int is_unresolved = excess[i] > MG_EXTRAPOLATED_PART * (most[i] - least[i]) && excess[i] > rounding;
     if (is_unresolved && excess[i] * mg_time_sample_row(c, MG_TIME_WEIGHT)[i] > 1) return 0;
   }

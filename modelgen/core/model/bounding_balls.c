@@ -32,7 +32,7 @@ MG_INTERNAL const mg_real *mg_pair_ball(const mg_context *c, int pair, int side)
 MG_INTERNAL mg_real mg_pair_length(const mg_context *c, int pair) {
   const mg_real o = mg_pair_ball(c, pair, 0)[3], f = mg_pair_ball(c, pair, 1)[3];
   const mg_real smaller = o < 0 || (f >= 0 && f < o) ? f : o;
-  return fmax(smaller, c->system->length);
+  return mg_max(smaller, c->system->length);
 }
 
 MG_INTERNAL mg_real mg_search_reach(const mg_context *c, int pair) {
@@ -50,8 +50,8 @@ MG_INTERNAL mg_real mg_pair_clearance(const mg_context *c, int pair) {
   if (mg_has_pair_extents(c, pair))
     whole = mg_ball_distance(c, mg_feature_body(c, first, 0), o, o[3], mg_feature_body(c, first, 1), f, f[3]);
   for (int feature_pair = first; feature_pair < c->system->pair_feature_pair[pair + 1]; feature_pair++)
-    clear = fmin(clear, mg_feature_pair_clearance(c, feature_pair));
-  return fmax(fmax(clear, whole), 0);
+    clear = mg_min(clear, mg_feature_pair_clearance(c, feature_pair));
+  return mg_max(mg_max(clear, whole), 0);
 }
 
 /* Largest distance of a shape of a pair from the centre of mass of its body (0: o, 1: f); < 0: unbounded. */

@@ -40,7 +40,7 @@ static mg_real mg_enlarged_radius(const mg_context *c, int ball) {
   const mg_real radius = c->system->ball[4 * ball + 3];
   return radius < 0
              ? -1
-             : radius + c->settings->search_gap * fmax(radius, c->system->length) / 2 + c->run->ball_at[4 * ball + 3];
+             : radius + c->settings->search_gap * mg_max(radius, c->system->length) / 2 + c->run->ball_at[4 * ball + 3];
 }
 
 /* Places all balls with a margin of the run; returns the lowest level, and in *levels a bit for each level in use. */

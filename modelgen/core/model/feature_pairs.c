@@ -111,14 +111,14 @@ MG_INTERNAL void mg_point_in_shape_axes(const mg_context *c, int feature_pair, i
 /* Parameter of a curve at one of its points, if eta does not hold it: of a straight edge the first coordinate, of
    a circle or ellipse the angle. */
 static mg_real mg_curve_parameter_at(const mg_context *c, int feature_pair, int side, const mg_real *point) {
-  const mg_real turns[2][2] = {{0, 0}, {2 * atan((mg_real)1), 0}};
+  const mg_real turns[2][2] = {{0, 0}, {2 * mg_atan((mg_real)1), 0}};
   const int shape = c->system->feature_shape[2 * feature_pair + side];
   const mg_real *parameters = c->system->parameters + c->system->feature_parameters[2 * feature_pair + side];
   mg_real x[3], y[3], T[3];
   c->kernels->shape_point(shape, turns[0], parameters, x, T);
   if (!(x[0] > 0)) return point[0];
   c->kernels->shape_point(shape, turns[1], parameters, y, T);
-  return atan2(point[1] / y[1], point[0] / x[0]);
+  return mg_atan2(point[1] / y[1], point[0] / x[0]);
 }
 
 /* True if eta holds coordinates of the feature. */

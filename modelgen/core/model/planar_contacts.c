@@ -109,14 +109,14 @@ static mg_real mg_patch_tilt_rate(const mg_context *c, int patch) {
     for (int k = 0; k < 3; k++) w[k] += side ? angular_velocity[k] : -angular_velocity[k];
   }
   const mg_real spin = mg_dot3(w, o + 9);
-  return sqrt(fmax(mg_dot3(w, w) - spin * spin, 0));
+  return sqrt(mg_max(mg_dot3(w, w) - spin * spin, 0));
 }
 
 MG_INTERNAL mg_real mg_patch_opening_step_limit(const mg_context *c) {
   mg_real longest = MG_MAX;
   for (int patch = 0; patch < c->system->n_patch; patch++)
     if (mg_is_patch_opening(c, patch))
-      longest = fmin(longest, 2 * c->settings->flat_angle / mg_patch_tilt_rate(c, patch));
+      longest = mg_min(longest, 2 * c->settings->flat_angle / mg_patch_tilt_rate(c, patch));
   return longest;
 }
 
@@ -215,7 +215,7 @@ MG_INTERNAL int mg_is_hull_side_pivot(const mg_context *c, int slot) {
 
 /* Tilt about the held edge, rad; negative where the face would penetrate. */
 static mg_real mg_pivot_tilt(const mg_context *c, int slot) {
-  return asin(2 * c->rows.d[mg_first_support(c, slot) + 2] / c->system->length);
+  return mg_asin(2 * c->rows.d[mg_first_support(c, slot) + 2] / c->system->length);
 }
 
 /* Tilt up to which the edge is held, rad. */

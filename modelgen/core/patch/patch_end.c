@@ -77,7 +77,7 @@ static int mg_is_rim_feature_pair_at_point(mg_context *c, int feature_pair, mg_r
 /* First step in s to try from flat: not so short that rounding hides the tilt, not so long that it is refused. */
 static mg_real mg_rolling_start_step(const mg_context *c) {
   const mg_real time = c->system->time, least = time / 4,
-                accurate_step = 12 * time * pow(c->settings->tolerance, (mg_real)1 / 8);
+                accurate_step = 12 * time * mg_pow(c->settings->tolerance, (mg_real)1 / 8);
   mg_real h = accurate_step < time ? accurate_step : time;
   if (c->run->h < h) h = c->run->h;
   return h > least ? h : least;

@@ -24,7 +24,7 @@ static void mg_add_piece_vertices(mg_hull *h, const mg_boundary_piece *piece) {
   const mg_placed_arc *k = h->arcs + piece->arc;
   int last = mg_add_vertex(h, piece->arc, piece->intersection[0], piece->t[0]);
   for (int i = k->span; i < k->span + k->n_span && last >= 0; i++) {
-    const mg_real t = i + 1 < k->span + k->n_span ? fmin(h->spans[i].t_end, piece->t[1]) : piece->t[1];
+    const mg_real t = i + 1 < k->span + k->n_span ? mg_min(h->spans[i].t_end, piece->t[1]) : piece->t[1];
     if (t <= piece->t[0] || h->spans[i].t_begin >= piece->t[1]) continue;
     const int end = t == piece->t[1], vertex = mg_add_vertex(h, piece->arc, end ? piece->intersection[1] : -1, t);
     if (!k->straight) h->vertices[last].next = vertex, h->vertices[last].t_end = t;

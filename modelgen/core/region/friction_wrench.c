@@ -70,7 +70,7 @@ static void mg_add_curved_boundary(mg_rotation_integrals *g, const mg_placed_arc
   const mg_real t = (t0 + t1) / 2, length = mg_distance2(P, Q);
   mg_real x[2], T[2];
   mg_arc_point(k, t, x, T);
-  const mg_real near = fmin(fmin(mg_distance2(P, g->centre), mg_distance2(Q, g->centre)), mg_distance2(x, g->centre));
+  const mg_real near = mg_min(mg_min(mg_distance2(P, g->centre), mg_distance2(Q, g->centre)), mg_distance2(x, g->centre));
   if (2 * length > near && length > least) {
     mg_add_curved_boundary(g, k, t0, t, P, x, least), mg_add_curved_boundary(g, k, t, t1, x, Q, least);
     return;

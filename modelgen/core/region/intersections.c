@@ -52,7 +52,7 @@ static void mg_intersect_arc_end(mg_hull *h, int ending, int last, int other) {
     const mg_real along = mg_dot2(arm, chord) / length, off = fabs(mg_cross2(chord, arm)) / length;
     if (along < -span->turn * length - shared || along > (1 + span->turn) * length + shared) continue;
     if (off > span->turn * length + shared) continue;
-    const mg_real part = fmin(fmax(along / length, 0), 1);
+    const mg_real part = mg_min(mg_max(along / length, 0), 1);
     mg_real t[2], point[2], T[2];
     t[k->side] = k->straight ? span->t_begin + part * (span->t_end - span->t_begin)
                              : mg_zero_on_arc(k, MG_ZERO_NEAREST, p, span->t_begin, span->t_end);
@@ -69,14 +69,14 @@ static int mg_may_spans_meet(const mg_arc_span *x, const mg_arc_span *y, mg_real
   const mg_real slack =
       shared + (mg_distance2(x->begin, x->end) * x->turn + mg_distance2(y->begin, y->end) * y->turn) / 2;
   for (int k = 0; k < 2; k++) {
-    if (fmin(x->begin[k], x->end[k]) > fmax(y->begin[k], y->end[k]) + slack) return 0;
-    if (fmin(y->begin[k], y->end[k]) > fmax(x->begin[k], x->end[k]) + slack) return 0;
+    if (mg_min(x->begin[k], x->end[k]) > mg_max(y->begin[k], y->end[k]) + slack) return 0;
+    if (mg_min(y->begin[k], y->end[k]) > mg_max(x->begin[k], x->end[k]) + slack) return 0;
   }
   const mg_real d[2] = {x->end[0] - x->begin[0], x->end[1] - x->begin[1]}, length = sqrt(mg_dot2(d, d));
   const mg_real p[2] = {y->begin[0] - x->begin[0], y->begin[1] - x->begin[1]},
                 q[2] = {y->end[0] - x->begin[0], y->end[1] - x->begin[1]};
   const mg_real a = mg_cross2(d, p), b = mg_cross2(d, q);
-  return fmin(a, b) <= slack * length && fmax(a, b) >= -slack * length;
+  return mg_min(a, b) <= slack * length && mg_max(a, b) >= -slack * length;
 }
 
 /* Intersection of two spans that are not parallel anywhere, and cross at most once, by Newton's method. */
@@ -93,8 +93,8 @@ static void mg_newton_intersection(mg_hull *h, const mg_arc_span *x, const mg_ar
     int still = 0;
     const mg_real step[2] = {mg_cross2(apart, T[1]) / det, mg_cross2(apart, T[0]) / det};
     for (int k = 0; k < 2; k++) {
-      const mg_real half = (s[k]->t_end - s[k]->t_begin) / 2, low = fmax(s[k]->t_begin - half, h->arcs[arc[k]].t0);
-      const mg_real moved = fmin(fmax(t[k] + step[k], low), fmin(s[k]->t_end + half, h->arcs[arc[k]].t1));
+      const mg_real half = (s[k]->t_end - s[k]->t_begin) / 2, low = mg_max(s[k]->t_begin - half, h->arcs[arc[k]].t0);
+      const mg_real moved = mg_min(mg_max(t[k] + step[k], low), mg_min(s[k]->t_end + half, h->arcs[arc[k]].t1));
       still += moved == t[k], t[k] = moved;
     }
     if (still == 2) break;
@@ -146,9 +146,9 @@ static int mg_intersect_nearly_parallel(mg_hull *h, const mg_arc_span *x, const 
   if (!mg_sample_gaps(h, x, y, s, t, gap)) return 1;
   int change = -1, changes = 0;
   for (int i = 0; i < 5; i++) {
-    least = fmin(least, fabs(gap[i])), most = fmax(most, fabs(gap[i]));
-    if (i > 1) second_difference = fmax(second_difference, fabs(gap[i] - 2 * gap[i - 1] + gap[i - 2]));
-    if (i > 0) step = fmin(step, fabs(gap[i] - gap[i - 1]));
+    least = mg_min(least, fabs(gap[i])), most = mg_max(most, fabs(gap[i]));
+    if (i > 1) second_difference = mg_max(second_difference, fabs(gap[i] - 2 * gap[i - 1] + gap[i - 2]));
+    if (i > 0) step = mg_min(step, fabs(gap[i] - gap[i - 1]));
     if (i > 0 && (gap[i] > 0) != (gap[i - 1] > 0)) change = i, changes++;
   }
   if (most <= h->regions->coincidence) return 1;

@@ -27,7 +27,7 @@ static void mg_trace_piece(const mg_hull *h, const mg_boundary_piece *piece, int
   const mg_placed_arc *k = h->arcs + piece->arc;
   for (int i = 0; i < k->n_span; i++) {
     const mg_arc_span *s = h->spans + k->span + (back ? k->n_span - 1 - i : i);
-    const mg_real a = fmax(s->t_begin, piece->t[0]), b = fmin(s->t_end, piece->t[1]);
+    const mg_real a = mg_max(s->t_begin, piece->t[0]), b = mg_min(s->t_end, piece->t[1]);
     if (a < b) mg_trace_curve(h, piece->arc, back ? b : a, back ? a : b, fine, out);
   }
 }

@@ -65,7 +65,7 @@ static mg_real mg_zero_function(const mg_placed_arc *k, int sought, const mg_rea
   mg_real x[2], T[2], E[2];
   if (sought == MG_ZERO_CURVATURE) {
     const mg_real step = (k->t1 - k->t0) / 4096;
-    mg_arc_point(k, fmax(t - step, k->t0), x, T), mg_arc_point(k, fmin(t + step, k->t1), x, E);
+    mg_arc_point(k, mg_max(t - step, k->t0), x, T), mg_arc_point(k, mg_min(t + step, k->t1), x, E);
     return mg_cross2(T, E);
   }
   mg_arc_point(k, t, x, T);
@@ -182,7 +182,7 @@ static void mg_close_loop(mg_hull *h, int i) {
 static mg_real mg_arc_extent(const mg_hull *h, int i) {
   mg_real most = 0;
   for (int j = h->arcs[i].span; j < h->arcs[i].span + h->arcs[i].n_span; j++)
-    most = fmax(most, fabs(h->spans[j].begin[0]) + fabs(h->spans[j].begin[1]));
+    most = mg_max(most, fabs(h->spans[j].begin[0]) + fabs(h->spans[j].begin[1]));
   return most;
 }
 
@@ -227,6 +227,6 @@ MG_INTERNAL void mg_place_arcs(mg_hull *h, const mg_real *pose) {
   h->size = 0;
   for (int i = 0; i < r->n_arc; i++) {
     mg_close_loop(h, i);
-    h->size = fmax(h->size, mg_arc_extent(h, i));
+    h->size = mg_max(h->size, mg_arc_extent(h, i));
   }
 }

@@ -112,7 +112,7 @@ static void mg_find_loaded_boundary(mg_winkler_pressure_field *p) {
     if (piece->is_thin) continue;
     for (int j = k->span; j < k->span + k->n_span; j++) {
       const mg_arc_span *s = h->spans + j;
-      const mg_real a = fmax(s->t_begin, piece->t[0]), b = fmin(s->t_end, piece->t[1]);
+      const mg_real a = mg_max(s->t_begin, piece->t[0]), b = mg_min(s->t_end, piece->t[1]);
       if (!(a < b)) continue;
       if (!k->straight) {
         mg_clip_curve(p, piece->arc, a, b, back);
@@ -136,7 +136,7 @@ static void mg_add_moments(mg_winkler_pressure_field *p, mg_real weight, const m
   mg_real *m = p->moments;
   m[0] += weight / 2, m[1] += weight * d[0] / 3, m[2] += weight * d[1] / 3;
   m[3] += weight * d[0] * d[0] / 4, m[4] += weight * d[0] * d[1] / 4, m[5] += weight * d[1] * d[1] / 4;
-  p->reach = fmax(p->reach, mg_distance2(x, p->centre));
+  p->reach = mg_max(p->reach, mg_distance2(x, p->centre));
 }
 
 /* Moments of the loaded region about a point of the line where the pressure vanishes, so that this line does not
@@ -209,7 +209,7 @@ static mg_real mg_hull_middle(const mg_hull *h, mg_real *middle) {
   for (int i = 0; i < h->n_edge; i++)
     for (int k = 0; k < 2; k++) middle[k] += h->vertices[h->edges[i].from_vertex].point[k] / h->n_edge;
   for (int i = 0; i < h->n_edge; i++)
-    reach = fmax(reach, mg_distance2(h->vertices[h->edges[i].from_vertex].point, middle));
+    reach = mg_max(reach, mg_distance2(h->vertices[h->edges[i].from_vertex].point, middle));
   return reach;
 }
 
@@ -247,10 +247,10 @@ static int mg_newton_pressure(mg_winkler_pressure_field *p, mg_real force, const
     }
     if (!mg_solve_moments(p, moment, coefficients)) return 0;
     const mg_real r[3] = {1, p->reach, p->reach};
-    for (int k = 0; k < 3; k++) from[k] = tried[k], change = fmax(change, fabs(coefficients[k] - tried[k]) * r[k]);
+    for (int k = 0; k < 3; k++) from[k] = tried[k], change = mg_max(change, fabs(coefficients[k] - tried[k]) * r[k]);
     const mg_real noise = 65536 * MG_EPS * p->hull->size / p->reach; /* of a part so small */
     const int stalls = near && change > last / 4;                    /* Newton's method does so at rounding alone */
-    if (!p->partly_unloaded || stalls || change <= fmax(sqrt(MG_EPS), noise) * coefficients[0]) {
+    if (!p->partly_unloaded || stalls || change <= mg_max(sqrt(MG_EPS), noise) * coefficients[0]) {
       for (int k = 0; k < 3; k++) p->coefficients[k] = coefficients[k];
       return 1;
     }

@@ -105,7 +105,7 @@ static mg_real mg_longest_step(const mg_context *c) {
   const mg_real reach = mg_penetration_step_limit(c),
                 search_limit = mg_has_rolling_start(c) ? MG_MAX : mg_search_step_limit(c),
                 opening_limit = mg_patch_opening_step_limit(c);
-  const mg_real seen = fmin(fmin(search_limit, reach), mg_near_pair_step_limit(c));
+  const mg_real seen = mg_min(mg_min(search_limit, reach), mg_near_pair_step_limit(c));
   return (mg_is_companion_step_after_event(c, MG_MAX) ? 1 : c->settings->step_fraction) *
          (seen < opening_limit ? seen : opening_limit);
 }

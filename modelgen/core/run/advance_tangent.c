@@ -158,12 +158,12 @@ typedef struct {
 
 /* Where the next step is to end at the latest. */
 static mg_real mg_approach_stop(const mg_approach *a, mg_real t, mg_real t_stop) {
-  return a->end - t > a->least ? fmin(t + (a->end - t) / 2, t_stop) : t_stop;
+  return a->end - t > a->least ? mg_min(t + (a->end - t) / 2, t_stop) : t_stop;
 }
 
 /* Begins the approach to the end of a step; returns 0 if that was the last step of one, or is too short to halve. */
 static int mg_begin_approach(mg_approach *a, mg_real t, mg_real end) {
-  const mg_real least = fmax(ldexp(end - t, -MG_APPROACH_HALVINGS), 4 * MG_EPS * fabs(end));
+  const mg_real least = mg_max(ldexp(end - t, -MG_APPROACH_HALVINGS), 4 * MG_EPS * fabs(end));
   if (a->least > 0 && fabs(a->end - end) <= 2 * a->least) return 0;
   a->end = end, a->least = least;
   return end - t > least;

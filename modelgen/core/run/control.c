@@ -9,7 +9,7 @@ static int mg_set_command(const mg_system *s, mg_run *run, int input, mg_real co
   if (s->input_is_linear[input]) {
     if (command == setting[1]) return 1;
     setting[0] += setting[1] * (run->t - setting[2]), setting[1] = command, setting[2] = run->t;
-  } else setting[0] = fmin(fmax(command, least), largest);
+  } else setting[0] = mg_min(mg_max(command, least), largest);
   return 1;
 }
 

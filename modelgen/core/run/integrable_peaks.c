@@ -48,7 +48,7 @@ static int mg_find_peak(const mg_context *c, int function, mg_real step, mg_peak
     }
   peak->function = function;
   peak->t = best == 0 ? mg_narrow_peak(c, function, t - step / 16, t + step / 16)
-                      : mg_narrow_peak(c, function, t + fmin(best / 2, 2 * best), t + fmax(best / 2, 2 * best));
+                      : mg_narrow_peak(c, function, t + mg_min(best / 2, 2 * best), t + mg_max(best / 2, 2 * best));
   return !mg_has_pole_at(c, function, peak->t) && mg_has_peak_at(c, function, peak->t);
 }
 
@@ -56,18 +56,18 @@ static int mg_find_peak(const mg_context *c, int function, mg_real step, mg_peak
    state of the run. Returns 0 if a value is not finite. */
 static int mg_add_side_of_peak(mg_context *c, const mg_peak *peak, int sign, mg_real near, mg_real far) {
   const int n = c->layout.n_states;
-  const mg_real inner = fmax(near, far / 4), outer_time = peak->t + sign * far, inner_time = peak->t + sign * inner;
+  const mg_real inner = mg_max(near, far / 4), outer_time = peak->t + sign * far, inner_time = peak->t + sign * inner;
   mg_real *at_far = c->step.slopes, *at_inner = c->step.slopes + n;
   if (!(far > near)) return 1;
-  const mg_real growth = log(mg_time_function_magnitude(c, peak->function, inner_time) /
+  const mg_real growth = mg_log(mg_time_function_magnitude(c, peak->function, inner_time) /
                              mg_time_function_magnitude(c, peak->function, outer_time)) /
-                         log(far / inner);
-  const mg_real p = growth > MG_LEAST_POWER ? fmin(growth, MG_MOST_POWER) : 0;
+                         mg_log(far / inner);
+  const mg_real p = growth > MG_LEAST_POWER ? mg_min(growth, MG_MOST_POWER) : 0;
   mg_right_hand_side(c, outer_time, c->run->x, at_far);
   mg_right_hand_side(c, inner_time, c->run->x, at_inner);
   if (!mg_are_states_finite(c, at_far) || !mg_are_states_finite(c, at_inner)) return 0;
-  const mg_real fall = pow(far, -p), rise = pow(inner, -p) - fall,
-                integral = (pow(far, 1 - p) - (near > 0 ? pow(near, 1 - p) : 0)) / (1 - p);
+  const mg_real fall = mg_pow(far, -p), rise = mg_pow(inner, -p) - fall,
+                integral = (mg_pow(far, 1 - p) - (near > 0 ? mg_pow(near, 1 - p) : 0)) / (1 - p);
   for (int range = 0; range < c->listed.n_range; range++)
     for (int i = mg_range_begin(c, range); i < mg_range_end(c, range); i++) {
       const mg_real singular = p > 0 ? (at_inner[i] - at_far[i]) / rise : 0;
@@ -81,7 +81,7 @@ static int mg_add_side_of_peak(mg_context *c, const mg_peak *peak, int sign, mg_
 static int mg_cross_peak(mg_context *c, const mg_peak *peak, mg_events *events) {
   const mg_real before = peak->t - c->run->t, since = before < 0 ? -before : 0,
                 width = MG_PEAK_WIDTH * c->settings->step_min * c->system->time,
-                after = fmax(before, since + fmax(width, MG_PEAK_WIDTH * MG_EPS * fabs(peak->t)));
+                after = mg_max(before, since + mg_max(width, MG_PEAK_WIDTH * MG_EPS * fabs(peak->t)));
   if (before > 0 && !mg_add_side_of_peak(c, peak, -1, 0, before)) return MG_NOT_FINITE;
   const int outcome = mg_cross_velocity_jump(c, peak->t + after, events);
   if (outcome) return outcome;

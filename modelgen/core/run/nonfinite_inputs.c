@@ -71,7 +71,7 @@ MG_INTERNAL int mg_has_pole_at(const mg_context *c, int function, mg_real t) {
   const mg_real least = c->settings->step_min, near_part = sqrt(least), period = c->system->time;
   const mg_real mid = mg_magnitude_near_time(c, function, t, near_part * period);
   return mg_has_peak_at(c, function, t) &&
-         mid > mg_magnitude_near_time(c, function, t, sqrt(near_part) * period) / pow(least, (mg_real)1 / 6);
+         mid > mg_magnitude_near_time(c, function, t, sqrt(near_part) * period) / mg_pow(least, (mg_real)1 / 6);
 }
 
 /* True if a function of time is not finite at t. */
@@ -115,5 +115,5 @@ static mg_real mg_last_tried_step(const mg_context *c) {
 MG_API int mg_unbounded(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real *work, int *iwork) {
   mg_context c;
   mg_open_context(&c, system, settings, run, work, iwork);
-  return mg_first_unbounded_function(&c, fmax(mg_last_tried_step(&c), settings->time_resolution * system->time), 0);
+  return mg_first_unbounded_function(&c, mg_max(mg_last_tried_step(&c), settings->time_resolution * system->time), 0);
 }

@@ -26,7 +26,7 @@ MG_INTERNAL mg_real mg_number_dot(const mg_sensitivity *s, const mg_real *array,
 static mg_real mg_largest_relative_change(int n, const mg_real *change, const mg_real *number) {
   mg_real most = 0;
   for (int i = 0; change && i < n; i++)
-    if (number[i] != 0) most = fmax(most, fabs(change[i] / number[i]));
+    if (number[i] != 0) most = mg_max(most, fabs(change[i] / number[i]));
   return most;
 }
 
@@ -47,7 +47,7 @@ MG_INTERNAL mg_real mg_direction_size(const mg_context *c, const mg_sensitivity 
                 {3 * system->n_input, 3 * system->n_input, d->input, c->run->input}};
   mg_real most = 0;
   for (int k = 0; k < (int)(sizeof(tables) / sizeof(tables[0])); k++)
-    most = fmax(most, mg_largest_relative_change(tables[k].n,
+    most = mg_max(most, mg_largest_relative_change(tables[k].n,
                                                  mg_row_of_direction(s, tables[k].change, tables[k].stride, direction),
                                                  tables[k].number));
   return most;

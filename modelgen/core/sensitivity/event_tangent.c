@@ -102,9 +102,9 @@ static mg_real mg_moved_condition(mg_context *c, int contact, const mg_real *eta
 /* Derivative of the condition that a contact violates, by differences of order 4. */
 static mg_real mg_condition_difference(mg_context *c, int contact, const mg_real *eta, const mg_real *pose_dot,
                                        const mg_real *eta_dot) {
-  mg_real largest = fmax(mg_max_abs(24, pose_dot), mg_max_abs(c->contacts.n_eta[contact], eta_dot)), value[2];
+  mg_real largest = mg_max(mg_max_abs(24, pose_dot), mg_max_abs(c->contacts.n_eta[contact], eta_dot)), value[2];
   if (!(largest > 0)) return 0;
-  const mg_real part = pow(MG_EPS, (mg_real)0.2) / largest;
+  const mg_real part = mg_pow(MG_EPS, (mg_real)0.2) / largest;
   for (int k = 0; k < 2; k++)
     value[k] = mg_moved_condition(c, contact, eta, pose_dot, eta_dot, (k + 1) * part) -
                mg_moved_condition(c, contact, eta, pose_dot, eta_dot, -(k + 1) * part);

@@ -13,7 +13,7 @@
 /* True if a contact may have been struck: it is that of the event, was closed before, or is closed or touching now as
    far as the error of the step can tell; and it has not been found to carry no impulse (c->events.gap_dips). */
 static int mg_may_be_struck(const mg_context *c, const mg_sensitivity *s, int contact) {
-  const mg_real touching = fmax(c->settings->contact_gap, c->settings->tolerance) * c->system->length;
+  const mg_real touching = mg_max(c->settings->contact_gap, c->settings->tolerance) * c->system->length;
   if (!mg_is_on_feature_pair(c, contact) || c->events.gap_dips[contact]) return 0;
   return contact == s->crossing.contact || s->closed_before[contact] || c->run->closed[contact] ||
          fabs(c->rows.d[contact]) <= touching;
@@ -160,8 +160,8 @@ static int mg_solve_blow_impulses(mg_context *c, mg_blow *b) {
   for (int r = 0; r < b->n; r++) {
     mg_real change = 0;
     for (int k = 0; k < b->n; k++) change += c->lcp.A[r + (long)b->n * k] * b->impulse[k];
-    residual = fmax(residual, fabs(change - (b->rate_after[r] - b->rate_before[r])) / b->scale[r]);
-    largest = fmax(largest, fabs(change) / b->scale[r]);
+    residual = mg_max(residual, fabs(change - (b->rate_after[r] - b->rate_before[r])) / b->scale[r]);
+    largest = mg_max(largest, fabs(change) / b->scale[r]);
   }
   return residual > MG_LARGEST_BLOW_RESIDUAL * largest ? MG_BY_IMPACT_LAW : MG_NO_REASON;
 }
@@ -186,7 +186,7 @@ static int mg_mark_unstruck_contacts(mg_context *c, const mg_blow *b) {
   int found = 0;
   mg_real largest = 0;
   for (int r = 0; r < b->n; r++)
-    if (b->normal[r] == r) largest = fmax(largest, b->impulse[r]);
+    if (b->normal[r] == r) largest = mg_max(largest, b->impulse[r]);
   for (int r = 0; r < b->n; r++)
     if (b->normal[r] == r && !(b->impulse[r] > sqrt(c->settings->event_tolerance) * largest))
       c->events.gap_dips[b->row[r]] = 1, found = 1;

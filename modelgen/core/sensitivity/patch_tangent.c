@@ -17,7 +17,7 @@ static const mg_real mg_difference_weight[] = {(mg_real)3 / 4, (mg_real)-3 / 20,
 /* Step of these differences, relative to the twist: the best one of a smooth function, and a shorter one where friction
    depends on the place of the rotation centre. */
 static mg_real mg_difference_step(mg_real slip, mg_real turn) {
-  return pow(MG_EPS, turn <= MG_HARDLY_TURNS * slip ? (mg_real)1 / 7 : (mg_real)0.18);
+  return mg_pow(MG_EPS, turn <= MG_HARDLY_TURNS * slip ? (mg_real)1 / 7 : (mg_real)0.18);
 }
 
 MG_INTERNAL int mg_slot_of_support(const mg_context *c, int contact) {

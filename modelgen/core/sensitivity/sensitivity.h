@@ -52,7 +52,7 @@ typedef struct {
 enum { MG_BLOW_STRUCK = 0, MG_BLOW_HELD = 1, MG_BLOW_SLIPS = 2 };
 
 /* Derivatives below this part of the scales, times the size of their direction, are rounding. */
-#define MG_ROUNDED_TANGENT pow(MG_EPS, (mg_real)0.75)
+#define MG_ROUNDED_TANGENT mg_pow(MG_EPS, (mg_real)0.75)
 
 #define MG_BLOW_ROWS 64 /* most rows of a blow that is differentiated */
 

@@ -12,7 +12,7 @@
 static mg_real mg_velocity_change(const mg_context *c, const mg_real *one, const mg_real *other) {
   const int first = c->system->n_q;
   mg_real most = 0;
-  for (int i = first; i < first + c->system->n_u; i++) most = fmax(most, fabs(one[i] - other[i]) / c->step.scale[i]);
+  for (int i = first; i < first + c->system->n_u; i++) most = mg_max(most, fabs(one[i] - other[i]) / c->step.scale[i]);
   return most;
 }
 

@@ -45,7 +45,7 @@ MG_INTERNAL int mg_has_costly_events(mg_context *c, const mg_events *events, int
   if (!mg_count_transitions(events, first)) return 0;
   const mg_real each = mg_work_of_evaluation(c),
                 steps = (run->t - run->event_work_t) / (c->settings->chatter_step * c->system->time);
-  run->event_work = fmax(run->event_work - MG_WORK_RATIO * MG_EVALUATIONS_OF_STEP * steps * each, 0);
+  run->event_work = mg_max(run->event_work - MG_WORK_RATIO * MG_EVALUATIONS_OF_STEP * steps * each, 0);
   run->event_work += evaluations * each, run->event_work_t = run->t;
   return c->settings->fallback && run->event_work > c->settings->chatter_work;
 }

@@ -93,7 +93,7 @@ static void mg_path_open(mg_path *p, mg_scaled_friction *s, int which) {
 /* Sets the problem at `along` of the path, 0..1; at 1 it is the given one. */
 static void mg_path_set_problem(mg_path *p, mg_real along) {
   mg_scaled_friction *s = p->s;
-  const mg_real delta = along >= 1 ? 0 : (mg_real)pow(MG_PATH_REGULARISATION_MIN, along);
+  const mg_real delta = along >= 1 ? 0 : (mg_real)mg_pow(MG_PATH_REGULARISATION_MIN, along);
   s->residual = MG_MAX;
   for (int i = 0; i < s->m; ++i) {
     s->S[i + i * s->m] = p->diagonal[i] + delta * p->weight[i];

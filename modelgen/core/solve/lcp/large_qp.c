@@ -90,7 +90,7 @@ static int mg_is_chopped_gradient_larger(const mg_large_qp *s) {
   mg_real chopped = 0, reduced = 0;
   for (int i = 0; i < s->A->n; i++) {
     const mg_real g = s->gradient[i];
-    if (s->y[i] > 0) reduced += fmin(s->y[i] / s->length, g) * g;
+    if (s->y[i] > 0) reduced += mg_min(s->y[i] / s->length, g) * g;
     else if (g < 0) chopped += g * g;
   }
   return chopped > reduced;
@@ -99,13 +99,13 @@ static int mg_is_chopped_gradient_larger(const mg_large_qp *s) {
 /* y -= step * direction, and the gradient with it. Needs the image. */
 static void mg_large_move(mg_large_qp *s, mg_real step) {
   for (int i = 0; i < s->A->n; i++)
-    s->y[i] = fmax(s->y[i] - step * s->direction[i], (mg_real)0), s->gradient[i] -= step * s->image[i];
+    s->y[i] = mg_max(s->y[i] - step * s->direction[i], (mg_real)0), s->gradient[i] -= step * s->image[i];
 }
 
 /* Step along the gradient of the zero unknowns. */
 static void mg_large_release(mg_large_qp *s) {
   const int n = s->A->n;
-  for (int i = 0; i < n; i++) s->direction[i] = s->y[i] > 0 ? 0 : fmin(s->gradient[i], (mg_real)0);
+  for (int i = 0; i < n; i++) s->direction[i] = s->y[i] > 0 ? 0 : mg_min(s->gradient[i], (mg_real)0);
   mg_large_product(s, s->direction, s->image);
   const mg_real bend = mg_large_dot(n, s->direction, s->image);
   mg_large_move(s, bend > 0 ? mg_large_dot(n, s->gradient, s->direction) / bend : s->length);
@@ -120,7 +120,7 @@ static void mg_large_descend(mg_large_qp *s) {
   const mg_real bend = mg_large_dot(n, s->direction, s->image), slope = mg_large_dot(n, s->gradient, s->direction);
   const mg_real step = bend > 0 ? slope / bend : MG_MAX;
   for (int i = 0; i < n; i++)
-    if (s->direction[i] > 0) longest = fmin(longest, s->y[i] / s->direction[i]);
+    if (s->direction[i] > 0) longest = mg_min(longest, s->y[i] / s->direction[i]);
   if (step <= longest && step < MG_MAX) {
     mg_large_move(s, step);
     mg_real turned = 0;
@@ -130,7 +130,7 @@ static void mg_large_descend(mg_large_qp *s) {
   }
   if (longest < MG_MAX) mg_large_move(s, longest);
   for (int i = 0; i < n; i++)
-    if (s->y[i] > 0) s->y[i] = fmax(s->y[i] - s->length * s->gradient[i], (mg_real)0);
+    if (s->y[i] > 0) s->y[i] = mg_max(s->y[i] - s->length * s->gradient[i], (mg_real)0);
   mg_large_gradient(s);
   mg_large_restart(s);
 }
@@ -139,9 +139,9 @@ static void mg_large_descend(mg_large_qp *s) {
 static int mg_is_large_qp_solved(mg_large_qp *s, mg_lcp_report *report) {
   mg_real worst = 0, growth = 0;
   for (int i = 0; i < s->A->n; i++) {
-    const mg_real r = fabs(fmin(s->y[i], s->gradient[i]));
+    const mg_real r = fabs(mg_min(s->y[i], s->gradient[i]));
     if (!(r <= MG_MAX)) worst = MG_MAX;
-    worst = fmax(worst, r), growth = fmax(growth, s->y[i]);
+    worst = mg_max(worst, r), growth = mg_max(growth, s->y[i]);
   }
   report->residual = worst;
   return worst <= mg_lcp_tolerance(s->A->n, growth);
