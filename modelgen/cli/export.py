@@ -25,7 +25,8 @@ from modelgen.cli.view import check_page
 from modelgen.errors import ModelgenError
 
 To = Annotated[
-    str | None, typer.Option(help="c, fmu, casadi, jax, mjcf, urdf or browser", metavar="FORMAT", show_default=False)
+    str | None,
+    typer.Option(help="c, fmu, casadi, jax, mjcf, urdf or browser", metavar="FORMAT", show_default=False),
 ]
 Folder = Annotated[
     Path | None,
