@@ -48,7 +48,7 @@ def judge(o: str, f: str, count: int) -> list[tuple[int, list[float], list[float
     return wrong
 
 
-@pytest.mark.cases(5)
+@pytest.mark.cases(8)
 @pytest.mark.parametrize(("o", "f"), PAIRS)
 def test_every_minimum_is_found_and_nothing_else(o: str, f: str) -> None:
     assert judge(o, f, SOME) == []
