@@ -56,7 +56,7 @@ def export(
     form: Form = None,
     as_json: AsJson = False,
 ) -> None:
-    """Write a scene for use elsewhere: C, an FMU, CasADi or JAX functions, MJCF, URDF, a page that runs it."""
+    """Write a scene for use elsewhere: C, FMU, CasADi or JAX functions, MJCF, URDF, a page that runs it."""
     from modelgen.export.exporting import PAGES, Choices, check_format, export
 
     choices = Choices(
