@@ -22,7 +22,7 @@ STEPPING = ("tests/oracles/friction/test_time_stepping.py",)
 SPRINGS = ("tests/oracles/test_stepping_springs.py",)
 RUBBING = ("tests/core/test_rubbing_laws.py",)
 BLOWS = ("tests/oracles/friction/test_blow_laws.py", "tests/oracles/friction/test_impact.py")
-CLOSEST = ("tests/oracles/test_closest_features.py",)
+CLOSEST = ("tests/oracles/test_closest_features.py", "tests/laws/test_distance_minima.py")
 JOINTS = ("tests/joints",)
 DERIVATIVES = ("tests/sensitivity/test_closed_forms.py", "tests/sensitivity/test_symplectic.py")
 
