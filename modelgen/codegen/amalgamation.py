@@ -33,12 +33,21 @@ def header_text() -> str:
 @cache
 def runtime_text() -> str:
     """All source files of the core, each header once."""
+    return _sources("", "The core of modelgen")
+
+
+@cache
+def elementary_text() -> str:
+    """The elementary functions alone, which kernels call: to be linked with kernels without the core."""
+    return _sources("elementary/", "The elementary functions of modelgen's core")
+
+
+def _sources(room: str, what: str) -> str:
     known = {HEADER}
     _merged([HEADER], known)
-    sources = [name for name in core_files() if name.endswith(".c")]
-    return (
-        f'/* The core of modelgen in one file, made from its sources. */\n#include "{HEADER}"\n\n'
-        + _merged(sources, known)
+    sources = [name for name in core_files() if name.startswith(room) and name.endswith(".c")]
+    return f'/* {what} in one file, made from its sources. */\n#include "{HEADER}"\n\n' + _merged(
+        sources, known
     )
 
 

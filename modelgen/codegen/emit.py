@@ -26,7 +26,7 @@ PREFIX = "mg_kernels"
 MOST_COMPOSED = 600  # instructions of a composed right-hand side that is compiled
 ELEMENTARY = (  # functions of math.h that the core has its own of, equal to the last bit on every machine
     *("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "pow"),
-    *("hypot", "fmin", "fmax"),
+    *("asinh", "hypot", "fmin", "fmax"),
 )
 MODEL_HEAD = """/* The kernels of one scene's kinds, and the table through which the core calls them. */
 #include "modelgen.h"

@@ -7,7 +7,7 @@ import shlex
 
 import casadi as ca
 
-from modelgen.codegen.amalgamation import HEADER, header_text
+from modelgen.codegen.amalgamation import HEADER, elementary_text, header_text
 from modelgen.codegen.compiler import LIBRARIES, SHARED, find_compiler, portable_flags
 from modelgen.codegen.emit import Package
 from modelgen.derivation import Derivation
@@ -16,13 +16,15 @@ from modelgen.export.scene_text import source
 from modelgen.export.shared_library import shared_library
 
 LIBRARY, COMPOSED = "libkernels.so", "rhs.casadi"
+ELEMENTARY = "elementary.c"
+UNITS = ("model.c", ELEMENTARY)
 
 
 def casadi_files(derivation: Derivation, package: Package) -> dict[str, str | bytes]:
     """The files of the folder by name. Kernels are compiled for any processor of this kind, over double."""
     manifest = package.manifest
     texts = {name: text for name, text in package.files.items() if name.endswith(".c")}
-    texts[HEADER] = header_text()
+    texts |= {HEADER: header_text(), ELEMENTARY: elementary_text()}
     composed, why = _composed(derivation)
     facts = {
         "scene": manifest.instance["name"],
@@ -58,5 +60,5 @@ def _compiled(texts: dict[str, str]) -> tuple[bytes, str]:
     """The shared library of the kernels, and a command that makes it."""
     compiler = find_compiler()
     flags = portable_flags(compiler, "double")
-    command = ["cc", *flags, *SHARED, "-o", LIBRARY, "model.c", *LIBRARIES]
-    return shared_library(compiler, flags, texts, ("model.c",)), shlex.join(command)
+    command = ["cc", *flags, *SHARED, "-o", LIBRARY, *UNITS, *LIBRARIES]
+    return shared_library(compiler, flags, texts, UNITS), shlex.join(command)

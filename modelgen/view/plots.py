@@ -24,8 +24,8 @@ UNEXPLAINED = (("unexplained", "energy", 0, 1),)
 ALWAYS_OPEN = ("energy", "speed", "normal force", "sensors")
 
 
-# how a curve is computed of a sample of the core: what of which column, from which entry on, of how many; of a
-# patch its number and the entry
+# how a curve is computed of a sample of the core: what, of which column, from which entry on, of how many; of
+# a patch its number and the entry
 Source = tuple[str, str, int, int]
 
 

@@ -22,7 +22,7 @@ from tests.export.folders import ZIG, needs_zig, runner, said
 
 pytestmark = pytest.mark.skipif(compiler() is None, reason="needs a C compiler")
 
-ONE = ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log")
+ONE = ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "asinh")
 TWO = ("atan2", "pow", "hypot")
 POINTS = 60  # of each decade or place
 PRECISION = 200  # bits of the reference; arguments are doubles, reduced by mpmath exactly
@@ -123,7 +123,7 @@ ARGUMENTS: dict[str, tuple[Callable[[], Iterator[float]], ...]] = {
     ),
 }  # fmt: skip
 ARGUMENTS |= {"cos": ARGUMENTS["sin"], "tan": ARGUMENTS["sin"], "acos": ARGUMENTS["asin"]}
-ARGUMENTS |= {"cosh": ARGUMENTS["sinh"], "tanh": ARGUMENTS["sinh"]}
+ARGUMENTS |= {"asinh": ARGUMENTS["atan"], "cosh": ARGUMENTS["sinh"], "tanh": ARGUMENTS["sinh"]}
 
 
 def error_in_units(found: float, exact: mpf) -> float:
@@ -194,6 +194,7 @@ SPECIAL: dict[str, list[tuple[tuple[float, ...], float]]] = {  # C99, annex F.9
     "tanh": [((0.0,), 0.0), ((-0.0,), -0.0), ((INF,), 1.0), ((-INF,), -1.0), ((NAN,), NAN)],
     "exp": [((-0.0,), 1.0), ((INF,), INF), ((-INF,), 0.0), ((1e300,), INF), ((-1e300,), 0.0), ((NAN,), NAN)],
     "log": [((0.0,), -INF), ((-0.0,), -INF), ((1.0,), 0.0), ((-1.0,), NAN), ((INF,), INF), ((NAN,), NAN)],
+    "asinh": [((0.0,), 0.0), ((-0.0,), -0.0), ((INF,), INF), ((-INF,), -INF), ((NAN,), NAN)],
     "atan2": [
         *[((s * 0.0, x), s * math.pi) for s in (1.0, -1.0) for x in (-1.0, -0.0, -INF)],
         *[((s * 0.0, x), s * 0.0) for s in (1.0, -1.0) for x in (0.0, 1.0, INF)],
@@ -250,7 +251,7 @@ int main(void) {
   for (int k = 0; k < 40000; k++) {
     const double x = draw(k & 1), y = draw(k & 2);
     add(mg_sin(x)), add(mg_cos(x)), add(mg_tan(x)), add(mg_asin(x)), add(mg_acos(x)), add(mg_atan(x));
-    add(mg_sinh(x)), add(mg_cosh(x)), add(mg_tanh(x)), add(mg_exp(x)), add(mg_log(x));
+    add(mg_sinh(x)), add(mg_cosh(x)), add(mg_tanh(x)), add(mg_exp(x)), add(mg_log(x)), add(mg_asinh(x));
     add(mg_atan2(x, y)), add(mg_pow(x, y)), add(mg_hypot(x, y));
   }
   printf("%llx\\n", digest);

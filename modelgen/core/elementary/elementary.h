@@ -20,6 +20,7 @@
 #define mg_sinh(x) sinh(x)
 #define mg_cosh(x) cosh(x)
 #define mg_tanh(x) tanh(x)
+#define mg_asinh(x) asinh(x)
 #define mg_exp(x) exp(x)
 #define mg_log(x) log(x)
 #define mg_pow(x, y) pow(x, y)
@@ -45,6 +46,7 @@ double mg_tanh(double x);
 
 /* logarithm.c */
 double mg_log(double x);
+double mg_asinh(double x);
 double mg_pow(double x, double y);
 
 /* hypotenuse.c */

@@ -1,4 +1,4 @@
-/* Natural logarithm and powers.
+/* Natural logarithm, inverse hyperbolic sine and powers.
 
    x = 2^k z with z from 0.6875 to 1.375, and z = c (1 + r) with c of a table (P. T. P. Tang, 1990). z - c is exact. */
 #include "elementary/elementary.h"
@@ -7,6 +7,8 @@
 
 #include "elementary/exponential.h"
 
+#define MG_CUBIC_ASINH 0x1p-20
+#define MG_STRAIGHT_ASINH 0x1p31 /* from here on asinh x = log 2x */
 #define MG_NEAR_ONE 0.0625
 #define MG_SMALLEST_NORMAL 0x1p-1022
 #define MG_LARGE_POWER 0x1p65              /* powers of this have the limit of an infinite one */
@@ -57,6 +59,27 @@ static mg_pair mg_log_pair(double x) {
   const double high = c[2] + r.hi * (c[3] + r.hi * (c[4] + r.hi * (c[5] + r.hi * c[6])));
   const double series = r.hi * square * (c[0] + r.hi * (c[1] + r.hi * high));
   return mg_pair_ordered_sum(second.hi, (first.lo + second.lo) + (half.lo + small + series));
+}
+
+double mg_asinh(double x) {
+  const double size = fabs(x);
+  if (x == 0 || !(size < INFINITY)) return x;
+  if (size < MG_CUBIC_ASINH) return x - x * x * x / 6;
+  mg_pair value;
+  if (size < MG_STRAIGHT_ASINH) { /* log(|x| + root(x^2 + 1)) */
+    const mg_pair square = mg_pair_product(size, size);
+    const mg_pair one_more = mg_pair_sum(square.hi, 1);
+    const double root = sqrt(one_more.hi);
+    const mg_pair back = mg_pair_product(root, root);
+    const double lacking = ((one_more.hi - back.hi) - back.lo) + (one_more.lo + square.lo);
+    const mg_pair whole = mg_pair_sum(root, size);
+    value = mg_log_pair(whole.hi);
+    value.lo += (whole.lo + lacking / (2 * root)) / whole.hi;
+  } else {
+    const mg_pair log = mg_log_pair(size);
+    value = mg_pair_ordered_sum(log.hi, MG_LN2_HIGH), value.lo += log.lo + MG_LN2_LOW;
+  }
+  return x < 0 ? -(value.hi + value.lo) : value.hi + value.lo;
 }
 
 /* 0 where y is no integer, 1 where it is odd, 2 where it is even. */

@@ -54,7 +54,7 @@ static void mg_add_straight_boundary(mg_rotation_integrals *g, const mg_real *P,
   if (h == 0) return;
   const mg_real a = mg_dot2(p, t), b = a + length, f[2] = {h * t[1], -h * t[0]};
   const mg_real ra = sqrt(a * a + h * h), rb = sqrt(b * b + h * h);
-  const mg_real k0 = asinh(b / fabs(h)) - asinh(a / fabs(h)), k1 = (b + a) * length / (rb + ra);
+  const mg_real k0 = mg_asinh(b / fabs(h)) - mg_asinh(a / fabs(h)), k1 = (b + a) * length / (rb + ra);
   const mg_real k2 = (b * rb - a * ra - h * h * k0) / 2, r0 = (b * rb - a * ra + h * h * k0) / 2;
   const mg_real r1 = (rb * rb * rb - ra * ra * ra) / 3;
   for (int i = 0; i < 2; i++) g->e[i] += h / 2 * (f[i] * k0 + t[i] * k1), g->rd[i] += h / 4 * (f[i] * r0 + t[i] * r1);
@@ -70,7 +70,8 @@ static void mg_add_curved_boundary(mg_rotation_integrals *g, const mg_placed_arc
   const mg_real t = (t0 + t1) / 2, length = mg_distance2(P, Q);
   mg_real x[2], T[2];
   mg_arc_point(k, t, x, T);
-  const mg_real near = mg_min(mg_min(mg_distance2(P, g->centre), mg_distance2(Q, g->centre)), mg_distance2(x, g->centre));
+  const mg_real near =
+      mg_min(mg_min(mg_distance2(P, g->centre), mg_distance2(Q, g->centre)), mg_distance2(x, g->centre));
   if (2 * length > near && length > least) {
     mg_add_curved_boundary(g, k, t0, t, P, x, least), mg_add_curved_boundary(g, k, t, t1, x, Q, least);
     return;
