@@ -1,7 +1,7 @@
 """Minima of the distance of two circles in space, in 50 digits, independent of the project's code.
 
-The distance of a point of the second circle from the first one is known in closed form; its derivative along the
-second circle changes its sign at each minimum.
+The distance of a point of the second circle from the first one is known in closed form; its derivative along
+the second circle changes its sign at each minimum.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Minimum:
     """One minimum: distance (m), how regular it is, and both points (m, axes of the first body)."""
 
     distance: float
-    margin: float  # determinant of the second derivatives of half the squared distance by the angles, over (R r)^2
+    margin: float  # determinant of the second derivatives of distance^2/2 by the angles, over (R r)^2
     points: Array  # (6,)
 
 
