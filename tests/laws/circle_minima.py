@@ -1,7 +1,7 @@
 """Minima of the distance of two circles in space, in 50 digits, independent of the project's code.
 
-The distance of a point of the second circle from the first one is known in closed form; its derivative along the
-second circle changes its sign at each minimum.
+The distance of a point of the second circle from the first one is known in closed form; its derivative along
+the second circle changes its sign at each minimum.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Minimum:
     """One minimum: distance (m), how regular it is, and both points (m, axes of the first body)."""
 
     distance: float
-    margin: float  # determinant of the second derivatives of half the squared distance by the angles, over (R r)^2
+    margin: float  # determinant of the second derivatives of distance^2/2 by the angles, over (R r)^2
     points: Array  # (6,)
 
 
@@ -93,20 +93,21 @@ class CirclePair:
             high, at_high = t, value
         return high
 
-    def near(self, x: Array) -> Minimum:
-        """The stationary point next to a point of the second circle, by the secant method."""
+    def beside(self, x: Array) -> Minimum:
+        """What is next to a point x of the second circle; a minimum only where `gradient` is zero."""
         with mp.workdps(DIGITS):
-            span = [mpf(float(a)) - p for a, p in zip(x, self.centre, strict=True)]
-            at = (span[0], span[1], span[2])
-            low = mp.atan2(dot(at, self.v), dot(at, self.u))
-            high = low + mpf("1e-12")
-            at_low, at_high = self.slope(low), self.slope(high)
-            for _ in range(12):
-                if at_low == at_high or abs(high - low) < mpf(10) ** -25:
-                    break
-                low, high, at_low = high, high - at_high * (high - low) / (at_high - at_low), at_high
-                at_high = self.slope(high)
-            return self.at(high)
+            return self.at(self.angle(x))
+
+    def gradient(self, x: Array) -> float:
+        """Change of half the squared distance along the second circle at a point of it, m."""
+        with mp.workdps(DIGITS):
+            return float(self.slope(self.angle(x)) / self.r)
+
+    def angle(self, x: Array) -> mpf:
+        """Angle of a point of the second circle."""
+        span = [mpf(float(a)) - p for a, p in zip(x, self.centre, strict=True)]
+        at = (span[0], span[1], span[2])
+        return mp.atan2(dot(at, self.v), dot(at, self.u))
 
     def at(self, t: mpf) -> Minimum:
         """The point of the second circle at t, and the point of the first that is nearest to it."""

@@ -124,7 +124,8 @@ PAIRS = (
     ("wavy", "knot"), ("waist", "ellipse"), ("knot", "ellipse"), ("torus", "rod"), ("rod", "rod"),
     ("bore", "torus"), ("bore", "ring"), ("rod", "ring"), ("bore", "egg"), ("torus", "egg"),
     ("torus", "ring"), ("hollow", "torus"), ("wavy", "rod"), ("bore", "waist"), ("duct", "egg"),
-    ("duct", "torus"), ("duct", "ring"), ("ring", "ring"), ("duct", "waist"), ("duct", "knot"), ("duct", "rod"),
+    ("duct", "torus"), ("duct", "waist"), ("duct", "knot"), ("duct", "rod"), ("duct", "ring"),
+    ("ring", "ring"),
 )  # fmt: skip
 
 
