@@ -100,7 +100,7 @@ def sweep(
     of: Of = None,
     as_json: AsJson = False,
 ) -> None:
-    """Run a scene many times with other numbers; write a table of the outcomes. The same command goes on."""
+    """Run a scene many times with other numbers; write a table. After an interruption the command goes on."""
     from modelgen.parameter_study.folder import require_pyarrow
     from modelgen.parameter_study.outcome_plot import check_drawn, draw_sweep
     from modelgen.parameter_study.rows import columns_of

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +28,7 @@ class Sweep:
         columns: the values of all runs that are done, by column; None where there is none.
         sensors: the columns of the sensors of the scene.
         folder: where it is kept; None where it is not.
+        known: how many runs were done before this call.
     """
 
     plan: Mapping[str, Any]
@@ -35,7 +36,7 @@ class Sweep:
     sensors: tuple[str, ...]
     columns: Mapping[str, Sequence[Any]]
     folder: Path | None = None
-    known: int = field(default=0)  # runs that were done before this call
+    known: int = 0
 
     def __len__(self) -> int:
         return len(self.columns["run"])

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from threading import Lock
 from typing import NamedTuple
 
-FIRST = 4  # runs of a chunk, until it is known how long a run takes
+FIRST = 1  # runs of a chunk, until it is known how long a run takes
 CHUNK_S = 2.0  # time that a chunk shall take, s: what an interruption loses
 MOST = 512  # runs of a chunk
 LAST = 4  # chunks of each worker into which the rest is divided at least
