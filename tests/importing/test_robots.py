@@ -235,6 +235,7 @@ def test_what_a_scene_has_no_like_of_is_refused_by_name(
         ("<mujoco><worldbody><body/></worldbody>", {}, "a file of no known format|MuJoCo refuses"),
         ("<mujoco><worldbody><body><freejoint/></body></worldbody></mujoco>", {}, "MuJoCo refuses it: mass"),
         ("<sdf/>", {}, "SDF, for which there is no kept parser.*convert it to URDF or MJCF"),
+        ("<mujoco><worldbody><geom size='1'/></worldbody></mujoco>", {}, "nothing in it moves"),
         (LINKAGES, {"key": "end"}, "no such keyframe; keyframes: start"),
         (LINKAGES, {"without": ["fluids"]}, "did you mean 'fluid'"),
         (LINKAGES, {"kind": "revolution"}, "--as: it with a file of mjcf; it goes with profile"),
