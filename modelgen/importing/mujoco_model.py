@@ -191,9 +191,9 @@ def _check_meshes(spec: Any, mj: Any, path: Path, notes: Notes) -> None:
             continue
         place = _mesh_place(mesh, spec, path)
         if place.suffix.lower() not in MESH_ENDS:
-            told = f"mesh {mesh.file!r} is none of {', '.join(MESH_ENDS)}"
+            told = f"mesh {place.name!r} is none of {', '.join(MESH_ENDS)}"
         elif not place.exists():
-            told = f"mesh {mesh.file!r} is not there"
+            told = f"mesh {place.name!r} is not there"
         else:
             continue
         notes.refuse("meshes", told)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from modelgen.errors import ModelgenError
 from modelgen.importing.contact_tables import contact_tables
 from modelgen.importing.model_actuators import actuated
 from modelgen.importing.model_contacts import touches
@@ -20,7 +21,7 @@ from modelgen.importing.mujoco_model import Compiled, compiled
 from modelgen.importing.notes import Notes
 from modelgen.importing.rigid_bodies import RigidBody, rigid_bodies
 from modelgen.importing.rigid_start import within_limits, without_overlaps
-from modelgen.importing.scene_writing import Section, scene_text, vector
+from modelgen.importing.scene_writing import Section, moments, scene_text, vector
 
 DIAGONAL = 1e-12  # an inertia whose other entries are zero, against its largest
 
@@ -53,6 +54,9 @@ def robot_text(path: Path, reading: Reading, until: float, notes: Notes) -> str:
     ]
     measured = sensors(source, bodies, numbered, notes)
     notes.check()
+    if all(body.fixed for body in bodies.values()):
+        remedy = "let its first link move with --floating" if reading.urdf else "add a joint"
+        raise ModelgenError(str(path), "nothing in it moves", "a scene has a body that forces move", remedy)
     sections = [
         Section("run", {"until": until}, single=True),
         *_bodies(source, [*dict.fromkeys(bodies.values()), *chain.links], used),
@@ -108,7 +112,9 @@ def _motion(body: RigidBody) -> dict[str, Any]:
     plain = off <= DIAGONAL * np.abs(inertia).max()
     values: dict[str, Any] = {
         "mass": body.mass,
-        "inertia": vector(np.diag(inertia)) if plain else [vector(row) for row in (inertia + inertia.T) / 2],
+        "inertia": moments(np.diag(inertia))
+        if plain
+        else [moments(row) for row in (inertia + inertia.T) / 2],
     }
     for name, each in (
         ("center_of_mass", body.centre), ("velocity", body.velocity), ("angular_velocity", body.spin)

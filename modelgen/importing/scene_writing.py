@@ -11,7 +11,7 @@ import numpy as np
 
 WIDTH = 110
 DIGITS = 15
-NOTHING = 1e-15  # a number that is zero but for rounding, in SI units
+NOTHING = 1e-15  # a length, component of a unit vector or velocity that is zero but for rounding
 
 
 @dataclass(frozen=True)
@@ -48,12 +48,20 @@ def scene_text(head: Sequence[str], top: Mapping[str, Any], sections: Iterable[S
 
 
 def rounded(x: float) -> float:
-    """A number with 15 digits; zero where it is nothing but rounding."""
-    return 0.0 if abs(x) < NOTHING else float(f"{float(x):.{DIGITS}g}")
+    """A number with 15 digits."""
+    return float(f"{float(x):.{DIGITS}g}") + 0.0
 
 
 def vector(x: Iterable[float]) -> list[float]:
-    return [rounded(each) for each in np.asarray(list(x), dtype=float)]
+    """Components with 15 digits; zero where they are nothing but rounding, also beside the largest one."""
+    values = np.asarray(list(x), dtype=float)
+    least = NOTHING * max(1.0, float(np.abs(values).max(initial=0.0)))
+    return [0.0 if abs(each) < least else rounded(each) for each in values]
+
+
+def moments(x: Iterable[float]) -> list[float]:
+    """Moments of inertia with 15 digits, however small."""
+    return [rounded(each) for each in x]
 
 
 def _comment(head: Sequence[str]) -> Iterator[str]:

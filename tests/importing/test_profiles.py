@@ -55,7 +55,7 @@ def test_noise_is_smoothed_away(profile: Any, seed: int) -> None:
 
 
 def test_a_tolerance_is_kept_where_there_is_no_noise() -> None:
-    exact = rail_head(3000)
+    exact = rail_head(1500)
     fitted = fit_profile(exact, tolerance=1e-7)
     assert fitted.largest < 5e-7
     assert off(fitted.nodes, exact).max() == pytest.approx(fitted.largest, rel=1e-3)
@@ -137,7 +137,7 @@ def test_files_that_are_no_profile_are_refused(
 
 
 def test_a_wall_has_its_exterior_on_the_right_and_its_distance_is_that_of_its_profile() -> None:
-    nodes = fit_profile(rail_head(), tolerance=1e-5).nodes
+    nodes = fit_profile(rail_head(300), tolerance=1e-4).nodes
     wall = make.fixed("wall", make.profile_wall(nodes.tolist(), 1.0))
     ball = make.dynamic("ball", make.sphere(0.002), density=1.0, position=[0.0, 0.1, 0.0])
     scene = make.scene("wall", [wall, ball], contact=[{"between": ["ball", "wall"], "points": 1}])
@@ -157,7 +157,7 @@ def test_a_wheel_on_a_rail_of_measured_profiles_touches_where_a_dense_search_say
 
 def test_profiles_are_scenes_that_are_read_again(tmp_path: Path) -> None:
     path = tmp_path / "rail.csv"
-    np.savetxt(path, measured(rail_head(), NOISE, 4)[::-1], delimiter=",")
+    np.savetxt(path, measured(rail_head(600), NOISE, 4)[::-1], delimiter=",")
     found = import_scene(path, kind="profile_wall", length=10.0)
     scene = tmp_path / "rail.toml"
     scene.write_text(found.text)

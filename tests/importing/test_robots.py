@@ -235,6 +235,7 @@ def test_what_a_scene_has_no_like_of_is_refused_by_name(
         ("<mujoco><worldbody><body/></worldbody>", {}, "a file of no known format|MuJoCo refuses"),
         ("<mujoco><worldbody><body><freejoint/></body></worldbody></mujoco>", {}, "MuJoCo refuses it: mass"),
         ("<sdf/>", {}, "SDF, for which there is no kept parser.*convert it to URDF or MJCF"),
+        ("<mujoco><worldbody><geom size='1'/></worldbody></mujoco>", {}, "nothing in it moves"),
         (LINKAGES, {"key": "end"}, "no such keyframe; keyframes: start"),
         (LINKAGES, {"without": ["fluids"]}, "did you mean 'fluid'"),
         (LINKAGES, {"kind": "revolution"}, "--as: it with a file of mjcf; it goes with profile"),
@@ -258,3 +259,20 @@ def test_a_hull_of_fewer_corners_tells_what_it_cuts_off() -> None:
     beyond = ((points @ directions.T) - (corners @ directions.T).max(axis=0)).max()
     assert 0.95 * missed < beyond < missed * (1 + 1e-6)
     assert hull_corners(points, 500)[1] == 0.0
+
+
+@pytest.mark.slow
+def test_mujoco_comes_to_the_run_of_an_imported_contact_as_its_step_shrinks(tmp_path: Path) -> None:
+    """Contacts of the file give way with a time constant of two steps; those of the scene are rigid."""
+    name, until, errors = "ellipsoid_on_plane", 0.2, []
+    for step in (1e-3, 1e-4, 1e-5):
+        file = exported(name, "mjcf", tmp_path, step=step) / f"{name}.xml"
+        path = run_of(import_scene(file).scene, until)
+        model = mujoco.MjModel.from_xml_path(str(file))
+        data = mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+        mujoco.mj_step(model, data, nstep=round(until / step))
+        k = next(k for k, body in enumerate(path.body_names) if model.body(body).dofnum[0])
+        errors.append(float(np.abs(data.xipos[model.body(path.body_names[k]).id] - path.p[-1, k]).max()))
+    assert errors[-1] < errors[0] / 30
+    assert errors[-1] < 1e-5
