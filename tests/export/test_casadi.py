@@ -33,6 +33,7 @@ functions = load()
 name = sys.argv[2]
 f = functions[name]
 values = f(*[0.1 + 0.01 * k for k in range(f.n_in())])
+values = values if isinstance(values, tuple) else (values,)
 print(len(functions), *[repr(float(x)) for v in values for x in v.full().ravel()])
 """
 )

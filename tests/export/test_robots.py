@@ -88,7 +88,9 @@ def test_mujoco_places_the_links_of_a_urdf_where_the_scene_has_its_bodies(tmp_pa
 
 @needs_gcc
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["ellipsoid_on_plane", "sphere_slide_to_roll"])
+@pytest.mark.parametrize(
+    "name", ["ellipsoid_on_plane", "sphere_slide_to_roll", "ellipsoid_on_ellipsoid", "linked_rings"]
+)
 def test_mujoco_approaches_the_run_as_its_step_shrinks(name: str, tmp_path: Path) -> None:
     mujoco = pytest.importorskip("mujoco")
     until, errors = 0.2, []

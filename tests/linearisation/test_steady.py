@@ -196,6 +196,19 @@ def test_a_pendulum_that_hangs_is_steady_though_its_symmetry_does_nothing_there(
     assert np.abs(found.eigenvalues) == pytest.approx([np.sqrt(G / 0.02)] * 4, rel=1e-9)
 
 
+@pytest.mark.slow
+def test_a_rattleback_that_spins_the_other_way_has_its_eigenvalues_negated() -> None:
+    """Time reversed: what grows about one sense of spin dies out about the other."""
+    text = (SCENES / "rattleback.toml").read_text()
+    other = text.replace("[0.0, 0.0, -3.0]", "[0.0, 0.0, 3.0]").replace(
+        "[0.0020236863145688283, 0.11703417837342656, 0.0]",
+        "[-0.0020236863145688283, -0.11703417837342656, 0.0]",
+    )
+    one, reversed_ = (steady(each) for each in (text, other))
+    assert one.growth > 1e-3
+    assert np.sort_complex(-reversed_.eigenvalues) == pytest.approx(one.eigenvalues, rel=1e-8, abs=1e-7)
+
+
 def test_values_without_a_steady_motion_are_kept_as_refused() -> None:
     """A wheel that circles needs more friction than some floors have."""
     grip = '[[parameter]]\nname = "grip"\nvalue = 1.0\n' + WHEEL.replace(
