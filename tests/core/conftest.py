@@ -49,7 +49,7 @@ def regions_in(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Core
     folder = tmp_path_factory.mktemp("regions")
     unit = folder / "regions.c"
     kinds = Path(__file__).with_name("region_kinds.c")
-    unit.write_text(f'#include "{kinds}"\n' + includes("base", "region"))
+    unit.write_text(f'#include "{kinds}"\n' + includes("elementary", "base", "region"))
     warnings = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-Wno-unused-function")
 
     @cache
