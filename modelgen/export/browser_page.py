@@ -29,6 +29,7 @@ from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.simulate import simulate
 from modelgen.runtime.tables.ctypes_structures import RECORD_ARRAYS, Array, address
+from modelgen.runtime.tables.planar_contacts import SUPPORT_POINTS
 from modelgen.runtime.trajectory import EVENT_KINDS, OUTCOME_OF_CODE
 from modelgen.scene.scene_types import Scene
 from modelgen.view.packing import packed_doubles
@@ -98,6 +99,9 @@ def browser_page(scene: Scene, library: Library, package: Package, fixed: Collec
         "outcomes": {code: outcome.value for code, outcome in OUTCOME_OF_CODE.items()},
         "event_kinds": list(EVENT_KINDS),
         "contact_names": list(session.contacts),
+        "face_names": [str(patch["name"]).rpartition(":")[0] for patch in instance["patches"]],
+        "feature_pairs": len(session.feature_pair_names),
+        "support_points": SUPPORT_POINTS,
         "parameters": [_positions(each, instance["parameters"]) for each in sliders],
         "meshes": shapes.meshes,
         "numbers": None if numbers is None else _packed(numbers),

@@ -192,7 +192,7 @@ def test_zig_is_the_last_resort(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("CC", raising=False)
     monkeypatch.setattr(compiler, "CANDIDATES", ())
     monkeypatch.setattr(compiler.importlib.util, "find_spec", lambda name: object())
-    monkeypatch.setattr(compiler, "_version", lambda command: "clang version 22")
+    monkeypatch.setattr(compiler, "compiler_version", lambda command: "clang version 22")
     found = compiler.find_compiler()
     assert found.command[1:] == ("-m", "ziglang", "cc")
     assert "-march=native" not in found.flags("double")

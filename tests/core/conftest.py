@@ -38,7 +38,7 @@ def regions_in() -> Callable[[str], CoreBuild]:
     if compiler() is None:
         pytest.skip("no C compiler on the path")
     kinds = Path(__file__).with_name("region_kinds.c")
-    text = f'#include "{kinds}"\n' + includes("base", "region")
+    text = f'#include "{kinds}"\n' + includes("elementary", "base", "region")
     return cache(lambda real: library_in(real, text, "-O2", "-Wno-conversion"))
 
 

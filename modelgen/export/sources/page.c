@@ -35,13 +35,14 @@ double PAGE(page_input)(int input) {
   return setting[0] + (scene_input_is_linear[input] ? setting[1] * (scene.run.t - setting[2]) : 0);
 }
 
-/* Arrays, by their number: samples (record.h), events (time, kind, contact, speed), numbers of the scene that follow
+/* Arrays, by their number: samples (record.h), events (time, kind, contact, speed, feature pair), numbers of the scene that follow
    from its parameters (numbers.h). */
 const void *PAGE(page_column)(int column) { return column_place[column]; }
 
 void *PAGE(page_number)(int array) { return number_place[array]; }
 
 const void *PAGE(page_event)(int field) {
-  const void *const places[] = {scene.events.t, scene.events.kind, scene.events.contact, scene.events.speed};
+  const void *const places[] = {scene.events.t, scene.events.kind, scene.events.contact, scene.events.speed,
+                                scene.events.feature_pair};
   return places[field];
 }
