@@ -125,8 +125,10 @@ static mg_taylor_model mg_taylor_power(const mg_taylor_model *x, const mg_taylor
       low > 0 || (n >= 3 && x->middle >= 0)
           ? mg_taylor_of(x, mg_pow(middle, n), n * mg_pow(middle, n - 1), n * (n - 1) * mg_pow(middle, n - 2), third)
           : mg_no_bound;
-  if (power.rest >= MG_MAX / 8) power = mg_taylor_range(mg_pow(middle, n), mg_min(at_low, at_high), mg_max(at_low, at_high));
-  if (of_y > 0) power.rest += of_y * 2 * mg_max(at_low, at_high) * (fabs(low > 0 ? mg_log(low) : 0) + fabs(mg_log(high)) + 1);
+  if (power.rest >= MG_MAX / 8)
+    power = mg_taylor_range(mg_pow(middle, n), mg_min(at_low, at_high), mg_max(at_low, at_high));
+  if (of_y > 0)
+    power.rest += of_y * 2 * mg_max(at_low, at_high) * (fabs(low > 0 ? mg_log(low) : 0) + fabs(mg_log(high)) + 1);
   return mg_rounded(power);
 }
 
@@ -161,10 +163,12 @@ static mg_taylor_model mg_taylor_arc(const mg_taylor_model *a, mg_real sign) {
 
 static mg_taylor_model mg_taylor_atan2(const mg_taylor_model *y, const mg_taylor_model *x) {
   const mg_real of_x = mg_taylor_change(x), of_y = mg_taylor_change(y);
-  const mg_real near_x = mg_max(fabs(x->middle) - of_x, (mg_real)0), near_y = mg_max(fabs(y->middle) - of_y, (mg_real)0);
+  const mg_real near_x = mg_max(fabs(x->middle) - of_x, (mg_real)0),
+                near_y = mg_max(fabs(y->middle) - of_y, (mg_real)0);
   const mg_real least = near_x * near_x + near_y * near_y, square = x->middle * x->middle + y->middle * y->middle;
   if (!(least > 0) || (near_y == 0 && x->middle < 0))
-    return of_x < MG_MAX && of_y < MG_MAX ? mg_taylor_range(mg_atan2(y->middle, x->middle), -MG_PI, MG_PI) : mg_no_bound;
+    return of_x < MG_MAX && of_y < MG_MAX ? mg_taylor_range(mg_atan2(y->middle, x->middle), -MG_PI, MG_PI)
+                                          : mg_no_bound;
   const mg_real by_y = x->middle / square, by_x = -y->middle / square;
   mg_taylor_model angle = mg_taylor_sum(by_y, y, by_x, x);
   angle.middle = mg_atan2(y->middle, x->middle), angle.rest += (of_x * of_x + of_y * of_y) / (2 * least);

@@ -45,7 +45,8 @@ static void mg_find_directions(mg_linear_part *at) {
   const mg_real *K = at->K; /* by columns; K K' has the squares of the singular values */
   mg_symmetric_eigenvalues(K[0] * K[0] + K[2] * K[2], K[0] * K[1] + K[2] * K[3], K[1] * K[1] + K[3] * K[3], at->size,
                            at->u);
-  for (int i = 0; i < 2; i++) at->size[i] = sqrt(mg_max(at->size[i], (mg_real)0)), at->reach[i] = at->size[i] * at->range;
+  for (int i = 0; i < 2; i++)
+    at->size[i] = sqrt(mg_max(at->size[i], (mg_real)0)), at->reach[i] = at->size[i] * at->range;
 }
 
 /* Length of two numbers. */
@@ -445,7 +446,7 @@ static int mg_are_cells_apart(const mg_cell_view *a, const mg_cell_view *b, cons
   if (b->cell) {
     const mg_search_limits moved = mg_limits_along_normal(a, b, limits);
     const mg_real reach = mg_max(surfaces || !mg_is_hollow(a, b) ? moved.gap : limits->depth - a->tube - b->tube,
-                               surfaces ? moved.depth : 0);
+                                 surfaces ? moved.depth : 0);
     if (mg_are_cells_distant(a, b, v, distance, reach)) return 1;
     longest = mg_min(longest, reach);
   }
@@ -453,7 +454,8 @@ static int mg_are_cells_apart(const mg_cell_view *a, const mg_cell_view *b, cons
     const mg_cell_view *at = side ? b : a;
     if (at->kind == MG_VIEW_POINT) continue;
     const mg_real along = fabs(mg_dot3(v, at->direction)), slack = both + at->spread * longest;
-    if (at->kind == MG_VIEW_CURVE ? along > slack : sqrt(mg_max(distance * distance - along * along, (mg_real)0)) > slack)
+    if (at->kind == MG_VIEW_CURVE ? along > slack
+                                  : sqrt(mg_max(distance * distance - along * along, (mg_real)0)) > slack)
       return 1;
     if (at->kind == MG_VIEW_SURFACE && at->spread < 1 && mg_is_beside(at, side ? a : b, v, longest)) return 1;
   }

@@ -171,7 +171,8 @@ static mg_real mg_rest_from(const mg_cell *whole, const mg_cell *half, int is_up
 static void mg_narrow_by_halves(mg_cell *whole, const mg_cell *half, int is_curve) {
   mg_real radius = 0, spread = 0, rest = 0, extent[3] = {0, 0, 0};
   for (int k = 0; k < 2; k++) {
-    radius = mg_max(radius, is_curve ? 2 * half[k].radius : mg_bound_from(whole->centre, half[k].centre, half[k].radius));
+    radius =
+        mg_max(radius, is_curve ? 2 * half[k].radius : mg_bound_from(whole->centre, half[k].centre, half[k].radius));
     spread = mg_max(spread, mg_bound_from(whole->direction, half[k].direction, half[k].spread));
     rest = mg_max(rest, mg_rest_from(whole, half + k, k));
     for (int i = 0; i < 3; i++)

@@ -60,7 +60,7 @@ static int mg_add_side_of_peak(mg_context *c, const mg_peak *peak, int sign, mg_
   mg_real *at_far = c->step.slopes, *at_inner = c->step.slopes + n;
   if (!(far > near)) return 1;
   const mg_real growth = mg_log(mg_time_function_magnitude(c, peak->function, inner_time) /
-                             mg_time_function_magnitude(c, peak->function, outer_time)) /
+                                mg_time_function_magnitude(c, peak->function, outer_time)) /
                          mg_log(far / inner);
   const mg_real p = growth > MG_LEAST_POWER ? mg_min(growth, MG_MOST_POWER) : 0;
   mg_right_hand_side(c, outer_time, c->run->x, at_far);

@@ -47,9 +47,9 @@ MG_INTERNAL mg_real mg_direction_size(const mg_context *c, const mg_sensitivity 
                 {3 * system->n_input, 3 * system->n_input, d->input, c->run->input}};
   mg_real most = 0;
   for (int k = 0; k < (int)(sizeof(tables) / sizeof(tables[0])); k++)
-    most = mg_max(most, mg_largest_relative_change(tables[k].n,
-                                                 mg_row_of_direction(s, tables[k].change, tables[k].stride, direction),
-                                                 tables[k].number));
+    most = mg_max(most, mg_largest_relative_change(
+                            tables[k].n, mg_row_of_direction(s, tables[k].change, tables[k].stride, direction),
+                            tables[k].number));
   return most;
 }
 

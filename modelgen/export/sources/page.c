@@ -35,8 +35,8 @@ double PAGE(page_input)(int input) {
   return setting[0] + (scene_input_is_linear[input] ? setting[1] * (scene.run.t - setting[2]) : 0);
 }
 
-/* Arrays, by their number: samples (record.h), events (time, kind, contact, speed, feature pair), numbers of the scene that follow
-   from its parameters (numbers.h). */
+/* Arrays, by their number: samples (record.h), events (time, kind, contact, speed, feature pair), numbers of the scene
+   that follow from its parameters (numbers.h). */
 const void *PAGE(page_column)(int column) { return column_place[column]; }
 
 void *PAGE(page_number)(int array) { return number_place[array]; }
