@@ -257,7 +257,7 @@ def _trajectory(
         kinds=shared.kind_names,
         instructions=dict(shared.instructions),
         accuracy=accuracy.name,
-        warnings=warnings(session, accuracy),
+        warnings=warnings(session, accuracy, ending.events),
         fallback_step=fallback_step(session),
         outcome_function=unbounded(session, ending.outcome),
         stopped=ending.interrupted,
