@@ -137,7 +137,7 @@ def _path(session: Session, schedule: Schedule, times: Array, report: Report) ->
         recording.columns(),
         ending,
         wall_s=time.perf_counter() - started,
-        warnings=warnings(session, session.accuracy),
+        warnings=warnings(session, session.accuracy, ending.events),
         outcome_function=unbounded(session, ending.outcome),
         inputs=dict(Inputs(session)),
     )

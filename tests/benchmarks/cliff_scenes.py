@@ -110,3 +110,18 @@ def links_and_dust(radius: float) -> Scene:
         bodies.append(make.dynamic("dust", make.sphere(radius), density=1000.0, position=[5.0, 0.0, radius]))
         contact.append({"between": ["dust", "table"]})
     return make.scene("links", bodies, contact=contact)
+
+
+def scattered_balls(count: int) -> Scene:
+    """Balls that fly apart without gravity, all pairs of which may touch."""
+    balls = [
+        make.dynamic(
+            f"ball{k}",
+            make.sphere(0.01),
+            density=1000.0,
+            position=[0.05 * (k % 4), 0.05 * (k // 4 % 4), 0.05 * (k // 16)],
+            velocity=[0.1 * sin(k), 0.1 * cos(2.0 * k), 0.1 * sin(3.0 * k)],
+        )
+        for k in range(count)
+    ]
+    return make.scene("scattered", balls, gravity=[0.0, 0.0, 0.0], contacts={"between": "all"})

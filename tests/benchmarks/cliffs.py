@@ -14,10 +14,11 @@ from modelgen import read, simulate
 from modelgen.codegen.library import Library
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Scene
-from tests.benchmarks.cliff_scenes import escapement, links_and_dust
+from tests.benchmarks.cliff_scenes import escapement, links_and_dust, scattered_balls
+from tests.benchmarks.step_cost import linked_tori
 from tests.running import library_of
 
-COIN = Path(__file__).parents[2] / "scenes" / "coin.toml"
+SHIPPED = Path(__file__).parents[2] / "scenes"
 ACCURACIES = ("fast", "balanced", "tight")
 
 
@@ -53,11 +54,14 @@ def spinning_box() -> Scene:
 
 SCENES: dict[str, tuple[Callable[[], Scene], float, float]] = {  # and the window, s
     "escapement": (lambda: escapement(0.183, 0.3, 0.02), 0.0, 0.3),
-    "coin that creeps": (lambda: read(COIN), 3.95, 4.2),
+    "coin that creeps": (lambda: read(SHIPPED / "coin.toml"), 3.95, 4.2),
     "can that rocks back": (rocking_can, 0.0, 0.5),
     "face about to tip": (spinning_box, 0.2, 0.3),
     "links alone": (lambda: links_and_dust(0.0), 0.0, 1.0),
     "links and dust": (lambda: links_and_dust(1e-3), 0.0, 1.0),
+    "linked tori": (linked_tori, 0.0, 5.0),
+    "gears": (lambda: read(SHIPPED / "gears.toml"), 0.0, 1.0),
+    "496 pairs": (lambda: scattered_balls(32), 0.0, 1.0),
 }
 
 

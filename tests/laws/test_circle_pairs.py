@@ -63,7 +63,7 @@ def judge(R: float, r: float, pose: Array) -> None:
     """What is found are minima; all regular ones are found; what is said to be complete is so."""
     pair = CirclePair(R, r, pose)
     found = distance_minima(rings(R, r), "a-b", HERE, pose)
-    points, exact = np.hstack([found.point_o, found.point_f]), 1e-12 * (1 + np.linalg.norm(pose[:3]))
+    points, exact = np.hstack([found.point_o, found.point_f]), 1e-12 * (1 + float(np.linalg.norm(pose[:3])))
     for k, d in enumerate(found.d):
         beside = pair.beside(points[k, 3:])
         assert abs(d) == pytest.approx(beside.distance, abs=exact if beside.margin > REGULAR else FLAT)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 
-from modelgen import simulate
-from tests.benchmarks.cliffs import rocking_can, spinning_box
+from modelgen import read, simulate
+from modelgen.runtime.trajectory import Event
+from modelgen.runtime.warnings.slip_changes import MANY, slip_change_warnings
+from tests.benchmarks.cliffs import SHIPPED, rocking_can, spinning_box
 from tests.running import library_of
 
 
@@ -23,3 +25,23 @@ def test_a_run_of_very_short_steps_says_how_many_and_what_bounds_them() -> None:
 def test_a_run_of_usual_steps_does_not() -> None:
     path = simulate(library_of(spinning_box()), until=0.25, samples=2, estimate=False)
     assert not any("steps were short" in warning for warning in path.warnings)
+
+
+def test_a_coin_that_sticks_and_slips_in_turn_says_how_often_and_what_bounds_the_steps() -> None:
+    library = library_of(read(SHIPPED / "coin.toml"))
+    path = simulate(library, until=4.05, samples=2, accuracy="fast", estimate=False)
+    (told,) = (warning for warning in path.warnings if "between sticking and slipping" in warning)
+    changes = [event.t for event in path.events if event.kind in ("slip-start", "slip-stop")]
+    assert int(re.findall(r"\d+", told)[0]) == len(changes) > MANY
+    assert re.findall(r"t = ([\d.]+) s", told) == [f"{changes[0]:.4g}"]
+    bounded = simulate(library, until=4.05, samples=2, method="time-stepping", step=1e-3, estimate=False)
+    assert bounded.outcome.succeeded
+    assert bounded.rhs_evals < path.rhs_evals / 10
+
+
+def test_changes_far_apart_and_at_different_contacts_are_not_told() -> None:
+    changes = [
+        Event(0.1 * k, "slip-start" if k % 2 else "slip-stop", f"ball-table#{k % 3}", "") for k in range(90)
+    ]
+    assert not slip_change_warnings(changes, 1.0)
+    assert len(slip_change_warnings(changes, 10.0)) == 3

@@ -10,7 +10,9 @@ import numpy as np
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.joint_results import joint_warnings
 from modelgen.runtime.session import Session
+from modelgen.runtime.trajectory import Event
 from modelgen.runtime.warnings.impacts import impact_warnings
+from modelgen.runtime.warnings.slip_changes import slip_change_warnings
 from modelgen.runtime.warnings.time_stepping import stepping_warnings
 
 POINTS_MAX = 64  # contacts that a pair can have
@@ -35,8 +37,8 @@ def hints(bodies: Sequence[Mapping[str, Any]], touching: Sequence[Any]) -> tuple
     )
 
 
-def warnings(session: Session, accuracy: Accuracy) -> tuple[str, ...]:
-    """The warnings about a run and its scene."""
+def warnings(session: Session, accuracy: Accuracy, events: Sequence[Event]) -> tuple[str, ...]:
+    """The warnings about a run with these events, and its scene."""
     margin, redundant = float(session.run.margin_min), int(session.run.redundant_max)
     found = [
         *session.instance["warnings"],
@@ -61,6 +63,7 @@ def warnings(session: Session, accuracy: Accuracy) -> tuple[str, ...]:
         found.append(_incomplete(session))
     found += _far(session, accuracy)
     found += _short_steps(session, accuracy)
+    found += slip_change_warnings(events, session.instance["scales"]["time"])
     found += impact_warnings(session, accuracy)
     found += stepping_warnings(session)
     return (*found, *joint_warnings(session, accuracy))
