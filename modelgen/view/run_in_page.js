@@ -75,7 +75,7 @@ async function startRun() {
     steer();
     while (goesOn() && reached() < target && performance.now() < stop) {
       const until = ramping.length ? Math.min(ends, core.page_time() + ramping[0].span) : ends;
-      code = core.page_advance(until, 4);
+      code = core.page_advance(until, 1);
       takeEvents();
       if (code === 0 && until < ends) code = live.goes_on, settle();
     }
