@@ -70,8 +70,8 @@ MG_INTERNAL void mg_centre_point(const mg_centred_feature *at, mg_real where, mg
 /* Tangent of a centre curve. */
 static void mg_centre_tangent(const mg_centred_feature *at, mg_real where, mg_real *tangent) {
   for (int k = 0; k < 3; k++)
-    tangent[k] =
-        at->curve.kind == MG_CENTRE_LINE ? at->axes[6 + k] : mg_cos(where) * at->axes[3 + k] - mg_sin(where) * at->axes[k];
+    tangent[k] = at->curve.kind == MG_CENTRE_LINE ? at->axes[6 + k]
+                                                  : mg_cos(where) * at->axes[3 + k] - mg_sin(where) * at->axes[k];
 }
 
 MG_INTERNAL int mg_normal_to_both(const mg_centred_feature *of, const mg_real *where, mg_real *normal) {
