@@ -74,7 +74,7 @@ async function startRun() {
     const stop = performance.now() + 40;
     steer();
     while (goesOn() && reached() < target && performance.now() < stop) {
-      const until = ramping.length ? Math.min(ends, core.page_time() + ramping[0].span) : ends;
+      const until = ramping.length ? Math.min(ends, ...ramping.map(each => each.until)) : ends;
       code = core.page_advance(until, 1);
       takeEvents();
       if (code === 0 && until < ends) code = live.goes_on, settle();
@@ -88,10 +88,14 @@ async function startRun() {
       if (value === wanted[input.name] || ramping.some(each => each.k === k)) return;
       if (!input.linear) { core.page_set_input(k, wanted[input.name]); return; }
       const span = Math.max(+speed.value / 30, 1e-6);
-      core.page_set_rate(k, (wanted[input.name] - value) / span); ramping.push({ k, span, value: wanted[input.name] });
+      core.page_set_rate(k, (wanted[input.name] - value) / span); ramping.push({ k, until: core.page_time() + span });
     });
   }
-  function settle() { for (const { k } of ramping) core.page_set_rate(k, 0); ramping = []; }
+  function settle() {
+    const there = ramping.filter(each => each.until <= core.page_time());
+    for (const { k } of there) core.page_set_rate(k, 0);
+    ramping = ramping.filter(each => !there.includes(each));
+  }
 
   // from the samples of the core to those of the page
   function takeSamples() {
