@@ -70,7 +70,7 @@ def rubbed(
     return area_friction(core, [], arcs, np.array([[2.0, *at]]), np.array([twist]), wrench=given_wrench)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=25, deadline=None)
 @example("letter", 0.0, 0.859375, 0.0, 0.0, 0.0, 0.5)
 @given(
     st.sampled_from(sorted(CORNERS)),
@@ -141,7 +141,7 @@ def test_a_uniform_disc_rubs_as_its_elliptic_integrals(plane_core: CoreBuild, ra
     assert found == pytest.approx([0.0, -2 * force, -2 * 0.7 * torque], abs=1e-14 + noise)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(st.sampled_from(sorted(ARCS | ROUND)), unit, unit, st.tuples(unit, unit, unit))
 def test_friction_is_the_gradient_of_what_it_wears(
     plane_core: CoreBuild, name: str, x: float, y: float, twist: tuple[float, float, float]
@@ -161,7 +161,7 @@ def test_friction_is_the_gradient_of_what_it_wears(
     assert np.all(np.abs(fine - friction) <= 1e-6 + 2 * np.abs(coarse - fine))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(st.sampled_from(sorted(ARCS | ROUND)), unit, unit, st.tuples(unit, unit, unit))
 def test_friction_lies_on_its_limit_surface(
     plane_core: CoreBuild, name: str, x: float, y: float, twist: tuple[float, float, float]
@@ -201,7 +201,7 @@ def test_a_wrench_needs_the_most_that_any_twist_asks_for(plane_core: CoreBuild, 
         assert ratios.max() == pytest.approx(needed, rel=1e-7)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(st.sampled_from(sorted(CORNERS)), unit, unit)
 def test_pressure_has_its_resultant_and_centre_and_does_not_pull(
     plane_core: CoreBuild, name: str, x: float, y: float
@@ -230,7 +230,7 @@ def test_a_centre_outside_the_hull_has_no_pressure(plane_core: CoreBuild) -> Non
     assert np.isnan(rubbed(plane_core, disc(0.5), np.array([0.6, 0.0]), np.array([1.0, 0, 0])).friction).all()
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(st.sampled_from(sorted(ARCS | ROUND)), unit, unit, st.tuples(unit, unit), st.tuples(unit, unit, unit))
 def test_a_turn_tells_how_much_holds_easily(
     plane_core: CoreBuild,

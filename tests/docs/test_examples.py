@@ -6,6 +6,7 @@ import re
 import shlex
 import shutil
 import subprocess
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
@@ -85,10 +86,29 @@ def test_python_block_runs(code: str, workplace: Path, monkeypatch: pytest.Monke
 @pytest.mark.parametrize("path", [path for path in PAGES if blocks(path, "sh")], ids=lambda path: path.stem)
 def test_commands_run_in_order(path: Path, workplace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(workplace)
-    for line in (line for block in blocks(path, "sh") for line in block.splitlines()):
-        if line.startswith("modelgen "):
-            result = CliRunner().invoke(app, shlex.split(line, comments=True)[1:])
-            assert result.exit_code == 0, f"{line}\n{result.output}"
+    run_commands(line for line in commands(path) if not is_slow(line))
+
+
+@pytest.mark.slow
+def test_slow_commands_run(workplace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(workplace)
+    run_commands(line for path in PAGES for line in commands(path) if is_slow(line))
+
+
+def commands(path: Path) -> list[str]:
+    lines = (line for block in blocks(path, "sh") for line in block.splitlines())
+    return [line for line in lines if line.startswith("modelgen ")]
+
+
+def is_slow(command: str) -> bool:
+    """Whether it compiles the core for WebAssembly."""
+    return "--to browser" in command
+
+
+def run_commands(lines: Iterable[str]) -> None:
+    for line in lines:
+        result = CliRunner().invoke(app, shlex.split(line, comments=True)[1:])
+        assert result.exit_code == 0, f"{line}\n{result.output}"
 
 
 @pytest.mark.skipif(CC is None, reason="no C compiler")

@@ -50,6 +50,7 @@ def test_lagranges_equations_roll_the_same_way(rolled: Rolled) -> None:
     assert np.abs(w - rolled.w[:5]).max() < 1e-9
 
 
+@pytest.mark.slow
 def test_the_reference_has_converged(rolled: Rolled) -> None:
     coarse = reference(TIMES[:5], tolerance=1e-14)
     assert np.abs(coarse.p - rolled.p[:5]).max() < 1e-13
