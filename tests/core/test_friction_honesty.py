@@ -130,6 +130,7 @@ def test_fewer_starts_find_less_and_are_no_less_honest(lcp: Any) -> None:
     assert max(natural_map(p, z) for p, z in solved[1]) <= 1e-9
 
 
+@pytest.mark.slow
 def test_the_relaxation_is_decided(lcp: Any) -> None:
     """Its program can be infeasible where Coulomb's law has a solution; then that is proved."""
     outcomes = [relaxation(feasible(seed), lcp).outcome for seed in range(150)]

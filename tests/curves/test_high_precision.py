@@ -85,6 +85,7 @@ def truth(o: str, f: str, seed: int) -> tuple[Pairs, Truth]:
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_the_configurations_are_a_dozen_with_straight_edges_and_all_gaps() -> None:
     assert len(PAIRS) == 12
     assert {int(np.sign(np.round(truth(*pair)[1].d[0], 12))) for pair in PAIRS} == {-1, 0, 1}

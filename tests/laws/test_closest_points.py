@@ -213,6 +213,7 @@ def test_what_has_no_answer_says_so() -> None:
         closest_points(library(CAVITY, EGG), 0, here, here, parameters=np.zeros(6))
 
 
+@pytest.mark.slow
 def test_the_nearest_of_several_minima_is_found_from_nothing() -> None:
     rng = np.random.default_rng(2)
     poses = np.array([random_pose("waist", rng) for _ in range(20)])

@@ -56,6 +56,7 @@ def _margins(o: str, f: str, at: Configurations) -> Array:
     return columns(place, at.pose_o, at.pose_f, at.alpha, parameters(o, f, at.alpha.shape[1]))[3][0]
 
 
+@pytest.mark.slow
 def test_the_configurations_span_rough_pairs_and_gaps() -> None:
     assert {name for o, f, _ in PAIRS for name in (o, f)} >= set(ROUGH)
     assert len(PAIRS) == 12

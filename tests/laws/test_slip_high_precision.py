@@ -127,6 +127,7 @@ def test_rows_are_those_of_solved_and_differenced_pairs(
     assert_same(((speed[:, 0], expected["rows"]), (gained[:, 0], expected["rows_dot"])))
 
 
+@pytest.mark.slow
 def test_there_are_gaps_and_overlaps_with_curves_and_centres() -> None:
     drawn = [truth(*case[:4])[1]["d"][0] for case in FAMILY[::5]]
     assert {int(np.sign(np.round(d, 12))) for d in drawn} == {-1, 0, 1}

@@ -76,7 +76,7 @@ def excess(path: Trajectory, seed: int) -> float:
     return float((balance - np.minimum.accumulate(balance)).max()) / WORK
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
 def test_located_events_cost_no_more_than_several_times_what_steps_do(seed: int) -> None:
     assert excess(run(seed), seed) <= 1

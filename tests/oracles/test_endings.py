@@ -48,6 +48,7 @@ def test_a_ball_squeezed_between_rigid_walls_ends_the_run_at_that_moment() -> No
     assert np.abs(path.p[:, 2] - [0, 0, 0.1]).max() < 1e-12
 
 
+@pytest.mark.slow
 def test_an_almost_conforming_pair_is_refused_by_the_name_of_its_contact() -> None:
     bed = make.fixed("bed", make.ellipsoid(0.1200001, 0.0900001, 0.0700001, cavity=True))
     egg = solid("egg", (0.12, 0.09, 0.07), position=[0, 0, -1e-7], velocity=[0.01, 0, 0])

@@ -170,7 +170,7 @@ def test_any_smooth_base_rolls_as_the_reference_does(base: str, rim: str) -> Non
 BASE_GLASSES = {name: base.glass() for name, base in BASES.items()}
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("tolerance", [1e-7, 1e-9, 1e-11])
 def test_the_error_of_the_whole_start_follows_the_tolerance(tolerance: float) -> None:
     glass, of = BASE_GLASSES["ellipse"], BASES["ellipse"]

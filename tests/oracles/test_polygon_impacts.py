@@ -38,7 +38,7 @@ def test_teeth_that_strike_with_two_corners_always_have_impulses(
     assert path.energy_drift < 1e-6
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_an_escapement_runs_as_its_estimate_says(case: tuple[float, float, float]) -> None:
     """Two accuracies agree to what both state."""
@@ -87,7 +87,7 @@ def test_a_pallet_that_slides_into_the_root_of_a_tooth_strikes_its_other_side(
             assert depth_of_points(wheel, pallet) < 1e-7
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "friction", "seed"), list(product(SHAPES, (0.0, 0.3), range(3))), ids=lambda value: str(value)
 )

@@ -49,6 +49,7 @@ def walks(path: Trajectory) -> int:
     return sum(event.kind == "feature-change" for event in path.events)
 
 
+@pytest.mark.slow
 def test_a_pebble_that_passes_its_poles_follows_a_second_route() -> None:
     _, pebble = shapes_of("bean_with_poles")
     centre = np.array(body_of("bean_with_poles")["centre_of_mass"])

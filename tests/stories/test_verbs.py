@@ -103,6 +103,7 @@ def test_simulate_answers_to_its_schema_and_writes_its_files(modelgen: Modelgen,
     assert picture.read_text().lstrip().startswith("<?xml")
 
 
+@pytest.mark.slow
 def test_simulate_says_what_it_wrote(modelgen: Modelgen, tmp_path: Path) -> None:
     npz, picture = tmp_path / "run.npz", tmp_path / "run.png"
     text = modelgen("simulate", BALL, "--until", 0.1, "--out", npz, "--plot", picture).out

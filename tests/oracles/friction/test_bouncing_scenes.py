@@ -32,7 +32,7 @@ def swung() -> tuple[Array, list[tuple[float, int]]]:
     return ROW.run(np.array([-0.7, 0, 0, 0, 0]), np.linspace(0, 2, 5))
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @BOTH
 def test_a_bouncing_ellipsoid_follows_its_reference(accuracy: str, off: float) -> None:
     path = run("bouncing_ellipsoid", Accuracy.named(accuracy), samples=3)

@@ -24,7 +24,7 @@ def settled() -> Array:
     return DISC.run(first, [0, 1.75, 3.5], 1e-13)
 
 
-@pytest.mark.cases(1)
+@pytest.mark.slow
 @pytest.mark.parametrize(("accuracy", "off"), [("balanced", 1e-8), ("tight", 1e-10)])
 def test_a_coin_settles_as_its_reference(accuracy: str, off: float) -> None:
     path = run("coin", Accuracy.named(accuracy), samples=2)
