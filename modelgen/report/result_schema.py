@@ -105,6 +105,14 @@ _HELD = {
         "minimum norm, or others where friction holds no such",
     ),
 }
+
+
+def _bodies(when: str, *keys: str) -> dict[str, Any]:
+    """Of each dynamic body, parts of its state."""
+    states = record(when, {key: _STATE["properties"][key] for key in keys})
+    return entry("object", f"each dynamic body {when}", additionalProperties=states)
+
+
 _RATES = {
     "kind": entry("string", "oscillation, growth, decay, or neutral (it may be moved along)"),
     "frequency": entry(NUMBER, "rad/s"),
@@ -113,13 +121,7 @@ _RATES = {
 }
 _LINEARISED = {
     "scene": entry("string", "name of the scene"),
-    "bodies": entry(
-        "object",
-        "each dynamic body at rest",
-        additionalProperties=record(
-            "at rest", {key: _STATE["properties"][key] for key in ("p", "quaternion")}
-        ),
-    ),
+    "bodies": _bodies("at rest", "p", "quaternion"),
     **_HELD,
     "modes": entry(
         "array",
@@ -137,13 +139,7 @@ _LINEARISED = {
 }
 _STEADY = {
     "scene": entry("string", "name of the scene"),
-    "bodies": entry(
-        "object",
-        "each dynamic body in the steady motion",
-        additionalProperties=record(
-            "in motion", {key: _STATE["properties"][key] for key in ("p", "quaternion", "v", "w")}
-        ),
-    ),
+    "bodies": _bodies("in the steady motion", "p", "quaternion", "v", "w"),
     **_HELD,
     "symmetries": entry("integer", "independent directions along which the scene does not change"),
     "modes": entry(

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import ctypes
-import subprocess
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.core.compiling import CORE, compiler, includes
+from tests.core.compiling import compile_text, compiler, includes
 
 EXPORT = """
 MG_API void rotate(mg_real *e, const mg_real *angle) { mg_rotate_quaternion(e, angle); }
@@ -19,15 +17,11 @@ MG_API void rotate(mg_real *e, const mg_real *angle) { mg_rotate_quaternion(e, a
 
 
 @pytest.fixture(scope="module")
-def rotate(tmp_path_factory: pytest.TempPathFactory) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
+def rotate() -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
     """The core's first-order rotation of a quaternion (w, x, y, z) by a vector in body axes, rad."""
     if compiler() is None:
         pytest.skip("no C compiler on the path")
-    folder: Path = tmp_path_factory.mktemp("rotate")
-    (folder / "unit.c").write_text(includes() + EXPORT)
-    command = [str(compiler()), "-std=c99", "-O0", "-w", "-shared", "-fPIC", f"-I{CORE}", "unit.c", "-lm"]
-    subprocess.run([*command, "-o", "unit.so"], cwd=folder, check=True)
-    function = ctypes.CDLL(str(folder / "unit.so")).rotate
+    function = ctypes.CDLL(str(compile_text(includes() + EXPORT, "-O0", "-w", "-shared", "-fPIC"))).rotate
 
     def call(quaternion: np.ndarray, angle: np.ndarray) -> np.ndarray:
         turned = np.array(quaternion, dtype=float)
