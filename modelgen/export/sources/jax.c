@@ -125,9 +125,17 @@ static int open_tape(taped_run *run, long n) {
   return grow(&run->tape);
 }
 
-static void close_tape(taped_run *run) {
+static void close_run(taped_run *run) {
   for (int i = 0; i < run->n_memory; i++) free(run->memory[i]);
-  free(run->tape.bytes), free(run->tape.slopes), free(run->tape.crossing);
+  free(run->tape.bytes), free(run->tape.slopes), free(run->tape.crossing), free(run);
+}
+
+/* A run of n intervals; 0 where there is no memory. */
+static taped_run *open_run(long n) {
+  taped_run *run = calloc(1, sizeof *run);
+  if (!run || open_tape(run, n)) return run;
+  close_run(run);
+  return 0;
 }
 
 /* Runs and keeps what is needed to go back. Returns its outcome, or OUT_OF_MEMORY. */
@@ -173,7 +181,8 @@ static void take_inputs(taped_run *run, const given_run *given, long k, mg_real 
   const double span = given->t[k] - (k ? given->t[k - 1] : 0.0);
   for (int i = 0; i < SCENE_N_INPUT; i++) {
     mg_real *setting = run->adjoint.input + 3 * i;
-    if (scene_input_is_linear[i]) inputs_bar[k * SCENE_N_INPUT + i] = setting[1] + span * later[i], later[i] += setting[0];
+    if (scene_input_is_linear[i])
+      inputs_bar[k * SCENE_N_INPUT + i] = setting[1] + span * later[i], later[i] += setting[0];
     else inputs_bar[k * SCENE_N_INPUT + i] = setting[0];
     setting[0] = setting[1] = setting[2] = 0;
   }
@@ -199,8 +208,7 @@ static int gradient_lane(taped_run *run, const given_run *given, const double *s
     add_shown(run, k, sensors_bar, states_bar);
     mg_go_back(scene->system, &scene_settings, &scene->run, &run->tape, end, before, &run->adjoint, scene->work,
                scene->iwork);
-    if (!k)
-      mg_go_back_to_start(scene->system, &scene_settings, &scene->run, &run->adjoint, scene->work, scene->iwork);
+    if (!k) mg_go_back_to_start(scene->system, &scene_settings, &scene->run, &run->adjoint, scene->work, scene->iwork);
     take_inputs(run, given, k, later, inputs_bar);
     end = before;
   }
@@ -288,15 +296,13 @@ MG_API XLA_FFI_Error *scene_jax_gradient(XLA_FFI_CallFrame *frame) {
   if (!lanes) return ILL_FORMED;
   for (long lane = 0; lane < lanes; lane++) {
     const given_run given = given_of(frame, lane, n);
-    taped_run *run = calloc(1, sizeof *run);
-    int code = OUT_OF_MEMORY;
-    if (run && open_tape(run, n))
-      code = gradient_lane(run, &given, argument(frame, 4) + lane * n * SCENE_N_SENSOR,
-                           argument(frame, 5) + lane * n * (n_q() + n_u()), (double *)result(frame, 0) + lane * n_q(),
-                           (double *)result(frame, 1) + lane * n_u(),
-                           (double *)result(frame, 2) + lane * n * SCENE_N_INPUT);
-    if (run) close_tape(run);
-    free(run);
+    taped_run *run = open_run(n);
+    if (!run) return NO_MEMORY;
+    const int code =
+        gradient_lane(run, &given, argument(frame, 4) + lane * n * SCENE_N_SENSOR,
+                      argument(frame, 5) + lane * n * (n_q() + n_u()), (double *)result(frame, 0) + lane * n_q(),
+                      (double *)result(frame, 1) + lane * n_u(), (double *)result(frame, 2) + lane * n * SCENE_N_INPUT);
+    close_run(run);
     if (code == OUT_OF_MEMORY) return NO_MEMORY;
   }
   return 0;
@@ -311,14 +317,12 @@ MG_API XLA_FFI_Error *scene_jax_verdict(XLA_FFI_CallFrame *frame) {
   for (long lane = 0; lane < lanes; lane++) {
     const given_run given = given_of(frame, lane, n);
     int32_t *told = (int32_t *)result(frame, 0) + 3 * lane;
-    taped_run *run = calloc(1, sizeof *run);
-    const int code = run && open_tape(run, n) ? run_with_tape(run, &given) : OUT_OF_MEMORY;
-    if (code != OUT_OF_MEMORY) {
-      told[0] = code, told[1] = run->tangent.verdict, told[2] = run->tangent.reason;
-      ((double *)result(frame, 1))[lane] = run->tangent.reason_t;
-    }
-    if (run) close_tape(run);
-    free(run);
+    taped_run *run = open_run(n);
+    if (!run) return NO_MEMORY;
+    const int code = run_with_tape(run, &given);
+    told[0] = code, told[1] = run->tangent.verdict, told[2] = run->tangent.reason;
+    ((double *)result(frame, 1))[lane] = run->tangent.reason_t;
+    close_run(run);
     if (code == OUT_OF_MEMORY) return NO_MEMORY;
   }
   return 0;
