@@ -7,7 +7,7 @@ from typing import Any
 
 import casadi as ca
 
-from modelgen.codegen.null_tests import without_null_tests
+from modelgen.codegen.external_entries import internal_functions
 from modelgen.differentiation import TASKS, PackedFormula
 
 PREFIX = "mg_derivatives"
@@ -25,10 +25,9 @@ def derivatives_text(formulas: tuple[PackedFormula, ...]) -> str:
     generator = ca.CodeGenerator("derivatives.c", options)
     for function in functions:
         generator.add(function)
-    counts = {function.name(): (function.n_in(), function.n_out()) for function in functions}
     internal = {function.name(): f"{PREFIX}_f{index}" for index, function in enumerate(functions)}
     parts = [
-        without_null_tests(str(generator.dump()), counts),
+        internal_functions(str(generator.dump()), functions),
         _dispatcher(
             "mg_formula_tangent", "x_dot", "y_dot", [(f, internal[f.tangent.name()]) for f in formulas]
         ),

@@ -10,14 +10,14 @@ import casadi as ca
 
 from modelgen.codegen.amalgamation import HEADER, abi, header_text
 from modelgen.codegen.derivative_table import NO_DERIVATIVES, derivatives_text
+from modelgen.codegen.external_entries import entries_text, internal_functions
 from modelgen.codegen.kernel_table import table_text
 from modelgen.codegen.manifest import Json, Manifest
 from modelgen.codegen.manifest_instance import instance_of, kinds_of, parameters_of
-from modelgen.codegen.null_tests import without_null_tests
 from modelgen.codegen.scene_step import MOST_INLINED, inlined
 from modelgen.codegen.unused_inputs import unused_inputs
 from modelgen.derivation import Derivation, Formula
-from modelgen.differentiation import PackedFormula, packed_formulas
+from modelgen.differentiation import packed_formulas
 from modelgen.errors import expect
 from modelgen.model import Model
 from modelgen.notation import unit_of
@@ -46,18 +46,6 @@ MODEL_HEAD = """/* The kernels of one scene's kinds, and the table through which
 #define casadi_int long long
 #define casadi_real mg_real
 #define CASADI_SYMBOL_EXPORT MG_API
-
-/* Calls a kernel for a caller that may pass null pointers: such inputs are zero, such outputs are dropped. */
-static int mg_call(int (*kernel)(const mg_real **, mg_real **, casadi_int *, mg_real *, int), int n_in,
-                   int n_out, const mg_real **arg, mg_real **res) {{
-  static const mg_real zeros[{longest_in}] = {{0}};
-  mg_real dropped[{longest_out}];
-  const mg_real *given[{most_in}];
-  mg_real *wanted[{most_out}];
-  for (int i = 0; i < n_in; i++) given[i] = arg[i] ? arg[i] : zeros;
-  for (int i = 0; i < n_out; i++) wanted[i] = res[i] ? res[i] : dropped;
-  return kernel(given, wanted, 0, 0, 0);
-}}
 
 #if !defined(MG_REAL_FLOAT) && !defined(MG_REAL_LONG)
 {elementary}
@@ -99,7 +87,7 @@ def emit(derivation: Derivation, derivatives: bool = False) -> Package:
     packed = packed_formulas(derivation) if derivatives else ()
     files = {
         "kernels.c": _kernels(compiled),
-        "model.c": _head(compiled, packed) + table_text(derivation, internal),
+        "model.c": _head(bool(packed)) + table_text(derivation, internal),
         HEADER: header_text(),
     }
     if derivatives:
@@ -122,27 +110,20 @@ def runs_in_steps(model: Model, composed: Formula) -> bool:
     return plain and composed.instructions <= MOST_COMPOSED
 
 
-def _head(formulas: list[Formula], packed: tuple[PackedFormula, ...]) -> str:
-    functions = [formula.function for formula in formulas] + [
-        function for each in packed for function in (each.tangent, each.adjoint)
-    ]
+def _head(has_derivatives: bool) -> str:
     return MODEL_HEAD.format(
-        longest_in=max((f.numel_in(i) for f in functions for i in range(f.n_in())), default=1),
-        longest_out=max((f.numel_out(i) for f in functions for i in range(f.n_out())), default=1),
-        most_in=max((f.n_in() for f in functions), default=1),
-        most_out=max((f.n_out() for f in functions), default=1),
         elementary="\n".join(f"#define {name} mg_{name.removeprefix('f')}" for name in ELEMENTARY),
-        derivatives='#include "derivatives.c"' if packed else NO_DERIVATIVES,
+        derivatives='#include "derivatives.c"' if has_derivatives else NO_DERIVATIVES,
     )
 
 
 def _kernels(formulas: list[Formula]) -> str:
     options: dict[str, Any] = {"static_aux": True, "verbose": False, "with_header": False, "prefix": PREFIX}
     generator = ca.CodeGenerator("kernels.c", options)
-    for formula in formulas:
-        generator.add(formula.function)
-    counts = {f.name: (f.function.n_in(), f.function.n_out()) for f in formulas}
-    text = without_null_tests(str(generator.dump()), counts)
+    functions = [formula.function for formula in formulas]
+    for function in functions:
+        generator.add(function)
+    text = internal_functions(str(generator.dump()), functions) + entries_text(functions, "casadi")
     small = [k for k, each in enumerate(formulas) if each.role == "rhs" and each.instructions <= MOST_INLINED]
     return inlined(text, [f"casadi_f{k}" for k in small])  # which stands for PREFIX_f{k}
 

@@ -84,9 +84,9 @@ def test_manifests_are_short_enough_to_review() -> None:
 def kernel_text(kind: str) -> str:
     """CasADi's C of the kernels of one contact kind, with the version that wrote it."""
     whole = package(REVIEWED_C[kind]).files["kernels.c"]
-    entry = rf"int (mg_{kind}_\w+)\(const casadi_real[^{{]*\{{\n[^\n]*\n  return mg_call\((\w+),"
+    entry = rf"^MG_ENTRY\((mg_{kind}_\w+), (\w+),"
     parts = [f"/* CasADi {ca.CasadiMeta.version()} */\n"]
-    for name, internal in re.findall(entry, whole):
+    for name, internal in re.findall(entry, whole, re.MULTILINE):
         body = re.search(rf"^static int {internal}\(.*?^}}$", whole, re.MULTILINE | re.DOTALL)
         assert body is not None
         parts.append(f"/* {name} */\n{body.group(0)}\n")
