@@ -14,6 +14,7 @@ from importlib import resources
 from importlib.resources.abc import Traversable
 
 HEADER, SOURCE = "modelgen.h", "modelgen_runtime.c"
+ELEMENTARY, SENSITIVITY = "elementary/", "sensitivity/"  # folders of the core
 INCLUDE = re.compile(r'^#include "([^"]+)"[^\n]*\n', re.MULTILINE)
 
 
@@ -31,21 +32,26 @@ def header_text() -> str:
 
 
 @cache
-def runtime_text() -> str:
-    """All source files of the core, each header once."""
-    return _sources("", "The core of modelgen")
+def runtime_text(derivatives: bool = False) -> str:
+    """The source files of the core, each header once; `derivatives`: with those that differentiate runs."""
+    sources = [name for name in _sources() if derivatives or not name.startswith(SENSITIVITY)]
+    return _unit("The core of modelgen", sources)
 
 
 @cache
 def elementary_text() -> str:
     """The elementary functions alone, which kernels call: to be linked with kernels without the core."""
-    return _sources("elementary/", "The elementary functions of modelgen's core")
+    sources = [name for name in _sources() if name.startswith(ELEMENTARY)]
+    return _unit("The elementary functions of modelgen's core", sources)
 
 
-def _sources(room: str, what: str) -> str:
+def _sources() -> list[str]:
+    return [name for name in core_files() if name.endswith(".c")]
+
+
+def _unit(what: str, sources: list[str]) -> str:
     known = {HEADER}
     _merged([HEADER], known)
-    sources = [name for name in core_files() if name.startswith(room) and name.endswith(".c")]
     return f'/* {what} in one file, made from its sources. */\n#include "{HEADER}"\n\n' + _merged(
         sources, known
     )

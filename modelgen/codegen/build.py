@@ -73,7 +73,7 @@ def build(
     path = folder / f"lib{package.name}-{key[:16]}.so"
     folder.mkdir(parents=True, exist_ok=True)
     if not path.exists():
-        runtime = runtime_object(compiler, flags, tell)
+        runtime = runtime_object(compiler, flags, tell, package.derivatives)
         _compile(package.files, compiler, (*flags, f'-DMG_HASH="{key}"'), runtime, path)
     record = BuildRecord(
         key, source, cpu_target(), real, path.name, package.manifest.kinds_hash, _versions(compiler)
@@ -91,7 +91,8 @@ def build(
 def source_hash(package: Package, real: str, level: str) -> str:
     """SHA-256 (hex) of the text of a scene and of the core, with the real type and the level."""
     digest = hashlib.sha256()
-    for part in (real, level, runtime_text(), *(text for _, text in sorted(package.files.items()))):
+    core = runtime_text(package.derivatives)
+    for part in (real, level, core, *(text for _, text in sorted(package.files.items()))):
         digest.update(f"{len(part)}:{part}".encode())
     return digest.hexdigest()
 
@@ -109,7 +110,7 @@ def _built_before(folder: Path, package: Package, real: str, source: str) -> Lib
 def content_hash(package: Package, flags: tuple[str, ...], compiler: Compiler) -> str:
     """SHA-256 (hex) of all that decides what the library does: the scene's text, and the core with its
     flags, compiler and processor."""
-    digest = hashlib.sha256(runtime_hash(compiler, flags).encode())
+    digest = hashlib.sha256(runtime_hash(compiler, flags, package.derivatives).encode())
     for name in sorted(package.files):
         for part in (name, package.files[name]):
             digest.update(f"{len(part)}:{part}".encode())

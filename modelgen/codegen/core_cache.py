@@ -21,7 +21,10 @@ CACHE = "MODELGEN_CACHE"  # environment variable that names another folder
 
 
 def runtime_object(
-    compiler: Compiler, flags: tuple[str, ...], tell: Callable[[str], None] | None = None
+    compiler: Compiler,
+    flags: tuple[str, ...],
+    tell: Callable[[str], None] | None = None,
+    derivatives: bool = False,
 ) -> Path:
     """The core as an object file, compiled if the cache has none of the same content.
 
@@ -32,12 +35,13 @@ def runtime_object(
         compiler: what compiles it.
         flags: for an object (`Compiler.flags`).
         tell: receives one line before the core is compiled; None: the line goes to the standard error.
+        derivatives: with what differentiates runs.
 
     Raises:
         LibraryError: the cache cannot be written, or the compiler fails; the message names the log.
     """
-    texts = {HEADER: header_text(), SOURCE: runtime_text()}
-    path = cache_folder() / f"runtime-{runtime_hash(compiler, flags)[:16]}.o"
+    texts = {HEADER: header_text(), SOURCE: runtime_text(derivatives)}
+    path = cache_folder() / f"runtime-{runtime_hash(compiler, flags, derivatives)[:16]}.o"
 
     def compile_core(scratch: Path) -> None:
         (tell or _print)(
@@ -88,9 +92,9 @@ def cache_folder() -> Path:
     return folder.absolute()
 
 
-def runtime_hash(compiler: Compiler, flags: tuple[str, ...]) -> str:
+def runtime_hash(compiler: Compiler, flags: tuple[str, ...], derivatives: bool = False) -> str:
     """SHA-256 (hex) of all that decides what the object of the core does."""
-    return content_hash((header_text(), runtime_text()), compiler, flags)
+    return content_hash((header_text(), runtime_text(derivatives)), compiler, flags)
 
 
 def content_hash(texts: Iterable[str], compiler: Compiler, flags: tuple[str, ...]) -> str:

@@ -23,6 +23,7 @@ from modelgen.model import Model
 from modelgen.notation import unit_of
 
 PREFIX = "mg_kernels"
+DERIVATIVES = "derivatives.c"
 MOST_COMPOSED = 600  # instructions of a composed right-hand side that is compiled
 ELEMENTARY = (  # functions of math.h that the core has its own of, equal to the last bit on every machine
     *("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "pow"),
@@ -68,6 +69,11 @@ class Package:
     files: Mapping[str, str]
     manifest: Manifest
 
+    @property
+    def derivatives(self) -> bool:
+        """Whether runs can be differentiated."""
+        return DERIVATIVES in self.files
+
 
 def emit(derivation: Derivation, derivatives: bool = False) -> Package:
     """The C text and the manifest of a derivation; equal derivations give equal text.
@@ -91,7 +97,7 @@ def emit(derivation: Derivation, derivatives: bool = False) -> Package:
         HEADER: header_text(),
     }
     if derivatives:
-        files["derivatives.c"] = derivatives_text(packed)
+        files[DERIVATIVES] = derivatives_text(packed)
     manifest = Manifest(
         abi=abi(),
         functions={formula.name: _entry(formula) for formula in compiled},
@@ -113,7 +119,7 @@ def runs_in_steps(model: Model, composed: Formula) -> bool:
 def _head(has_derivatives: bool) -> str:
     return MODEL_HEAD.format(
         elementary="\n".join(f"#define {name} mg_{name.removeprefix('f')}" for name in ELEMENTARY),
-        derivatives='#include "derivatives.c"' if has_derivatives else NO_DERIVATIVES,
+        derivatives=f'#include "{DERIVATIVES}"' if has_derivatives else NO_DERIVATIVES,
     )
 
 

@@ -686,6 +686,8 @@ typedef struct {
   mg_tape *tape;        /* receives the steps, or null */
 } mg_tangent;
 
+/* Derivatives of runs, from here to mg_go_back_to_start: in libraries that are generated with derivatives alone. */
+
 /* Lengths of the scratch memory of derivatives along n directions. */
 MG_API long mg_sensitivity_size(const mg_system *system, int n);
 MG_API long mg_sensitivity_int_size(const mg_system *system);

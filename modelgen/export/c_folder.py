@@ -34,7 +34,7 @@ def c_files(library: Library, package: Package, measured: bool = True) -> dict[s
 def program_files(session: Session, package: Package) -> dict[str, str]:
     """What a program of a scene is compiled of: core, kernels and tables."""
     texts = {name: text for name, text in package.files.items() if name.endswith(".c")}
-    return {**texts, HEADER: header_text(), SOURCE: runtime_text(), **scene_files(session)}
+    return {**texts, HEADER: header_text(), SOURCE: runtime_text(package.derivatives), **scene_files(session)}
 
 
 def _readme(session: Session, vectors: Vectors, figures: Figures | None, defines: tuple[str, ...]) -> str:

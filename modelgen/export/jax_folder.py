@@ -44,7 +44,7 @@ def jax_files(library: Library, package: Package) -> dict[str, str | bytes]:
     texts = program_files(session, package) | {"jax.c": source("jax.c"), DIRECTIONS: _directions(library)}
     compiler = find_compiler()
     flags = (*portable_flags(compiler, "double"), f"-I{include}")
-    core = runtime_object(compiler, portable_flags(compiler, "double"))
+    core = runtime_object(compiler, portable_flags(compiler, "double"), derivatives=True)
     compiled = shared_library(compiler, flags, texts, ("scene.c", "jax.c", str(core)))
     command = ["cc", *portable_flags(compiler, "double"), *SHARED, "-o", LIBRARY]
     command += ["scene.c", "jax.c", SOURCE, *LIBRARIES]

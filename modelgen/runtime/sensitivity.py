@@ -244,6 +244,13 @@ class TangentRun:
         self.session, self._n, self._arrays = session, n, arrays
         tables, dtype = session.tables, session.tables.dtype
         self._cdll = cdll = session.library.cdll
+        if not hasattr(cdll, "mg_begin_tangent"):
+            raise SimulationError(
+                "sensitivity",
+                "the library was generated without derivatives",
+                "",
+                "write emit(derivation, derivatives=True), or `modelgen build --derivatives`",
+            )
         self._given_state = session.x.copy()
         self._directions = tables.Directions(
             self._n, *(address(self._arrays[name]) for name in DIRECTION_ARRAYS), address(self._given_state)
@@ -276,13 +283,7 @@ class TangentRun:
         head, tail = session.advance_arguments(STEPS, self._record)
         self._given = ctypes.byref(self._directions), ctypes.byref(self._tangent)
         self._head, self._tail, self._scratch = head, tail, tail[-2:]
-        if cdll.mg_begin_tangent(*head, *self._given, *self._scratch):
-            raise SimulationError(
-                "sensitivity",
-                "the library was generated without derivatives",
-                "",
-                "write emit(derivation, derivatives=True), or `modelgen build --derivatives`",
-            )
+        cdll.mg_begin_tangent(*head, *self._given, *self._scratch)
 
     @property
     def outcome(self) -> Outcome | None:

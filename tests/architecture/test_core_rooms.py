@@ -15,7 +15,7 @@ from tests.architecture.sources import PACKAGE
 CORE = PACKAGE / "core"
 ROOMS = (  # each may use those before it
     *("elementary", "base", "solve/lcp", "solve/friction", "region", "model", "closest", "forces"),
-    *("integrate", "features", "patch", "impact", "events", "timestep", "sensitivity", "run"),
+    *("integrate", "features", "patch", "impact", "events", "timestep", "run", "sensitivity"),
 )
 BODILESS = ("elementary", "base", "solve/lcp", "solve/friction", "region")  # they know no body and no scene
 CC = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")

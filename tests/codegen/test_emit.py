@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import shutil
 import subprocess
 import sys
@@ -17,7 +16,6 @@ from modelgen.codegen.emit import Package
 from modelgen.codegen.library import REAL_FLAGS
 from modelgen.scene.scene_types import Scene
 from tests.model.scenes import TABLE, WIDE, ball_on_table, contact, egg, scene
-from tests.running import library_of
 
 CC = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
 PRINT_HASH = """
@@ -63,20 +61,6 @@ def test_text_compiles_without_a_warning(made: Scene, real: str, tmp_path: Path)
         [str(CC), *strict, "-c", source.name, "-o", "model.o"], cwd=tmp_path, capture_output=True, text=True
     )
     assert answer.returncode == 0, answer.stderr[:2000]
-
-
-@pytest.mark.skipif(shutil.which("nm") is None, reason="needs nm")
-def test_the_library_exports_kernels_and_the_public_header_alone() -> None:
-    package = emit(derive(require(WIDE)))
-    path = library_of(WIDE).path
-    lines = subprocess.run(
-        ["nm", "-D", "--defined-only", path], capture_output=True, text=True, check=True
-    ).stdout
-    symbols = {line.split()[-1] for line in lines.splitlines()}
-    public = set(re.findall(r"^MG_API [^;(]*?(\w+)\(", package.files["modelgen.h"], re.MULTILINE))
-    own = re.compile("|".join(package.manifest.functions) + r"|mg_kernels_casadi")
-    assert public | set(package.manifest.functions) <= symbols
-    assert {name for name in symbols - public if not own.match(name)} == set()
 
 
 def test_the_text_knows_the_vocabulary_and_not_the_scene() -> None:

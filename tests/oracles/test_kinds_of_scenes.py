@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from modelgen import derive, emit, read, require
-from modelgen.codegen.amalgamation import header_text
+from modelgen.codegen.amalgamation import header_text, runtime_text
 from modelgen.codegen.library import Library
 from modelgen.codegen.manifest import Manifest
 from modelgen.derivation import Derivation
@@ -44,9 +44,13 @@ def manifest_of(name: str) -> Manifest:
     return emit(derived(name)).manifest
 
 
+def functions_in(text: str) -> set[str]:
+    return set(re.findall(r"^MG_API .*?(mg_\w+)\(", text, re.MULTILINE))
+
+
 def api() -> set[str]:
-    """The functions that the public header declares."""
-    return set(re.findall(r"^MG_API .*?(mg_\w+)\(", header_text(), re.MULTILINE))
+    """The functions that the public header declares, but for those that differentiate runs."""
+    return functions_in(header_text()) - (functions_in(runtime_text(True)) - functions_in(runtime_text()))
 
 
 def exported(library: Library) -> set[str]:

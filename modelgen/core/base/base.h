@@ -188,9 +188,6 @@ MG_INTERNAL mg_real mg_lu(int k, mg_real *U, int *swap);
 /* Replaces x by the solution of U z = x for factors of mg_lu. */
 MG_INTERNAL void mg_lu_solve(int k, const mg_real *U, const int *swap, mg_real *x);
 
-/* The same with the transposed matrix. */
-MG_INTERNAL void mg_lu_solve_transposed(int k, const mg_real *U, const int *swap, mg_real *x);
-
 /* Solves A_BB z_B = -b_B, refined once, with z = 0 outside B; active[i] != 0 marks B. Returns the smallest pivot
    (A has entries up to 1), or 0 if A_BB is singular, with z = 0. work: n^2 + n; iwork: 2 n. */
 MG_INTERNAL mg_real mg_basis_solve(int n, const mg_real *A, const mg_real *b, const int *active, mg_real *z,

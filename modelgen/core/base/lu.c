@@ -67,20 +67,6 @@ MG_INTERNAL void mg_lu_solve(int k, const mg_real *U, const int *swap, mg_real *
   }
 }
 
-MG_INTERNAL void mg_lu_solve_transposed(int k, const mg_real *U, const int *swap, mg_real *x) {
-  for (int j = 0; j < k; ++j) {
-    for (int i = 0; i < j; ++i) x[j] -= U[i + j * k] * x[i];
-    x[j] /= U[j + j * k];
-  }
-  for (int j = k - 1; j >= 0; --j)
-    for (int i = j + 1; i < k; ++i) x[j] -= U[i + j * k] * x[i];
-  for (int j = k - 1; j >= 0; --j) {
-    mg_real value = x[swap[j]];
-    x[swap[j]] = x[j];
-    x[j] = value;
-  }
-}
-
 MG_INTERNAL mg_real mg_basis_solve(int n, const mg_real *A, const mg_real *b, const int *active, mg_real *z,
                                    mg_real *work, int *iwork) {
   int *index = iwork, *swap = iwork + n, k = 0;

@@ -163,7 +163,7 @@ static void mg_set_passage_velocities(mg_context *c, mg_real tau, mg_real *x, mg
 static void mg_update_passage_impulses(mg_context *c) {
   const int shared = c->run->forces_redundant;
   c->friction.couples_normal = c->system->n_friction > 0, c->run->forces_redundant = 0;
-  const int n = mg_hold_rows(c, c->run->active, c->rows.d_dot, c->solution.impulse);
+  const int n = mg_hold_rows(c, c->run->active, 1, c->rows.d_dot, c->solution.impulse);
   for (int r = 0; r < n; r++) c->events.passage.impulse[c->lcp.rows[r]] += c->solution.impulse[c->lcp.rows[r]];
   c->friction.couples_normal = 0, c->run->forces_redundant = shared;
 }

@@ -22,7 +22,7 @@ static void mg_clear_body_corrections(mg_context *c) {
 }
 
 /* Corrections of all bodies by the impulses of the n rows of c->lcp.rows. */
-static int mg_set_body_corrections(mg_context *c, int n) {
+MG_INTERNAL int mg_set_body_corrections(mg_context *c, int n) {
   mg_clear_body_corrections(c);
   for (int r = 0; r < n; r++)
     mg_add_row_response(c, c->lcp.rows[r], c->solution.impulse[c->lcp.rows[r]], c->bodies.wrench);
@@ -30,11 +30,7 @@ static int mg_set_body_corrections(mg_context *c, int n) {
 }
 
 MG_INTERNAL int mg_solve_row_correction(mg_context *c, const int *marked, const mg_real *value) {
-  return mg_set_body_corrections(c, mg_hold_rows(c, marked, value, c->solution.impulse));
-}
-
-MG_INTERNAL int mg_solve_gap_correction(mg_context *c, const int *marked, const mg_real *value) {
-  return mg_set_body_corrections(c, mg_hold_gaps(c, marked, value, c->solution.impulse));
+  return mg_set_body_corrections(c, mg_hold_rows(c, marked, 1, value, c->solution.impulse));
 }
 
 MG_INTERNAL void mg_rotate_quaternion(mg_real *e, const mg_real *angle) {

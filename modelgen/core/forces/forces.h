@@ -89,12 +89,9 @@ MG_INTERNAL mg_real mg_row_acceleration(const mg_context *c, int contact);
 /* Lists the rows that hold in c->lcp.rows: active contacts, joints, sticking friction. Returns their number. */
 MG_INTERNAL int mg_list_held_rows(mg_context *c);
 
-/* Over the marked contacts and all joints A amount = -rate, of minimum norm where they are redundant; 0 elsewhere.
-   Leaves the rows in c->lcp.rows and returns their number. */
-MG_INTERNAL int mg_hold_rows(mg_context *c, const int *marked, const mg_real *rate, mg_real *amount);
-
-/* The same without friction that sticks, which holds no place. */
-MG_INTERNAL int mg_hold_gaps(mg_context *c, const int *marked, const mg_real *rate, mg_real *amount);
+/* Over the marked contacts, all joints and, if `sticks`, friction that sticks, A amount = -rate, of minimum norm where
+   they are redundant; 0 elsewhere. Leaves the rows in c->lcp.rows and returns their number. */
+MG_INTERNAL int mg_hold_rows(mg_context *c, const int *marked, int sticks, const mg_real *rate, mg_real *amount);
 
 /* Evaluate the right-hand side and the gap velocities at the state of the run; writes the slope to the first row
    of the stage slopes, and the contact forces of the run. */
@@ -409,8 +406,8 @@ MG_INTERNAL mg_real mg_largest_held_violation(const mg_context *c, const mg_real
    Returns the number of those rows, which it lists; their z are left as impulses. */
 MG_INTERNAL int mg_solve_row_correction(mg_context *c, const int *marked, const mg_real *value);
 
-/* The same without friction that sticks. */
-MG_INTERNAL int mg_solve_gap_correction(mg_context *c, const int *marked, const mg_real *value);
+/* The same by the impulses of the n listed rows (mg_hold_rows). Returns n. */
+MG_INTERNAL int mg_set_body_corrections(mg_context *c, int n);
 
 /* Rotate a quaternion by a small rotation vector in body axes, to first order. */
 MG_INTERNAL void mg_rotate_quaternion(mg_real *e, const mg_real *angle);

@@ -239,10 +239,8 @@ MG_API long mg_save_size(const mg_system *system) {
 MG_API void mg_save(const mg_system *system, const mg_settings *settings, const mg_run *run, unsigned char *bytes) {
   const long start = (long)sizeof(mg_checkpoint_header);
   mg_checkpoint_header header = mg_header_of(system, settings);
-  mg_stream written = {start, bytes, 0};
-  mg_run state = *run;
-  mg_move_run(&written, system, &state);
-  header.content = mg_digest_bytes(MG_DIGEST_START, bytes + start, written.length - start);
+  mg_store_run(system, run, bytes + start);
+  header.content = mg_digest_bytes(MG_DIGEST_START, bytes + start, mg_save_size(system) - start);
   memcpy(bytes, &header, sizeof header);
 }
 
@@ -257,7 +255,6 @@ MG_API int mg_load(const mg_system *system, const mg_settings *settings, mg_run 
   if (difference) return difference;
   if ((mg_digest)length != found.length) return MG_LOAD_DAMAGED;
   if (found.content != mg_digest_bytes(MG_DIGEST_START, bytes + start, length - start)) return MG_LOAD_DAMAGED;
-  mg_stream read = {start, 0, bytes};
-  mg_move_run(&read, system, run);
+  mg_restore_run(system, run, bytes + start);
   return MG_LOADED;
 }

@@ -1,9 +1,8 @@
-/* The public functions: memory, start, advance, batches, queries. May use: every room. */
+/* The public functions: memory, start, advance, batches, queries. May use: every room but sensitivity. */
 #ifndef MG_RUN_H
 #define MG_RUN_H
 
 #include "model/context.h"
-#include "sensitivity/sensitivity.h"
 
 #define MG_FRICTION_ROWS_MAX 5 /* most friction rows of a contact */
 
@@ -19,13 +18,6 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
 /* Copies the state of a run to at most mg_save_size bytes, and back. */
 MG_INTERNAL void mg_store_run(const mg_system *system, const mg_run *run, unsigned char *bytes);
 MG_INTERNAL void mg_restore_run(const mg_system *system, mg_run *run, const unsigned char *bytes);
-
-/* advance_tangent.c */
-
-#define MG_SLOPES_KEPT 12 /* slopes of a step on a tape: stages of DOP853 */
-
-/* Divides the memory of derivatives along n directions. */
-MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int n, mg_real *work, int *iwork);
 
 /* inputs.c */
 

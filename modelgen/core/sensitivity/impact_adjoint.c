@@ -4,6 +4,21 @@
 #include "model/model.h"
 #include "forces/forces.h"
 
+/* Replaces x by the solution of the transposed system of mg_lu_solve. */
+static void mg_lu_solve_transposed(int k, const mg_real *U, const int *swap, mg_real *x) {
+  for (int j = 0; j < k; ++j) {
+    for (int i = 0; i < j; ++i) x[j] -= U[i + j * k] * x[i];
+    x[j] /= U[j + j * k];
+  }
+  for (int j = k - 1; j >= 0; --j)
+    for (int i = j + 1; i < k; ++i) x[j] -= U[i + j * k] * x[i];
+  for (int j = k - 1; j >= 0; --j) {
+    mg_real value = x[swap[j]];
+    x[swap[j]] = x[j];
+    x[j] = value;
+  }
+}
+
 /* Cotangents of the rates of the rows of one contact or joint, with the twists of the context; of J^T L where
    `wrench_bar` is given. */
 static void mg_blow_rates_adjoint(mg_context *c, mg_sensitivity *s, const mg_real *bar, const mg_real *wrench_bar,

@@ -103,7 +103,7 @@ static void mg_forces_adjoint(mg_context *c, mg_sensitivity *s) {
     rate[row] = force_bar[row] + mg_response_times(c, row, s->at.acceleration);
   }
   if (slips) s->is_singular |= !mg_solve_transposed_rows(c, n, rate, c->solution.impulse);
-  else mg_hold_rows(c, c->run->active, rate, c->solution.impulse);
+  else mg_hold_rows(c, c->run->active, 1, rate, c->solution.impulse);
   c->run->forces_redundant = redundant;
   for (int r = 0; r < n; r++) {
     const int row = c->lcp.rows[r];

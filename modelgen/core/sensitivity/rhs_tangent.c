@@ -161,7 +161,7 @@ static void mg_forces_tangent(mg_context *c, mg_sensitivity *s) {
   for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
     s->at.residual[i] += mg_row_times(c, i, s->at.acceleration);
   c->run->forces_redundant = 0, c->friction.couples_normal = c->system->n_friction > 0;
-  const int n = mg_hold_rows(c, c->run->active, s->at.residual, s->at.force);
+  const int n = mg_hold_rows(c, c->run->active, 1, s->at.residual, s->at.force);
   for (int r = 0; r < n; r++) mg_add_row_response(c, c->lcp.rows[r], s->at.force[c->lcp.rows[r]], s->at.acceleration);
   c->run->forces_redundant = redundant, c->friction.couples_normal = 0;
   for (int i = mg_next_row(c, -1); c->friction.slips && i < c->layout.support_begin; i = mg_next_row(c, i))

@@ -1,5 +1,5 @@
 /* Derivatives of a run along directions: of the right-hand side, of one accepted step, of what happens at an event.
-   May use: timestep and the rooms below it.
+   May use: every room. Only a core for derivatives of runs is compiled with this one.
 
    A direction changes start state and numbers of the system (mg_directions). The derivative of the state along it is
    carried from step to step. Steps are those of the run; that they depend on the numbers as well changes the result
@@ -358,5 +358,12 @@ MG_INTERNAL mg_real mg_event_adjoint(mg_context *c, mg_sensitivity *s, const mg_
 
 /* Over a blow that mg_recover_impulses has found. */
 MG_INTERNAL void mg_blow_adjoint(mg_context *c, mg_sensitivity *s, mg_real *x_bar);
+
+/* advance_tangent.c */
+
+#define MG_SLOPES_KEPT 12 /* slopes of a step on a tape: stages of DOP853 */
+
+/* Divides the memory of derivatives along n directions. */
+MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int n, mg_real *work, int *iwork);
 
 #endif

@@ -27,7 +27,7 @@ static void mg_take_back_velocities(mg_context *c, const mg_real *given) {
 static void mg_let_joints_hold(mg_context *c, mg_sensitivity *s) {
   for (int i = 0; i < c->system->n_contact; i++) s->closed_before[i] = 0;
   if (!c->system->n_joint_row) return;
-  mg_solve_gap_correction(c, s->closed_before, c->rows.d_dot);
+  mg_set_body_corrections(c, mg_hold_rows(c, s->closed_before, 0, c->rows.d_dot, c->solution.impulse));
   mg_apply_velocity_correction(c);
   mg_evaluate_run_state(c);
 }
@@ -78,7 +78,7 @@ static void mg_project_gap_tangents(mg_context *c, mg_sensitivity *s, const int 
   for (int j = 0; j < s->directions->n; j++) {
     mg_real *dx = s->tangent->x + (long)j * c->layout.n_states;
     mg_rows_tangent(c, s, j, t, x, dx, s->stage);
-    mg_solve_gap_correction(c, marked, s->at.value);
+    mg_set_body_corrections(c, mg_hold_rows(c, marked, 0, s->at.value, c->solution.impulse));
     mg_add_correction(c, x, 0, dx);
   }
   mg_zero_reals(c->bodies.wrench, 6L * c->system->n_body);

@@ -55,7 +55,7 @@ static void mg_row_correction_adjoint(mg_context *c, mg_sensitivity *s, const in
   for (int r = 0; r < n; r++)
     mg_update_inverse_mass_row(c, c->lcp.rows[r]),
         rate[c->lcp.rows[r]] = mg_response_times(c, c->lcp.rows[r], s->at.acceleration);
-  n = sticks ? mg_hold_rows(c, marked, rate, c->solution.impulse) : mg_hold_gaps(c, marked, rate, c->solution.impulse);
+  n = mg_hold_rows(c, marked, sticks, rate, c->solution.impulse);
   for (int r = 0; r < n; r++) bar[c->lcp.rows[r]] = c->solution.impulse[c->lcp.rows[r]];
 }
 

@@ -32,7 +32,7 @@ static void mg_add_joint_accelerations(mg_context *c) {
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) c->run->active[i] = 0;
   for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
     c->rows.row_rate[i] = mg_row_acceleration(c, i);
-  const int n = mg_hold_rows(c, c->run->active, c->rows.row_rate, c->solution.impulse);
+  const int n = mg_hold_rows(c, c->run->active, 1, c->rows.row_rate, c->solution.impulse);
   for (int r = 0; r < n; r++)
     mg_add_row_response(c, c->lcp.rows[r], c->solution.impulse[c->lcp.rows[r]], c->bodies.acceleration);
 }

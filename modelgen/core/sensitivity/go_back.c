@@ -5,6 +5,7 @@
 #include "model/model.h"
 #include "forces/forces.h"
 #include "integrate/integrate.h"
+#include "sensitivity/sensitivity.h"
 
 static void mg_open_adjoint(const mg_context *c, mg_sensitivity *s, const mg_directions *none, mg_tangent *nothing,
                             mg_adjoint *adjoint) {
