@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Annotated
 
@@ -13,9 +14,10 @@ from modelgen.errors import ModelgenError, nearest
 
 FOLDER = Path(__file__).parent.parent / "manual"
 TOPICS = (
-    *("first_steps", "scenes", "keys", "shapes", "joints", "contact_and_friction", "impacts"),
+    *("first_steps", "gallery", "scenes", "keys", "shapes", "joints", "contact_and_friction", "impacts"),
     *("planar_contact", "accuracy", "time_stepping", "forms_and_formulas", "python_api", "driven_runs"),
     *("view", "sensitivities", "fit", "sweep", "casadi", "optimisation", "c", "export", "import"),
+    *("example_cam", "example_rattleback", "example_grip", "example_throw", "example_sliding_ball"),
     *("command_line", "limits", "troubleshooting"),
     *("development", "design_notes"),
     *("measurements", "glossary", "changelog"),
@@ -24,8 +26,11 @@ TOPICS = (
 Topic = Annotated[str | None, typer.Argument(metavar="TOPIC", help="a page; without it the list of pages")]
 
 
+Script = Annotated[bool, typer.Option("--script", help="the Python code of the page alone")]
+
+
 @guarded
-def manual(topic: Topic = None) -> None:
+def manual(topic: Topic = None, script: Script = False) -> None:
     """Print a page of the manual, or the list of its topics."""
     if topic is None:
         width = max(map(len, TOPICS))
@@ -33,7 +38,16 @@ def manual(topic: Topic = None) -> None:
             typer.echo(f"{name:{width}}  {summary_of(page(name))}")
         typer.echo("\nmodelgen manual TOPIC prints a page.")
         return
-    print_page(page(topic))
+    if script:
+        typer.echo(script_of(page(topic)), nl=False)
+    else:
+        print_page(page(topic))
+
+
+def script_of(text: str) -> str:
+    """The Python blocks of a page, one after another."""
+    blocks: list[str] = re.findall(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    return "\n".join(blocks)
 
 
 def print_page(text: str) -> None:

@@ -25,7 +25,8 @@ class Imported:
     Attributes:
         text: of the scene file; it begins with what is left out or taken otherwise, as comments.
         scene: what the text says.
-        left_out, approximated: sentences.
+        left_out: what of the file is not in the scene, in sentences.
+        approximated: what is taken otherwise than in the file, in sentences.
     """
 
     text: str

@@ -34,7 +34,6 @@ def draw_bodies(axes: Any, record: Record, stage: Stage, sample: int) -> None:
     """Draw the bodies at a sample into axes of matplotlib."""
     from matplotlib.collections import PolyCollection
 
-    right, up, _ = _eye()
     colours = stage.colours(STILL)
     order: tuple[list[_Part], list[_Part]] = ([], [])  # what has no end, which is behind, and the others
     for index, actor in enumerate(stage.actors):
@@ -56,12 +55,19 @@ def draw_bodies(axes: Any, record: Record, stage: Stage, sample: int) -> None:
         )  # fmt: skip
     centre = _centre(record, stage, sample)
     half = ROOM * stage.size
-    axes.set_xlim(right @ centre - half, right @ centre + half)
-    axes.set_ylim(up @ centre - 0.8 * half, up @ centre + 0.8 * half)
+    ((x, y),) = on_picture(centre[None])
+    axes.set_xlim(x - half, x + half)
+    axes.set_ylim(y - 0.8 * half, y + 0.8 * half)
     axes.set_aspect("equal")
     axes.set_xticks([])
     axes.set_yticks([])
     axes.set_title(f"t = {record.columns['t'][sample]:.4g} s", fontsize="small")
+
+
+def on_picture(points: Array) -> Array:
+    """(.., 2) where points (.., 3) m, world axes, are seen in the axes that `draw_bodies` draws into."""
+    right, up, _ = _eye()
+    return np.asarray(points @ np.stack([right, up], axis=1))
 
 
 def _eye() -> tuple[Array, Array, Array]:
@@ -78,8 +84,7 @@ def _centre(record: Record, stage: Stage, sample: int) -> Array:
 
 
 def _part(actor: Actor, turn: Array, place: Array, colour: Array, size: float) -> _Part:
-    right, up, back = _eye()
-    screen = np.stack([right, up], axis=1)
+    _, _, back = _eye()
     mesh = actor.mesh
     points = mesh.vertices @ turn.T + place
     normals = (
@@ -94,7 +99,7 @@ def _part(actor: Actor, turn: Array, place: Array, colour: Array, size: float) -
     width = 0.7 if len(mesh.triangles) else 2.0
     near = NEARER * size if len(mesh.triangles) else 0.0
     return _Part(
-        [*(points[triangles] @ screen), *(lines @ screen)],
+        [*on_picture(points[triangles]), *on_picture(lines)],
         np.concatenate([(points @ back)[triangles].mean(axis=1), (lines @ back).mean(axis=1) + near]),
         np.concatenate([lit[:, None] * colour, np.broadcast_to(ink, (len(lines), 3))]),
         np.concatenate([np.zeros(len(triangles)), np.full(len(lines), width)]),

@@ -14,10 +14,11 @@ WIDE = 3.0  # a surface that reaches so many times farther is cut
 
 
 def frame_samples(record: Record, count: int) -> list[int]:
-    """The samples of `count` pictures: the start, the first change of mode after it, and on from there evenly
-    to the end; evenly from the start where the mode never changes."""
+    """The samples of `count` pictures: the start, the first change of mode that is nearer to a later sample,
+    and on from there evenly to the end; evenly from the start where there is no such change."""
     t = record.columns["t"]
-    changes = [event["t"] for event in record.summary["events"] if event["t"] > t[0]]
+    after = float(np.mean(t[:2]))
+    changes = [event["t"] for event in record.summary["events"] if event["t"] > after]
     times = np.linspace(t[0], t[-1], count)
     if changes and count > 2:
         times = np.concatenate([t[:1], np.linspace(min(changes), t[-1], count - 1)])

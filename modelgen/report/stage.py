@@ -13,7 +13,7 @@ from modelgen.geometry.body_meshes import Mesh, body_mesh
 from modelgen.model import Model
 from modelgen.report.run_record import Record
 from modelgen.rotations import rotation_of
-from modelgen.scene.scene_types import Body
+from modelgen.scene.scene_types import Body, Shape
 
 Array = np.ndarray[Any, Any]
 Colour = tuple[float, float, float]  # red, green, blue, 0 to 1
@@ -23,7 +23,9 @@ AHEAD = 6.0  # of those of a run that only begins, against half the size of its 
 FOLLOWED = 5.0  # of all motion, against the group of bodies that move, from which on the picture follows
 NEAR = 2.2  # of a picture that follows, against the group
 WIDE = 3.0  # of what stands still, against all motion, from which on the picture shows the motion alone
-LEVER = 1.2  # of the distance of a joint, against the radius of a body, from which on a lever is drawn
+LEVER = (
+    1.2  # of the distance of a joint or point, against the radius of a body, from which on a lever is drawn
+)
 UNBOUNDED = ("plane", "halfspace", "line", "paraboloid", "cone", "helix")
 PALETTE = (  # of bodies that move, in turn
     *((0.20, 0.52, 0.80), (0.88, 0.50, 0.20), (0.28, 0.65, 0.42), (0.62, 0.42, 0.74)),
@@ -195,13 +197,21 @@ def _ball(points: Sequence[Array]) -> tuple[Array, float]:
 
 
 def _with_levers(mesh: Mesh, model: Model, index: int) -> Mesh:
-    """The mesh, with lines from the centre of mass to the joints that are beyond the shapes."""
+    """The mesh, with lines from the centre of mass to the joints and points that are beyond the shapes."""
     centre, radius = np.array(model.bodies[index].centre_of_mass), _radius(mesh)
-    ends = [
-        np.array(frame.position) - centre
+    joints = [
+        np.array(frame.position)
         for joint in model.joints
         for body, frame in zip((joint.a, joint.b), joint.frames, strict=True)
         if body == index
     ]
+    points = [_place_of(shape) for shape in model.whole.bodies[index].shapes if shape.kind == "point"]
+    ends = [place - centre for place in (*joints, *points)]
     far = [np.array([np.zeros(3), end]) for end in ends if np.linalg.norm(end) > LEVER * radius]
     return replace(mesh, lines=np.concatenate([mesh.lines, np.array(far).reshape(-1, 2, 3)]))
+
+
+def _place_of(point: Shape) -> Array:
+    """Of a point, in the axes of its body as written."""
+    at = np.array([value for _, value in point.parameters])
+    return np.asarray(rotation_of(point.pose.quaternion) @ at + point.pose.position)

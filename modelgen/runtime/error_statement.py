@@ -20,9 +20,11 @@ class Estimate:
         rotation: (n,) rad, of a body's rotation.
         velocity: (n,) m/s, of the velocity of a body's centre.
         spin: (n,) rad/s, of a body's angular velocity.
-        gap, force, events: m; root mean square, relative; s, with `events_unmatched`, those without their
-            like: up to the last sample that is predicted. None where the run has none. Where no event comes
-            before that sample, `events` is of the later ones.
+        gap: m, up to the last sample that is predicted, as `force` and `events`; None where the run has none,
+            as they are.
+        force: root mean square, relative.
+        events: s, of the times of events; of later ones where none comes before that sample. How many events
+            have no like in the companion is `events_unmatched`.
         predicted: how many samples are predicted, at least one.
         horizon: s, the last of them, if there are others: later errors exceed
             `Accuracy.prediction_error_max`.

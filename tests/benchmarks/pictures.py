@@ -1,26 +1,38 @@
-"""The pictures of the README, in modelgen/manual/images. Run with `python -m tests.benchmarks.pictures`."""
+"""The pictures of the README and the manual, in modelgen/manual/images.
+
+    python -m tests.benchmarks.pictures [NAME ...]
+
+draws all, or those named: `run`, `gamma2`, a shipped scene (for the gallery), a worked example.
+"""
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import matplotlib
 import numpy as np
 from PIL import Image
 
 from modelgen import record_of, simulate
+from modelgen.cli.manual import page, script_of
 from modelgen.report.snapshots import draw_frames
+from tests.benchmarks.gallery_pictures import scene_figure
 from tests.benchmarks.gamma2 import BASE, FINEST, SCENES, UNTIL, _tips
-from tests.running import scene_of
+from tests.docs.pages import EXAMPLES, IMAGES
+from tests.running import NAMES, scene_of
 
 matplotlib.use("Agg")
 
 from matplotlib import pyplot as plt
 
-FOLDER = Path(__file__).parents[2] / "modelgen" / "manual" / "images"
 RUN_SCENE, RUN_UNTIL, RUN_FRAMES = "ellipsoid_on_plane", 0.6, (0, 67, 133, 200)
-COLOURS = 16
+COLOURS, SHADES = 16, 256  # in a picture with few; in one with light and shade, or many curves
 SAMPLES, DPI, FLOOR = 200, 80, 1e-18  # FLOOR in m: the least error that the logarithmic axis shows
 
 
@@ -65,13 +77,42 @@ def draw_run(path: Path) -> None:
     _save(figure, path)
 
 
+def draw_scene(name: str, path: Path) -> None:
+    """A shipped scene, for the gallery."""
+    scene_figure(name).savefig(path, dpi=DPI)
+    _reduce(path, SHADES)
+
+
+def draw_example(topic: str, path: Path) -> None:
+    """The picture that a worked example of the manual draws."""
+    with TemporaryDirectory() as folder:
+        subprocess.run([sys.executable, "-c", script_of(page(topic))], cwd=folder, check=True)
+        path.write_bytes((Path(folder) / path.name).read_bytes())
+    _reduce(path, SHADES)
+
+
 def _save(figure: plt.Figure, path: Path) -> None:
     """A PNG file of few colours, which is small."""
     figure.savefig(path, dpi=DPI)
-    Image.open(path).convert("RGB").quantize(COLOURS).save(path, optimize=True)
+    _reduce(path, COLOURS)
 
+
+def _reduce(path: Path, colours: int) -> None:
+    """Leave a picture so many colours: many are spread evenly, few are those that cover most."""
+    method = Image.Quantize.FASTOCTREE if colours == SHADES else Image.Quantize.MEDIANCUT
+    Image.open(path).convert("RGB").quantize(colours, method).save(path, optimize=True)
+
+
+PICTURES: dict[str, tuple[Path, Callable[[Path], None]]] = {
+    "run": (IMAGES / "run.png", draw_run),
+    "gamma2": (IMAGES / "gamma2.png", draw_gamma2),
+    **{name: (IMAGES / "scenes" / f"{name}.png", partial(draw_scene, name)) for name in NAMES},
+    **{topic: (IMAGES / f"{topic}.png", partial(draw_example, topic)) for topic in EXAMPLES},
+}
 
 if __name__ == "__main__":
-    FOLDER.mkdir(exist_ok=True)
-    draw_run(FOLDER / "run.png")
-    draw_gamma2(FOLDER / "gamma2.png")
+    for picture in sys.argv[1:] or PICTURES:
+        place, draw_into = PICTURES[picture]
+        place.parent.mkdir(parents=True, exist_ok=True)
+        draw_into(place)
+        print(place)

@@ -7,8 +7,10 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 MANUAL = ROOT / "modelgen" / "manual"
+IMAGES = MANUAL / "images"
 README = ROOT / "README.md"
 PAGES = (README, *sorted(MANUAL.glob("*.md")))
+EXAMPLES = tuple(path.stem for path in PAGES if path.stem.startswith("example_"))  # pages that are one script
 
 
 def text_of(path: Path) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -16,7 +17,8 @@ from modelgen.cli.manual import FOLDER, TOPICS, page
 from modelgen.report.keys_page import keys_page, page_of, sections, sections_of
 from modelgen.scene.joint_format import JOINT
 from modelgen.scene.scene_format import SHAPE_KINDS
-from tests.docs.pages import PAGES, anchors, links, text_of
+from tests.docs.pages import EXAMPLES, IMAGES, PAGES, anchors, blocks, links, text_of
+from tests.running import NAMES
 
 
 def test_every_page_is_a_topic() -> None:
@@ -113,9 +115,24 @@ def test_links_lead_somewhere(path: Path) -> None:
         assert not anchor or anchor in anchors(target), link
 
 
+@pytest.mark.parametrize("topic", EXAMPLES)
+def test_the_script_of_a_page_is_printed(topic: str) -> None:
+    result = CliRunner().invoke(app, ["manual", topic, "--script"])
+    assert result.exit_code == 0
+    assert result.stdout == "\n".join(blocks(FOLDER / f"{topic}.md", "python"))
+
+
+def test_the_gallery_shows_each_shipped_scene_once() -> None:
+    text = text_of(FOLDER / "gallery.md")
+    shown = re.findall(r"!\[[^\]]+\]\(images/scenes/(\w+)\.png\)", text)
+    assert sorted(shown) == list(NAMES)
+    assert [name for name in NAMES if text.count(f"](../../scenes/{name}.toml)") != 1] == []
+
+
 def test_pictures_are_small() -> None:
-    pictures = list((FOLDER / "images").iterdir())
-    assert pictures
+    pictures = [path for path in IMAGES.rglob("*") if path.is_file()]
     shown = "".join(map(text_of, PAGES))
-    assert all(f"images/{picture.name}" in shown for picture in pictures)
-    assert max(picture.stat().st_size for picture in pictures) < 60_000
+    assert pictures
+    assert all(f"images/{path.relative_to(IMAGES).as_posix()}" in shown for path in pictures)
+    assert max(path.stat().st_size for path in pictures) < 60_000
+    assert sum(path.stat().st_size for path in pictures) < 1_500_000

@@ -13,6 +13,7 @@ import pytest
 from modelgen.errors import ModelgenError
 from modelgen.report.run_plot import _finish, draw, require_matplotlib
 from modelgen.report.run_record import Record
+from modelgen.report.snapshots import frame_samples
 
 from .runs import ball_on_table
 
@@ -53,6 +54,15 @@ def test_a_point_that_stays_on_its_body_is_not_drawn_as_a_curve(tmp_path: Path) 
 def test_frames_of_a_run_without_shapes_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ModelgenError, match="no body of this run has a shape"):
         draw(replace(ball_on_table(), meshes={}), tmp_path / "run.png", frames=2)
+
+
+@pytest.mark.parametrize(("changes", "second"), [([], 20), ([1e-4], 20), ([1e-4, 0.5], 10), ([0.03], 1)])
+def test_the_second_picture_is_that_of_the_first_change_after_the_first(
+    changes: list[float], second: int
+) -> None:
+    record = ball_on_table()
+    record.summary["events"] = [{"t": t} for t in changes]
+    assert frame_samples(record, 3) == [0, second, 40]
 
 
 def test_a_legend_tells_how_many_lines_it_leaves_out() -> None:
