@@ -19,6 +19,7 @@ from modelgen.scene.scene_types import Scene
 
 try:
     import gymnasium
+    from gymnasium.utils import seeding
     from gymnasium.vector import AutoresetMode
     from gymnasium.vector.utils import batch_space
 except ImportError:
@@ -61,8 +62,9 @@ def make(
         parameters: values of parameters of the scene.
         accuracy: as for `start`.
 
-    The actions are all inputs of the scene, in order: values, or the rates of those with hold = "linear",
-    within their ranges. A run that fails ends its episode as truncated, with `outcome` in the info.
+    The actions are values of all inputs of the scene, in order, within their ranges. They hold during the
+    step, or, of inputs with hold = "linear", are reached at its end. Observations and rewards are taken
+    there. A run that fails ends its episode as truncated, with `outcome` in the info.
 
     Raises:
         ModelgenError: an argument is not what it says, or an input has no range.
@@ -84,7 +86,8 @@ def make_vec(
     """An environment of n runs that go on together; arguments are those of `make`.
 
     `parameters` may have one value for each run. A run whose episode has ended is reset in the next step
-    (`AutoresetMode.NEXT_STEP`).
+    (`AutoresetMode.NEXT_STEP`). Seeds, infos and the option "reset_mask" are those of `SyncVectorEnv` of n
+    environments of `make`.
     """
     facts = _Facts(scene, n, reward, **task)
     many = start_many(facts.library, n, parameters=parameters, accuracy=accuracy, threads=threads)
@@ -121,13 +124,15 @@ class _Facts:
         low, high = (np.array([_end(each, key) for each in self.inputs]) for key in ("minimum", "maximum"))
         self.action_space = gymnasium.spaces.Box(low, high, dtype=np.float64)
 
-    def act(self, many: Simulations, actions: Array) -> None:
-        """Set the inputs (n, number of inputs)."""
+    def act(self, many: Simulations, actions: Array, lanes: Array) -> None:
+        """Set the inputs of lanes by actions (n, number of inputs); those with hold = "linear" reach theirs
+        at the end of the step."""
         for k, each in enumerate(self.inputs):
+            values, inputs = np.clip(actions[:, k], each["minimum"], each["maximum"]), many.inputs
             if each["hold"] == "linear":
-                many.inputs.ramp(each["name"], actions[:, k])
+                inputs.ramp(each["name"], (values - inputs[each["name"]]) / self.every, lanes)
             else:
-                many.inputs[each["name"]][:] = np.clip(actions[:, k], each["minimum"], each["maximum"])
+                inputs[each["name"]][lanes] = values[lanes]
 
     def shown(self, many: Simulations) -> tuple[Array, Array, Array]:
         """Observations (n, k), rewards (n,) and whether episodes terminate (n,)."""
@@ -140,15 +145,17 @@ class _Facts:
         observation = [columns[name] for name in self.observed]
         return np.concatenate([np.zeros((many.n, 0)), *observation], axis=1), reward, terminated > 0
 
-    def reset(self, many: Simulations, lanes: Sequence[int], random: np.random.Generator) -> None:
-        """Put lanes at the start of an episode, their inputs at their defaults."""
+    def reset(self, many: Simulations, lanes: Sequence[int], randoms: Sequence[np.random.Generator]) -> None:
+        """Put lanes at the start of an episode, their inputs at their defaults; randoms are by lane."""
         n_q, n_u = (self.library.manifest.instance[key] for key in ("n_q", "n_u"))
         q = u = None
         if self.draw is not None:
             q, u = np.zeros((many.n, n_q)), np.zeros((many.n, n_u))
             for lane in lanes:
-                q[lane], u[lane] = self.draw(random)
+                q[lane], u[lane] = self.draw(randoms[lane])
         for each in self.inputs:
+            if each["hold"] == "linear":
+                many.inputs.ramp(each["name"], 0.0, list(lanes))
             many.inputs[each["name"]][list(lanes)] = each["default"]
         many.reset(list(lanes), q, u)
 
@@ -167,12 +174,12 @@ class RunEnv(gymnasium.Env[Array, Array]):
     ) -> tuple[Array, dict[str, Any]]:
         """The first observation of an episode, and no info; raises ModelgenError where a start is refused."""
         super().reset(seed=seed)
-        self._facts.reset(self._many, [0], self.np_random)
+        self._facts.reset(self._many, [0], [self.np_random])
         return self._facts.shown(self._many)[0][0], {}
 
     def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
         """Observation, reward, terminated, truncated, info after one step with the action."""
-        self._facts.act(self._many, np.asarray(action, dtype=float).reshape(1, -1))
+        self._facts.act(self._many, np.asarray(action, dtype=float).reshape(1, -1), np.array([0]))
         self._many.step(self._facts.every)
         observation, reward, terminated = self._facts.shown(self._many)
         failed = bool(self._many.ended[0])
@@ -193,28 +200,63 @@ class RunVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Array]):
         self.observation_space = batch_space(facts.observation_space, many.n)
         self.action_space = batch_space(facts.action_space, many.n)
         self._over = np.zeros(many.n, dtype=bool)  # runs to be reset in the next step
+        self._randoms = [np.random.default_rng() for _ in range(many.n)]
 
     def reset(
-        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Array, dict[str, Any]]:
-        """The first observations; of seeds by run the first one counts."""
-        super().reset(seed=seed[0] if isinstance(seed, list) else seed)
-        self._facts.reset(self._many, range(self.num_envs), self.np_random)
-        self._over[:] = False
+        """The first observations of episodes, and no infos.
+
+        Args:
+            seed: one for each run, or that of the first run, the next ones counting up from it; a run
+                without one goes on drawing.
+            options: of the key "reset_mask", (n,) of bool: the runs that are reset; all without it.
+
+        Raises ModelgenError where a seed, a mask or a start is refused.
+        """
+        chosen = np.flatnonzero(_mask(options, self.num_envs))
+        for lane, one in enumerate(_seeds(seed, self.num_envs)):
+            if one is not None and lane in chosen:
+                self._randoms[lane] = seeding.np_random(one)[0]
+        self._facts.reset(self._many, chosen.tolist(), self._randoms)
+        self._over[chosen] = False
         return self._facts.shown(self._many)[0], {}
 
     def step(self, actions: Array) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
         """Observations, rewards, terminated, truncated, infos after one step of each run."""
         over = np.flatnonzero(self._over)
-        self._facts.act(self._many, np.asarray(actions, dtype=float))
         if len(over):
-            self._facts.reset(self._many, over.tolist(), self.np_random)
+            self._facts.reset(self._many, over.tolist(), self._randoms)
+        self._facts.act(self._many, np.asarray(actions, dtype=float), np.flatnonzero(~self._over))
         self._many.step(self._facts.every, ~self._over)
         observation, reward, terminated = self._facts.shown(self._many)
         truncated = self._many.ended | _is_over(self._many.t, self._facts)
         reward[over], terminated[over], truncated[over] = 0.0, False, False
         self._over = terminated | truncated
-        return observation, reward, terminated, truncated, {}
+        infos: dict[str, Any] = {}
+        for lane in np.flatnonzero(self._many.ended).tolist():
+            self._add_info(infos, {"outcome": str(self._many.outcomes[lane])}, lane)
+        return observation, reward, terminated, truncated, infos
+
+
+def _seeds(seed: int | Sequence[int | None] | None, n: int) -> Sequence[int | None]:
+    """Of each run; raises ModelgenError if there are not as many."""
+    if seed is None:
+        return [None] * n
+    if isinstance(seed, int | np.integer):
+        return [int(seed) + lane for lane in range(n)]
+    if len(seed) != n:
+        raise ModelgenError("seed", f"{len(seed)} seeds", f"{n}", "give one for each run, or one number")
+    return seed
+
+
+def _mask(options: Mapping[str, Any] | None, n: int) -> Array:
+    """Which runs are to be reset; raises ModelgenError where the option is no mask of them."""
+    mask = np.asarray((options or {}).get("reset_mask", np.ones(n, dtype=bool)))
+    if mask.shape != (n,) or mask.dtype != bool:
+        found = f"an array of shape {mask.shape} and type {mask.dtype}"
+        raise ModelgenError("reset_mask", found, f"({n},) of bool", "give True for each run to be reset")
+    return mask
 
 
 def _is_over(t: Array, facts: _Facts) -> Array:

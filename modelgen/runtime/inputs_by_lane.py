@@ -34,8 +34,9 @@ class InputsByLane(Mapping[str, Array]):
             check_name("input", name, self._index)
         return self._shown[name] if name in self._shown else self._settings(name)[0]
 
-    def ramp(self, name: str, rates: Any) -> None:
-        """Let an input with hold = "linear" change at rates, one number or (n,) per s, from now on.
+    def ramp(self, name: str, rates: Any, lanes: Any = slice(None)) -> None:
+        """Let an input with hold = "linear" change at rates, one number or (n,) per s, from now on; in lanes,
+        indices or (n,) of bool, or in all.
 
         Raises SimulationError where it has another hold, or a rate is not finite.
         """
@@ -44,9 +45,10 @@ class InputsByLane(Mapping[str, Array]):
         given = np.broadcast_to(np.asarray(rates, dtype=float), (self._group.n,))
         if len(bad := np.flatnonzero(~np.isfinite(given))):
             raise refused_rate(f"input {name!r} of lane {bad[0]}", float(given[bad[0]]))
-        self._check(name)
+        self._check(name, lanes)
         value, rate, since = self._settings(name)
-        value[:], rate[:], since[:] = self._shown[name], given, self._group.t
+        value[lanes], rate[lanes] = self._shown[name][lanes], given[lanes]
+        since[lanes] = self._group.t[lanes]
 
     def check(self) -> None:
         """Raises SimulationError where a value that was written is refused."""
@@ -66,10 +68,11 @@ class InputsByLane(Mapping[str, Array]):
             value[lanes], since[lanes] = self[name][lanes], 0.0
 
     def _check(self, name: str, lanes: Any = slice(None), may_jump: bool = False) -> None:
+        """Of a line, which may lead out of the range, what was written is checked: the jumps."""
         kind, values, present = self._kinds[self._index[name]], self[name], self._present(name)
         refused = outside = is_outside(kind, values)
-        if not may_jump:
-            refused = outside | is_jump(kind, values, present)
+        if kind["hold"] == "linear" and not may_jump:
+            refused = is_jump(kind, values, present)
         if len(bad := np.arange(self._group.n)[lanes][refused[lanes]]):
             lane = int(bad[0])
             where = f"input {name!r} of lane {lane}"

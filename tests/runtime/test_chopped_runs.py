@@ -14,8 +14,10 @@ import pytest
 from modelgen import Accuracy
 from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.trajectory import Event
+from modelgen.scene.read import read_text
+from modelgen.scene.scene_types import Scene
 from tests.oracles import test_flat_places as flat_places
-from tests.running import NAMES, scene_of
+from tests.running import NAMES, library_of, scene_of
 from tests.runtime.c_programs import needs_c, program_of
 
 BALANCED, TIGHT = Accuracy.balanced(), Accuracy.tight()
@@ -31,9 +33,9 @@ class Ran:
     code: int
 
 
-def ran(name: str, accuracy: Accuracy, stops: Iterable[float]) -> Ran:
-    """A run of a shipped scene in one call for each stop."""
-    session = Session(scene_of(name), accuracy)
+def ran(scene: str | Scene, accuracy: Accuracy, stops: Iterable[float]) -> Ran:
+    """A run of a scene, of a shipped one by its name, in one call for each stop."""
+    session = Session(scene_of(scene) if isinstance(scene, str) else library_of(scene), accuracy)
     assert session.begin() == 0
     record, events, code = session.tables.Record(), list[Event](), 0
     for stop in stops:
@@ -95,6 +97,39 @@ def test_many_calls_make_the_run_of_one(name: str, n: int) -> None:
         assert (
             latest(many, truth, True) <= 2 * latest(one, truth, True) + BALANCED.slip_speed * scales["time"]
         )
+
+
+FLAT_SHOE = """
+gravity = [0.0, 0.0, -10.0]
+[[body]]
+name = "belt"
+motion = "driven"
+shape = { kind = "plane" }
+path = { position = ["0.1*sin(2*pi*t)", 0.0, 0.0] }
+[[body]]
+name = "shoe"
+shape = { kind = "box", size = [0.03, 0.02, 0.01] }
+density = 1000.0
+position = [0.0, 0.0, 0.005]
+[[joint]]
+kind = "cylindrical"
+between = ["world", "shoe"]
+[[contact]]
+between = ["shoe", "belt"]
+friction = 0.3
+"""
+
+
+@pytest.mark.parametrize("before", [0.0, 1e-15, 1e-12, 1e-9, 1e-8, 1.5e-8, 1e-7])  # s
+@pytest.mark.parametrize("shoe", ["round", "flat"])
+def test_a_stop_at_a_reversal_of_slip_makes_no_second_one(shoe: str, before: float) -> None:
+    """The belt prescribes the slip, which reverses at 0.25 s and 0.75 s: no impulse can take away what is
+    left of it where the reversal is seen, up to slip_speed."""
+    scene = "brake_shoe" if shoe == "round" else read_text(FLAT_SHOE, "shoe.toml")
+    stops = [0.25 - before, 0.25 + before, 0.75 - before, 0.75 + before, 1.0]
+    events = [event for event in ran(scene, BALANCED, stops).events if event.kind != "face-contact"]
+    assert [event.kind for event in events] == ["slip-reversal"] * 2
+    assert [event.t for event in events] == pytest.approx([0.25, 0.75], abs=1e-12)
 
 
 @pytest.mark.cases(8)

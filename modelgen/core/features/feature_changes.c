@@ -304,6 +304,33 @@ static void mg_note_unfollowed_gap(mg_context *c, int pair, mg_real d) {
   c->run->unfollowed_gap[pair] = mg_min(c->run->unfollowed_gap[pair], mg_max(d, (mg_real)0));
 }
 
+/* Whether a contact follows a minimum. */
+enum { MG_NOT_FOLLOWED = 0, MG_FOLLOWED_BEFORE = 1, MG_FOLLOWED_NOW = 2 };
+
+/* Lets a contact follow a minimum of a pair: MG_NOT_FOLLOWED .. . */
+static int mg_follow_minimum(mg_context *c, mg_events *events, int pair, const mg_minimum *each, mg_real seen_depth,
+                             mg_real appearing_depth) {
+  if (mg_is_minimum_tracked(c, pair, -1, each)) return MG_FOLLOWED_BEFORE;
+  if (!mg_is_minimum_accepted(c, each, seen_depth)) {
+    mg_note_unfollowed_gap(c, pair, each->d);
+    return MG_NOT_FOLLOWED;
+  }
+  if (each->d < -appearing_depth) return MG_NOT_FOLLOWED;
+  const int slot = mg_find_contact_for_minimum(c, pair, each);
+  if (slot < 0) {
+    if (mg_is_without_contact(c, pair)) mg_report_unfollowed_minimum(c, each);
+    mg_note_unfollowed_gap(c, pair, each->d);
+    return MG_NOT_FOLLOWED;
+  }
+  if (mg_is_on_feature_pair(c, slot)) mg_note_unfollowed_gap(c, pair, c->rows.d[slot]); /* what it followed so far */
+  mg_set_feature_pair(c, slot, each->feature_pair, each->eta);
+  c->rows.d[slot] = each->d;
+  if (!mg_is_feature_pair_unreported(c, each->feature_pair, each->d))
+    mg_apply_contact_transition(c, events, slot, MG_CONTACT_APPEARS, c->run->t, 0);
+  return MG_FOLLOWED_NOW;
+}
+
+/* Penetration of minima is noted where it stays: in time-stepping that of contacts is removed first. */
 MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pair, mg_real moved) {
   const mg_system *s = c->system;
   if (mg_pair_clearance(c, pair) > mg_search_reach(c, pair)) return 0;
@@ -319,25 +346,10 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
     const mg_minimum *each = found.list + k;
     if (mg_is_minimum_ignored(c, each)) continue;
     if (!mg_is_minimum_within_reach(c, each, seen.depth)) continue;
-    mg_note_penetration(c, mg_pair_first_contact(c, pair), each->feature_pair, -each->d);
-    if (!mg_is_minimum_accepted(c, each, seen.depth)) {
-      if (!mg_is_minimum_tracked(c, pair, -1, each)) mg_note_unfollowed_gap(c, pair, each->d);
-      continue;
-    }
-    if (each->d < -appearing.depth) continue;
-    if (mg_is_minimum_tracked(c, pair, -1, each)) continue;
-    const int slot = mg_find_contact_for_minimum(c, pair, each);
-    if (slot < 0) {
-      if (mg_is_without_contact(c, pair)) mg_report_unfollowed_minimum(c, each);
-      mg_note_unfollowed_gap(c, pair, each->d);
-      continue;
-    }
-    if (mg_is_on_feature_pair(c, slot)) mg_note_unfollowed_gap(c, pair, c->rows.d[slot]); /* what it followed so far */
-    mg_set_feature_pair(c, slot, each->feature_pair, each->eta);
-    c->rows.d[slot] = each->d;
-    if (!mg_is_feature_pair_unreported(c, each->feature_pair, each->d))
-      mg_apply_contact_transition(c, events, slot, MG_CONTACT_APPEARS, c->run->t, 0);
-    count++;
+    const int followed = mg_follow_minimum(c, events, pair, each, seen.depth, appearing.depth);
+    count += followed == MG_FOLLOWED_NOW;
+    if (!followed || !mg_is_time_stepping(c))
+      mg_note_penetration(c, mg_pair_first_contact(c, pair), each->feature_pair, -each->d);
   }
   return count;
 }

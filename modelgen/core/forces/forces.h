@@ -353,7 +353,7 @@ MG_INTERNAL void mg_report_friction_events(mg_context *c, mg_events *events);
 MG_INTERNAL mg_real mg_friction_event_value(const mg_context *c, int contact, int constraint);
 
 /* Margin before the event of a friction constraint; MG_MAX where it has none. Slip that has reached slip_speed ends
-   below it; slip that has not yet ends where it reverses as fast. */
+   below it; slip that has not yet ends where it reverses twice as fast, since a reversal may leave slip_speed of it. */
 MG_INTERNAL mg_real mg_friction_event_margin(const mg_context *c, int contact, int constraint);
 
 /* Mark the friction constraints whose event has triggered; returns their number. Needs the right-hand side and the gap
@@ -381,7 +381,7 @@ MG_INTERNAL mg_real mg_patch_friction_margin(mg_context *c, int slot, mg_real *t
 MG_INTERNAL mg_real mg_patch_friction_event_value(mg_context *c, int slot, int cause);
 
 /* Friction event of a slot that has triggered: bound exceeded, slip ended, or 0; stores the margin before it.
-   Slip that has reached slip_speed ends below it; slip that has not yet ends where it reverses as fast. */
+   Slip that has reached slip_speed ends below it; slip that has not yet ends where it reverses twice as fast. */
 MG_INTERNAL int mg_find_patch_friction_event(mg_context *c, int slot);
 
 /* At the start of a step, set slip directions and modes of all patches and remember the modes. */

@@ -390,7 +390,7 @@ MG_INTERNAL mg_real mg_friction_event_margin(const mg_context *c, int contact, i
   if (!c->run->active[contact] || mode == MG_FRICTION_OFF) return MG_MAX;
   const mg_real rest = mg_slip_velocity_tolerance(c, constraint),
                 slack = mg_acceleration_tolerance(c) * c->system->mass;
-  const mg_real least = mode == MG_STICKING ? -slack : mode == MG_SLIPPING ? rest : -rest;
+  const mg_real least = mode == MG_STICKING ? -slack : mode == MG_SLIPPING ? rest : -2 * rest;
   return mg_friction_event_value(c, contact, constraint) - least;
 }
 
@@ -421,10 +421,11 @@ MG_INTERNAL int mg_first_friction_event(const mg_context *c) {
 }
 
 /* Sets the direction of slip that is too slow to determine its friction by itself, at the start of a step; returns 0
-   where the slip is within rounding. */
+   where the slip is within rounding, or is still what is left of that before a reversal. */
 static int mg_update_slow_slip_direction(mg_context *c, int contact, int constraint) {
   const mg_real rounding = MG_SLIP_ROUNDING * MG_EPS * mg_slip_velocity_scale(c, constraint);
-  if (!(mg_slip_magnitude(c, contact, constraint) > rounding)) return 0;
+  mg_real slip[2];
+  if (!(mg_slip_along_direction(c, contact, constraint, slip) > rounding)) return 0;
   mg_set_slip_direction(c, contact, constraint);
   return 1;
 }

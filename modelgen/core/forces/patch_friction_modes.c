@@ -95,7 +95,7 @@ MG_INTERNAL int mg_find_patch_friction_event(mg_context *c, int slot) {
   }
   const mg_real threshold = mode == MG_STICKING   ? -slack
                             : mode == MG_SLIPPING ? mg_patch_slip_tolerance(c)
-                                                  : -mg_patch_slip_tolerance(c);
+                                                  : -2 * mg_patch_slip_tolerance(c);
   const mg_real value = mg_patch_friction_event_value(c, slot, cause) - threshold;
   if (mode == MG_STICKING && c->patches.friction[slot].force_outside) return 0; /* at the edge of its hull it tips */
   margin->lower = margin->upper = value;
@@ -229,17 +229,24 @@ static void mg_find_slip_direction(mg_context *c, int slot, mg_real *e) {
   mg_evaluate_slip_direction(c, slot, e, rate);
 }
 
-/* Let the sticking patches slip whose friction exceeds, or has just reached, its bound; returns their number. */
+/* Let the sticking patches slip whose friction exceeds, or has just reached, its bound, and those that joints or
+   driven bodies make slip; returns their number. */
 static int mg_release_yielding_patches(mg_context *c) {
   int count = 0;
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     mg_patch_friction *r = c->patches.friction + slot;
-    mg_real twist[3];
+    mg_real twist[3], e[3];
     if (!mg_is_slot_frictional(c, slot) || c->run->patch_mode[slot] != MG_STICKING) continue;
     const int patch = mg_patch_of_slot(c, slot), bound_reached = r->triggered && r->mode_before == MG_STICKING;
     const mg_real margin = mg_patch_friction_margin(c, slot, twist), *mu = c->system->patch_friction + 2 * patch;
-    if (!bound_reached && margin >= -mg_force_tolerance(c)) continue;
-    mg_real e[3] = {twist[0], twist[1], twist[2] * mg_support_radius(c, slot)};
+    mg_patch_slip_acceleration(c, slot, e);
+    const int is_held = sqrt(mg_dot3(e, e)) <= mg_acceleration_tolerance(c);
+    if (is_held && !bound_reached && margin >= -mg_force_tolerance(c)) continue;
+    for (int k = 0; k < 3; k++) {
+      const mg_real unit = k < 2 ? 1 : mg_support_radius(c, slot);
+      if (is_held) e[k] = twist[k] * unit;
+      else twist[k] = e[k] / unit;
+    }
     mg_set_patch_slip_direction(c, slot, twist);
     const int is_continuous = bound_reached && mu[0] == mu[1];
     c->run->patch_mode[slot] = is_continuous ? MG_SLIP_ONSET : MG_SLIP_STARTING, r->triggered = 0;
