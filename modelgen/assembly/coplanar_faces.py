@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import cos, pi, sin
@@ -38,7 +39,8 @@ class Unions:
 
     def __init__(self, faces: Sequence[FaceEntry], grounds: Sequence[Pose | None]) -> None:
         """Of faces as single shapes have them; `grounds`: where each body stands if it is fixed."""
-        self.given, self.grounds = faces, grounds
+        self.given = faces
+        self._placed = [_on_ground(face, grounds[face.body]) for face in faces]
         self.faces: list[FaceEntry] = []
         self._known: dict[tuple[int, ...], int] = {}
 
@@ -56,30 +58,25 @@ class Unions:
     def _groups(self, members: Sequence[Member], shown: Sequence[Shown]) -> Iterator[list[Member]]:
         """The groups of patches that become one, in order of their first patches."""
         groups: list[list[Member]] = []
+        alike: defaultdict[tuple[object, ...], list[list[Member]]] = defaultdict(list)
+        terms = [terms_of(each.pair) for each in shown]
         for member in members:
-            mates = (each for each in groups if self._belongs(each[0], member, shown))
-            group = next(mates, None)
+            bodies = (self._placed[face][0] for face in member[1].faces)
+            possible = alike[terms[member[0]], *bodies]
+            others = (each for each in possible if each[0][0] != member[0])
+            group = next((each for each in others if self._are_level(each[0], member)), None)
             if group is None:
                 groups.append([member])
+                possible.append(groups[-1])
             else:
                 group.append(member)
         for each in groups:
             yield from _complete(each)
 
-    def _belongs(self, a: Member, b: Member, shown: Sequence[Shown]) -> bool:
-        if a[0] == b[0] or terms_of(shown[a[0]].pair) != terms_of(shown[b[0]].pair):
-            return False
-        return all(self._level(one, two) for one, two in zip(a[1].faces, b[1].faces, strict=True))
-
-    def _level(self, a: int, b: int) -> bool:
-        (body, pose), (other, place) = self._face(a), self._face(b)
-        return body == other and in_one_plane(pose, place)
-
-    def _face(self, index: int) -> tuple[int, Pose]:
-        """The body of a face, or FIXED, and its axes there."""
-        face = self.given[index]
-        ground = self.grounds[face.body]
-        return (face.body, face.pose) if ground is None else (FIXED, compose(ground, face.pose))
+    def _are_level(self, a: Member, b: Member) -> bool:
+        """Whether patches between the same bodies lie in one plane."""
+        faces = zip(a[1].faces, b[1].faces, strict=True)
+        return all(in_one_plane(self._placed[i][1], self._placed[j][1]) for i, j in faces)
 
     def _joined(self, group: Sequence[PatchEntry], name: str) -> PatchEntry:
         sides = [list(dict.fromkeys(patch.faces[side] for patch in group)) for side in range(2)]
@@ -112,9 +109,9 @@ class Unions:
         first = self.given[members[0]]
         if len(members) == 1:
             return first
-        axes, boundary, loops = self._face(members[0])[1], [*first.boundary], 1 + _loops(first)
+        axes, boundary, loops = self._placed[members[0]][1], [*first.boundary], 1 + _loops(first)
         for index in members[1:]:
-            face, shift = self.given[index], to_axes(axes, self._face(index)[1])
+            face, shift = self.given[index], to_axes(axes, self._placed[index][1])
             boundary += [
                 replace(arc, pose=compose(shift, arc.pose), loop=arc.loop + loops) for arc in face.boundary
             ]
@@ -130,6 +127,11 @@ class Unions:
         around = Pose(_vector(centre), self.given[face].pose.quaternion)
         angles = [2 * pi * k / SUPPORT_POINTS for k in range(SUPPORT_POINTS)]
         return [_vector(to_outer(around, (radius * cos(a), radius * sin(a), 0.0))) for a in angles]
+
+
+def _on_ground(face: FaceEntry, ground: Pose | None) -> tuple[int, Pose]:
+    """The body of a face, or FIXED, and its axes there; `ground`: where the body stands if it is fixed."""
+    return (face.body, face.pose) if ground is None else (FIXED, compose(ground, face.pose))
 
 
 def _name(group: Sequence[tuple[ContactPair, PatchEntry]]) -> str:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from math import cos, pi, sin
@@ -77,15 +78,13 @@ def patches_of(
     found: list[PatchEntry] = []
     if pair.friction is not None and not has_friction(pair):
         return ()
+    numbered = _numbers_by_features(feature_pairs, first)
     for one, two in product(_allowed(a, pair), _allowed(b, pair)):
         if not one.arcs and not two.arcs:
             continue
         halves = Half(a, one), Half(b, two)
-        covered = tuple(
-            first + k
-            for k, feature_pair in enumerate(feature_pairs)
-            if _lies_in(feature_pair.features, halves)
-        )
+        within = product({*one.features}, {*two.features})
+        covered = tuple(sorted(number for names in within for number in numbered.get(names, ())))
         order = halves[::-1] if not two.arcs else halves  # o first: a whole plane if there is one
         kind, friction_kind, parameters = _support_points(order, pair, where, faces.shapes, kinds)
         label = "-".join(filter(None, (one.name, two.name)))
@@ -105,8 +104,15 @@ def _allowed(whole: Whole, pair: ContactPair) -> Iterable[Region]:
     return (region for region in regions_of(whole.shape) if not region.name or is_allowed(region.name, pair))
 
 
-def _lies_in(features: tuple[str, str], halves: tuple[Half, Half]) -> bool:
-    return all(rim_of(name) in half.region.features for name, half in zip(features, halves, strict=True))
+def _numbers_by_features(
+    feature_pairs: Sequence[FeaturePairEntry], first: int
+) -> Mapping[tuple[str, str], Sequence[int]]:
+    """The numbers of feature pairs by the names of both features, those of points of a rim by the rim's."""
+    found: defaultdict[tuple[str, str], list[int]] = defaultdict(list)
+    for k, feature_pair in enumerate(feature_pairs):
+        one, two = feature_pair.features
+        found[rim_of(one), rim_of(two)].append(first + k)
+    return found
 
 
 def _pose(whole: Whole, region: Region) -> Pose:

@@ -81,5 +81,13 @@ def export(
         except OSError as cause:
             remedy = "name another folder with --out"
             raise ModelgenError(str(target), f"it cannot be written: {cause.strerror}", "", remedy) from cause
-    facts = {"scene": what.name, "to": name, "files": [str(path) for path in written]}
-    print_facts(facts, as_json, lambda: typer.echo("\n".join(f"written: {path}" for path in written)))
+    facts = {
+        "scene": what.name,
+        "to": name,
+        "files": [str(path) for path in written.files],
+        "approximated": list(written.approximated),
+        "left_out": list(written.left_out),
+    }
+    titles = (("written", "files"), ("taken otherwise", "approximated"), ("left out", "left_out"))
+    lines = [f"{title}: {each}" for title, key in titles for each in facts[key]]
+    print_facts(facts, as_json, lambda: typer.echo("\n".join(lines)))

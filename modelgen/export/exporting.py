@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from modelgen.benchmark.peers.mjcf import different
 from modelgen.codegen.build import build
 from modelgen.codegen.emit import Package, emit
 from modelgen.codegen.library import Library
@@ -17,7 +18,7 @@ from modelgen.export.casadi_folder import casadi_files
 from modelgen.export.fmu import fmu_files
 from modelgen.export.jax_folder import jax_files
 from modelgen.export.mjcf_file import check_mjcf, mjcf_files, setup_of
-from modelgen.export.urdf_file import check_urdf, urdf_files
+from modelgen.export.urdf_file import check_urdf, left_out, urdf_files
 from modelgen.runtime.arguments import with_parameters
 
 Content = str | bytes
@@ -41,6 +42,21 @@ class Choices:
     figures: bool = True
     states: bool = False
     step: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Exported:
+    """What was written.
+
+    Attributes:
+        files: paths of the files.
+        approximated: what of the scene the format represents otherwise, a phrase each.
+        left_out: what of the scene is not in the files, a phrase each.
+    """
+
+    files: Sequence[Path]
+    approximated: Sequence[str] = ()
+    left_out: Sequence[str] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,8 +147,8 @@ def check_format(name: str | None, choices: Choices) -> str:
     return name
 
 
-def export(derivation: Derivation, to: str, out: Path, scratch: Path, choices: Choices) -> list[Path]:
-    """Write a scene in a format into a folder, or as a page; the files that were written.
+def export(derivation: Derivation, to: str, out: Path, scratch: Path, choices: Choices) -> Exported:
+    """Write a scene in a format into a folder, or as a page.
 
     Args:
         derivation: what `derive` returned.
@@ -156,4 +172,9 @@ def export(derivation: Derivation, to: str, out: Path, scratch: Path, choices: C
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(content.encode("utf-8") if isinstance(content, str) else content)
         written.append(path)
-    return written
+    scene = derivation.model.scene
+    return Exported(
+        written,
+        different(scene) if name == "mjcf" else (),
+        left_out(scene) if name == "urdf" else (),
+    )

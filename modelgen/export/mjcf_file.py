@@ -39,7 +39,7 @@ def mjcf_files(scene: Scene, library: Library, step: float | None) -> dict[str, 
     `step`: of the simulation, s, on which the stiffness of contacts depends.
     """
     setup = setup_of(scene, library)
-    notes = "\n".join(f"     - {note}" for note in different(setup)) or "     - nothing"
+    notes = "\n".join(f"     - {note}" for note in different(scene)) or "     - nothing"
     text = Mjcf(setup, CHOICES, step or scene.run.step or STEP).text()
     start = f"<keyframe>{_start(setup)}</keyframe></mujoco>"
     head = f"<!-- {scene.name}, exported by modelgen. MuJoCo represents otherwise:\n{notes}\n-->\n"

@@ -2,23 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from math import atan2, hypot
 from xml.etree import ElementTree
 
 import numpy as np
 
-from modelgen.benchmark.peers.scene_description import Setup, Solid, numbers
+from modelgen.benchmark.peers.scene_description import Setup, Solid, numbers, unused_name
 from modelgen.errors import ModelgenError
 from modelgen.rotations import rotation_of
 from modelgen.scene.pose_arithmetic import compose
-from modelgen.scene.scene_types import Joint, Pose, Scene, Shape
+from modelgen.scene.scene_types import Body, Joint, Pose, Scene, Shape
 
 SHAPES = ("sphere", "box", "cylinder")
 JOINTS: Mapping[str, str] = {"revolute": "continuous", "prismatic": "prismatic", "weld": "fixed"}
 REMEDY = "export --to c, fmu or mjcf"
-WORLD = "world"
+WORLD = "world"  # the root link, which MuJoCo takes for its world
+BOUNDLESS = "1e9"  # of limits that a joint has not, m, rad, N, N m, m/s or rad/s: URDF asks for each
 FLAT = 1e-12  # cosine of a pitch at which roll and yaw turn about one axis, so that all is yaw
+
+
+@dataclass(frozen=True, slots=True)
+class Held:
+    """A body on the joint that holds it, the parent being nearer to the root."""
+
+    body: str
+    joint: Joint
+    parent: str  # name of a body
+    frames: tuple[Pose, Pose]  # in the axes of the parent and of the body, as written
+    axis: str  # of the coordinate, in these frames
 
 
 def check_urdf(scene: Scene) -> None:
@@ -31,16 +45,60 @@ def check_urdf(scene: Scene) -> None:
 def urdf_files(setup: Setup) -> dict[str, str]:
     """`NAME.urdf` of a scene that `check_urdf` lets pass."""
     scene = setup.scene
+    held, links = _tree(scene), _links(scene)
     root = ElementTree.Element("robot", name=scene.name)
-    root.append(ElementTree.Comment(_left_out(scene)))
+    root.append(ElementTree.Comment(_told(scene, links)))
     ElementTree.SubElement(root, "link", name=WORLD)
-    parents = {joint.between[1]: joint for joint in scene.joints}
+    names = {joint.name for joint in scene.joints}
     for solid, body in zip(setup.solids, scene.bodies, strict=True):
-        joint = parents.get(body.name)
-        root.append(_link(solid, _frame(joint)))
-        root.append(_joint(joint, parents) if joint else _free(body.name, body.motion == "fixed", body.pose))
+        name, on = links[body.name], held.get(body.name)
+        if name == WORLD:
+            continue
+        root.append(_link(name, solid, _frame(on)))
+        free = unused_name(f"{WORLD}_{name}", names)
+        names.add(free)
+        root.append(_joint(on, held, links) if on else _free(free, name, body))
     ElementTree.indent(root)
     return {f"{scene.name}.urdf": ElementTree.tostring(root, encoding="unicode", xml_declaration=True) + "\n"}
+
+
+def _tree(scene: Scene) -> dict[str, Held]:
+    """What holds each body, by its name: from the fixed bodies on, whichever body a joint names first."""
+    later = {joint.between[1] for joint in scene.joints}
+    roots = sorted(scene.bodies, key=lambda body: (body.motion != "fixed", body.name in later))
+    reached = {body.name for body in roots if body.motion == "fixed"}
+    held: dict[str, Held] = {}
+    for root in roots:
+        if root.name in held:
+            continue
+        reached.add(root.name)
+        waiting = deque([root.name])
+        while waiting:
+            for each in _held_on(waiting.popleft(), scene.joints):
+                if each.body not in reached:
+                    reached.add(each.body)
+                    waiting.append(each.body)
+                    held[each.body] = each
+    return held
+
+
+def _held_on(parent: str, joints: Iterable[Joint]) -> Iterator[Held]:
+    for joint in joints:
+        first, second = joint.between
+        if first == parent:
+            yield Held(second, joint, parent, joint.frames, "0 0 1")
+        elif second == parent:
+            yield Held(first, joint, parent, joint.frames[::-1], "0 0 -1")
+
+
+def _links(scene: Scene) -> dict[str, str]:
+    """The link of each body, by its name: the root for a body that is called so, rests in the origin, and has
+    no shapes."""
+    links = {body.name: body.name for body in scene.bodies}
+    own = next((body for body in scene.bodies if body.name == WORLD), None)
+    if own and (own.motion != "fixed" or own.shapes or own.pose != Pose()):
+        links[WORLD] = unused_name(WORLD, links)
+    return links
 
 
 def _unlike(scene: Scene) -> Iterator[str]:
@@ -52,36 +110,46 @@ def _unlike(scene: Scene) -> Iterator[str]:
                 yield f"shape {body.name}/{shape.name} is a cavity"
             elif shape.kind not in SHAPES:
                 yield f"shape {body.name}/{shape.name} is a {shape.kind}"
-    children = [joint.between[1] for joint in scene.joints]
+    used = {each.joint.name for each in _tree(scene).values()}
     for joint in scene.joints:
         if joint.kind not in JOINTS:
             yield f"joint {joint.name!r} is {joint.kind}"
         if joint.motion is not None or joint.is_sprung:
             yield f"joint {joint.name!r} has a prescribed motion, a spring or a damper"
-        if children.count(joint.between[1]) > 1 or _is_in_loop(joint, scene):
+        if joint.name not in used:
             yield f"joint {joint.name!r} closes a loop"
 
 
-def _is_in_loop(joint: Joint, scene: Scene) -> bool:
-    above = {each.between[1]: each.between[0] for each in scene.joints}
-    body, seen = joint.between[0], {joint.between[1]}
-    while body in above and body not in seen:
-        seen.add(body)
-        body = above[body]
-    return body in seen
+def left_out(scene: Scene) -> list[str]:
+    """Phrases: what of a scene that `check_urdf` lets pass URDF has not."""
+    present = {
+        "which bodies touch, and how": scene.contacts,
+        "loads": scene.loads,
+        "sensors": scene.sensors,
+        "inputs and actuators": (*scene.inputs, *scene.actuators),
+        f"gravity {' '.join(map(str, scene.gravity))}": any(scene.gravity),
+        "velocities at the start": any(
+            any((*body.velocity, *body.angular_velocity)) for body in scene.bodies
+        ),
+        "restitution at limits of joints": any(joint.restitution for joint in scene.joints),
+    }
+    return [what for what, found in present.items() if found]
 
 
-def _left_out(scene: Scene) -> str:
-    return (
-        f" {scene.name}, exported by modelgen. URDF has neither contacts with restitution and friction, nor"
-        " loads, sensors, gravity and velocities; the frame of a link is that of its joint, and coordinates"
-        f" are zero where the frames coincide. Gravity of the scene: {' '.join(map(str, scene.gravity))} "
-    )
+def _told(scene: Scene, links: Mapping[str, str]) -> str:
+    """The comment at the beginning of the file."""
+    lines = [
+        f"{scene.name}, exported by modelgen.",
+        "The frame of a link is that of its joint; coordinates are zero where the frames coincide.",
+        *(f"Left out: {each}." for each in left_out(scene)),
+        *(f"Body {name} is link {link}." for name, link in links.items() if link != name),
+    ]
+    return " " + "\n     ".join(lines) + " "
 
 
-def _frame(joint: Joint | None) -> Pose:
+def _frame(on: Held | None) -> Pose:
     """The frame of a link in the axes of its body as written: that of its joint."""
-    return joint.frames[1] if joint else Pose()
+    return on.frames[1] if on else Pose()
 
 
 def _inverse(pose: Pose) -> Pose:
@@ -90,8 +158,8 @@ def _inverse(pose: Pose) -> Pose:
     return Pose((-float(turned[0]), -float(turned[1]), -float(turned[2])), (w, -x, -y, -z))
 
 
-def _link(solid: Solid, frame: Pose) -> ElementTree.Element:
-    link = ElementTree.Element("link", name=solid.name)
+def _link(name: str, solid: Solid, frame: Pose) -> ElementTree.Element:
+    link = ElementTree.Element("link", name=name)
     inner = _inverse(frame)
     if not solid.fixed:
         inertial = ElementTree.SubElement(link, "inertial")
@@ -118,31 +186,33 @@ def _sizes(shape: Shape) -> dict[str, str]:
     return {name: repr(values[name]) for name in names}
 
 
-def _joint(joint: Joint, parents: Mapping[str, Joint]) -> ElementTree.Element:
-    least, largest = joint.limits
-    limited = joint.kind == "revolute" and least is not None and largest is not None
-    element = ElementTree.Element(
-        "joint", name=joint.name, type="revolute" if limited else JOINTS[joint.kind]
-    )
-    element.append(_origin(compose(_inverse(_frame(parents.get(joint.between[0]))), joint.frames[0])))
-    ElementTree.SubElement(element, "parent", link=joint.between[0])
-    ElementTree.SubElement(element, "child", link=joint.between[1])
-    if joint.kind != "weld":
-        ElementTree.SubElement(element, "axis", xyz="0 0 1")
-    if limited or joint.kind == "prismatic":
-        bounds = {"lower": least, "upper": largest}
-        told = {key: repr(float(value)) for key, value in bounds.items() if value is not None}
-        ElementTree.SubElement(element, "limit", {"effort": "1e9", "velocity": "1e9", **told})
+def _joint(on: Held, held: Mapping[str, Held], links: Mapping[str, str]) -> ElementTree.Element:
+    joint = on.joint
+    limited = joint.limits != (None, None)
+    kind = "revolute" if joint.kind == "revolute" and limited else JOINTS[joint.kind]
+    element = ElementTree.Element("joint", name=joint.name, type=kind)
+    element.append(_origin(compose(_inverse(_frame(held.get(on.parent))), on.frames[0])))
+    ElementTree.SubElement(element, "parent", link=links[on.parent])
+    ElementTree.SubElement(element, "child", link=links[on.body])
+    if kind != "fixed":
+        ElementTree.SubElement(element, "axis", xyz=on.axis)
+    if kind in ("revolute", "prismatic"):
+        least, largest = joint.limits
+        bounds = {
+            "lower": f"-{BOUNDLESS}" if least is None else repr(float(least)),
+            "upper": BOUNDLESS if largest is None else repr(float(largest)),
+        }
+        ElementTree.SubElement(element, "limit", {"effort": BOUNDLESS, "velocity": BOUNDLESS, **bounds})
     return element
 
 
-def _free(name: str, fixed: bool, pose: Pose) -> ElementTree.Element:
-    """A body that no joint holds, in the world."""
-    kind = "fixed" if fixed else "floating"
-    element = ElementTree.Element("joint", name=f"{WORLD}_{name}", type=kind)
-    element.append(_origin(pose))
+def _free(name: str, link: str, body: Body) -> ElementTree.Element:
+    """The joint of a body that no other holds, in the world."""
+    kind = "fixed" if body.motion == "fixed" else "floating"
+    element = ElementTree.Element("joint", name=name, type=kind)
+    element.append(_origin(body.pose))
     ElementTree.SubElement(element, "parent", link=WORLD)
-    ElementTree.SubElement(element, "child", link=name)
+    ElementTree.SubElement(element, "child", link=link)
     return element
 
 

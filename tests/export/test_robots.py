@@ -86,6 +86,89 @@ def test_mujoco_places_the_links_of_a_urdf_where_the_scene_has_its_bodies(tmp_pa
     assert data.xipos[model.body("arm").id] == pytest.approx([0.1, 0.7, 0.3], abs=1e-12)
 
 
+HINGE = """
+gravity = [0.0, 0.0, -9.81]
+[[body]]
+name = "{base}"
+motion = "fixed"
+position = [0.1, 0.2, 0.3]
+shape = {{ kind = "box", size = [0.2, 0.2, 0.1] }}
+[[body]]
+name = "{arm}"
+mass = 1.0
+inertia = [0.01, 0.02, 0.03]
+position = [0.1, 0.7, 0.3]
+[[body]]
+name = "ball"
+mass = 1.0
+inertia = [0.01, 0.01, 0.01]
+position = [1.0, 0.0, 0.0]
+[[joint]]
+name = "{joint}"
+kind = "revolute"
+between = {between}
+position = [0.1, 0.2, 0.3]
+limits = [-0.5, 1.0]
+"""
+
+
+@needs_gcc
+@pytest.mark.parametrize("is_turned", [False, True])
+@pytest.mark.parametrize(
+    ("base", "arm", "joint"),
+    [
+        ("base", "arm", "shoulder"),
+        ("world", "arm", "world_ball"),
+        ("base", "world", "world"),
+        ("world", "world_", "world_world_"),
+    ],
+)
+def test_names_of_a_scene_and_the_order_of_joints_are_free(
+    base: str, arm: str, joint: str, is_turned: bool, tmp_path: Path
+) -> None:
+    """MuJoCo has a body `world` of its own; what is fixed holds the rest, whichever a joint names first."""
+    mujoco = pytest.importorskip("mujoco")
+    between = [arm, base] if is_turned else [base, arm]
+    text = HINGE.format(base=base, arm=arm, joint=joint, between=between)
+    model = mujoco.MjModel.from_xml_path(str(folder_of(text, "urdf", tmp_path) / "arm.urdf"))
+    data, angle = mujoco.MjData(model), 0.3
+    at = int(model.jnt_qposadr[model.joint(joint).id])
+    data.qpos[at] = angle
+    mujoco.mj_forward(model, data)
+    assert model.nv == 7
+    assert list(model.joint(joint).range) == [-0.5, 1.0]
+    turn = -angle if is_turned else angle
+    (found,) = [p for p, mass in zip(data.xipos, model.body_mass, strict=True) if mass and p[0] < 0.5]
+    assert found == pytest.approx([0.1 - 0.5 * np.sin(turn), 0.2 + 0.5 * np.cos(turn), 0.3], abs=1e-12)
+
+
+@needs_gcc
+@pytest.mark.parametrize("name", ["ball", "world"])
+def test_a_body_of_any_name_is_in_mjcf(name: str, tmp_path: Path) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    text = f"""
+    [[body]]
+    name = "floor"
+    motion = "fixed"
+    shape = {{ kind = "plane" }}
+    [[body]]
+    name = "{name}"
+    shape = {{ kind = "sphere", radius = 0.1 }}
+    density = 1000.0
+    position = [0.0, 0.0, 0.1]
+    [[contact]]
+    between = ["floor", "{name}"]
+    """
+    file = folder_of(text, "mjcf", tmp_path) / "arm.xml"
+    model = mujoco.MjModel.from_xml_path(str(file))
+    assert {model.body(k).name for k in range(model.nbody)} == {
+        "world",
+        "floor",
+        name.replace("world", "world_"),
+    }
+    assert ("body world is called world_" in file.read_text()) == (name == "world")
+
+
 @needs_gcc
 @pytest.mark.slow
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import pytest
 from modelgen import Accuracy, simulate
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene import python_scenes as make
-from modelgen.scene.scene_types import Body
+from modelgen.scene.scene_types import Body, Shape
 from tests.running import library_of
 
 G = 9.81
@@ -206,6 +206,21 @@ def test_a_limit_counts_whole_turns() -> None:
     path = joined([block(angular_velocity=[0, 0, 10.0])], [hinge], until=3.0, samples=60)
     wanted = np.where(path.t < 2.0, 10.0 * path.t, 20.0 - 10.0 * (path.t - 2.0))
     assert np.abs(coordinate(path, "hinge.angle") - wanted).max() < 1e-10
+
+
+@pytest.mark.parametrize("shape", [make.cylinder(0.1, 0.2), make.circle(0.1), make.sphere(0.1)])
+def test_the_limit_of_a_hinge_does_not_know_the_shapes_of_other_bodies(shape: Shape) -> None:
+    hinge = {"name": "hinge", "kind": "revolute", "between": ["world", "block"], "limits": [0.0, 0.5]}
+    bodies = [
+        make.dynamic("near", shape, mass=1.0, inertia=[1, 1, 1], position=[5, 0, 0]),
+        make.fixed("far", shape, position=[9, 0, 0], rpy=[1.0, 0, 0]),
+        block(angular_velocity=[0, 0, 1.0]),
+    ]
+    path = joined(
+        bodies, [{**hinge, "restitution": 1.0, "frames": [{}, {}]}], until=0.9, gravity=[0, 0, 0],
+        contact=[{"between": ["near", "far"]}],
+    )  # fmt: skip
+    assert coordinate(path, "hinge.angle")[-1] == pytest.approx(0.1, abs=1e-12)
 
 
 def test_a_slide_rests_on_its_limit_with_its_weight() -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from modelgen import Accuracy, simulate
+from modelgen import Accuracy, simulate, start
 from modelgen.runtime.error_estimate import estimate_of
 from modelgen.runtime.run_distance import distance_between
 from modelgen.runtime.session import Session
@@ -53,6 +53,30 @@ def test_each_kind_of_error_of_the_samples_is_covered(name: str, accuracy: str) 
         stated, known = (float(getattr(run.estimate, key)[n - 1]) for run in (path, true))
         assert (apart - known) / 3 <= stated <= 100 * max(apart, known), key
         assert stated == getattr(path, f"{key}_error")[n - 1]
+
+
+SMOOTH = ("ellipsoid_on_plane", "gripper")
+MORE = [
+    pytest.param(name, marks=pytest.mark.slow) for name in ("rolling_ellipsoid", "turntable", "user_surface")
+]
+
+
+@pytest.mark.parametrize("name", [*SMOOTH, *MORE])
+def test_samples_of_the_first_steps_are_covered(name: str) -> None:
+    """Samples between two steps err as the step that holds them does; that of the companion is shorter, also
+    while steps grow. The truth is a run whose steps end at the samples."""
+    library, rng = scene_of(name), np.random.default_rng(3)
+    for _ in range(12):
+        until, samples = float(rng.uniform(0.05, 0.3)), int(rng.integers(3, 40))
+        path, true = simulate(library, until=until, samples=samples), start(library, accuracy="tight")
+        error = []
+        for k, t in enumerate(path.t):
+            if k:
+                true.step(t)
+            places = true.session.poses()[: len(path.body_names), :3]
+            error.append(np.linalg.norm(path.p[k] - places, axis=1).max())
+        assert path.estimate is not None
+        assert (np.array(error) <= path.estimate.position + 1e-15).all()
 
 
 @pytest.mark.parametrize("step", [1e-2, 1e-3])

@@ -10,7 +10,15 @@ from math import cos, log, pi, sin, sqrt
 import numpy as np
 
 from modelgen.benchmark.knobs import Settings
-from modelgen.benchmark.peers.scene_description import Setup, Solid, driven, numbers, unsteady
+from modelgen.benchmark.peers.scene_description import (
+    Setup,
+    Solid,
+    driven,
+    numbers,
+    shape_of,
+    unsteady,
+    unused_name,
+)
 from modelgen.scene.scene_types import ContactPair, ForceLoad, Scene, Shape, SpringLoad, TorqueLoad
 
 PRIMITIVES: Mapping[str, tuple[tuple[str, ...], float]] = {  # parameters, and what of the last MuJoCo takes
@@ -24,7 +32,10 @@ FLAT = ("plane", "box")  # a circle's rim on these is that of a thin cylinder
 FACED = ("plane", "box", "cylinder")  # with flat faces
 THIN = 1e-6  # half the thickness of that cylinder, over its radius
 HARD = "0.9999 0.9999 0.001 0.5 2"  # solimp of a contact that hardly gives
+BLOWS = "a blow is that of a spring and damper: its restitution is up to 0.15 off"
+FACES = "friction of a face acts at a few points of its rim"
 AXES = np.eye(3)
+WORLD = "world"  # a body that MuJoCo has of its own
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,14 +49,17 @@ class Mjcf:
     def text(self) -> str:
         scene = self.setup.scene
         rings = {
-            partner for pair in scene.contacts if is_ringed(self.setup, pair) for partner in pair.between
+            partner
+            for pair in scene.contacts
+            if is_ringed(self.setup.scene, pair)
+            for partner in pair.between
         }
         bodies = "".join(self._body(solid, rings) for solid in self.setup.solids)
-        pairs = "".join(self._pair(pair) for pair in scene.contacts if not is_ringed(self.setup, pair))
+        pairs = "".join(self._pair(pair) for pair in scene.contacts if not is_ringed(self.setup.scene, pair))
         meshes = "".join(_meshes(self.setup.solids))
         return (
             f"<mujoco>{self._option()}<asset>{meshes}</asset><worldbody>{bodies}"
-            f'<site name="world"/></worldbody><contact>{pairs}</contact>'
+            f'<site name="{WORLD}"/></worldbody><contact>{pairs}</contact>'
             f"<tendon>{''.join(_springs(scene))}</tendon>"
             f"<actuator>{''.join(_motors(scene))}</actuator></mujoco>"
         )
@@ -71,7 +85,8 @@ class Mjcf:
             for shape in solid.shapes
         )
         sites = "".join(_sites(self.setup.scene, solid))
-        pose = f'name="{solid.name}" pos="{_words(solid.p)}" quat="{_words(solid.quaternion)}"'
+        name = body_name(self.setup.scene, solid.name)
+        pose = f'name="{name}" pos="{_words(solid.p)}" quat="{_words(solid.quaternion)}"'
         if solid.fixed:
             return f"<body {pose}>{geoms}{sites}</body>"
         inertia = [*np.diag(solid.inertia), solid.inertia[0, 1], solid.inertia[0, 2], solid.inertia[1, 2]]
@@ -106,7 +121,7 @@ class Mjcf:
         slide = pair.friction.kinetic[0] if pair.friction else 0.0
         own = [slide, slide, pair.spinning_resistance, pair.rolling_resistance, pair.rolling_resistance]
         dimension = 6 if own[3] else 4 if own[2] else 3 if own[0] else 1
-        if is_ringed(self.setup, pair):
+        if is_ringed(self.setup.scene, pair):
             own = own[1:4]
         friction = f'condim="{dimension}"' + (f' friction="{_words(own)}"' if own[0] else "")
         damping = _damping(pair.restitution.value)
@@ -131,34 +146,40 @@ def unlike(scene: Scene) -> list[str]:
     return found + [f"joint {joint.name!r} is not exported" for joint in scene.joints]
 
 
-def different(setup: Setup) -> list[str]:
-    """Sentences: what MuJoCo represents otherwise."""
-    scene = setup.scene
+def different(scene: Scene) -> list[str]:
+    """Phrases: what MuJoCo represents otherwise."""
     found = ["its contacts give way: a penetration carries the force"] if scene.contacts else []
-    if any(is_ringed(setup, pair) for pair in scene.contacts):
+    if any(is_ringed(scene, pair) for pair in scene.contacts):
         found.append("circles are chains of capsules")
-    if any(shape.kind == "circle" for _, shape in _touching(setup)) and not len(found) > 1:
+    if any(shape.kind == "circle" for _, shape in _touching(scene)) and not len(found) > 1:
         found.append("circles are rims of thin cylinders")
     if any(pair.friction for pair in scene.contacts):
         found.append("what sticks creeps; static friction is kinetic friction")
     if scene.contacts:
-        found.append("a blow is that of a spring and damper: its restitution is up to 0.15 off")
-    if any(pair.friction and _has_faces(setup, pair) for pair in scene.contacts):
-        found.append("friction of a face acts at a few points of its rim")
+        found.append(BLOWS)
+    if any(pair.friction and _has_faces(scene, pair) for pair in scene.contacts):
+        found.append(FACES)
     if _motors(scene):
         found.append("loads are held over each step")
+    names = [(body.name, body_name(scene, body.name)) for body in scene.bodies]
+    found += [f"body {name} is called {other}" for name, other in names if name != other]
     return found
 
 
-def is_ringed(setup: Setup, pair: ContactPair) -> bool:
+def body_name(scene: Scene, name: str) -> str:
+    """The name of a body in the file: its own, unless it is that of MuJoCo's world."""
+    return unused_name(WORLD, {body.name for body in scene.bodies}) if name == WORLD else name
+
+
+def is_ringed(scene: Scene, pair: ContactPair) -> bool:
     """Whether a pair of shapes has a circle that no flat face meets."""
-    kinds = {setup.shape(partner).kind for partner in pair.between}
+    kinds = {shape_of(scene, partner).kind for partner in pair.between}
     return "circle" in kinds and not kinds & set(FLAT)
 
 
-def _has_faces(setup: Setup, pair: ContactPair) -> bool:
+def _has_faces(scene: Scene, pair: ContactPair) -> bool:
     """Whether both shapes of a pair have flat faces."""
-    shapes = [setup.shape(partner) for partner in pair.between]
+    shapes = [shape_of(scene, partner) for partner in pair.between]
     return all(shape.kind in FACED or bool(_corners(shape)) for shape in shapes)
 
 
@@ -167,8 +188,8 @@ def motors(scene: Scene) -> list[ForceLoad | TorqueLoad]:
     return [load for load in scene.loads if not isinstance(load, SpringLoad)]
 
 
-def _touching(setup: Setup) -> list[tuple[tuple[str, str], Shape]]:
-    return [(partner, setup.shape(partner)) for pair in setup.scene.contacts for partner in pair.between]
+def _touching(scene: Scene) -> list[tuple[tuple[str, str], Shape]]:
+    return [(partner, shape_of(scene, partner)) for pair in scene.contacts for partner in pair.between]
 
 
 def _is_linked(setup: Setup, pair: ContactPair) -> bool:
@@ -224,7 +245,7 @@ def _meshes(solids: Iterable[Solid]) -> Iterator[str]:
 
 def _geom(setup: Setup, solid: Solid, shape: Shape) -> str:
     where = f"{solid.name}/{shape.name}"
-    if not any(partner == (solid.name, shape.name) for partner, _ in _touching(setup)):
+    if not any(partner == (solid.name, shape.name) for partner, _ in _touching(setup.scene)):
         return ""
     placed = f'name="{where}" pos="{_words(solid.at(shape))}" quat="{_words(shape.pose.quaternion)}"'
     silent = 'contype="0" conaffinity="0"'  # the listed pairs alone touch
@@ -270,7 +291,7 @@ def _motors(scene: Scene) -> list[str]:
     for k, load in enumerate(scene.loads):
         if isinstance(load, SpringLoad):
             continue
-        axes = ' refsite="world"' if load.frame == "world" else ""
+        axes = f' refsite="{WORLD}"' if load.frame == "world" else ""
         for axis in AXES:
             zero = np.zeros(3)
             gear = _words([*axis, *zero] if isinstance(load, ForceLoad) else [*zero, *axis])

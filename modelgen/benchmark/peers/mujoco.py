@@ -61,8 +61,8 @@ class MujocoScene:
     def of(cls, setup: Setup) -> MujocoScene:
         pairs = setup.scene.contacts
         rough = ROUGH if any(pair.friction for pair in pairs) else ()
-        rings = RINGS if any(is_ringed(setup, pair) for pair in pairs) else ()
-        return cls(setup, unlike(setup.scene), different(setup), (*BASIC, *rough, *rings))
+        rings = RINGS if any(is_ringed(setup.scene, pair) for pair in pairs) else ()
+        return cls(setup, unlike(setup.scene), different(setup.scene), (*BASIC, *rough, *rings))
 
     def prepare(self, settings: Settings) -> Run:
         mujoco, setup = _module(), self.setup

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -105,7 +105,7 @@ class Setup:
 
     def shape(self, partner: tuple[str, str]) -> Shape:
         """The shape that a contact names as (body, shape)."""
-        return next(shape for shape in self.solid(partner[0]).shapes if shape.name == partner[1])
+        return shape_of(self.scene, partner)
 
 
 def _solid(shapes: tuple[Shape, ...], entry: Mapping[str, Any], start: list[Array]) -> Solid:
@@ -127,6 +127,12 @@ def _mass(inverse: Sequence[float]) -> tuple[float, Array]:
     return mass, np.asarray(np.linalg.inv((turning + turning.T) / 2))
 
 
+def shape_of(scene: Scene, partner: tuple[str, str]) -> Shape:
+    """The shape that a contact names as (body, shape)."""
+    (body,) = (each for each in scene.bodies if each.name == partner[0])
+    return next(shape for shape in body.shapes if shape.name == partner[1])
+
+
 def numbers(shape: Shape) -> dict[str, float]:
     """The parameters of a shape by name."""
     return dict(shape.parameters)
@@ -136,6 +142,13 @@ def rotation(quaternion: Array) -> Array:
     """(3, 3) of a unit quaternion (w, x, y, z)."""
     w, x, y, z = (float(part) for part in quaternion)
     return np.array(rows_of((w, x, y, z)))
+
+
+def unused_name(name: str, taken: Container[str]) -> str:
+    """The name, with underlines behind it where it is taken."""
+    while name in taken:
+        name += "_"
+    return name
 
 
 def driven(scene: Scene) -> list[str]:

@@ -94,6 +94,7 @@ static void mg_converge_from_centres(mg_context *c, int feature_pair, const mg_c
 
 MG_INTERNAL int mg_has_centre_curves(const mg_context *c, int feature_pair) {
   int kind[2];
+  if (mg_parametrisation(c, feature_pair, 1) == MG_NONE) return 0; /* as of limits of joints, which have no shapes */
   for (int side = 0; side < 2; side++)
     kind[side] = c->kernels->shape_kinds[c->system->feature_shape[2 * feature_pair + side]].centre_curve;
   return kind[0] && kind[1];

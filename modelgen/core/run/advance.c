@@ -14,7 +14,8 @@
    Returns an outcome. */
 static int mg_take_accurate_step(mg_context *c, mg_real *h) {
   mg_run *run = c->run;
-  mg_real most = 6;
+  const mg_real growth = c->settings->step_fraction < 1 ? MG_COMPANION_STEP_GROWTH : MG_STEP_GROWTH;
+  mg_real most = growth;
   c->step.rolling_step = 0;
   for (;;) {
     const mg_real error = mg_try_step(c, run->t, run->x, *h);
@@ -23,7 +24,7 @@ static int mg_take_accurate_step(mg_context *c, mg_real *h) {
       const mg_real next = *h * mg_step_growth(error, most);
       if (c->settings->method == MG_RK4) return MG_DONE;
       if (mg_has_slip_onset(c)) run->h = next < c->step.slip_limit ? next : c->step.slip_limit;
-      else if (next > run->h || *h >= run->h || most < 6) run->h = next;
+      else if (next > run->h || *h >= run->h || most < growth) run->h = next;
       return MG_DONE;
     }
     run->rejected++;
