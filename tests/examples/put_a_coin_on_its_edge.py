@@ -65,7 +65,7 @@ ALONE = 0.5  # s, for which it spins on after it was let go
 WEIGHT = 0.1 * 9.81
 
 
-def problem(elements: int = ELEMENTS, stages: int = 3) -> PlanExample:
+def problem(elements: int = ELEMENTS, stages: int = 4) -> PlanExample:
     derivation = derive(require(read_text(SCENE, "put_a_coin_on_its_edge.toml")))
     library = build(emit(derivation), level="O1")
     model = derivation.model
