@@ -12,7 +12,7 @@
 
 /* Most numbers of a packed vector. */
 static long mg_packed_size(const mg_system *s) {
-  return 64L + s->n_parameters + 3L * s->n_input + 24L * s->n_body + 2L * s->n_pair + 6L * s->n_joint +
+  return 64L + s->n_eta + s->n_parameters + 3L * s->n_input + 24L * s->n_body + 2L * s->n_pair + 6L * s->n_joint +
          s->kernels->n_sensor;
 }
 
@@ -34,6 +34,7 @@ MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int
   const mg_crossing none = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON};
   s->crossing = none;
   s->t_dot = 0, s->is_time = s->is_singular = 0, s->doubtful = -1;
+  s->follower = (mg_follower){s, 0, 0, mg_follow_stage};
   s->blow = mg_take_memory(&work, 1, sizeof(mg_blow));
   s->at.pose = mg_take_reals(&work, 12 * b), s->at.twist = mg_take_reals(&work, 6 * b);
   s->at.acceleration = mg_take_reals(&work, 6 * b), s->at.wrench = mg_take_reals(&work, 6 * b);
@@ -93,12 +94,6 @@ MG_API int mg_begin_tangent(const mg_system *system, const mg_settings *settings
   return MG_DONE;
 }
 
-/* Writes the slopes of the stages of a step to a tape. */
-static void mg_store_slopes(const mg_context *c, mg_tape *tape) {
-  const long n = MG_SLOPES_KEPT * (long)c->layout.n_states;
-  memcpy(tape->slopes + n * tape->count, c->step.slopes, (size_t)n * sizeof(mg_real));
-}
-
 /* Carries the derivatives over the step between two states of the run; the events first .. of the list belong to it.
    Leaves the run as it is after the step. */
 static int mg_follow_step(const mg_system *system, const mg_settings *settings, mg_run *run, mg_sensitivity *s,
@@ -113,7 +108,6 @@ static int mg_follow_step(const mg_system *system, const mg_settings *settings, 
   int reason = run->singular_passages != passages ? MG_BY_SINGULAR_CONTACT : MG_NO_REASON;
   if (mg_is_time_stepping(&c) || run->fallbacks + run->chatters != fallbacks) reason = MG_BY_TIME_STEPPING;
   const int unsure = mg_step_tangent(&c, s, h);
-  if (s->tangent->tape) mg_store_slopes(&c, s->tangent->tape);
   if (!reason) reason = unsure;
   mg_crossing crossing = s->crossing = mg_find_crossing(&c, events, first);
   if (events->count == first) { /* the modes are those of the step */
@@ -195,7 +189,8 @@ MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settin
     if (!is_stored) mg_store_run(system, run, before);
     is_stored = 0;
     memcpy(s.start, tangent->x, (size_t)n_dx * sizeof(mg_real));
-    outcome = mg_advance(system, settings, run, stop, 1, record, events, work, iwork);
+    s.follower.h = 0;
+    outcome = mg_advance_followed(system, settings, run, stop, 1, record, events, &s.follower, work, iwork);
     if (outcome == MG_DONE && stop < t_stop) outcome = MG_CONTINUE;
     if (run->steps == steps && run->t == t && events->count == first) continue;
     mg_store_run(system, run, after);

@@ -20,9 +20,14 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
 MG_INTERNAL void mg_store_run(const mg_system *system, const mg_run *run, unsigned char *bytes);
 MG_INTERNAL void mg_restore_run(const mg_system *system, mg_run *run, const unsigned char *bytes);
 
-/* advance_tangent.c */
+/* advance.c */
 
-#define MG_SLOPES_KEPT 12 /* slopes of a step on a tape: stages of DOP853 */
+/* mg_advance, its steps followed, or 0. */
+MG_INTERNAL int mg_advance_followed(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t_stop,
+                                    long max_steps, mg_record *record, mg_events *events, mg_follower *follower,
+                                    mg_real *work, int *iwork);
+
+/* advance_tangent.c */
 
 /* Divides the memory of derivatives along n directions. */
 MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int n, mg_real *work, int *iwork);
