@@ -115,6 +115,9 @@ typedef struct {
   mg_real *start;        /* [n n_states] derivatives before the step */
   int *closed_before;    /* [n_contact] closed before the event */
   int *slip_begins;      /* [n_friction + n_patch_slot] 1: slip of the constraint or patch begins in the step */
+  mg_real *slip;         /* [n_friction] at the start of the step, of its tolerance; 0: no slip in a plane */
+  mg_real slip_end;      /* time at which slip that falls much in the step would end, s; 0: none falls much */
+  int slip_falls;        /* its constraint */
   mg_crossing crossing;  /* of the step treated last */
   mg_real t_dot;         /* derivative of the time in the direction looked at: 1 of time itself */
   int is_time;           /* 1: the direction looked at is time: no number changes */

@@ -108,14 +108,37 @@ static int mg_uncertain_step(mg_context *c, mg_sensitivity *s, mg_real h) {
   return MG_NO_REASON;
 }
 
+/* Slip of a constraint in a plane, of its tolerance. Needs the velocities of the rows. */
+static mg_real mg_slip_of(const mg_context *c, int contact, int constraint) {
+  const mg_real *slip = c->rows.d_dot + mg_first_friction_row(c, contact, constraint);
+  return sqrt(mg_dot2(slip, slip)) / mg_slip_velocity_tolerance(c, constraint);
+}
+
+#define MG_FALLING_PART ((mg_real)0.55) /* more than a step that halves it */
+
+/* Notes slip that falls by more than this part in a step that does not end it: at its end, changes of its direction
+   grow so fast that an explicit step of the derivatives is not stable. Needs the velocities of the rows there. */
+static void mg_note_falling_slip(const mg_context *c, mg_sensitivity *s, mg_real h) {
+  s->slip_end = 0, s->slip_falls = -1;
+  for (int i = mg_next_row(c, -1); c->system->n_friction && i < c->layout.support_begin; i = mg_next_row(c, i))
+    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
+      const mg_real slip = s->slip[g] > 0 ? mg_slip_of(c, i, g) : 0, part = 1 - slip / mg_max(s->slip[g], 1);
+      if (!(slip > 2) || part < MG_FALLING_PART) continue;
+      s->slip_end = c->run->t + h / part, s->slip_falls = g;
+    }
+}
+
 /* Marks the constraints whose slip begins in this step, and has no direction of its own yet. Needs the state of the
    run. Returns whether there are any. */
 static int mg_mark_beginning_slip(mg_context *c, mg_sensitivity *s) {
   int any = 0;
   mg_update_gap_rates(c);
+  mg_zero_reals(s->slip, c->system->n_friction);
   for (int i = mg_next_row(c, -1); c->system->n_friction && i < c->layout.support_begin; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
       const int mode = c->run->friction_mode[g];
+      if (c->run->active[i] && mode == MG_SLIPPING && mg_friction_row_count(c, g) == 2)
+        s->slip[g] = mg_slip_of(c, i, g);
       s->slip_begins[g] = c->run->active[i] && mg_friction_row_count(c, g) == 2 &&
                           (mode == MG_SLIP_ONSET || mode == MG_SLIP_STARTING) &&
                           !mg_is_turned_by_slip(c, g, c->rows.d_dot + mg_first_friction_row(c, i, g));
@@ -274,6 +297,7 @@ MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h) {
     mg_normalise_tangent(c, c->step.end, dx);
   }
   mg_settle_step_end(c, s, t + h);
+  mg_note_falling_slip(c, s, h);
   if (!reason && mg_has_unknown_patch_slip(c)) reason = MG_BY_FACES, s->doubtful = mg_first_closed_support(c);
   for (int j = 0; j < n && !reason && slip_begins; j++) {
     mg_rhs_tangent(c, s, j, t + h, c->step.end, s->tangent->x + (long)j * states, s->stage);
