@@ -23,7 +23,7 @@ import numpy as np
 from modelgen.errors import ModelgenError
 from tests.examples.plan_example import PlanExample
 
-NAMES = ("roll_an_ellipsoid", "masse_shot", "put_a_coin_on_its_edge")
+NAMES = ("roll_an_ellipsoid", "masse_shot", "put_a_coin_on_its_edge", "balance_the_wheel")
 NEAR = 1e-3  # m
 
 

@@ -11,6 +11,8 @@ import pytest
 
 from modelgen import derive, read, require, start
 from modelgen.casadi_functions.complementarity import mpcc
+from modelgen.composition.complementarity import complementarity_system
+from modelgen.composition.contact_mode import named_feature_pairs
 from modelgen.errors import ModelgenError
 from modelgen.optimal_control.motion_guess import followed
 from modelgen.optimal_control.transcription import Transcription
@@ -71,7 +73,14 @@ def test_contacts_that_rebound_are_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["roll_an_ellipsoid", pytest.param("put_a_coin_on_its_edge", marks=pytest.mark.slow)]
+    "name",
+    [
+        "roll_an_ellipsoid",
+        *(
+            pytest.param(name, marks=pytest.mark.slow)
+            for name in ("put_a_coin_on_its_edge", "balance_the_wheel")
+        ),
+    ],
 )
 def test_a_worked_example_is_solved_from_its_guess(name: str) -> None:
     example = import_module(f"tests.examples.{name}").problem()
@@ -80,6 +89,17 @@ def test_a_worked_example_is_solved_from_its_guess(name: str) -> None:
     assert found.solution.complementarity < 1e-9
     assert example.missed(example.simulated(found)[-1]) < 1e-3
     assert example.reproduced(found)[0] < 1e-3
+
+
+@pytest.mark.parametrize(("name", "held"), [("balancing_wheel", 1), ("rolling_disc", 0), ("bicycle", 0)])
+def test_friction_across_the_plane_of_a_planar_body_is_left_out(name: str, held: int) -> None:
+    """Its direction has a component that is zero whatever the slip; others follow the slip."""
+    model = require(read(SCENES / f"{name}.toml"))
+    pairs = tuple(named_feature_pairs(model, ()))
+    system = complementarity_system(model, derive(model).functions(), pairs, ca.SX)
+    friction = ca.vertcat(*system.equal)
+    slips = ca.which_depends(friction, system.scene.symbols.u, 1, True)
+    assert len(slips) - sum(slips) == held
 
 
 @pytest.mark.slow
