@@ -107,8 +107,8 @@ def _forces(scene: WrittenScene, loads: Expression) -> Expression:
 
 
 def _held_by_joints(scene: WrittenScene) -> set[int]:
-    """Places of the friction rows along which joints permit no slip, at the start and a motion that they
-    permit away from there."""
+    """Places of the friction rows along which joints permit no slip: at the start, and where a motion that
+    they permit leads from there."""
     rows, model, symbols = scene.rows.rows, scene.model, scene.symbols
     places = [k for k, row in enumerate(rows) if row.kind == "friction"]
     joints = [row.J for row in rows if row.kind == "joint"]
@@ -116,13 +116,16 @@ def _held_by_joints(scene: WrittenScene) -> set[int]:
         return set()
     results = [ca.vertcat(*joints), ca.vertcat(*(rows[k].J for k in places)), scene.qdot]
     function = ca.Function("jacobians", list(vars(symbols).values()), results)
-    rest = [np.zeros(symbols.eta.shape), model.scene.gravity, parameter_values(model), 0]
-    q, u = np.array(model.initial_q), np.zeros(model.n_u)
-    J, slip, _ = (np.array(each) for each in function(0, q, u, *rest))
-    permitted = _without(np.random.default_rng(0).normal(size=(1, model.n_u)), J)[0]
-    moved = q + MOVED * np.array(function(0, q, permitted, *rest)[2]).ravel()
-    J_moved, slip_moved, _ = (np.array(each) for each in function(0, moved, u, *rest))
-    left = [np.abs(_without(one, other)).max(axis=1) for one, other in ((slip, J), (slip_moved, J_moved))]
+    rest: list[Any] = [np.zeros(symbols.eta.shape), model.scene.gravity, parameter_values(model), 0]
+
+    def at(q: Array, u: Array) -> list[Array]:
+        return [np.array(each) for each in function.call([ca.DM(each) for each in (0, q, u, *rest)])]
+
+    q = np.array(model.initial_q)
+    u = np.random.default_rng(0).normal(size=model.n_u)
+    permitted = _without(u[None], at(q, u)[0])[0]
+    moved = q + MOVED * at(q, permitted)[2].ravel()
+    left = [np.abs(_without(slip, J)).max(axis=1) for J, slip, _ in (at(q, permitted), at(moved, permitted))]
     return {k for k, *parts in zip(places, *left, strict=True) if max(parts) <= HELD}
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from modelgen import build, derive, emit, require
 from modelgen.optimal_control.motion_guess import run_from
+from modelgen.optimal_control.relaxation import RELAXATIONS
 from modelgen.optimal_control.transcription import Transcription
 from modelgen.scene.read import read_text
 from tests.examples.plan_example import Array, PlanExample, upright
@@ -96,7 +97,7 @@ def problem(elements: int = ELEMENTS, stages: int = 4) -> PlanExample:
         q = alone.state
         return float(np.linalg.norm(q[:3] - [0, 0, RADIUS]) + RADIUS * abs(upright(q[3:7])[2]))
 
-    return PlanExample(plan, library, guess, perturbed, missed)
+    return PlanExample(plan, library, guess, perturbed, missed, (1e-1, 1e-2, *RELAXATIONS))
 
 
 if __name__ == "__main__":

@@ -84,7 +84,7 @@ def test_contacts_that_rebound_are_refused() -> None:
 )
 def test_a_worked_example_is_solved_from_its_guess(name: str) -> None:
     example = import_module(f"tests.examples.{name}").problem()
-    found = example.plan.solve(example.guess)
+    found = example.plan.solve(example.guess, solver=example.solver())
     assert found.solution.success
     assert found.solution.complementarity < 1e-9
     assert example.missed(example.simulated(found)[-1]) < 1e-3
@@ -106,7 +106,7 @@ def test_friction_across_the_plane_of_a_planar_body_is_left_out(name: str, held:
 def test_a_plan_whose_contact_changes_at_ends_of_elements_is_followed_to_a_millionth() -> None:
     """The ball slides, then rolls; the ends of the elements move to that instant."""
     example = masse_shot.problem()
-    found = example.plan.solve(example.guess)
+    found = example.plan.solve(example.guess, solver=example.solver())
     assert found.solution.strong
     assert example.reproduced(found)[0] < 1e-6
     assert example.missed(example.simulated(found)[-1]) < 1e-6
@@ -116,7 +116,7 @@ def test_a_plan_whose_contact_changes_at_ends_of_elements_is_followed_to_a_milli
 @pytest.mark.parametrize("name", NAMES)
 def test_worked_examples_converge_from_perturbed_starts(name: str) -> None:
     example = import_module(f"tests.examples.{name}").problem()
-    solver = example.plan.solver()
+    solver = example.solver()
     rows = [solved(example, solver, seed) for seed in range(20)]
     assert sum(row["missed"] < NEAR for row in rows) >= 18
 
