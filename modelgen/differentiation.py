@@ -9,7 +9,7 @@ is (w, x, x_dot) -> y_dot = dy/dx x_dot, an adjoint (w, x, y_bar) -> x_bar = (dy
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import casadi as ca
@@ -22,7 +22,7 @@ ROWS = 6  # most rows of a contact or joint
 SIZES: Mapping[str, int] = {"t": 1, "q": 7, "u": 6, "wrench": 6, "gravity": 3, "pose": 12, "twist": 6}
 TASKS: Mapping[str, str] = {
     "pose": "pose", "motion": "motion", "path": "path", "wrench": "load",
-    "rates": "contact", "place": "placement", "rows": "joint", "sensors": "sensors",
+    "rates": "contact", "place": "placement", "rows": "joint", "sensors": "sensors", "rhs": "scene",
 }  # fmt: skip
 """The task of core/sensitivity that a role serves."""
 
@@ -38,11 +38,11 @@ class PackedFormula:
     adjoint: ca.Function  # (w, x, y_bar) -> x_bar
 
 
-def packed_formulas(derivation: Derivation) -> tuple[PackedFormula, ...]:
-    """The differentiated formulas of all kinds of a model."""
+def packed_formulas(derivation: Derivation, formulas: Iterable[Formula]) -> tuple[PackedFormula, ...]:
+    """Those of the formulas of a model that its runs are differentiated by, with their derivatives."""
     return tuple(
         _differentiated(TASKS[formula.role], formula.kind, formula.name, *_packed(derivation, formula))
-        for formula in derivation.formulas
+        for formula in formulas
         if formula.role in TASKS
     )
 
@@ -72,6 +72,8 @@ def _packed(derivation: Derivation, formula: Formula) -> tuple[ca.SX, ca.SX, ca.
     results = dict(zip(function.name_out(), function.call(values), strict=True))
     if formula.role == "place":
         return ca.SX(0, 1), x, ca.vertcat(results["d"], results["eta_next"])
+    if formula.role == "rhs":
+        return ca.SX(0, 1), x, ca.vertcat(results["qdot"], results["udot"], results["eta_dot"])
     padded = [_padded(value, SIZES.get(_base(name))) for name, value in results.items()]
     return ca.SX(0, 1), x, ca.vertcat(*padded)
 
@@ -133,10 +135,12 @@ def _arguments(function: ca.Function) -> tuple[ca.SX, list[ca.SX]]:
 
 
 def _sizes(function: ca.Function) -> Iterator[tuple[str, int]]:
-    sensed = "pairs" in function.name_in()
+    of_all_bodies = "pairs" in function.name_in() or (
+        "q" in function.name_in() and "eta" in function.name_in()
+    )
     for name in function.name_in():
         own = int(function.numel_in(name))
-        yield name, own if sensed else SIZES.get(_base(name), own)
+        yield name, own if of_all_bodies else SIZES.get(_base(name), own)
 
 
 def _base(name: str) -> str:

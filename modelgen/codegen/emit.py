@@ -90,7 +90,7 @@ def emit(derivation: Derivation, derivatives: bool = False) -> Package:
         each for each in derivation.formulas if each.role != "rhs" or runs_in_steps(derivation.model, each)
     ]
     internal = {formula.name: f"{PREFIX}_f{index}" for index, formula in enumerate(compiled)}
-    packed = packed_formulas(derivation) if derivatives else ()
+    packed = packed_formulas(derivation, compiled) if derivatives else ()
     files = {
         "kernels.c": _kernels(compiled),
         "model.c": _head(bool(packed)) + table_text(derivation, internal),

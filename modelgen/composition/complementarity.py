@@ -3,7 +3,8 @@ conditions of contacts, limits and friction as pairs G, H: 0 <= G, 0 <= H, G H =
 
 The friction forces of a contact are lambda_n mu d, with a direction d, |d| <= 1. Coulomb's law, with s the
 slip times mu, and g >= 0: s + g d = 0, g complementary to 1 - |d|^2. So d and g are known where the contact
-is open, too: g = |s|.
+is open, too: g = |s|. Where joints permit no slip along an axis, as across the plane of a planar body, its
+friction cannot be told from their forces: d has no part along it.
 """
 
 from __future__ import annotations
@@ -12,14 +13,19 @@ from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
+import numpy as np
 
 from modelgen.composition.constraint_rows import Row
 from modelgen.composition.contact_mode import ContactMode, FrictionMode, contact_count, friction_of_contacts
 from modelgen.composition.moving_bodies import Functions, mass_matrix
 from modelgen.composition.right_hand_side import WrittenScene, written_scene
-from modelgen.composition.scene_symbols import Expression
+from modelgen.composition.scene_symbols import Expression, parameter_values
 from modelgen.composition.step import settled_state
 from modelgen.model import Model
+
+Array = np.ndarray[Any, Any]
+MOVED = 1e-4  # s, of a motion with speeds of about one unit; its rows leave those of its start by the square
+HELD = 1e-6  # parts of rows that are zero
 
 
 @dataclass(frozen=True)
@@ -66,7 +72,7 @@ def complementarity_system(
     for k, row in enumerate(rows):
         push = push + row.J.T * forces[k]
     mass = mass_matrix(scene.bodies)
-    first, second, equal = _conditions(scene, loads, speeds, listed)
+    first, second, equal = _conditions(scene, loads, speeds, listed, _held_by_joints(scene))
     return ComplementaritySystem(
         scene=scene,
         loads=loads,
@@ -100,8 +106,40 @@ def _forces(scene: WrittenScene, loads: Expression) -> Expression:
     return ca.vertcat(*forces) if forces else loads
 
 
+def _held_by_joints(scene: WrittenScene) -> set[int]:
+    """Places of the friction rows along which joints permit no slip: at the start, and where a motion that
+    they permit leads from there."""
+    rows, model, symbols = scene.rows.rows, scene.model, scene.symbols
+    places = [k for k, row in enumerate(rows) if row.kind == "friction"]
+    joints = [row.J for row in rows if row.kind == "joint"]
+    if not places or not joints:
+        return set()
+    results = [ca.vertcat(*joints), ca.vertcat(*(rows[k].J for k in places)), scene.qdot]
+    function = ca.Function("jacobians", list(vars(symbols).values()), results)
+    rest: list[Any] = [np.zeros(symbols.eta.shape), model.scene.gravity, parameter_values(model), 0]
+
+    def at(q: Array, u: Array) -> list[Array]:
+        return [np.array(each) for each in function.call([ca.DM(each) for each in (0, q, u, *rest)])]
+
+    q = np.array(model.initial_q)
+    u = np.random.default_rng(0).normal(size=model.n_u)
+    permitted = _without(u[None], at(q, u)[0])[0]
+    moved = q + MOVED * at(q, permitted)[2].ravel()
+    left = [np.abs(_without(slip, J)).max(axis=1) for J, slip, _ in (at(q, permitted), at(moved, permitted))]
+    return {k for k, *parts in zip(places, *left, strict=True) if max(parts) <= HELD}
+
+
+def _without(rows: Array, J: Array) -> Array:
+    """What of the rows (n, n_u) the rows J do not span."""
+    return np.asarray(rows - rows @ np.linalg.pinv(J) @ J)
+
+
 def _conditions(
-    scene: WrittenScene, loads: Expression, speeds: Expression, listed: tuple[int, ...]
+    scene: WrittenScene,
+    loads: Expression,
+    speeds: Expression,
+    listed: tuple[int, ...],
+    held: set[int],
 ) -> tuple[list[Expression], list[Expression], list[Expression]]:
     """G, H, and what is zero."""
     rows = scene.rows.rows
@@ -114,7 +152,10 @@ def _conditions(
             equal += [loads[k] for k in own]
             continue
         mu = scene.parameters.friction[number]
-        equal += [mu[i] * rows[k].rate + speeds[number] * loads[k] for i, k in enumerate(own)]
+        equal += [
+            loads[k] if k in held else mu[i] * rows[k].rate + speeds[number] * loads[k]
+            for i, k in enumerate(own)
+        ]
         first.append(speeds[number])
         second.append(1 - sum(loads[k] ** 2 for k in own))
     return first, second, equal

@@ -96,8 +96,9 @@ enum {
   MG_TASK_PLACEMENT = 5, /* x = [pose o 12, pose f 12, eta, parameters], y = [d, eta_next] */
   MG_TASK_JOINT = 6,     /* w as of a contact, x = [t, pose a 12, twist a 6, pose b 12, twist b 6, parameters, inputs],
                             y = [J^T force 12, value_ddot 6, value_dot 6, value 6] */
-  MG_TASK_SENSORS = 7    /* x = [t, pose, twist, accel, pairs, joints, gravity, parameters, inputs] of `sense`, y =
+  MG_TASK_SENSORS = 7,   /* x = [t, pose, twist, accel, pairs, joints, gravity, parameters, inputs] of `sense`, y =
                             [sensors] */
+  MG_TASK_SCENE = 8      /* x = [t, q, u, eta, gravity, parameters], y = [q_dot, u_dot, eta_dot] of `scene_rhs` */
 };
 
 /* Derivatives of the formulas of a scene. */

@@ -28,19 +28,7 @@ from modelgen.optimal_control.motion_guess import MotionGuess, guessed_motion
 from modelgen.optimal_control.relaxation import RELAXATIONS, RelaxedSolution, RelaxedSolver
 
 Array = np.ndarray[Any, Any]
-ROOT = 6**0.5
-RADAU: Mapping[int, tuple[list[list[float]], list[float]]] = {
-    1: ([[1.0]], [1.0]),
-    2: ([[5 / 12, -1 / 12], [3 / 4, 1 / 4]], [1 / 3, 1.0]),
-    3: (
-        [
-            [(88 - 7 * ROOT) / 360, (296 - 169 * ROOT) / 1800, (-2 + 3 * ROOT) / 225],
-            [(296 + 169 * ROOT) / 1800, (88 + 7 * ROOT) / 360, (-2 - 3 * ROOT) / 225],
-            [(16 - ROOT) / 36, (16 + ROOT) / 36, 1 / 9],
-        ],
-        [(4 - ROOT) / 10, (4 + ROOT) / 10, 1.0],
-    ),
-}
+MOST_STAGES = 4
 TINY = 1e-12  # m/s, slip without a direction
 LENGTHS = (0.25, 2.0)  # of free elements, in parts of the mean
 
@@ -97,7 +85,7 @@ class Transcription:
         Args:
             horizon: s.
             n: elements.
-            stages: of collocation in each, 1 to 3: q is of order 1, 3 or 5 in the length of elements.
+            stages: of collocation in each, 1 to 4: q is of order 1, 3, 5 or 7 in the length of elements.
             free_lengths: elements are as long as the solution wants, within bounds, over the same horizon.
             impacts: contacts may close at ends of elements; False saves these unknowns.
             feature_pairs: of contacts between shapes of several features, by the name of the contact.
@@ -106,14 +94,15 @@ class Transcription:
             ModelgenError: impacts rebound, n or stages are none that are known.
         """
         model = derivation.model
-        if stages not in RADAU or n < 1 or not horizon > 0:
+        if not 1 <= stages <= MOST_STAGES or n < 1 or not horizon > 0:
             found = f"stages = {stages}, n = {n}, horizon = {horizon}"
-            raise ModelgenError("Transcription", found, "1 to 3 stages, n from 1 on, a horizon in seconds")
+            known = f"1 to {MOST_STAGES} stages, n from 1 on, a horizon in seconds"
+            raise ModelgenError("Transcription", found, known)
         _refuse_rebound(derivation, impacts)
         pairs = tuple(named_feature_pairs(model, (feature_pairs or {}).items()))
         self.derivation, self.horizon, self.n = derivation, float(horizon), n
         self.model = model
-        self._A, self._c = RADAU[stages]
+        self._A, self._c = radau(stages)
         system = complementarity_system(model, derivation.functions(), pairs, ca.SX)
         self._units = _units(system)
         self._stage, self._kick = _functions(system, self._units)
@@ -365,6 +354,13 @@ class Transcription:
             solution=found,
             unknowns=found.x,
         )
+
+
+def radau(stages: int) -> tuple[Array, Array]:
+    """(stages, stages) and (stages,): matrix and nodes of Radau IIA."""
+    nodes = np.array(ca.collocation_points(stages, "radau"))
+    powers = np.arange(1, stages + 1)  # the method integrates the powers below stages
+    return (nodes[:, None] ** powers / powers) @ np.linalg.inv(nodes[:, None] ** (powers - 1)), nodes
 
 
 def _refuse_rebound(derivation: Derivation, impacts: bool) -> None:

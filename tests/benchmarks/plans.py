@@ -23,7 +23,7 @@ import numpy as np
 from modelgen.errors import ModelgenError
 from tests.examples.plan_example import PlanExample
 
-NAMES = ("roll_an_ellipsoid", "masse_shot", "put_a_coin_on_its_edge")
+NAMES = ("roll_an_ellipsoid", "masse_shot", "put_a_coin_on_its_edge", "balance_the_wheel")
 NEAR = 1e-3  # m
 
 
@@ -56,7 +56,7 @@ def main() -> None:
         known = {(row["example"], row["seed"]): row for row in rows}
     for name in given.only:
         example = import_module(f"tests.examples.{name}").problem()
-        solver, rows = example.plan.solver(), []
+        solver, rows = example.solver(), []
         for seed in range(given.starts):
             if (name, seed) not in known:
                 known[name, seed] = {"example": name, "seed": seed} | solved(example, solver, seed)

@@ -120,7 +120,7 @@ def throws(starts: int) -> None:
 
 def shots(starts: int) -> None:
     example = masse_shot.problem()
-    solver = example.plan.solver()
+    solver = example.solver()
     runs: dict[str, list[int]] = {"plan": [], "differences": [], "CMA-ES": []}
     model = example.plan.derivation.model
     for seed in range(starts):

@@ -6,10 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import casadi as ca
 import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.optimal_control.motion_guess import followed
+from modelgen.optimal_control.relaxation import RELAXATIONS, RelaxedSolver
 from modelgen.optimal_control.transcription import Plan, Transcription
 
 Array = np.ndarray[Any, Any]
@@ -23,6 +25,7 @@ class PlanExample:
         guess: all unknowns, from a simulated run.
         perturbed: others, from runs with random starts or inputs.
         missed: how far a state (n_x,) at the end is from what was wanted, m.
+        relaxations: of its solver.
     """
 
     plan: Transcription
@@ -30,6 +33,10 @@ class PlanExample:
     guess: Array
     perturbed: Callable[[np.random.Generator], Array]
     missed: Callable[[Array], float]
+    relaxations: tuple[float, ...] = RELAXATIONS
+
+    def solver(self) -> RelaxedSolver[ca.MX]:
+        return self.plan.solver(self.relaxations)
 
     def simulated(self, found: Plan) -> Array:
         """(n + 1, n_x) the states of a run under the inputs of the plan."""
@@ -44,7 +51,7 @@ class PlanExample:
 
     def tell(self) -> None:
         """Solve it from its guess and print what came out."""
-        found = self.plan.solve(self.guess)
+        found = self.plan.solve(self.guess, solver=self.solver())
         positions, velocities = self.reproduced(found)
         print(f"solved: {found.solution.success}, in {found.solution.iterations} iterations")
         print(f"the simulated plan misses by {self.missed(self.simulated(found)[-1]):.1e} m")

@@ -13,6 +13,7 @@ import numpy as np
 
 from modelgen import build, derive, emit, require
 from modelgen.optimal_control.motion_guess import run_from
+from modelgen.optimal_control.relaxation import RELAXATIONS
 from modelgen.optimal_control.transcription import Transcription
 from modelgen.scene.read import read_text
 from tests.examples.plan_example import Array, PlanExample, upright
@@ -65,7 +66,7 @@ ALONE = 0.5  # s, for which it spins on after it was let go
 WEIGHT = 0.1 * 9.81
 
 
-def problem(elements: int = ELEMENTS, stages: int = 3) -> PlanExample:
+def problem(elements: int = ELEMENTS, stages: int = 4) -> PlanExample:
     derivation = derive(require(read_text(SCENE, "put_a_coin_on_its_edge.toml")))
     library = build(emit(derivation), level="O1")
     model = derivation.model
@@ -96,7 +97,7 @@ def problem(elements: int = ELEMENTS, stages: int = 3) -> PlanExample:
         q = alone.state
         return float(np.linalg.norm(q[:3] - [0, 0, RADIUS]) + RADIUS * abs(upright(q[3:7])[2]))
 
-    return PlanExample(plan, library, guess, perturbed, missed)
+    return PlanExample(plan, library, guess, perturbed, missed, (1e-1, 1e-2, *RELAXATIONS))
 
 
 if __name__ == "__main__":

@@ -46,14 +46,14 @@ static void mg_solve_island(mg_context *c, int n, const mg_real *rate, mg_real *
 static void mg_hold_island(mg_context *c, int first, const mg_real *rate, mg_real *amount) {
   int n = 0;
   for (int i = first; i >= 0; i = c->islands.next[i]) c->islands.rows[n++] = i;
-  mg_assemble_delassus(c, c->islands.rows, n);
+  if (!c->lcp.keeps_matrix) mg_assemble_delassus(c, c->islands.rows, n), c->lcp.n_assembled++;
   mg_solve_island(c, n, rate, amount);
 }
 
 /* The same for the n rows of c->lcp.rows, which act on one pair of bodies. */
 static void mg_hold_pair(mg_context *c, int n, const mg_real *rate, mg_real *amount) {
   for (int r = 0; r < n; r++) c->islands.rows[r] = c->lcp.rows[r];
-  mg_assemble_delassus_of_pair(c, c->islands.rows, n);
+  if (!c->lcp.keeps_matrix) mg_assemble_delassus_of_pair(c, c->islands.rows, n), c->lcp.n_assembled++;
   mg_solve_island(c, n, rate, amount);
 }
 
@@ -105,7 +105,7 @@ static void mg_solve_listed_rows(mg_context *c, int n, const mg_real *rate, mg_r
 static void mg_solve_contact_forces(mg_context *c) {
   c->friction.couples_normal = c->system->n_friction > 0;
   if (c->friction.couples_normal) mg_set_slip_force_ratios(c);
-  c->patches.pressure_rounds = 0;
+  c->patches.pressure_rounds = c->lcp.n_assembled = 0;
   const int n = mg_list_marked_rows(c, c->run->active, 1, c->solution.force);
   for (int r = 0; r < n; r++) c->rows.row_rate[c->lcp.rows[r]] = mg_row_acceleration(c, c->lcp.rows[r]);
   mg_solve_listed_rows(c, n, c->rows.row_rate, c->solution.force);

@@ -64,11 +64,15 @@ static mg_real mg_dop853_error(const mg_context *c, const mg_real *x, mg_real h)
 
 MG_INTERNAL mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   const int is_composed = mg_is_in_mode_of_scene_rhs(c);
+  mg_follower *follower = c->step.follower && c->step.follower->is_open ? c->step.follower : 0;
+  if (follower) follower->stage(c, follower->of, is_composed, 0, t, h);
   for (int stage = 1; stage < 12; stage++) {
     mg_dop853_stage(c, is_composed, stage, t, x, h);
     if (stage > 2) mg_watch_event_signs(c), mg_sample_margins_at_stage(c, stage);
+    if (follower) follower->stage(c, follower->of, is_composed, stage, t + mg_dop_time[stage] * h, h);
   }
   mg_dop853_combine(c, 12, x, h, c->step.end);
+  if (follower) follower->stage(c, follower->of, is_composed, 12, t + h, h), follower->h = h;
   return mg_dop853_error(c, x, h);
 }
 

@@ -11,6 +11,7 @@ MG_INTERNAL int mg_is_collocated(const mg_context *c) {
 }
 
 MG_INTERNAL mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+  if (c->step.follower) c->step.follower->h = 0;
   if (mg_has_rolling_start(c)) return mg_take_rolling_start_step(c, t, c->run->x, h);
   if (c->system->n_friction && mg_has_slip_onset(c)) {
     const mg_real error = mg_take_slip_onset_step(c, t, x, h), least = c->system->time * sqrt(c->settings->tolerance);
@@ -25,7 +26,10 @@ MG_INTERNAL mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_
 
 MG_INTERNAL mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   c->step.sign_changed = c->step.left_margin = 0;
-  return mg_take_step(c, t, x, h);
+  if (c->step.follower) c->step.follower->is_open = 1;
+  const mg_real error = mg_take_step(c, t, x, h);
+  if (c->step.follower) c->step.follower->is_open = 0;
+  return error;
 }
 
 MG_INTERNAL void mg_finish_step(mg_context *c, mg_real t, mg_real h) {

@@ -44,6 +44,16 @@
 #define MG_SLIP_ENDS 11         /* the slip of a patch ends */
 
 typedef struct mg_patch_friction mg_patch_friction; /* friction of the patch in a slot (forces/forces.h) */
+typedef struct mg_context mg_context;
+
+/* What goes along with the steps of DOP853 that mg_advance tries. */
+typedef struct {
+  void *of;
+  mg_real h;   /* length of the step whose stages in c->step.slopes are followed, s; 0: none */
+  int is_open; /* 1: the step now taken is one that is tried, not one towards an event */
+  /* After each stage, and with stage 12 at the end; stage 0 comes before the others and is not evaluated. */
+  void (*stage)(mg_context *c, void *of, int is_composed, int stage, mg_real t, mg_real h);
+} mg_follower;
 
 /* A sampled point of a feature. */
 typedef struct {
@@ -152,6 +162,8 @@ typedef struct {
   int *iwork;         /* [mg_lcp_iwork_size(n)] memory of the solvers */
   int *joint_mask;    /* [n] bilateral rows; of joint rows alone: the independent ones */
   int *column;        /* [per row] its column in A, else -1 */
+  int n_assembled;    /* matrices that the last right-hand side has assembled */
+  int keeps_matrix;   /* 1: A is that of all rows, which are not assembled again */
 } mg_lcp_workspace;
 
 /* Islands: sets of rows that share moving bodies. */
@@ -286,6 +298,7 @@ typedef struct {
   int stiff_failures;    /* collocations of stiff slip that have failed at this state */
   int sign_changed;      /* 1: an event function had changed sign at a stage */
   int left_margin;       /* 1: a pair of shapes that is left out could have met at a stage */
+  mg_follower *follower; /* or null */
 } mg_step_workspace;
 
 /* Events of one step. */
@@ -371,7 +384,7 @@ typedef struct {
 } mg_contact_view;
 
 /* The context. The first four are the caller's. */
-typedef struct {
+struct mg_context {
   const mg_system *system;
   const mg_kernels *kernels;
   const mg_settings *settings;
@@ -392,7 +405,7 @@ typedef struct {
   mg_step_workspace step;
   mg_event_workspace events;
   mg_sensor_workspace sensors;
-} mg_context;
+};
 
 /* Two shapes of a contact kind at given poses. */
 typedef struct {

@@ -237,11 +237,12 @@ static void mg_evaluate_known_state(mg_context *c) {
   c->run->rhs_evals = evaluations;
 }
 
-MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t_stop, long max_steps,
-                      mg_record *record, mg_events *events, mg_real *work, int *iwork) {
+MG_INTERNAL int mg_advance_followed(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t_stop,
+                                    long max_steps, mg_record *record, mg_events *events, mg_follower *follower,
+                                    mg_real *work, int *iwork) {
   mg_context c;
   mg_open_context(&c, system, settings, run, work, iwork);
-  c.step.stop_time = t_stop;
+  c.step.stop_time = t_stop, c.step.follower = follower;
   mg_evaluate_known_state(&c);
   if (!mg_has_event_room(&c, events)) return MG_LIST_FULL;
   const int refused = mg_apply_inputs(&c, events);
@@ -266,4 +267,9 @@ MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_r
     mg_record_now(&c, record);
   }
   return MG_DONE;
+}
+
+MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t_stop, long max_steps,
+                      mg_record *record, mg_events *events, mg_real *work, int *iwork) {
+  return mg_advance_followed(system, settings, run, t_stop, max_steps, record, events, 0, work, iwork);
 }

@@ -19,6 +19,13 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
 MG_INTERNAL void mg_store_run(const mg_system *system, const mg_run *run, unsigned char *bytes);
 MG_INTERNAL void mg_restore_run(const mg_system *system, mg_run *run, const unsigned char *bytes);
 
+/* advance.c */
+
+/* mg_advance, its steps followed, or 0. */
+MG_INTERNAL int mg_advance_followed(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t_stop,
+                                    long max_steps, mg_record *record, mg_events *events, mg_follower *follower,
+                                    mg_real *work, int *iwork);
+
 /* inputs.c */
 
 #define MG_JOINT_ROWS_MAX 6 /* most rows of a joint */

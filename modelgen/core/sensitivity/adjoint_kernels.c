@@ -141,6 +141,17 @@ MG_INTERNAL void mg_place_bodies_adjoint(const mg_context *c, mg_sensitivity *s,
   }
 }
 
+MG_INTERNAL void mg_scene_adjoint(const mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x,
+                                  const mg_real *slope_bar, mg_real *x_bar) {
+  const int n = c->layout.work_state, parameters = c->system->n_parameters;
+  s->x[0] = t;
+  mg_pack(mg_pack(mg_pack(s->x + 1, n, x), 3, c->system->gravity), parameters, c->system->parameters);
+  mg_zero_reals(s->x_dot, 4L + n + parameters); /* not all parameters need be arguments */
+  c->kernels->derivatives->adjoint(MG_TASK_SCENE, 0, s->weights, s->x, slope_bar, s->x_dot);
+  const mg_real *part = mg_add_part(s->adjoint->gravity, 3, mg_add_part(x_bar, n, s->x_dot + 1));
+  mg_add_part(s->adjoint->parameters, parameters, part);
+}
+
 MG_INTERNAL void mg_sensors_adjoint(const mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *sensors_bar) {
   const mg_system *system = c->system;
   const int bodies = system->n_body, n = system->n_parameters - system->sensor_parameters, inputs = 3 * system->n_input;

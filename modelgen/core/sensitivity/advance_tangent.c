@@ -12,7 +12,7 @@
 
 /* Most numbers of a packed vector. */
 static long mg_packed_size(const mg_system *s) {
-  return 64L + s->n_parameters + 3L * s->n_input + 24L * s->n_body + 2L * s->n_pair + 6L * s->n_joint +
+  return 64L + s->n_eta + s->n_parameters + 3L * s->n_input + 24L * s->n_body + 2L * s->n_pair + 6L * s->n_joint +
          s->kernels->n_sensor;
 }
 
@@ -23,7 +23,7 @@ MG_API long mg_sensitivity_size(const mg_system *s, int n) {
   const long states = (long)s->n_q + s->n_u + s->n_eta + 1;
   return 2 * mg_count_reals(mg_save_size(s), 1) + mg_count_reals(1, sizeof(mg_blow)) + 36L * s->n_body +
          4 * mg_sensitivity_rows(s) + s->n_friction_row + (12L * (n ? n : 1) + n + 3) * states + 3 * mg_packed_size(s) +
-         18 + n + 1 + 2L * s->n_pair + 6L * s->n_joint + 6L * s->n_patch_slot;
+         18 + n + 1 + s->n_friction + 2L * s->n_pair + 6L * s->n_joint + 6L * s->n_patch_slot;
 }
 
 MG_API long mg_sensitivity_int_size(const mg_system *s) { return (long)s->n_contact + s->n_friction + s->n_patch_slot; }
@@ -34,6 +34,7 @@ MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int
   const mg_crossing none = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON};
   s->crossing = none;
   s->t_dot = 0, s->is_time = s->is_singular = 0, s->doubtful = -1;
+  s->follower = (mg_follower){s, 0, 0, mg_follow_stage};
   s->blow = mg_take_memory(&work, 1, sizeof(mg_blow));
   s->at.pose = mg_take_reals(&work, 12 * b), s->at.twist = mg_take_reals(&work, 6 * b);
   s->at.acceleration = mg_take_reals(&work, 6 * b), s->at.wrench = mg_take_reals(&work, 6 * b);
@@ -46,7 +47,7 @@ MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int
   s->slope_before = mg_take_reals(&work, states);
   s->x = mg_take_reals(&work, mg_packed_size(system)), s->x_dot = mg_take_reals(&work, mg_packed_size(system));
   s->y_dot = mg_take_reals(&work, mg_packed_size(system)), s->weights = mg_take_reals(&work, 18);
-  s->event_rate = mg_take_reals(&work, n + 1);
+  s->event_rate = mg_take_reals(&work, n + 1), s->slip = mg_take_reals(&work, system->n_friction);
   s->pair = mg_take_reals(&work, 2L * system->n_pair), s->joint = mg_take_reals(&work, 6L * system->n_joint);
   s->closed_before = mg_take_ints(&iwork, system->n_contact);
   s->slip_begins = mg_take_ints(&iwork, system->n_friction + system->n_patch_slot);
@@ -93,12 +94,6 @@ MG_API int mg_begin_tangent(const mg_system *system, const mg_settings *settings
   return MG_DONE;
 }
 
-/* Writes the slopes of the stages of a step to a tape. */
-static void mg_store_slopes(const mg_context *c, mg_tape *tape) {
-  const long n = MG_SLOPES_KEPT * (long)c->layout.n_states;
-  memcpy(tape->slopes + n * tape->count, c->step.slopes, (size_t)n * sizeof(mg_real));
-}
-
 /* Carries the derivatives over the step between two states of the run; the events first .. of the list belong to it.
    Leaves the run as it is after the step. */
 static int mg_follow_step(const mg_system *system, const mg_settings *settings, mg_run *run, mg_sensitivity *s,
@@ -113,7 +108,6 @@ static int mg_follow_step(const mg_system *system, const mg_settings *settings, 
   int reason = run->singular_passages != passages ? MG_BY_SINGULAR_CONTACT : MG_NO_REASON;
   if (mg_is_time_stepping(&c) || run->fallbacks + run->chatters != fallbacks) reason = MG_BY_TIME_STEPPING;
   const int unsure = mg_step_tangent(&c, s, h);
-  if (s->tangent->tape) mg_store_slopes(&c, s->tangent->tape);
   if (!reason) reason = unsure;
   mg_crossing crossing = s->crossing = mg_find_crossing(&c, events, first);
   if (events->count == first) { /* the modes are those of the step */
@@ -148,22 +142,25 @@ static int mg_has_state_jump(const mg_context *c, const mg_real *before) {
 }
 
 /* Approach to an instant at which slip dies: the derivative of its direction is the quotient of two numbers that both
-   vanish there, so that steps towards it are halved again and again. */
+   vanish there, so that steps towards it are halved again and again, until slip is so slow that it may stop. */
 typedef struct {
   mg_real end;   /* the instant, s */
   mg_real least; /* the last step, s */
 } mg_approach;
 
-#define MG_APPROACH_HALVINGS 30
+#define MG_APPROACH_HALVINGS 30 /* at most */
+#define MG_APPROACH_SLIP 8      /* least slip, of its tolerance, at the start of a step */
 
 /* Where the next step is to end at the latest. */
 static mg_real mg_approach_stop(const mg_approach *a, mg_real t, mg_real t_stop) {
   return a->end - t > a->least ? mg_min(t + (a->end - t) / 2, t_stop) : t_stop;
 }
 
-/* Begins the approach to the end of a step; returns 0 if that was the last step of one, or is too short to halve. */
-static int mg_begin_approach(mg_approach *a, mg_real t, mg_real end) {
-  const mg_real least = mg_max(ldexp(end - t, -MG_APPROACH_HALVINGS), 4 * MG_EPS * fabs(end));
+/* Begins the approach to a time; returns 0 if that was the last step of one, or is too short to halve. `slip`: now, of
+   its tolerance, or 0. */
+static int mg_begin_approach(mg_approach *a, mg_real t, mg_real end, mg_real slip) {
+  const mg_real halved = slip > 0 ? MG_APPROACH_SLIP * (end - t) / slip : 0,
+                least = mg_max(mg_max(halved, ldexp(end - t, -MG_APPROACH_HALVINGS)), 4 * MG_EPS * fabs(end));
   if (a->least > 0 && fabs(a->end - end) <= 2 * a->least) return 0;
   a->end = end, a->least = least;
   return end - t > least;
@@ -195,13 +192,16 @@ MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settin
     if (!is_stored) mg_store_run(system, run, before);
     is_stored = 0;
     memcpy(s.start, tangent->x, (size_t)n_dx * sizeof(mg_real));
-    outcome = mg_advance(system, settings, run, stop, 1, record, events, work, iwork);
+    s.follower.h = 0;
+    outcome = mg_advance_followed(system, settings, run, stop, 1, record, events, &s.follower, work, iwork);
     if (outcome == MG_DONE && stop < t_stop) outcome = MG_CONTINUE;
     if (run->steps == steps && run->t == t && events->count == first) continue;
     mg_store_run(system, run, after);
     const mg_real end = run->t;
-    const int reason = mg_follow_step(system, settings, run, &s, before, after, events, first, work, iwork);
-    if (reason == MG_BY_SLIP_STOP && outcome <= MG_CONTINUE && mg_begin_approach(&approach, t, end)) {
+    const int reason = mg_follow_step(system, settings, run, &s, before, after, events, first, work, iwork),
+              stops = reason == MG_BY_SLIP_STOP, constraint = stops ? s.crossing.constraint : s.slip_falls;
+    if ((stops || s.slip_end > 0) && outcome <= MG_CONTINUE &&
+        mg_begin_approach(&approach, t, stops ? end : s.slip_end, constraint < 0 ? 0 : s.slip[constraint])) {
       mg_restore_run(system, run, before);
       memcpy(tangent->x, s.start, (size_t)n_dx * sizeof(mg_real));
       events->count = first, record->count = recorded, tangent->count = counted, outcome = MG_CONTINUE;

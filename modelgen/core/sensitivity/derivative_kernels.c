@@ -173,22 +173,32 @@ static void mg_path_tangent(const mg_context *c, mg_sensitivity *s, int directio
 MG_INTERNAL void mg_place_bodies_tangent(const mg_context *c, mg_sensitivity *s, int direction, mg_real t,
                                          const mg_real *x, const mg_real *dx) {
   const mg_system *system = c->system;
+  mg_zero_reals(s->at.pose, 24L * system->n_body);
   for (int b = 0; b < system->n_body; b++) {
-    const int motion = c->bodies.motion[b], n_u = c->kernels->body_kinds[mg_body_kind_of(c, b)].n_u;
+    const int motion = c->bodies.motion[b], kind = mg_body_kind_of(c, b), n_u = c->kernels->body_kinds[kind].n_u;
     const mg_real *dq = dx + system->body_q[b], *du = dx + system->n_q + system->body_u[b];
-    mg_pack(s->at.pose + 12 * b, 12, 0), mg_pack(s->at.twist + 6 * b, 6, 0);
-    mg_pack(s->at.acceleration + 6 * b, 6, 0);
     if (motion == MG_FIXED)
       mg_pack(s->at.pose + 12 * b, 12, mg_parameters_dot(c, s, direction, system->body_parameters[b]));
     else if (motion == MG_DRIVEN) mg_path_tangent(c, s, direction, b, t);
     else mg_pack(s->at.twist + 6 * b, n_u, du);
     if (motion == MG_POINT) mg_pack(s->at.pose + 12 * b, 3, dq);
-    if (motion == MG_FREE) {
-      mg_pack(s->x, 7, x + system->body_q[b]), mg_pack(s->x_dot, 7, dq);
-      mg_call_tangent(c, s, MG_TASK_POSE, mg_body_kind_of(c, b));
-      mg_pack(s->at.pose + 12 * b, 12, s->y_dot);
-    }
+    if (motion == MG_FREE)
+      c->kernels->derivatives->tangent(MG_TASK_POSE, kind, s->weights, x + system->body_q[b], dq, s->at.pose + 12 * b);
   }
+}
+
+MG_INTERNAL void mg_scene_tangent(const mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
+                                  const mg_real *dx, mg_real *slope) {
+  const int n = c->layout.work_state, parameters = c->system->n_parameters;
+  mg_real *all = s->x, *all_dot = s->x_dot;
+  *all++ = t, *all_dot++ = s->t_dot;
+  all = mg_pack(all, n, x), all_dot = mg_pack(all_dot, n, dx);
+  all = mg_pack(all, 3, c->system->gravity);
+  all_dot = mg_pack(all_dot, 3, mg_row_of_direction(s, s->directions->gravity, 3, direction));
+  mg_pack(all, parameters, c->system->parameters);
+  mg_pack(all_dot, parameters, mg_parameters_dot(c, s, direction, 0));
+  c->kernels->derivatives->tangent(MG_TASK_SCENE, 0, s->weights, s->x, s->x_dot, slope);
+  slope[n] = 0;
 }
 
 MG_INTERNAL void mg_sensors_tangent(const mg_context *c, mg_sensitivity *s, int direction, mg_real t) {

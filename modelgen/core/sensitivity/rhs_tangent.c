@@ -196,8 +196,7 @@ MG_INTERNAL void mg_rows_tangent(mg_context *c, mg_sensitivity *s, int direction
   const mg_system *system = c->system;
   mg_zero_reals(slope, c->layout.n_states);
   mg_zero_reals(s->at.wrench, 6L * system->n_body);
-  for (mg_real **rows = (mg_real *[]){s->at.value, s->at.rate, s->at.residual, s->at.force, 0}; *rows; rows++)
-    mg_zero_reals(*rows, c->layout.friction_row_end);
+  mg_zero_reals(s->at.value, s->at.force + c->layout.friction_row_end - s->at.value);
   mg_zero_reals(s->at.ratio, system->n_friction_row);
   mg_place_bodies_tangent(c, s, direction, t, x, dx);
   for (int i = mg_next_row(c, -1); i < system->n_contact; i = mg_next_row(c, i))

@@ -28,11 +28,11 @@ enum {
 
 /* The derivative along one direction at one state. */
 typedef struct {
-  mg_real *pose;         /* [12 per body] */
+  mg_real *pose;         /* [12 per body]; the next two follow it */
   mg_real *twist;        /* [6 per body] */
   mg_real *acceleration; /* [6 per body] */
   mg_real *wrench;       /* [6 per body] */
-  mg_real *value;        /* [per row] of d, of the value of a joint row */
+  mg_real *value;        /* [per row] of d, of the value of a joint row; the next three follow it */
   mg_real *rate;         /* [per row] of J u */
   mg_real *residual;     /* [per row] of J a + gamma at fixed forces */
   mg_real *force;        /* [per row] of the force */
@@ -115,11 +115,15 @@ typedef struct {
   mg_real *start;        /* [n n_states] derivatives before the step */
   int *closed_before;    /* [n_contact] closed before the event */
   int *slip_begins;      /* [n_friction + n_patch_slot] 1: slip of the constraint or patch begins in the step */
+  mg_real *slip;         /* [n_friction] at the start of the step, of its tolerance; 0: no slip in a plane */
+  mg_real slip_end;      /* time at which slip that falls much in the step would end, s; 0: none falls much */
+  int slip_falls;        /* its constraint */
   mg_crossing crossing;  /* of the step treated last */
   mg_real t_dot;         /* derivative of the time in the direction looked at: 1 of time itself */
   int is_time;           /* 1: the direction looked at is time: no number changes */
   int doubtful;          /* contact for which the step treated last is not certain, or -1 */
   int is_singular;       /* 1: equations of forces under slip were singular */
+  mg_follower follower;  /* of the steps of the run */
 } mg_sensitivity;
 
 /* derivative_kernels.c: results in s->y_dot */
@@ -136,6 +140,10 @@ MG_INTERNAL void mg_motion_tangent(const mg_context *c, mg_sensitivity *s, int d
 MG_INTERNAL void mg_load_tangent(const mg_context *c, mg_sensitivity *s, int direction, int load, mg_real t);
 MG_INTERNAL void mg_place_bodies_tangent(const mg_context *c, mg_sensitivity *s, int direction, mg_real t,
                                          const mg_real *x, const mg_real *dx);
+
+/* Derivative of the right-hand side of the whole scene (scene_rhs) along a direction, in its mode. */
+MG_INTERNAL void mg_scene_tangent(const mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
+                                  const mg_real *dx, mg_real *slope);
 
 /* Of what the sensors show. Needs s->pair and s->joint. */
 MG_INTERNAL void mg_sensors_tangent(const mg_context *c, mg_sensitivity *s, int direction, mg_real t);
@@ -206,7 +214,14 @@ MG_INTERNAL void mg_patch_bound_adjoint(mg_context *c, mg_sensitivity *s, int sl
 /* True if faces rest on each other by points that a direction moves within them. */
 MG_INTERNAL int mg_rests_on_moving_points(const mg_context *c, const mg_sensitivity *s);
 
-/* Carries the derivatives over the step from the state of the run, of length h. Leaves in c->step.end the state at its
+#define MG_SLOPES_KEPT 12 /* slopes of a step on a tape: stages of DOP853 */
+
+/* A stage of a step that is tried, of an mg_follower of an mg_sensitivity: derivatives of its slope. At the end of the
+   step keeps in s->before the state there. */
+MG_INTERNAL void mg_follow_stage(mg_context *c, void *of, int is_composed, int stage, mg_real t, mg_real h);
+
+/* Carries the derivatives over the step from the state of the run, of length h, whose stages have been followed or are
+   taken again. Leaves in c->step.end the state at its
    end, and its right-hand side in s->slope_before. Returns a reason why the result is not certain, or 0. */
 MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h);
 
@@ -310,6 +325,10 @@ MG_INTERNAL void mg_motion_adjoint(const mg_context *c, mg_sensitivity *s, int b
 MG_INTERNAL void mg_place_bodies_adjoint(const mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x,
                                          mg_real *x_bar);
 
+/* From the cotangents of the right-hand side of the whole scene (scene_rhs). */
+MG_INTERNAL void mg_scene_adjoint(const mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x,
+                                  const mg_real *slope_bar, mg_real *x_bar);
+
 /* From the cotangents of what the sensors show to s->at.pose, s->at.twist, s->pair and s->joint. */
 MG_INTERNAL void mg_sensors_adjoint(const mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *sensors_bar);
 
@@ -360,8 +379,6 @@ MG_INTERNAL mg_real mg_event_adjoint(mg_context *c, mg_sensitivity *s, const mg_
 MG_INTERNAL void mg_blow_adjoint(mg_context *c, mg_sensitivity *s, mg_real *x_bar);
 
 /* advance_tangent.c */
-
-#define MG_SLOPES_KEPT 12 /* slopes of a step on a tape: stages of DOP853 */
 
 /* Divides the memory of derivatives along n directions. */
 MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int n, mg_real *work, int *iwork);

@@ -101,6 +101,7 @@ MG_INTERNAL void mg_step_adjoint(mg_context *c, mg_sensitivity *s, mg_real h, mg
   const mg_explicit_method method = mg_explicit_method_of(c->settings);
   const int states = c->layout.n_states;
   const mg_real t = c->run->t, *x = c->run->x;
+  const int is_composed = mg_is_in_mode_of_scene_rhs(c);
   mg_real *k_bar = s->slopes, *at_stage = s->stage;
   mg_settle_eta_adjoint(c, s, t + h, c->step.end, x_bar);
   mg_combine_stages(&method, method.stages, states, states, h, x, c->step.slopes, c->step.stage);
@@ -112,11 +113,14 @@ MG_INTERNAL void mg_step_adjoint(mg_context *c, mg_sensitivity *s, mg_real h, mg
     const mg_real time = t + method.time[stage] * h;
     mg_combine_stages(&method, stage, states, states, h, x, c->step.slopes, c->step.stage);
     if (c->settings->newton > 1) mg_place_all_contacts(c, time, c->step.stage);
-    mg_right_hand_side(c, time, c->step.stage, c->step.interpolant);
-    mg_gather_wrenches(c, s, time);
-    mg_clear_cotangents(c, s);
     mg_zero_reals(at_stage, states);
-    mg_rhs_adjoint(c, s, time, c->step.stage, k_bar + (long)stage * states, at_stage);
+    if (is_composed) mg_scene_adjoint(c, s, time, c->step.stage, k_bar + (long)stage * states, at_stage);
+    else {
+      mg_right_hand_side(c, time, c->step.stage, c->step.interpolant);
+      mg_gather_wrenches(c, s, time);
+      mg_clear_cotangents(c, s);
+      mg_rhs_adjoint(c, s, time, c->step.stage, k_bar + (long)stage * states, at_stage);
+    }
     mg_add_multiple(states, 1, at_stage, x_bar);
     for (int k = method.row[stage]; k < method.row[stage + 1]; k++)
       mg_add_multiple(states, h * method.value[k], at_stage, k_bar + (long)method.column[k] * states);

@@ -1,5 +1,7 @@
 /* Derivatives over one accepted step: the stages of the method at the states that the step had, each with its
    derivative. Eta follows the poses by the derivative of Newton's step, which at a solution is that of the solution. */
+#include <string.h>
+
 #include "sensitivity/sensitivity.h"
 #include "model/model.h"
 #include "forces/forces.h"
@@ -106,14 +108,37 @@ static int mg_uncertain_step(mg_context *c, mg_sensitivity *s, mg_real h) {
   return MG_NO_REASON;
 }
 
+/* Slip of a constraint in a plane, of its tolerance. Needs the velocities of the rows. */
+static mg_real mg_slip_of(const mg_context *c, int contact, int constraint) {
+  const mg_real *slip = c->rows.d_dot + mg_first_friction_row(c, contact, constraint);
+  return sqrt(mg_dot2(slip, slip)) / mg_slip_velocity_tolerance(c, constraint);
+}
+
+#define MG_FALLING_PART ((mg_real)0.55) /* more than a step that halves it */
+
+/* Notes slip that falls by more than this part in a step that does not end it: at its end, changes of its direction
+   grow so fast that an explicit step of the derivatives is not stable. Needs the velocities of the rows there. */
+static void mg_note_falling_slip(const mg_context *c, mg_sensitivity *s, mg_real h) {
+  s->slip_end = 0, s->slip_falls = -1;
+  for (int i = mg_next_row(c, -1); c->system->n_friction && i < c->layout.support_begin; i = mg_next_row(c, i))
+    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
+      const mg_real slip = s->slip[g] > 0 ? mg_slip_of(c, i, g) : 0, part = 1 - slip / mg_max(s->slip[g], 1);
+      if (!(slip > 2) || part < MG_FALLING_PART) continue;
+      s->slip_end = c->run->t + h / part, s->slip_falls = g;
+    }
+}
+
 /* Marks the constraints whose slip begins in this step, and has no direction of its own yet. Needs the state of the
    run. Returns whether there are any. */
 static int mg_mark_beginning_slip(mg_context *c, mg_sensitivity *s) {
   int any = 0;
   mg_update_gap_rates(c);
+  mg_zero_reals(s->slip, c->system->n_friction);
   for (int i = mg_next_row(c, -1); c->system->n_friction && i < c->layout.support_begin; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
       const int mode = c->run->friction_mode[g];
+      if (c->run->active[i] && mode == MG_SLIPPING && mg_friction_row_count(c, g) == 2)
+        s->slip[g] = mg_slip_of(c, i, g);
       s->slip_begins[g] = c->run->active[i] && mg_friction_row_count(c, g) == 2 &&
                           (mode == MG_SLIP_ONSET || mode == MG_SLIP_STARTING) &&
                           !mg_is_turned_by_slip(c, g, c->rows.d_dot + mg_first_friction_row(c, i, g));
@@ -189,26 +214,82 @@ MG_INTERNAL void mg_restore_step(mg_context *c, mg_sensitivity *s, mg_real h, co
   mg_settle_step_end(c, s, c->run->t + h);
 }
 
+/* Derivatives of the slope of the stage of which mg_stage_right_hand_side has been evaluated. */
+static void mg_stage_tangent(mg_context *c, mg_sensitivity *s, const mg_explicit_method *method, int is_composed,
+                             int stage, mg_real t, mg_real h) {
+  const int n = s->directions->n, states = c->layout.n_states;
+  if (!is_composed) mg_gather_wrenches(c, s, t);
+  c->lcp.keeps_matrix = c->lcp.n_assembled == 1 && !c->friction.slips;
+  for (int j = 0; j < n; j++) {
+    mg_combine_stages(method, stage, states, (long)n * states, h, s->tangent->x + (long)j * states,
+                      s->slopes + (long)j * states, s->stage);
+    mg_real *slope = s->slopes + ((long)stage * n + j) * states;
+    if (is_composed) mg_scene_tangent(c, s, j, t, c->step.stage, s->stage, slope);
+    else mg_rhs_tangent(c, s, j, t, c->step.stage, s->stage, slope);
+  }
+  c->lcp.keeps_matrix = 0;
+}
+
+/* Writes the slopes of the stages of a step to the tape, if there is one. */
+static void mg_store_slopes(const mg_context *c, const mg_sensitivity *s) {
+  const mg_tape *tape = s->tangent->tape;
+  const long n = MG_SLOPES_KEPT * (long)c->layout.n_states;
+  if (tape) memcpy(tape->slopes + n * tape->count, c->step.slopes, (size_t)n * sizeof(mg_real));
+}
+
+/* Evaluates the state of the run as the first stage of a step; leaves the count of evaluations. */
+static void mg_evaluate_first_stage(mg_context *c, mg_real *slope) {
+  const long evaluations = c->run->rhs_evals;
+  mg_right_hand_side(c, c->run->t, c->run->x, slope);
+  mg_update_gap_rates(c);
+  c->run->rhs_evals = evaluations;
+}
+
+MG_INTERNAL void mg_follow_stage(mg_context *c, void *of, int is_composed, int stage, mg_real t, mg_real h) {
+  mg_sensitivity *s = of;
+  const mg_explicit_method method = mg_explicit_method_of(c->settings);
+  if (stage == method.stages) {
+    mg_copy_states(c, c->step.end, s->before), mg_store_slopes(c, s);
+    return;
+  }
+  if (!stage) mg_copy_states(c, c->run->x, c->step.stage);
+  if (!stage && !is_composed) mg_evaluate_first_stage(c, s->slope_before);
+  mg_stage_tangent(c, s, &method, is_composed, stage, t, h);
+}
+
+/* Takes the stages of a step again. */
+static void mg_step_tangent_again(mg_context *c, mg_sensitivity *s, const mg_explicit_method *method, mg_real h) {
+  const int states = c->layout.n_states, is_composed = mg_is_in_mode_of_scene_rhs(c);
+  for (int stage = 0; stage < method->stages; stage++) {
+    const mg_real t = c->run->t + method->time[stage] * h;
+    mg_combine_stages(method, stage, states, states, h, c->run->x, c->step.slopes, c->step.stage);
+    if (c->settings->newton > 1) mg_place_all_contacts(c, t, c->step.stage);
+    mg_stage_right_hand_side(c, is_composed, t, c->step.stage, c->step.slopes + (long)stage * states);
+    mg_stage_tangent(c, s, method, is_composed, stage, t, h);
+  }
+  mg_end_step_again(c, method, h);
+  mg_store_slopes(c, s);
+}
+
+/* True if a friction constraint or patch slips, or begins to. */
+static int mg_has_slip_mode(const mg_context *c) {
+  for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
+    if (c->run->friction_mode[g] >= MG_SLIP_ONSET) return 1;
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++)
+    if (c->run->patch_mode[slot] >= MG_SLIP_ONSET) return 1;
+  return 0;
+}
+
 MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h) {
   const mg_explicit_method method = mg_explicit_method_of(c->settings);
   const int n = s->directions->n, states = c->layout.n_states;
-  const mg_real t = c->run->t, *x = c->run->x;
-  mg_begin_step_again(c);
+  const mg_real t = c->run->t;
+  const int is_followed = fabs(s->follower.h - h) <= 8 * MG_EPS * (fabs(t) + h);
+  if (!is_followed || mg_has_slip_mode(c)) mg_begin_step_again(c);
   int reason = mg_uncertain_step(c, s, h);
   const int slip_begins = mg_mark_beginning_slip(c, s);
-  for (int stage = 0; stage < method.stages; stage++) {
-    const mg_real time = t + method.time[stage] * h;
-    mg_combine_stages(&method, stage, states, states, h, x, c->step.slopes, c->step.stage);
-    if (c->settings->newton > 1) mg_place_all_contacts(c, time, c->step.stage);
-    mg_right_hand_side(c, time, c->step.stage, c->step.slopes + (long)stage * states);
-    mg_gather_wrenches(c, s, time);
-    for (int j = 0; j < n; j++) {
-      mg_combine_stages(&method, stage, states, (long)n * states, h, s->tangent->x + (long)j * states,
-                        s->slopes + (long)j * states, s->stage);
-      mg_rhs_tangent(c, s, j, time, c->step.stage, s->stage, s->slopes + ((long)stage * n + j) * states);
-    }
-  }
-  mg_end_step_again(c, &method, h);
+  if (is_followed) mg_copy_states(c, s->before, c->step.end);
+  else mg_step_tangent_again(c, s, &method, h);
   for (int j = 0; j < n; j++) {
     mg_real *dx = s->tangent->x + (long)j * states;
     mg_combine_stages(&method, method.stages, states, (long)n * states, h, dx, s->slopes + (long)j * states, s->stage);
@@ -216,6 +297,7 @@ MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h) {
     mg_normalise_tangent(c, c->step.end, dx);
   }
   mg_settle_step_end(c, s, t + h);
+  mg_note_falling_slip(c, s, h);
   if (!reason && mg_has_unknown_patch_slip(c)) reason = MG_BY_FACES, s->doubtful = mg_first_closed_support(c);
   for (int j = 0; j < n && !reason && slip_begins; j++) {
     mg_rhs_tangent(c, s, j, t + h, c->step.end, s->tangent->x + (long)j * states, s->stage);
