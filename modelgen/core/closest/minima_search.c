@@ -224,7 +224,7 @@ static int mg_start_own_feature_pairs(mg_context *c, int pair) {
 }
 
 /* Start of a pair whose contacts share its feature pairs: the nearest minimum is followed, others only within
-   search_gap. Returns an outcome. */
+   search_gap. None is needed where closest points form a curve, whose gap is known. Returns an outcome. */
 static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
   const mg_system *s = c->system;
   const int first = mg_pair_first_contact(c, pair), end = mg_pair_first_contact(c, pair + 1);
@@ -233,7 +233,8 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
   mg_search_at_start(c, s->pair_feature_pair[pair], s->pair_feature_pair[pair + 1], least, &found);
   c->run->failed_contact = first;
   const int feature_pair = s->pair_feature_pair[pair];
-  if (!found.count && mg_is_unconditional_feature_pair(c, feature_pair) &&
+  const int is_gap_known = c->search.open_gap < MG_MAX && mg_is_start_gap_allowed(c, c->search.open_gap);
+  if (!found.count && !is_gap_known && mg_is_unconditional_feature_pair(c, feature_pair) &&
       s->pair_feature_pair[pair + 1] - feature_pair == 1)
     return mg_refuse_start(c);
   int k = 0;

@@ -383,14 +383,14 @@ static mg_real mg_least_closed_margin(const mg_context *c, int pair) {
   return least;
 }
 
-/* Movement of a pair, m, after which it is searched again: at most the gap of closest points that no contact follows,
-   so that they are seen before they are deep. Beside a closed contact the gap is less by the factor of its margin, and
-   so is the gap of closest points that become a minimum there. */
+/* Movement of a pair, m, after which it is searched again: at most half the gap of closest points that no contact
+   follows, so that they are seen before they touch. Beside a closed contact the gap is less by the factor of its
+   margin, and so is the gap of closest points that become a minimum there. */
 static mg_real mg_movement_until_search(const mg_context *c, int pair) {
   const mg_real least = c->settings->appear_depth / MG_SEARCHES_IN_DEPTH,
                 most = c->settings->search_movement * mg_least_closed_margin(c, pair);
   const mg_real length = mg_pair_length(c, pair);
-  return mg_min(most * length, mg_max(c->run->unfollowed_gap[pair], least * length));
+  return mg_min(most * length, mg_max(c->run->unfollowed_gap[pair] / 2, least * length));
 }
 
 /* True if a pair that has moved so far since its last search is to be searched. */
