@@ -27,6 +27,7 @@
 #define MG_MAX_ETA 8           /* room for the eta of one contact */
 #define MG_STAGES 17           /* rows of c->step.slopes: 16 of DOP853, one for the right-hand side at other states */
 
+#define MG_SEARCH_DUE (MG_MAX / 4)           /* moved_since_search of a pair that is searched after the next step, m */
 #define MG_NONFINITE_STEP_CUT ((mg_real)0.2) /* factor of the step after one whose end is not finite */
 
 /* Marks in c->events.triggered; 0: no event, 1: the gap closes, or the force becomes tensile, or a gap without force
