@@ -28,15 +28,9 @@ MG_INTERNAL int mg_maximise_separation(const mg_shape_pair *p, mg_real floor, in
 /* Evaluates contact_place of a pair of shapes at eta; `placed` has the layout of c->search.placement. */
 MG_INTERNAL void mg_place_pair(const mg_shape_pair *p, const mg_real *eta, mg_real *next, mg_real *placed);
 
-/* True if the residual is below the goal, or as small as rounding of the positions permits. */
-MG_INTERNAL int mg_is_residual_small(const mg_shape_pair *p, const mg_newton_goal *goal, const mg_real *placed);
-
 /* Newton's method from eta until the residual is below the goal. Returns the number of steps, or -1; `placed`
    holds the placement at eta. */
 MG_INTERNAL int mg_damped_newton(const mg_shape_pair *p, const mg_newton_goal *goal, mg_real *eta, mg_real *placed);
-
-/* True if the placement of a contact evaluated last solves the extremality equations. */
-MG_INTERNAL int mg_is_placement_critical(const mg_context *c, int contact);
 
 /* True if the distance is a minimum, and not only stationary: the margin is positive. */
 MG_INTERNAL int mg_is_minimum(const mg_real *placed);
@@ -286,11 +280,19 @@ MG_INTERNAL int mg_closest_convex(const mg_shape_pair *p, const mg_newton_goal *
 /* Extrapolate the state by a short time with the slope at the run's state and set the poses there. */
 MG_INTERNAL void mg_extrapolate_poses(mg_context *c);
 
-/* True if the conditions of the minimum's feature pair will be broken a short time later. */
-MG_INTERNAL int mg_is_minimum_leaving_feature_pair(mg_context *c, const mg_minimum *found);
+/* What becomes of a minimum a short time later: it stays, the conditions of its feature pair are broken, or Newton's
+   method does not find it. */
+enum { MG_MINIMUM_STAYS = 0, MG_MINIMUM_LEAVES = 1, MG_MINIMUM_LOST = 2 };
+
+/* The fate of a minimum: MG_MINIMUM_STAYS .. . */
+MG_INTERNAL int mg_fate_of_minimum(mg_context *c, const mg_minimum *found);
 
 /* True if the feature pair is a crossing of two edges of solids that are not both straight. */
 MG_INTERNAL int mg_is_curved_edge_crossing(const mg_context *c, int feature_pair);
+
+/* True if a contact with the gap d is followed as near to a singularity as it can be: between features that have centre
+   curves, where the margin is small for as long as they are almost coaxial. */
+MG_INTERNAL int mg_is_followed_to_singularity(const mg_context *c, int feature_pair, mg_real d);
 
 /* Margin at which a contact ends at a fold: less where it is small for long, as at crossing edges and where features
    are almost coaxial. */

@@ -1,6 +1,7 @@
 /* Closest points of one pair of shapes at given poses: of convex shapes by the separation function, of others by
    Newton's method. Public queries of many pairs of poses (mg_closest). */
 #include "closest/closest.h"
+#include "model/model.h"
 #include "base/base.h"
 
 /* Normal to start from: that which continues eta, else the direction between the bodies. Returns 1 in the first
@@ -22,7 +23,7 @@ MG_INTERNAL int mg_closest_convex(const mg_shape_pair *p, const mg_newton_goal *
   const int found = mg_maximise_separation(p, -rounding - goal->tolerance * goal->length, known, &v);
   for (int k = 0; k < 6; k++) eta[k] = v.eta[k];
   mg_place_pair(p, eta, next, placed);
-  if (found && mg_is_residual_small(p, goal, placed)) {
+  if (found && mg_is_residual_small(p->pose_o, p->pose_f, goal->tolerance, goal->length, placed)) {
     placed[0] = v.d;
     for (int k = 0; k < 3; k++) placed[5 + k] = v.normal[k];
     return v.d > -rounding ? MG_CLOSEST_GLOBAL : MG_CLOSEST_LOCAL;

@@ -245,6 +245,14 @@ static void mg_leave_out_farther_gaps(mg_critical_search *s) {
   s->limits.gap = mg_min(s->limits.gap, most), s->limits.depth = mg_min(s->limits.depth, most);
 }
 
+/* Notes the gap of the critical point evaluated last if it is one of a curve of them to rounding. */
+static void mg_note_singular_point(mg_critical_search *s) {
+  mg_context *c = s->c;
+  const mg_real d = c->search.placement[0];
+  if (fabs(mg_placement_margin(c, c->system->n_contact)) > c->settings->search_margin) return;
+  if (d >= 0 || !mg_is_between_far_sides(c, s->feature_pair)) mg_note_open_gap(c, d);
+}
+
 /* Converges from the middles of two cells and keeps what it finds. Returns 0 if it does not converge. */
 static int mg_converge_from_cells(mg_critical_search *s, int a, int b) {
   mg_context *c = s->c;
@@ -258,6 +266,7 @@ static int mg_converge_from_cells(mg_critical_search *s, int a, int b) {
   else mg_sample_cell(s, 1 - s->first, b, at + s->first, at + 1 - s->first);
   mg_start_eta(c, s->feature_pair, at, at + 1, eta);
   if (mg_converge_from_any_start(c, s->feature_pair, eta) < 0) return 0;
+  mg_note_singular_point(s);
   mg_add_known_point(s, eta);
   mg_keep_minimum_at(c, s->feature_pair, eta, s->least, s->kept);
   mg_leave_out_farther_gaps(s);
@@ -320,6 +329,15 @@ static void mg_remember_likeliest(mg_critical_search *s, int a, int b, const mg_
   if (merit < s->best_merit) s->best_merit = merit, s->best[0] = a, s->best[1] = b;
 }
 
+/* Lower bound of the distance of points of two cells. */
+static mg_real mg_least_distance(const mg_cell_view *a, const mg_cell_view *b) {
+  const mg_real span[3] = {b->centre[0] - a->centre[0], b->centre[1] - a->centre[1], b->centre[2] - a->centre[2]};
+  const mg_real both = a->radius + b->radius, distance = sqrt(mg_dot3(span, span));
+  const mg_real tube = a->tube + b->tube;
+  if (b->kind == MG_VIEW_PLANE) return -mg_dot3(b->direction, span) - tube - both;
+  return (a->tube < 0 || b->tube < 0 ? -tube - distance : distance - tube) - both;
+}
+
 /* Treats one pair of cells; returns the length of the list of open pairs. */
 static int mg_treat_cells(mg_critical_search *s, int a, int b, int count, int *is_complete) {
   mg_cell_view A, B;
@@ -333,7 +351,11 @@ static int mg_treat_cells(mg_critical_search *s, int a, int b, int count, int *i
   if (verdict == MG_CELLS_SINGLE && mg_is_critical_point_known(s, &A, &B)) return count;
   if (verdict == MG_CELLS_REGULAR || is_small) {
     if (mg_is_critical_point_known(s, &A, &B) || mg_converge_from_cells(s, a, b)) return count;
-    if (is_small) return count;
+    if (is_small) {
+      const mg_real gap = mg_least_distance(&A, &B);
+      if (gap >= -s->smallest) mg_note_open_gap(s->c, gap);
+      return count;
+    }
   }
   const int longer = mg_divide_pair(s, a, b, mg_is_first_wider(s, &A, &B), count);
   if (longer == count) {
@@ -361,20 +383,20 @@ static int mg_is_flat_against_plane(mg_critical_search *s) {
   return 0;
 }
 
-/* Lower bound of the distance of points of two cells. */
-static mg_real mg_least_distance(const mg_cell_view *a, const mg_cell_view *b) {
-  const mg_real span[3] = {b->centre[0] - a->centre[0], b->centre[1] - a->centre[1], b->centre[2] - a->centre[2]};
-  const mg_real both = a->radius + b->radius, distance = sqrt(mg_dot3(span, span));
-  const mg_real tube = a->tube + b->tube;
-  if (b->kind == MG_VIEW_PLANE) return -mg_dot3(b->direction, span) - tube - both;
-  return (a->tube < 0 || b->tube < 0 ? -tube - distance : distance - tube) - both;
+/* First cells of both sides. Where little room is left for others, all are forgotten before. Returns 0 if there is no
+   room. */
+static int mg_plant_roots(mg_critical_search *s, int *root) {
+  mg_context *c = s->c;
+  if (*c->search.n_cells > c->system->n_cell / 4 * 3) mg_forget_cells(c);
+  root[0] = mg_root_cell(c, s->feature_pair, s->first, s->is_centred[0]);
+  root[1] = s->has_cells ? mg_root_cell(c, s->feature_pair, 1 - s->first, s->is_centred[1]) : 0;
+  return root[0] && (root[1] || !s->has_cells);
 }
 
-/* Lower bound of the distance of critical points that the search has not found, from cells that are coarser than those
-   of the search; -MG_MAX if it cannot be given. */
-static mg_real mg_bound_open_gap(mg_critical_search *s, const int *root) {
+/* Lower bound of the gap at critical points that the search has not found, from cells no smaller than `size`; -MG_MAX
+   if it cannot be given. */
+static mg_real mg_bound_gap_by_cells(mg_critical_search *s, const int *root, mg_real size) {
   mg_context *c = s->c;
-  const mg_real coarse = mg_search_reach(c, c->system->feature_pair_owner[s->feature_pair]) / MG_OPEN_CELLS;
   mg_real least = MG_MAX;
   int count = 1;
   c->search.cell_pairs[0] = root[0], c->search.cell_pairs[1] = root[1];
@@ -386,7 +408,7 @@ static mg_real mg_bound_open_gap(mg_critical_search *s, const int *root) {
     mg_view_first(s, a, &A), mg_view_other(s, b, &B);
     const int verdict = mg_judge_cells(&A, &B, &s->limits);
     if (verdict == MG_CELLS_APART || (verdict != MG_CELLS_OPEN && mg_is_critical_point_known(s, &A, &B))) continue;
-    if (A.radius + B.radius <= coarse) {
+    if (A.radius + B.radius <= size) {
       least = mg_min(least, mg_least_distance(&A, &B));
       continue;
     }
@@ -397,11 +419,20 @@ static mg_real mg_bound_open_gap(mg_critical_search *s, const int *root) {
   return least;
 }
 
+/* The same from cells that are divided until they are small beside the gap, or as small as they may be. */
+static mg_real mg_bound_open_gap(mg_critical_search *s, const int *root) {
+  const mg_real reach = mg_search_reach(s->c, s->c->system->feature_pair_owner[s->feature_pair]);
+  mg_real least = -MG_MAX, last = 0;
+  for (mg_real size = reach; size * MG_OPEN_CELLS >= reach && least < 8 * size && last > -MG_MAX; size /= 4)
+    last = mg_bound_gap_by_cells(s, root, size), least = mg_max(least, last);
+  return least;
+}
+
 MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const mg_search_limits *limits,
                                           mg_real least, mg_minima *kept) {
   mg_critical_search s = {
       .c = c, .feature_pair = feature_pair, .limits = *limits, .least = least, .kept = kept, .best_merit = MG_MAX};
-  int is_complete = 1, count = 1, root[2] = {0, 0};
+  int is_complete = 1, count = 1, root[2];
   s.first = mg_has_nearest_point(c, feature_pair, 0);
   s.has_cells = !mg_has_nearest_point(c, feature_pair, 1 - s.first);
   mg_limit_feature(c, feature_pair, s.first, s.allowed);
@@ -422,10 +453,7 @@ MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const
   mg_point_in_shape_axes(c, feature_pair, s.first, origin, s.origin);
   if (!s.has_cells) mg_set_closed_view(&s);
   if (s.other.kind == MG_VIEW_PLANE && !s.has_cells && mg_is_flat_against_plane(&s)) return 1;
-  if (*c->search.n_cells > c->system->n_cell / 4 * 3) mg_forget_cells(c);
-  root[0] = mg_root_cell(c, feature_pair, s.first, s.is_centred[0]);
-  if (s.has_cells) root[1] = mg_root_cell(c, feature_pair, 1 - s.first, s.is_centred[1]);
-  if (!root[0] || (s.has_cells && !root[1])) return 0;
+  if (!mg_plant_roots(&s, root)) return 0;
   mg_add_followed_points(&s);
   mg_leave_out_farther_gaps(&s);
   c->search.cell_pairs[0] = root[0], c->search.cell_pairs[1] = root[1];
@@ -436,7 +464,7 @@ MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const
   }
   if (is_complete) return 1;
   if (s.best[0]) mg_converge_from_cells(&s, s.best[0], s.best[1]);
-  const mg_real open_gap = mg_bound_open_gap(&s, root);
+  const mg_real open_gap = mg_plant_roots(&s, root) ? mg_bound_open_gap(&s, root) : -MG_MAX;
   if (!(open_gap > 0)) return 0;
   mg_note_open_gap(c, open_gap);
   return 1;

@@ -8,12 +8,6 @@ MG_INTERNAL void mg_place_pair(const mg_shape_pair *p, const mg_real *eta, mg_re
                             placed + 5, placed + 8, placed + 11);
 }
 
-MG_INTERNAL int mg_is_residual_small(const mg_shape_pair *p, const mg_newton_goal *goal, const mg_real *placed) {
-  mg_real size = 0;
-  for (int k = 0; k < 3; k++) size += fabs(p->pose_o[k]) + fabs(p->pose_f[k]);
-  return placed[1] <= goal->tolerance * goal->length + 16 * MG_EPS * size && placed[2] <= goal->tolerance;
-}
-
 /* Residual as one dimensionless number. */
 static mg_real mg_newton_merit(const mg_newton_goal *goal, const mg_real *placed) {
   return placed[1] / goal->length + placed[2];
@@ -51,7 +45,7 @@ MG_INTERNAL int mg_damped_newton(const mg_shape_pair *p, const mg_newton_goal *g
   mg_real next[MG_MAX_ETA] = {0};
   mg_place_pair(p, eta, next, placed);
   for (int step = 0; step < 100; step++) {
-    if (mg_is_residual_small(p, goal, placed)) return step;
+    if (mg_is_residual_small(p->pose_o, p->pose_f, goal->tolerance, goal->length, placed)) return step;
     if (!mg_damped_step(p, goal, eta, next, placed)) break;
   }
   mg_place_pair(p, eta, next, placed);
@@ -82,12 +76,6 @@ static mg_shape_pair mg_shape_pair_of(const mg_context *c, int contact) {
                                     c->bodies.pose + 12 * c->contacts.f[contact],
                                     c->system->parameters + c->contacts.parameters[contact]};
   return shape_pair;
-}
-
-MG_INTERNAL int mg_is_placement_critical(const mg_context *c, int contact) {
-  const mg_shape_pair p = mg_shape_pair_of(c, contact);
-  const mg_newton_goal goal = {c->contacts.length[contact], c->settings->extremality_residual, 0};
-  return mg_is_residual_small(&p, &goal, c->search.placement);
 }
 
 MG_INTERNAL int mg_converge_from_any_start(mg_context *c, int feature_pair, mg_real *eta) {

@@ -129,16 +129,15 @@ MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair) {
   return separation;
 }
 
-/* True if a contact has left the minimum in this step, and it is still leaving its feature pair. Otherwise it may be
-   accepted again: a closed curve returns at its other end, and an impact may reverse the motion. */
-static int mg_was_minimum_abandoned(mg_context *c, const mg_minimum *found) {
+/* The fate of a minimum that a contact has left in this step: if it stays, it may be accepted again: a closed curve
+   returns at its other end, and an impact may reverse the motion. */
+static int mg_fate_of_abandoned_minimum(mg_context *c, const mg_minimum *found) {
   for (int k = 0; k < c->search.abandoned.count; k++) {
     const mg_minimum *left = c->search.abandoned.list + k;
-    if (left->feature_pair == found->feature_pair && mg_is_same_minimum(c, left, found) &&
-        mg_is_minimum_leaving_feature_pair(c, found))
-      return 1;
+    if (left->feature_pair == found->feature_pair && mg_is_same_minimum(c, left, found))
+      return mg_fate_of_minimum(c, found);
   }
-  return 0;
+  return MG_MINIMUM_STAYS;
 }
 
 MG_INTERNAL void mg_note_open_gap(mg_context *c, mg_real gap) {
@@ -147,8 +146,10 @@ MG_INTERNAL void mg_note_open_gap(mg_context *c, mg_real gap) {
 
 MG_INTERNAL void mg_keep_minimum_at(mg_context *c, int feature_pair, mg_real *eta, mg_real least, mg_minima *kept) {
   mg_minimum found;
-  if (mg_accept_minimum(c, feature_pair, eta, &found) && found.d >= least && !mg_was_minimum_abandoned(c, &found))
-    mg_insert_minimum(c, kept, &found);
+  if (!mg_accept_minimum(c, feature_pair, eta, &found) || found.d < least) return;
+  const int fate = mg_fate_of_abandoned_minimum(c, &found);
+  if (fate == MG_MINIMUM_STAYS) mg_insert_minimum(c, kept, &found);
+  if (fate == MG_MINIMUM_LOST) mg_note_open_gap(c, found.d);
 }
 
 MG_INTERNAL mg_search_limits mg_appearance_limits(const mg_context *c, int pair) {
@@ -224,7 +225,7 @@ static int mg_start_own_feature_pairs(mg_context *c, int pair) {
 }
 
 /* Start of a pair whose contacts share its feature pairs: the nearest minimum is followed, others only within
-   search_gap. Returns an outcome. */
+   search_gap. None is needed where closest points form a curve, whose gap is known. Returns an outcome. */
 static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
   const mg_system *s = c->system;
   const int first = mg_pair_first_contact(c, pair), end = mg_pair_first_contact(c, pair + 1);
@@ -233,7 +234,8 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
   mg_search_at_start(c, s->pair_feature_pair[pair], s->pair_feature_pair[pair + 1], least, &found);
   c->run->failed_contact = first;
   const int feature_pair = s->pair_feature_pair[pair];
-  if (!found.count && mg_is_unconditional_feature_pair(c, feature_pair) &&
+  const int is_gap_known = c->search.open_gap < MG_MAX && mg_is_start_gap_allowed(c, c->search.open_gap);
+  if (!found.count && !is_gap_known && mg_is_unconditional_feature_pair(c, feature_pair) &&
       s->pair_feature_pair[pair + 1] - feature_pair == 1)
     return mg_refuse_start(c);
   int k = 0;
@@ -260,7 +262,7 @@ MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
                                                           : mg_start_shared_feature_pairs(c, pair);
     if (outcome) return outcome;
     c->run->unfollowed_gap[pair] = mg_min(c->run->unfollowed_gap[pair], mg_max(c->search.open_gap, (mg_real)0));
-    c->run->moved_since_search[pair] = 0;
+    c->run->moved_since_search[pair] = c->search.open_gap < MG_MAX ? MG_SEARCH_DUE : 0;
   }
   return MG_DONE;
 }

@@ -12,7 +12,7 @@ MG_INTERNAL void mg_extrapolate_poses(mg_context *c) {
   mg_update_poses(c, c->run->t + moment, c->step.stage);
 }
 
-MG_INTERNAL int mg_is_minimum_leaving_feature_pair(mg_context *c, const mg_minimum *found) {
+MG_INTERNAL int mg_fate_of_minimum(mg_context *c, const mg_minimum *found) {
   mg_real eta[6], next[6];
   int which;
   const int probe_contact = mg_use_spare_contact(c, found->feature_pair);
@@ -20,11 +20,10 @@ MG_INTERNAL int mg_is_minimum_leaving_feature_pair(mg_context *c, const mg_minim
   mg_place_contact(c, probe_contact, eta, next);
   const mg_real now = mg_most_violated_condition(c, found->feature_pair, eta, &which);
   mg_extrapolate_poses(c);
-  const mg_real then = mg_newton_on_feature_pair(c, probe_contact, eta) < 0
-                           ? -MG_MAX
-                           : mg_most_violated_condition(c, found->feature_pair, eta, &which);
+  const int is_lost = mg_newton_on_feature_pair(c, probe_contact, eta) < 0;
+  const mg_real then = is_lost ? -MG_MAX : mg_most_violated_condition(c, found->feature_pair, eta, &which);
   mg_update_poses(c, c->run->t, c->run->x);
-  return then < 0 && then < now;
+  return is_lost ? MG_MINIMUM_LOST : then < 0 && then < now ? MG_MINIMUM_LEAVES : MG_MINIMUM_STAYS;
 }
 
 /* True if the side of the feature pair is parametrised as a curve. */
@@ -40,11 +39,19 @@ MG_INTERNAL int mg_is_curved_edge_crossing(const mg_context *c, int feature_pair
   return mg_is_feature_a_curve(c, feature_pair, 0) || mg_is_feature_a_curve(c, feature_pair, 1);
 }
 
+MG_INTERNAL int mg_is_followed_to_singularity(const mg_context *c, int feature_pair, mg_real d) {
+  const int pair = c->system->feature_pair_owner[feature_pair];
+  if (!mg_has_centre_curves(c, feature_pair)) return 0;
+  for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
+    if (c->run->closed[i]) return 1;
+  return d < c->settings->margin_refuse * mg_pair_length(c, pair);
+}
+
 MG_INTERNAL mg_real mg_fold_margin_limit(const mg_context *c, int contact) {
-  const int feature_pair = c->run->feature_pair[contact];
-  const int crossing =
-      c->run->closed[contact] && (mg_is_curved_edge_crossing(c, feature_pair) || mg_has_centre_curves(c, feature_pair));
-  return crossing ? c->settings->search_margin : c->settings->margin_refuse;
+  const int feature_pair = c->run->feature_pair[contact], closed = c->run->closed[contact];
+  const int is_crossing = closed && mg_is_curved_edge_crossing(c, feature_pair);
+  return is_crossing || mg_is_followed_to_singularity(c, feature_pair, c->rows.d[contact]) ? c->settings->search_margin
+                                                                                           : c->settings->margin_refuse;
 }
 
 MG_INTERNAL int mg_is_contact_singular(const mg_context *c, int contact) {

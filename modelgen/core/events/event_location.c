@@ -74,7 +74,7 @@ MG_INTERNAL void mg_mark_contacts_within_border(mg_context *c) {
     c->events.within_border[i] =
         value >= -c->settings->feature_border && (!still_on_border || mg_is_returning_to_border(c, i, value));
     if (!c->events.within_border[i])
-      c->run->moved_since_search[c->system->contact_pair[i]] = MG_MAX / 2; /* searched at the end of the step */
+      c->run->moved_since_search[c->system->contact_pair[i]] = MG_SEARCH_DUE; /* searched at the end of the step */
   }
 }
 

@@ -102,7 +102,7 @@ MG_INTERNAL void mg_release_contact(mg_context *c, mg_events *events, int contac
   }
   const int unreported = mg_is_feature_pair_unreported(c, c->run->feature_pair[contact], c->rows.d[contact]);
   mg_set_feature_pair(c, contact, -1, none);
-  c->run->moved_since_search[c->system->contact_pair[contact]] = MG_MAX / 2; /* is searched at once */
+  c->run->moved_since_search[c->system->contact_pair[contact]] = MG_SEARCH_DUE; /* is searched at once */
   if (!unreported) mg_apply_contact_transition(c, events, contact, MG_CONTACT_VANISHES, c->run->t, 0);
 }
 
@@ -185,7 +185,7 @@ MG_INTERNAL int mg_change_marked_features(mg_context *c, mg_events *events) {
     if (cause == MG_LEAVES_FEATURE) mg_change_contact_feature(c, events, i);
     else
       c->events.within_border[i] = MG_PASSES_BORDER,
-      c->run->moved_since_search[c->system->contact_pair[i]] = MG_MAX / 2; /* is searched at once */
+      c->run->moved_since_search[c->system->contact_pair[i]] = MG_SEARCH_DUE; /* is searched at once */
     count += cause == MG_LEAVES_FEATURE;
   }
   return count;
@@ -202,7 +202,7 @@ static void mg_release_distant_rim_points(mg_context *c) {
     mg_place_contact(c, i, mg_contact_eta(c, c->run->x, i), next);
     if (mg_most_violated_condition(c, c->run->feature_pair[i], none, &which) >= -c->settings->feature_border) continue;
     mg_set_feature_pair(c, i, -1, none);
-    c->run->moved_since_search[c->system->contact_pair[i]] = MG_MAX / 2; /* is searched at once */
+    c->run->moved_since_search[c->system->contact_pair[i]] = MG_SEARCH_DUE; /* is searched at once */
   }
 }
 
@@ -236,7 +236,8 @@ MG_INTERNAL int mg_is_minimum_accepted(const mg_context *c, const mg_minimum *fo
   const int own = mg_has_own_feature_pairs(c, c->system->feature_pair_owner[found->feature_pair]);
   const int flat =
       mg_is_feature_pair_of_tilted_faces(c, found->feature_pair); /* its margin is small near flat, not near a fold */
-  if (mg_has_centre_curves(c, found->feature_pair)) return found->margin >= c->settings->search_margin;
+  if (mg_is_followed_to_singularity(c, found->feature_pair, found->d))
+    return found->margin >= c->settings->search_margin;
   return found->margin >= (own || flat ? c->settings->margin_refuse : c->settings->appear_margin);
 }
 
@@ -274,7 +275,7 @@ static int mg_is_minimum_touched(mg_context *c, const mg_minimum *found) {
 /* True if the minimum touches at a point of a closed contact and itself penetrates or is about to end. */
 static int mg_is_minimum_ignored(mg_context *c, const mg_minimum *found) {
   if (found->d > c->settings->start_gap * c->system->length || !mg_is_minimum_touched(c, found)) return 0;
-  return found->d < -c->settings->start_gap * c->system->length || mg_is_minimum_leaving_feature_pair(c, found);
+  return found->d < -c->settings->start_gap * c->system->length || mg_fate_of_minimum(c, found) != MG_MINIMUM_STAYS;
 }
 
 /* Adds the minima of the feature pairs of a pair that are within reach and neither in use nor covered to those kept. */
@@ -292,11 +293,16 @@ static void mg_search_free_feature_pairs(mg_context *c, int pair, const mg_searc
 static mg_search_limits mg_penetration_limits(const mg_context *c, int pair, mg_real moved) {
   const mg_real radius_o = mg_pair_ball(c, pair, 0)[3], radius_f = mg_pair_ball(c, pair, 1)[3];
   mg_search_limits limits = mg_appearance_limits(c, pair);
-  if (!(moved < MG_MAX / 4)) return limits;
+  if (!(moved < MG_SEARCH_DUE)) return limits;
   if (radius_o >= 0) moved = mg_min(moved, radius_o / 2);
   if (radius_f >= 0) moved = mg_min(moved, radius_f / 2);
   limits.depth = mg_max(limits.depth, moved);
   return limits;
+}
+
+/* Least movement of a pair between searches that are not due at every step, m. */
+static mg_real mg_least_movement(const mg_context *c, int pair) {
+  return c->settings->appear_depth / MG_SEARCHES_IN_DEPTH * mg_pair_length(c, pair);
 }
 
 /* Notes that no contact follows a minimum of a pair with the gap d. */
@@ -313,6 +319,7 @@ static int mg_follow_minimum(mg_context *c, mg_events *events, int pair, const m
   if (mg_is_minimum_tracked(c, pair, -1, each)) return MG_FOLLOWED_BEFORE;
   if (!mg_is_minimum_accepted(c, each, seen_depth)) {
     mg_note_unfollowed_gap(c, pair, each->d);
+    if (each->d / 2 < mg_least_movement(c, pair)) c->run->moved_since_search[pair] = MG_SEARCH_DUE;
     return MG_NOT_FOLLOWED;
   }
   if (each->d < -appearing_depth) return MG_NOT_FOLLOWED;
@@ -395,14 +402,12 @@ static mg_real mg_least_closed_margin(const mg_context *c, int pair) {
   return least;
 }
 
-/* Movement of a pair, m, after which it is searched again: at most the gap of closest points that no contact follows,
-   so that they are seen before they are deep. Beside a closed contact the gap is less by the factor of its margin, and
-   so is the gap of closest points that become a minimum there. */
+/* Movement of a pair, m, after which it is searched again: at most half the gap of closest points that no contact
+   follows, so that they are seen before they touch. Beside a closed contact the gap is less by the factor of its
+   margin, and so is the gap of closest points that become a minimum there. */
 static mg_real mg_movement_until_search(const mg_context *c, int pair) {
-  const mg_real least = c->settings->appear_depth / MG_SEARCHES_IN_DEPTH,
-                most = c->settings->search_movement * mg_least_closed_margin(c, pair);
-  const mg_real length = mg_pair_length(c, pair);
-  return mg_min(most * length, mg_max(c->run->unfollowed_gap[pair], least * length));
+  const mg_real most = c->settings->search_movement * mg_least_closed_margin(c, pair) * mg_pair_length(c, pair);
+  return mg_min(most, mg_max(c->run->unfollowed_gap[pair] / 2, mg_least_movement(c, pair)));
 }
 
 /* True if a pair that has moved so far since its last search is to be searched. */
@@ -428,7 +433,9 @@ MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
     mg_update_poses(c, c->run->t, start);
     const int was_there = mg_find_unfollowed_minimum(c, pair, moved) == MG_NEW_PENETRATION;
     mg_update_poses(c, c->run->t + h, c->step.settled);
-    if (!was_there) return 1;
+    if (was_there) continue;
+    c->run->moved_since_search[pair] = MG_SEARCH_DUE;
+    return 1;
   }
   return 0;
 }
@@ -464,6 +471,14 @@ MG_INTERNAL mg_real mg_search_step_limit(const mg_context *c) {
   return longest_step;
 }
 
+/* True if a pair is to be searched after the next step too: no contact was found for closest points that are nearer
+   than the least movement between searches, and the pair has no contact, or penetrated in a step that was not accepted.
+ */
+static int mg_is_search_due_again(const mg_context *c, int pair, mg_real moved) {
+  return c->run->unfollowed_gap[pair] / 2 < mg_least_movement(c, pair) &&
+         (moved >= MG_SEARCH_DUE || mg_is_pair_without_contacts(c, pair));
+}
+
 MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h) {
   const mg_system *s = c->system;
   int count = mg_release_folded_contacts(c, events);
@@ -473,10 +488,12 @@ MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h)
     c->run->moved_since_search[pair] += h * mg_pair_motion_bound(c, pair).speed;
     if (!mg_is_search_due(c, pair, c->run->moved_since_search[pair])) continue;
     const mg_real moved = c->run->moved_since_search[pair];
-    const int is_done = c->search.is_searched[pair] && moved < MG_MAX / 4;
+    const int is_done = c->search.is_searched[pair] && moved < MG_SEARCH_DUE;
     c->search.is_searched[pair] = 0;
-    c->run->moved_since_search[pair] = mg_has_opening_patch(c, pair) ? MG_MAX / 2 : 0;
-    if (!is_done) count += mg_search_pair_contacts(c, events, pair, moved);
+    c->run->moved_since_search[pair] = mg_has_opening_patch(c, pair) ? MG_SEARCH_DUE : 0;
+    const int found = is_done ? 0 : mg_search_pair_contacts(c, events, pair, moved);
+    if (!found && mg_is_search_due_again(c, pair, moved)) c->run->moved_since_search[pair] = MG_SEARCH_DUE;
+    count += found;
   }
   return count;
 }

@@ -34,17 +34,24 @@ MG_INTERNAL int mg_place_all_contacts(mg_context *c, mg_real t, mg_real *x) {
   return 1;
 }
 
-/* True if the residual of the placement is below extremality_residual. */
-static int mg_is_placement_converged(const mg_context *c, int contact) {
-  return c->search.placement[1] <= c->settings->extremality_residual * c->contacts.length[contact] &&
-         c->search.placement[2] <= c->settings->extremality_residual;
+MG_INTERNAL int mg_is_residual_small(const mg_real *pose_o, const mg_real *pose_f, mg_real tolerance, mg_real length,
+                                     const mg_real *placed) {
+  mg_real size = 0;
+  for (int k = 0; k < 3; k++) size += fabs(pose_o[k]) + fabs(pose_f[k]);
+  return placed[1] <= tolerance * length + 16 * MG_EPS * size && placed[2] <= tolerance;
+}
+
+MG_INTERNAL int mg_is_placement_critical(const mg_context *c, int contact) {
+  return mg_is_residual_small(c->bodies.pose + 12 * c->contacts.o[contact],
+                              c->bodies.pose + 12 * c->contacts.f[contact], c->settings->extremality_residual,
+                              c->contacts.length[contact], c->search.placement);
 }
 
 MG_INTERNAL int mg_newton_on_feature_pair(mg_context *c, int contact, mg_real *eta) {
   mg_real *next = c->search.placement + 32;
   for (int step = 0; step < 50; step++) {
     const int n = mg_place_contact(c, contact, eta, next);
-    if (mg_is_placement_converged(c, contact)) return step;
+    if (mg_is_placement_critical(c, contact)) return step;
     for (int k = 0; k < n; k++) {
       if (!(fabs(next[k]) <= MG_MAX)) return -1;
       eta[k] = next[k];

@@ -280,6 +280,14 @@ MG_INTERNAL int mg_append_spring_rows(const mg_context *c, int *list, int n);
    Returns the length of eta. */
 MG_INTERNAL int mg_place_contact(mg_context *c, int contact, const mg_real *eta, mg_real *eta_next);
 
+/* True if the residual of a placement is below a tolerance, of the length and in angles, or as small as rounding of the
+   positions permits. */
+MG_INTERNAL int mg_is_residual_small(const mg_real *pose_o, const mg_real *pose_f, mg_real tolerance, mg_real length,
+                                     const mg_real *placed);
+
+/* True if the placement of a contact evaluated last solves the extremality equations. */
+MG_INTERNAL int mg_is_placement_critical(const mg_context *c, int contact);
+
 /* Margin of the placement evaluated last, dimensionless. */
 MG_INTERNAL mg_real mg_placement_margin(const mg_context *c, int contact);
 

@@ -161,7 +161,7 @@ MG_INTERNAL int mg_has_held_patch(const mg_context *c, int pair) {
 
 MG_INTERNAL void mg_request_pair_searches(mg_context *c, int patch) {
   for (int pair = mg_next_pair(c, -1); pair < c->system->n_pair; pair = mg_next_pair(c, pair))
-    if (mg_is_patch_of_pair(c, patch, pair)) c->run->moved_since_search[pair] = MG_MAX / 2;
+    if (mg_is_patch_of_pair(c, patch, pair)) c->run->moved_since_search[pair] = MG_SEARCH_DUE;
 }
 
 MG_INTERNAL int mg_patch_body(const mg_context *c, int patch, int side) {
