@@ -15,6 +15,7 @@ from modelgen.codegen.kernel_table import table_text
 from modelgen.codegen.manifest import Json, Manifest
 from modelgen.codegen.manifest_instance import instance_of, kinds_of, parameters_of
 from modelgen.codegen.scene_step import MOST_INLINED, inlined
+from modelgen.codegen.shared_jets import shared_kernels, with_calls
 from modelgen.codegen.unused_inputs import unused_inputs
 from modelgen.derivation import Derivation, Formula
 from modelgen.differentiation import packed_formulas
@@ -92,7 +93,7 @@ def emit(derivation: Derivation, derivatives: bool = False) -> Package:
     internal = {formula.name: f"{PREFIX}_f{index}" for index, formula in enumerate(compiled)}
     packed = packed_formulas(derivation, compiled) if derivatives else ()
     files = {
-        "kernels.c": _kernels(compiled),
+        "kernels.c": _kernels(derivation.model, compiled),
         "model.c": _head(bool(packed)) + table_text(derivation, internal),
         HEADER: header_text(),
     }
@@ -123,13 +124,20 @@ def _head(has_derivatives: bool) -> str:
     )
 
 
-def _kernels(formulas: list[Formula]) -> str:
+def _kernels(model: Model, formulas: list[Formula]) -> str:
     options: dict[str, Any] = {"static_aux": True, "verbose": False, "with_header": False, "prefix": PREFIX}
     generator = ca.CodeGenerator("kernels.c", options)
     functions = [formula.function for formula in formulas]
-    for function in functions:
+    shared = shared_kernels(model, formulas)
+    parts = list({call.part.name(): call.part for each in shared.values() for call in each.calls}.values())
+    written = [shared[each.name()].rest if each.name() in shared else each for each in functions] + parts
+    for function in written:
         generator.add(function)
-    text = internal_functions(str(generator.dump()), functions) + entries_text(functions, "casadi")
+    text = with_calls(
+        internal_functions(str(generator.dump()), written),
+        {k: shared[each.name()] for k, each in enumerate(functions) if each.name() in shared},
+        {part.name(): k for k, part in enumerate(parts, start=len(functions))},
+    ) + entries_text(functions, "casadi")
     small = [k for k, each in enumerate(formulas) if each.role == "rhs" and each.instructions <= MOST_INLINED]
     return inlined(text, [f"casadi_f{k}" for k in small])  # which stands for PREFIX_f{k}
 

@@ -1,0 +1,182 @@
+"""Jets of shapes as C functions of their own, which the kernels of a shape call.
+
+A kernel of CasADi computes the jets of its shapes, point and derivatives, by itself. Where a jet is long, it
+is most of each kernel, and a compiler works on it once in each. The C text has it once; results are the same
+to the last bit.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import TypeVar
+
+import casadi as ca
+
+from modelgen.composition.instructions import instructions, rebuilt
+from modelgen.contact.form_table import eta_layout
+from modelgen.derivation import Formula
+from modelgen.geometry.curves import curve_of, is_curve
+from modelgen.geometry.frames import POSE_SIZE
+from modelgen.geometry.surface_catalogue import surface_of
+from modelgen.geometry.surface_kernel import shape_parameters
+from modelgen.model import ContactKind, Model, ShapeKind
+from modelgen.notation import ETA_SIZE
+
+KERNEL = """
+static int {name}(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem) {{
+  casadi_real jets[{size}];
+  const casadi_real *given[] = {{{given}, jets}};
+{calls}
+  return {name}_of_jets(given, res, iw, w, mem);
+}}
+"""
+CALL = """  {{
+    const casadi_real *at[] = {{{at}, {parameters}}};
+    casadi_real *numbers[] = {{jets + {start}}};
+    {part}(at, numbers, iw, w, mem);
+  }}"""
+Matrix = TypeVar("Matrix", ca.SX, ca.DM)
+LEAST = 200  # instructions that a kernel loses by its calls; a call costs some tens
+
+
+@dataclass(frozen=True)
+class JetCall:
+    """A part of a jet; each of its arguments is an argument of the kernel, from an entry on."""
+
+    part: ca.Function  # (coordinates, parameters) -> its numbers
+    coordinates: tuple[int, int]
+    parameters: tuple[int, int]
+
+    def values(self, arguments: Sequence[Matrix]) -> Matrix:
+        """The part at arguments of the kernel."""
+        places = (self.coordinates, self.parameters)
+        given = [arguments[k][start:] for k, start in places]
+        return self.part(*(each[: self.part.numel_in(i)] for i, each in enumerate(given)))
+
+
+@dataclass(frozen=True)
+class SharedKernel:
+    """A kernel without its jets, whose numbers it takes as one more argument."""
+
+    rest: ca.Function
+    calls: tuple[JetCall, ...]
+
+
+def shared_kernels(model: Model, formulas: Sequence[Formula]) -> Mapping[str, SharedKernel]:
+    """The kernels that call parts of jets, by name; the others stay whole."""
+    found: dict[str, SharedKernel] = {}
+    for formula in formulas:
+        calls = tuple(_jet_calls(model, formula))
+        shared = _without_jets(formula.function, calls) if calls else None
+        if shared and formula.instructions - shared.rest.n_instructions() >= LEAST:
+            found[formula.name] = shared
+    users = Counter(call.part.name() for shared in found.values() for call in shared.calls)
+    return {
+        name: shared
+        for name, shared in found.items()
+        if any(users[call.part.name()] > 1 for call in shared.calls)
+    }
+
+
+@cache
+def jet_parts(kind: ShapeKind) -> tuple[ca.Function, ...]:
+    """Point and first derivatives of a shape, and its second ones: (coordinates, parameters) -> numbers."""
+    argument, parameters = shape_parameters(kind)
+    at = ca.SX.sym("at", 1 if is_curve(kind) else 2)
+    jet = (curve_of(kind) if is_curve(kind) else surface_of(kind)).jet(at, parameters)
+    outputs = {
+        "first": ca.vertcat(ca.densify(jet.x), ca.vec(ca.densify(jet.first))),
+        "second": ca.vec(ca.densify(jet.second)),
+    }
+    return tuple(
+        ca.Function(f"mg_{kind.name}_{name}", [at, argument], ca.cse([output]))
+        for name, output in outputs.items()
+    )
+
+
+def with_calls(text: str, kernels: Mapping[int, SharedKernel], parts: Mapping[str, int]) -> str:
+    """CasADi's C text of kernels without their jets, with kernels that call the jets and then these.
+
+    Args:
+        text: in which `casadi_f<index>` is a function.
+        kernels: by their indices.
+        parts: the indices of parts of jets, by name.
+    """
+    for index, kernel in kernels.items():
+        name = f"casadi_f{index}"
+        text, count = re.subn(
+            rf"^static int {name}\(", f"static int {name}_of_jets(", text, flags=re.MULTILINE
+        )
+        assert count == 1, name
+        given = [f"arg[{k}]" for k in range(kernel.rest.n_in() - 1)]
+        calls, start = [], 0
+        for call in kernel.calls:
+            at, parameters = (
+                f"arg[{k}] + {first}" if call.part.numel_in(i) else "0"
+                for i, (k, first) in enumerate((call.coordinates, call.parameters))
+            )
+            calls.append(
+                CALL.format(
+                    at=at, parameters=parameters, start=start, part=f"casadi_f{parts[call.part.name()]}"
+                )
+            )
+            start += call.part.numel_out(0)
+        text += KERNEL.format(name=name, size=start, given=", ".join(given), calls="\n".join(calls))
+    return text
+
+
+def _jet_calls(model: Model, formula: Formula) -> Iterator[JetCall]:
+    """The calls that a kernel can make."""
+    if formula.role in ("surface", "curve"):
+        yield from _calls(model.shape_kinds[formula.kind], (0, 0), (1, 0))
+    elif formula.role in ("rates", "place") and formula.kind < len(model.contact_kinds):
+        names = formula.function.name_in()
+        yield from _calls_of_contact(
+            model.contact_kinds[formula.kind], names.index("eta"), names.index("parameters")
+        )
+
+
+def _calls_of_contact(kind: ContactKind, eta: int, parameters: int) -> Iterator[JetCall]:
+    place = first = 0
+    for side, layout in zip((kind.o, kind.f), eta_layout(kind), strict=True):
+        if layout in ("chart", "curve"):
+            yield from _calls(side.shape, (eta, place), (parameters, first))
+        place += ETA_SIZE[layout]
+        first += shape_parameters(side.shape)[0].numel() + (POSE_SIZE if side.placement == "general" else 0)
+
+
+def _calls(kind: ShapeKind, coordinates: tuple[int, int], parameters: tuple[int, int]) -> Iterator[JetCall]:
+    parts = jet_parts(kind)
+    if sum(part.n_instructions() for part in parts) >= LEAST:
+        yield from (JetCall(part, coordinates, parameters) for part in parts)
+
+
+def _without_jets(kernel: ca.Function, calls: tuple[JetCall, ...]) -> SharedKernel:
+    """The kernel in which symbols take the place of what the calls compute."""
+    inputs = kernel.sx_in()
+    computed = ca.vertcat(ca.SX(0, 1), *(call.values(inputs) for call in calls))
+    together = ca.Function("together", inputs, ca.cse([computed, *kernel.call(inputs)]))
+    entries = {
+        each.operands[0]: each.place[1]
+        for each in instructions(together)
+        if each.operation == ca.OP_OUTPUT and each.place[0] == 0
+    }
+    numbers = ca.SX.sym("jets", computed.numel())
+    outputs = rebuilt(
+        together, inputs, lambda each, _: numbers[entries[each.number]] if each.number in entries else None
+    )[1:]
+    kept, used = [], []
+    starts = [0]
+    for call in calls:
+        starts.append(starts[-1] + call.part.numel_out(0))
+    for call, start, end in zip(calls, starts, starts[1:], strict=False):
+        part = numbers[start:end]
+        if any(ca.which_depends(ca.veccat(*outputs), part, 1, True)):
+            kept.append(call)
+            used.append(part)
+    rest = ca.Function(kernel.name(), [*inputs, ca.vertcat(ca.SX(0, 1), *used)], outputs)
+    return SharedKernel(rest, tuple(kept))

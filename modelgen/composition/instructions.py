@@ -1,0 +1,86 @@
+"""Functions of CasADi as lists of elementary operations, and functions rebuilt from them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import casadi as ca
+
+
+@dataclass(frozen=True)
+class Instruction:
+    """One elementary operation of a function of `ca.SX`."""
+
+    number: int
+    operation: int  # ca.OP_..
+    operands: tuple[int, ...]  # numbers of the instructions whose results it takes
+    place: tuple[int, int] = (0, 0)  # of OP_INPUT and OP_OUTPUT: the argument or output, and its entry
+
+
+def instructions(function: ca.Function) -> Iterator[Instruction]:
+    """The operations in their order."""
+    makers: dict[int, int] = {}  # by the place in the work vector
+    for k in range(function.n_instructions()):
+        operation = function.instruction_id(k)
+        given, taken = function.instruction_input(k), function.instruction_output(k)
+        if operation == ca.OP_OUTPUT:
+            yield Instruction(k, operation, (makers[given[0]],), (taken[0], taken[1]))
+            continue
+        if operation == ca.OP_INPUT:
+            yield Instruction(k, operation, (), (given[0], given[1]))
+        elif operation == ca.OP_CONST:
+            yield Instruction(k, operation, ())
+        else:
+            yield Instruction(k, operation, tuple(makers[place] for place in given))
+        makers[taken[0]] = k
+
+
+def rebuilt(
+    function: ca.Function,
+    inputs: list[ca.SX],
+    replacement: Callable[[Instruction, tuple[ca.SX, ...]], ca.SX | None],
+) -> list[ca.SX]:
+    """The outputs of a function as expressions of other inputs.
+
+    Nothing is simplified, so that operations without a replacement round as those of the function.
+
+    Args:
+        function: of `ca.SX`.
+        inputs: take the place of its inputs.
+        replacement: given an operation and the values of its operands, what takes the place of its result;
+            None: nothing does.
+    """
+    simplifies = ca.GlobalOptions.getSimplificationOnTheFly()
+    ca.GlobalOptions.setSimplificationOnTheFly(False)  # which makes x/y of x (1/y)
+    try:
+        return _rebuilt(function, inputs, replacement)
+    finally:
+        ca.GlobalOptions.setSimplificationOnTheFly(simplifies)
+
+
+def _rebuilt(
+    function: ca.Function,
+    inputs: list[ca.SX],
+    replacement: Callable[[Instruction, tuple[ca.SX, ...]], ca.SX | None],
+) -> list[ca.SX]:
+    outputs = [ca.SX(function.sparsity_out(k)) for k in range(function.n_out())]
+    values: dict[int, ca.SX] = {}
+    for each in instructions(function):
+        operands = tuple(values[number] for number in each.operands)
+        if each.operation == ca.OP_OUTPUT:
+            outputs[each.place[0]].nz[each.place[1]] = operands[0]
+        elif each.operation == ca.OP_INPUT:
+            values[each.number] = inputs[each.place[0]].nz[each.place[1]]
+        elif each.operation == ca.OP_CONST:
+            values[each.number] = ca.SX(function.instruction_constant(each.number))
+        else:
+            other = replacement(each, operands)
+            values[each.number] = _result(each.operation, operands) if other is None else other
+    return outputs
+
+
+def _result(operation: int, operands: tuple[ca.SX, ...]) -> ca.SX:
+    if len(operands) == 1:
+        return ca.SX.unary(operation, *operands)
+    return ca.SX.binary(operation, *operands)
