@@ -9,7 +9,7 @@ import casadi as ca
 
 from modelgen.assembly import Q_SIZE, U_SIZE, eta_size
 from modelgen.codegen.bounds_programs import programs_text
-from modelgen.codegen.manifest import CENTRE_CURVES, FEET
+from modelgen.codegen.manifest import CENTRE_CURVES, FEET, have_centre_curves
 from modelgen.codegen.manifest_instance import J_SIZE
 from modelgen.codegen.scene_step import scene_step_text
 from modelgen.codegen.time_dependence import hides
@@ -195,13 +195,15 @@ def _tables(derivation: Derivation) -> list[str]:
 
 def _searched(derivation: Derivation) -> list[bool]:
     """Whether closest points of each kind of shape are searched by cells: in a kind of contact that has
-    parameters and no separation function."""
+    parameters, and neither a separation function nor two centre curves."""
     model = derivation.model
     convex = {formula.kind for formula in derivation.formulas if formula.role == "seek"}
     shapes = {
         side.shape
         for index, kind in enumerate(model.contact_kinds)
-        if index not in convex and eta_size(kind)
+        if index not in convex
+        and eta_size(kind)
+        and not have_centre_curves((kind.o.shape.kind, kind.f.shape.kind))
         for side in (kind.o, kind.f)
     }
     return [kind in shapes for kind in model.shape_kinds]

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
@@ -25,6 +26,13 @@ CENTRE_CURVES = {
     "torus": 2,
     "circle": 2,
 }  # MG_CENTRE_LINE, MG_CENTRE_CIRCLE: shapes at a constant distance from a line or a circle
+
+
+def have_centre_curves(shapes: Iterable[str]) -> bool:
+    """Whether closest points of these kinds of shapes follow from their centre curves in closed form."""
+    return all(shape in CENTRE_CURVES for shape in shapes)
+
+
 Json = dict[str, Any]
 STRUCTURE, INSTANCE = "manifest.json", "instance.json"  # names of the files
 

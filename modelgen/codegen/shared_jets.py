@@ -12,11 +12,12 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import compress
 from typing import TypeVar
 
 import casadi as ca
 
-from modelgen.composition.instructions import instructions, rebuilt
+from modelgen.composition.instructions import instructions, rebuilt, unsimplified
 from modelgen.contact.form_table import eta_layout
 from modelgen.derivation import Formula
 from modelgen.geometry.curves import curve_of, is_curve
@@ -158,25 +159,23 @@ def _calls(kind: ShapeKind, coordinates: tuple[int, int], parameters: tuple[int,
 def _without_jets(kernel: ca.Function, calls: tuple[JetCall, ...]) -> SharedKernel:
     """The kernel in which symbols take the place of what the calls compute."""
     inputs = kernel.sx_in()
-    computed = ca.vertcat(ca.SX(0, 1), *(call.values(inputs) for call in calls))
-    together = ca.Function("together", inputs, ca.cse([computed, *kernel.call(inputs)]))
-    entries = {
-        each.operands[0]: each.place[1]
-        for each in instructions(together)
-        if each.operation == ca.OP_OUTPUT and each.place[0] == 0
-    }
-    numbers = ca.SX.sym("jets", computed.numel())
-    outputs = rebuilt(
-        together, inputs, lambda each, _: numbers[entries[each.number]] if each.number in entries else None
-    )[1:]
-    kept, used = [], []
-    starts = [0]
-    for call in calls:
-        starts.append(starts[-1] + call.part.numel_out(0))
-    for call, start, end in zip(calls, starts, starts[1:], strict=False):
-        part = numbers[start:end]
-        if any(ca.which_depends(ca.veccat(*outputs), part, 1, True)):
-            kept.append(call)
-            used.append(part)
-    rest = ca.Function(kernel.name(), [*inputs, ca.vertcat(ca.SX(0, 1), *used)], outputs)
-    return SharedKernel(rest, tuple(kept))
+    with unsimplified():
+        computed = [call.values(inputs) for call in calls]
+        together = ca.Function("together", inputs, ca.cse([ca.vertcat(*computed), *kernel.call(inputs)]))
+        symbols = [ca.SX.sym("jet", each.numel()) for each in computed]
+        numbers = ca.vertcat(*symbols)
+        entries = {
+            each.operands[0]: each.place[1]
+            for each in instructions(together)
+            if each.operation == ca.OP_OUTPUT and each.place[0] == 0
+        }
+        _, *outputs = rebuilt(
+            together,
+            inputs,
+            lambda each, _: numbers[entries[each.number]] if each.number in entries else None,
+        )
+        needed = [any(ca.which_depends(ca.veccat(*outputs), each, 1, True)) for each in symbols]
+        jets = ca.vertcat(ca.SX(0, 1), *compress(symbols, needed))
+        return SharedKernel(
+            ca.Function(kernel.name(), [*inputs, jets], outputs), tuple(compress(calls, needed))
+        )

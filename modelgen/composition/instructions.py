@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import casadi as ca
@@ -36,14 +37,24 @@ def instructions(function: ca.Function) -> Iterator[Instruction]:
         makers[taken[0]] = k
 
 
+@contextmanager
+def unsimplified() -> Iterator[None]:
+    """Expressions made here hold the operations that are written, and round as these: CasADi else makes
+    x/y of x (1/y)."""
+    simplifies = ca.GlobalOptions.getSimplificationOnTheFly()
+    ca.GlobalOptions.setSimplificationOnTheFly(False)
+    try:
+        yield
+    finally:
+        ca.GlobalOptions.setSimplificationOnTheFly(simplifies)
+
+
 def rebuilt(
     function: ca.Function,
     inputs: list[ca.SX],
     replacement: Callable[[Instruction, tuple[ca.SX, ...]], ca.SX | None],
 ) -> list[ca.SX]:
-    """The outputs of a function as expressions of other inputs.
-
-    Nothing is simplified, so that operations without a replacement round as those of the function.
+    """The outputs of a function as expressions of other inputs; to be called where `unsimplified` holds.
 
     Args:
         function: of `ca.SX`.
@@ -51,19 +62,6 @@ def rebuilt(
         replacement: given an operation and the values of its operands, what takes the place of its result;
             None: nothing does.
     """
-    simplifies = ca.GlobalOptions.getSimplificationOnTheFly()
-    ca.GlobalOptions.setSimplificationOnTheFly(False)  # which makes x/y of x (1/y)
-    try:
-        return _rebuilt(function, inputs, replacement)
-    finally:
-        ca.GlobalOptions.setSimplificationOnTheFly(simplifies)
-
-
-def _rebuilt(
-    function: ca.Function,
-    inputs: list[ca.SX],
-    replacement: Callable[[Instruction, tuple[ca.SX, ...]], ca.SX | None],
-) -> list[ca.SX]:
     outputs = [ca.SX(function.sparsity_out(k)) for k in range(function.n_out())]
     values: dict[int, ca.SX] = {}
     for each in instructions(function):

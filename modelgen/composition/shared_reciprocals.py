@@ -7,7 +7,7 @@ from collections import Counter
 
 import casadi as ca
 
-from modelgen.composition.instructions import Instruction, instructions, rebuilt
+from modelgen.composition.instructions import Instruction, instructions, rebuilt, unsimplified
 
 SHARED = 2  # divisions by one denominator that make a reciprocal pay
 
@@ -31,6 +31,7 @@ def with_shared_reciprocals(function: ca.Function) -> ca.Function:
         return above * reciprocals[each.operands[1]]
 
     inputs = function.sx_in()
-    outputs = rebuilt(function, inputs, product)
     names = function.name_in(), function.name_out()
-    return ca.Function(function.name(), inputs, ca.cse(outputs), *names)
+    with unsimplified():
+        outputs = ca.cse(rebuilt(function, inputs, product))
+        return ca.Function(function.name(), inputs, outputs, *names)

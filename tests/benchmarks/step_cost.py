@@ -24,6 +24,7 @@ from time import perf_counter, process_time
 import numpy as np
 
 import modelgen
+from modelgen.codegen.amalgamation import elementary_text
 from modelgen.codegen.compiler import find_compiler
 from modelgen.codegen.library import Library
 from modelgen.runtime.session import Session
@@ -78,10 +79,12 @@ def compiled_prototype(library: Library, folder: Path, cpu: str) -> Path:
     }
     compiler, target = find_compiler(), folder / "prototype.so"
     flags = [cpu if flag == "-march=native" else flag for flag in compiler.flags("double")]
-    source = Path(__file__).parent / "prototype.c"
+    source, elementary = Path(__file__).parent / "prototype.c", folder / "elementary.c"
+    elementary.write_text(elementary_text())
     named = [f"-I{library.path.parent}", *(f"-D{name}={value}" for name, value in defines.items())]
     subprocess.run(
-        [*compiler.command, *flags, *named, "-shared", str(source), "-o", str(target), "-lm"], check=True
+        [*compiler.command, *flags, *named, "-shared", str(source), str(elementary), "-o", str(target)],
+        check=True,
     )
     return target
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from math import hypot, pi
 from typing import Any
 
-from modelgen.codegen.manifest import Manifest
+from modelgen.codegen.manifest import Manifest, have_centre_curves
 
 CELLS_PER_TREE, CELLS_MIN, CELLS_MAX = 4096, 32768, 131072
 CONDITIONS = ("quadric", "parameter", "disc", "wing", "direction", "tilt")  # MG_CONDITION_QUADRIC ..
@@ -49,9 +49,11 @@ def _trees(
     trees: dict[tuple[Any, ...], int] = {}
     numbers = []
     for feature_pair in feature_pairs:
-        for shape in (feature_pair["shape_o"], feature_pair["shape_f"]):
-            kind = kinds["contact"][feature_pair["kind"]]
-            if kind["convex"] or not kind["n_eta"] or not shape["domain"]:
+        kind = kinds["contact"][feature_pair["kind"]]
+        shapes = feature_pair["shape_o"], feature_pair["shape_f"]
+        is_closed_form = have_centre_curves(kinds["shape"][shape["kind"]]["kind"] for shape in shapes)
+        for shape in shapes:
+            if kind["convex"] or not kind["n_eta"] or not shape["domain"] or is_closed_form:
                 numbers.append(-1)
                 continue
             key = (shape["kind"], tuple(shape["parameters"]), *(tuple(ends) for ends in shape["domain"]))
