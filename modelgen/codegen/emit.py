@@ -129,14 +129,14 @@ def _kernels(model: Model, formulas: list[Formula]) -> str:
     generator = ca.CodeGenerator("kernels.c", options)
     functions = [formula.function for formula in formulas]
     shared = shared_kernels(model, formulas)
-    parts = list({call.part.name(): call.part for each in shared.values() for call in each.calls}.values())
-    written = [shared[each.name()].rest if each.name() in shared else each for each in functions] + parts
+    jets = list({call.jet.name(): call.jet for each in shared.values() for call in each.calls}.values())
+    written = [shared[each.name()].rest if each.name() in shared else each for each in functions] + jets
     for function in written:
         generator.add(function)
     text = with_calls(
         internal_functions(str(generator.dump()), written),
         {k: shared[each.name()] for k, each in enumerate(functions) if each.name() in shared},
-        {part.name(): k for k, part in enumerate(parts, start=len(functions))},
+        {jet.name(): k for k, jet in enumerate(jets, start=len(functions))},
     ) + entries_text(functions, "casadi")
     small = [k for k, each in enumerate(formulas) if each.role == "rhs" and each.instructions <= MOST_INLINED]
     return inlined(text, [f"casadi_f{k}" for k in small])  # which stands for PREFIX_f{k}

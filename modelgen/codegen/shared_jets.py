@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import compress
@@ -38,7 +38,7 @@ static int {name}(const casadi_real** arg, casadi_real** res, casadi_int* iw, ca
 CALL = """  {{
     const casadi_real *at[] = {{{at}, {parameters}}};
     casadi_real *numbers[] = {{jets + {start}}};
-    {part}(at, numbers, iw, w, mem);
+    {jet}(at, numbers, iw, w, mem);
   }}"""
 Matrix = TypeVar("Matrix", ca.SX, ca.DM)
 LEAST = 200  # instructions that a kernel loses by its calls; a call costs some tens
@@ -46,17 +46,17 @@ LEAST = 200  # instructions that a kernel loses by its calls; a call costs some 
 
 @dataclass(frozen=True)
 class JetCall:
-    """A part of a jet; each of its arguments is an argument of the kernel, from an entry on."""
+    """The call of a jet; each of its arguments is an argument of the kernel, from an entry on."""
 
-    part: ca.Function  # (coordinates, parameters) -> its numbers
+    jet: ca.Function  # (coordinates, parameters) -> its numbers
     coordinates: tuple[int, int]
     parameters: tuple[int, int]
 
     def values(self, arguments: Sequence[Matrix]) -> Matrix:
-        """The part at arguments of the kernel."""
+        """The jet at arguments of the kernel."""
         places = (self.coordinates, self.parameters)
         given = [arguments[k][start:] for k, start in places]
-        return self.part(*(each[: self.part.numel_in(i)] for i, each in enumerate(given)))
+        return self.jet(*(each[: self.jet.numel_in(i)] for i, each in enumerate(given)))
 
 
 @dataclass(frozen=True)
@@ -68,44 +68,38 @@ class SharedKernel:
 
 
 def shared_kernels(model: Model, formulas: Sequence[Formula]) -> Mapping[str, SharedKernel]:
-    """The kernels that call parts of jets, by name; the others stay whole."""
+    """The kernels that call jets, by name; the others stay whole."""
     found: dict[str, SharedKernel] = {}
     for formula in formulas:
-        calls = tuple(_jet_calls(model, formula))
+        calls = _jet_calls(model, formula)
         shared = _without_jets(formula.function, calls) if calls else None
         if shared and formula.instructions - shared.rest.n_instructions() >= LEAST:
             found[formula.name] = shared
-    users = Counter(call.part.name() for shared in found.values() for call in shared.calls)
+    users = Counter(call.jet.name() for shared in found.values() for call in shared.calls)
     return {
         name: shared
         for name, shared in found.items()
-        if any(users[call.part.name()] > 1 for call in shared.calls)
+        if any(users[call.jet.name()] > 1 for call in shared.calls)
     }
 
 
 @cache
-def jet_parts(kind: ShapeKind) -> tuple[ca.Function, ...]:
-    """Point and first derivatives of a shape, and its second ones: (coordinates, parameters) -> numbers."""
+def jet_function(kind: ShapeKind) -> ca.Function:
+    """`mg_<kind>_jet`: (coordinates, parameters) -> point, first and second derivatives of a shape."""
     argument, parameters = shape_parameters(kind)
     at = ca.SX.sym("at", 1 if is_curve(kind) else 2)
     jet = (curve_of(kind) if is_curve(kind) else surface_of(kind)).jet(at, parameters)
-    outputs = {
-        "first": ca.vertcat(ca.densify(jet.x), ca.vec(ca.densify(jet.first))),
-        "second": ca.vec(ca.densify(jet.second)),
-    }
-    return tuple(
-        ca.Function(f"mg_{kind.name}_{name}", [at, argument], ca.cse([output]))
-        for name, output in outputs.items()
-    )
+    numbers = ca.vertcat(*(ca.vec(ca.densify(each)) for each in (jet.x, jet.first, jet.second)))
+    return ca.Function(f"mg_{kind.name}_jet", [at, argument], ca.cse([numbers]))
 
 
-def with_calls(text: str, kernels: Mapping[int, SharedKernel], parts: Mapping[str, int]) -> str:
+def with_calls(text: str, kernels: Mapping[int, SharedKernel], jets: Mapping[str, int]) -> str:
     """CasADi's C text of kernels without their jets, with kernels that call the jets and then these.
 
     Args:
         text: in which `casadi_f<index>` is a function.
         kernels: by their indices.
-        parts: the indices of parts of jets, by name.
+        jets: their indices, by name.
     """
     for index, kernel in kernels.items():
         name = f"casadi_f{index}"
@@ -117,43 +111,35 @@ def with_calls(text: str, kernels: Mapping[int, SharedKernel], parts: Mapping[st
         calls, start = [], 0
         for call in kernel.calls:
             at, parameters = (
-                f"arg[{k}] + {first}" if call.part.numel_in(i) else "0"
+                f"arg[{k}] + {first}" if call.jet.numel_in(i) else "0"
                 for i, (k, first) in enumerate((call.coordinates, call.parameters))
             )
             calls.append(
-                CALL.format(
-                    at=at, parameters=parameters, start=start, part=f"casadi_f{parts[call.part.name()]}"
-                )
+                CALL.format(at=at, parameters=parameters, start=start, jet=f"casadi_f{jets[call.jet.name()]}")
             )
-            start += call.part.numel_out(0)
+            start += call.jet.numel_out(0)
         text += KERNEL.format(name=name, size=start, given=", ".join(given), calls="\n".join(calls))
     return text
 
 
-def _jet_calls(model: Model, formula: Formula) -> Iterator[JetCall]:
-    """The calls that a kernel can make."""
+def _jet_calls(model: Model, formula: Formula) -> tuple[JetCall, ...]:
+    """The calls of long jets that a kernel can make."""
+    calls: Iterable[JetCall] = ()
     if formula.role in ("surface", "curve"):
-        yield from _calls(model.shape_kinds[formula.kind], (0, 0), (1, 0))
+        calls = [JetCall(jet_function(model.shape_kinds[formula.kind]), (0, 0), (1, 0))]
     elif formula.role in ("rates", "place") and formula.kind < len(model.contact_kinds):
-        names = formula.function.name_in()
-        yield from _calls_of_contact(
-            model.contact_kinds[formula.kind], names.index("eta"), names.index("parameters")
-        )
+        calls = _calls_of_contact(model.contact_kinds[formula.kind], formula.function.name_in())
+    return tuple(call for call in calls if call.jet.n_instructions() >= LEAST)
 
 
-def _calls_of_contact(kind: ContactKind, eta: int, parameters: int) -> Iterator[JetCall]:
+def _calls_of_contact(kind: ContactKind, names: Sequence[str]) -> Iterator[JetCall]:
     place = first = 0
     for side, layout in zip((kind.o, kind.f), eta_layout(kind), strict=True):
         if layout in ("chart", "curve"):
-            yield from _calls(side.shape, (eta, place), (parameters, first))
+            arguments = (names.index("eta"), place), (names.index("parameters"), first)
+            yield JetCall(jet_function(side.shape), *arguments)
         place += ETA_SIZE[layout]
         first += shape_parameters(side.shape)[0].numel() + (POSE_SIZE if side.placement == "general" else 0)
-
-
-def _calls(kind: ShapeKind, coordinates: tuple[int, int], parameters: tuple[int, int]) -> Iterator[JetCall]:
-    parts = jet_parts(kind)
-    if sum(part.n_instructions() for part in parts) >= LEAST:
-        yield from (JetCall(part, coordinates, parameters) for part in parts)
 
 
 def _without_jets(kernel: ca.Function, calls: tuple[JetCall, ...]) -> SharedKernel:
