@@ -64,12 +64,21 @@ def _of_surface(kind: ShapeKind, uv: ca.SX, parameters: ca.SX) -> ca.SX:
     return ca.vertcat(jet.x, sign * normal, sign * ca.vertcat(*entries))
 
 
+def _size_and_direction(vector: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Length and unit vector, which is constant where the vector is along one axis, as of a plane."""
+    axes = [k for k in range(3) if not vector[k].is_zero()]
+    if len(axes) == 1:
+        direction = ca.SX(3, 1)
+        direction[axes[0]] = ca.sign(vector[axes[0]])
+        return ca.fabs(vector[axes[0]]), direction
+    size = ca.sqrt(dot(vector, vector))
+    return size, vector / size
+
+
 def _curvature_of_chart(jet: Jet) -> tuple[ca.SX, ca.SX]:
     """Unit normal and W of a chart: W = -D' II D, with the rows of D dual to c_u and c_v."""
     c_u, c_v = jet.first[:, 0], jet.first[:, 1]
-    area = cross(c_u, c_v)
-    size = ca.sqrt(dot(area, area))
-    normal = area / size
+    size, normal = _size_and_direction(ca.simplify(cross(c_u, c_v)))
     dual = ca.horzcat(cross(c_v, normal), cross(normal, c_u)).T / size
     bends = [dot(normal, jet.second[:, k]) for k in range(3)]
     second = ca.vertcat(ca.horzcat(bends[0], bends[1]), ca.horzcat(bends[1], bends[2]))

@@ -56,17 +56,18 @@ def core() -> ctypes.CDLL:
     return ctypes.CDLL(str(compile_core(text, "-O0", "-shared", "-fPIC")))
 
 
-def bounds(core: ctypes.CDLL, function: ca.Function, box: np.ndarray) -> list[Model]:
+def bounds(core: ctypes.CDLL, function: ca.Function, box: np.ndarray) -> tuple[list[Model], list[float]]:
+    """Bounds of a function over a box, and the places of its kinks along both coordinates."""
     instructions, constants = bounds_program(function)
     rows = np.array([(CODES[code], *places) for code, *places in instructions], dtype=np.uint16)
     numbers = np.array(constants or [0.0])
-    out = (Model * function.numel_out(0))()
+    out, kink = (Model * function.numel_out(0))(), (ctypes.c_double * 2)()
     memory = (Model * (function.sz_w() + 1))()
     core.bound_over_box(
         rows.ctypes.data_as(ctypes.c_void_p), len(rows), numbers.ctypes.data_as(ctypes.c_void_p),
-        box.ctypes.data_as(ctypes.c_void_p), None, memory, function.sz_w() + 1, out,
+        box.ctypes.data_as(ctypes.c_void_p), None, memory, function.sz_w() + 1, out, kink,
     )  # fmt: skip
-    return list(out)
+    return list(out), list(kink)
 
 
 @pytest.mark.cases(12)
@@ -82,7 +83,7 @@ def test_a_model_contains_the_function_and_its_rest_falls_with_the_cube_of_the_b
         rests = []
         for half in (0.1, 0.01, 0.001):
             box = np.array([middle[0] - half, middle[0] + half, middle[1] - half, middle[1] + half])
-            (model,) = bounds(core, function, box)
+            (model,), _ = bounds(core, function, box)
             places = np.vstack([rng.uniform(-1, 1, (200, 2)), [(a, b) for a in (-1, 1) for b in (-1, 1)]])
             exact = np.asarray(function((middle + half * places).T, ca.DM(0, len(places)))).ravel()
             r, s = places.T
@@ -94,3 +95,17 @@ def test_a_model_contains_the_function_and_its_rest_falls_with_the_cube_of_the_b
         assert (
             smooth or name in ("absolute", "sign", "least", "cubic with a knot", "choice") or rests[1] < 1e-12
         )
+
+
+@pytest.mark.parametrize("place", [0.0, 0.25, -0.7, 1 - 1e-9, -1 + 1e-9])
+@pytest.mark.parametrize("kind", ["max", "min", "absolute"])
+def test_a_kink_is_placed_and_leaves_open_half_of_what_lies_beyond_it(
+    core: ctypes.CDLL, kind: str, place: float
+) -> None:
+    uv = ca.SX.sym("uv", 2)
+    x = uv[1] - place
+    text = {"max": ca.fmax(x, 0), "min": ca.fmin(x, 0), "absolute": ca.fabs(x) / 2}[kind]
+    function = ca.Function("f", [uv, ca.SX(0, 1)], [text + uv[0]])
+    (model,), kink = bounds(core, function, np.array([-1.0, 1.0, -1.0, 1.0]))
+    assert kink == [1.0, pytest.approx(place, abs=1e-15)]
+    assert model.rest == pytest.approx((1 - abs(place)) / 2, abs=1e-13)

@@ -7,8 +7,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from modelgen import ModelgenError, distance_minima
+from modelgen.scene import python_scenes as make
 from tests.laws.exhaustive_minima import Array, exhaustive
 from tests.laws.minima_families import PAIRS, TURN, library, random_pose, sides
+from tests.running import library_of
 
 HERE = np.append(np.zeros(3), np.eye(3).ravel())
 GAP, DEPTH = 0.5, 0.04  # m
@@ -102,3 +104,24 @@ def test_a_ring_that_is_almost_coaxial_with_a_bore_is_nearest_at_one_or_two_plac
     resolved = np.ptp(gap) * (TURN / 20_000) ** 2  # by the dense angles
     assert found.d[0] == pytest.approx(gap.min(), abs=resolved + 1e-13)
     assert len(found.d) == np.count_nonzero(least) or np.ptp(gap) < 1e-7
+
+
+def test_a_search_on_a_spline_is_complete_after_few_pairs_of_cells(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A cam near the walls of a hollow: cells that have a knot within do not stay open."""
+    monkeypatch.setattr("modelgen.runtime.distance_minima.EFFORT", 10_000)
+    rng = np.random.default_rng(0)
+    angle = TURN * np.arange(8) / 8
+    outline = rng.uniform(0.6, 1, (8, 1)) * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    hollow = make.fixed("b", make.ellipsoid(1.4, 1.2, 1.1, cavity=True))
+    cam = make.extrusion(0.8, points=outline.tolist(), smooth=True)
+    moving = make.dynamic("a", cam, mass=1.0, inertia=[0.3] * 3)
+    built = library_of(
+        make.scene("cam", [hollow, moving], contact=[{"between": ["b", "a"]}], run={"until": 1.0})
+    )
+    poses = np.hstack(
+        [
+            rng.uniform(-0.1, 0.1, (6, 3)),
+            Rotation.random(6, random_state=rng).as_matrix().transpose(0, 2, 1).reshape(6, 9),
+        ]
+    )
+    assert distance_minima(built, "b-a", HERE, poses, gap=0.4, depth=0.1).complete.all()

@@ -183,22 +183,36 @@ static mg_taylor_model mg_taylor_hyperbolic(int operation, const mg_taylor_model
   return mg_taylor_of(a, s / c, 1 / (c * c), -2 * s / (c * c * c), 2);
 }
 
-static mg_taylor_model mg_taylor_absolute(const mg_taylor_model *a) {
-  const mg_real change = mg_taylor_change(a);
-  if (fabs(a->middle) >= change) return mg_taylor_of(a, fabs(a->middle), a->middle < 0 ? -1 : 1, 0, 0);
-  return mg_taylor_range(fabs(a->middle), 0, fabs(a->middle) + change);
+/* Notes the place of a kink, where a difference is zero, if a coordinate alone tells it; kink[k]: of those along the
+   coordinate k the nearest to the middle. */
+static void mg_note_kink(const mg_taylor_model *difference, mg_real *kink) {
+  for (int k = 0; k < 2; k++)
+    if (difference->slope[1 - k] == 0 && mg_bend_size(difference) == 0 &&
+        fabs(difference->middle) < fabs(difference->slope[k] * kink[k]))
+      kink[k] = -difference->middle / difference->slope[k];
 }
 
-/* min (sign 1) or max (sign -1). */
-static mg_taylor_model mg_taylor_least(const mg_taylor_model *a, const mg_taylor_model *b, mg_real sign) {
+/* min (sign 1) or max (sign -1). Where either can be the one, min is a - max(x, 0) with x = a - b; over the range of x
+   from `low` to `high`, max(x, 0) is `share` x + `half` to +-`half`. */
+static mg_taylor_model mg_taylor_least(const mg_taylor_model *a, const mg_taylor_model *b, mg_real sign,
+                                       mg_real *kink) {
   const mg_taylor_model difference = mg_taylor_sum(1, a, -1, b);
   const mg_real change = mg_taylor_change(&difference), middle = sign * difference.middle;
   if (middle + change <= 0) return *a;
   if (middle - change >= 0) return *b;
-  const mg_real of_a = mg_taylor_change(a), of_b = mg_taylor_change(b);
-  if (!(of_a < MG_MAX) || !(of_b < MG_MAX)) return mg_no_bound;
-  return mg_taylor_range(middle < 0 ? a->middle : b->middle, mg_min(a->middle - of_a, b->middle - of_b),
-                         mg_max(a->middle + of_a, b->middle + of_b));
+  if (!(change < MG_MAX)) return mg_no_bound;
+  mg_note_kink(&difference, kink);
+  const mg_real low = middle - change, high = middle + change, share = high / (2 * change), half = -share * low / 2;
+  mg_taylor_model least = mg_taylor_sum(1 - share, a, share, b);
+  least.middle = middle < 0 ? a->middle : b->middle;
+  least.rest += half + fabs(share * middle + half - mg_max(middle, (mg_real)0));
+  return mg_rounded(least);
+}
+
+static mg_taylor_model mg_taylor_absolute(const mg_taylor_model *a, mg_real *kink) {
+  if (fabs(a->middle) >= mg_taylor_change(a)) return mg_taylor_of(a, fabs(a->middle), a->middle < 0 ? -1 : 1, 0, 0);
+  const mg_taylor_model negative = mg_taylor_sum(-1, a, 0, a);
+  return mg_taylor_least(a, &negative, -1, kink);
 }
 
 /* The truth value of a condition: at the middle, and whether it is the same over the box. */
@@ -231,7 +245,8 @@ static mg_taylor_model mg_taylor_if_else_zero(const mg_taylor_model *condition, 
                          mg_max(b->middle + change, (mg_real)0));
 }
 
-static mg_taylor_model mg_taylor_operation(int operation, const mg_taylor_model *a, const mg_taylor_model *b) {
+static mg_taylor_model mg_taylor_operation(int operation, const mg_taylor_model *a, const mg_taylor_model *b,
+                                           mg_real *kink) {
   const mg_real change = mg_taylor_change(a);
   mg_taylor_model inverse;
   switch (operation) {
@@ -284,15 +299,15 @@ static mg_taylor_model mg_taylor_operation(int operation, const mg_taylor_model 
     case MG_OP_TANH:
       return mg_taylor_hyperbolic(operation, a);
     case MG_OP_FABS:
-      return mg_taylor_absolute(a);
+      return mg_taylor_absolute(a, kink);
     case MG_OP_SIGN:
       if (fabs(a->middle) > change)
         return mg_taylor_range(a->middle < 0 ? -1 : 1, a->middle < 0 ? -1 : 1, a->middle < 0 ? -1 : 1);
       return mg_taylor_range(a->middle < 0 ? -1 : a->middle > 0 ? 1 : 0, -1, 1);
     case MG_OP_FMIN:
-      return mg_taylor_least(a, b, 1);
+      return mg_taylor_least(a, b, 1, kink);
     case MG_OP_FMAX:
-      return mg_taylor_least(a, b, -1);
+      return mg_taylor_least(a, b, -1, kink);
     case MG_OP_NOT:
       return mg_truth(a->middle == 0, a->rest == 0);
     case MG_OP_AND:
@@ -310,7 +325,8 @@ static mg_taylor_model mg_taylor_operation(int operation, const mg_taylor_model 
 }
 
 MG_INTERNAL void mg_bound_over_box(const mg_bounds_program *program, const mg_real *box, const mg_real *parameters,
-                                   mg_taylor_model *memory, mg_taylor_model *out) {
+                                   mg_taylor_model *memory, mg_taylor_model *out, mg_real *kink) {
+  kink[0] = kink[1] = 1;
   for (int k = 0; k < program->n_instruction; k++) {
     const mg_instruction *at = program->instructions + k;
     if (at->operation == MG_OP_OUTPUT) out[at->result] = memory[at->a];
@@ -322,6 +338,6 @@ MG_INTERNAL void mg_bound_over_box(const mg_bounds_program *program, const mg_re
       const mg_taylor_model number = {
           at->operation == MG_OP_INPUT ? parameters[at->b] : program->constants[at->a], {0, 0}, {0, 0, 0}, 0};
       memory[at->result] = number;
-    } else memory[at->result] = mg_taylor_operation(at->operation, memory + at->a, memory + at->b);
+    } else memory[at->result] = mg_taylor_operation(at->operation, memory + at->a, memory + at->b, kink);
   }
 }

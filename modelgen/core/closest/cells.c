@@ -8,6 +8,7 @@
 #define MG_WIDE_SPREAD ((mg_real)0.5) /* directions in a cell that is divided when its tree begins */
 #define MG_WIDE_REST ((mg_real)0.25)  /* part of the radius that is not linear, in such a cell */
 #define MG_WIDE_LEVELS 10             /* times that it is divided */
+#define MG_NEAR_MIDDLE ((mg_real)0.5) /* place of a kink at which a cell is divided rather than in the middle */
 #define MG_BOUNDS_SIZE 12             /* outputs of the bounds of a surface; 9 of a curve */
 
 /* Norm of n numbers, `otherwise` where it is not finite. */
@@ -58,9 +59,9 @@ static void mg_bound_cell(mg_context *c, int feature_pair, int side, mg_cell *ce
   const mg_system *s = c->system;
   const int kind = s->feature_shape[2 * feature_pair + side], is_curve = c->kernels->shape_kinds[kind].dimension == 1;
   mg_taylor_model out[MG_BOUNDS_SIZE] = {{0}};
-  mg_real change[MG_BOUNDS_SIZE] = {0}, rest[3];
+  mg_real change[MG_BOUNDS_SIZE] = {0}, rest[3], kink[2];
   mg_bound_over_box(c->kernels->shape_bounds + kind, cell->box,
-                    s->parameters + s->feature_parameters[2 * feature_pair + side], c->search.bounds_memory, out);
+                    s->parameters + s->feature_parameters[2 * feature_pair + side], c->search.bounds_memory, out, kink);
   for (int k = 0; k < MG_BOUNDS_SIZE; k++) change[k] = mg_taylor_change(out + k);
   for (int k = 0; k < 3; k++) {
     const mg_taylor_model *x = out + k;
@@ -77,6 +78,8 @@ static void mg_bound_cell(mg_context *c, int feature_pair, int side, mg_cell *ce
   cell->bend_size = is_curve ? mg_norm_or(3, cell->bend, MG_MAX) : mg_symmetric_norm(cell->bend);
   cell->bend_error = is_curve ? mg_norm_or(3, cell->bend_change, MG_MAX) : mg_symmetric_norm(cell->bend_change);
   cell->direction_to_divide = !is_curve && mg_is_second_wider(c, feature_pair, side, cell->box, out);
+  const mg_real kink_at = kink[cell->direction_to_divide];
+  cell->place_to_divide = fabs(kink_at) <= MG_NEAR_MIDDLE ? kink_at : 0;
 }
 
 /* The same of the centre curve of a feature. Over an angle of 2 `half` of a circle, vectors that turn with it change by
@@ -104,7 +107,7 @@ static void mg_bound_centre_cell(mg_context *c, int feature_pair, int side, mg_c
   for (int k = 0; k < 3; k++) cell->extent[k] = cell->radius;
   cell->spread = chord;
   cell->bend_size = mg_norm_or(3, cell->bend, MG_MAX), cell->bend_error = mg_norm_or(3, cell->bend_change, MG_MAX);
-  cell->direction_to_divide = curve.coordinate;
+  cell->direction_to_divide = curve.coordinate, cell->place_to_divide = 0;
 }
 
 /* A new cell, of the centre curve if `is_of_centres`; 0 if there is no room. */
@@ -157,11 +160,13 @@ static mg_real mg_bound_from(const mg_real *middle, const mg_real *own_middle, m
 /* Bound of the distance of a half's points from the linear part of the whole cell. */
 static mg_real mg_rest_from(const mg_cell *whole, const mg_cell *half, int is_upper) {
   const int a = whole->direction_to_divide;
+  const mg_real end = is_upper ? 1 : -1, place = (whole->place_to_divide + end) / 2,
+                width = (1 - end * whole->place_to_divide) / 2;
   mg_real middle[3], along[3], across[3];
   for (int k = 0; k < 3; k++) {
-    const mg_real slope = whole->slope[a][k] / 2;
-    middle[k] = half->centre[k] - whole->centre[k] - (is_upper ? slope : -slope);
-    along[k] = half->slope[a][k] - slope, across[k] = half->slope[1 - a][k] - whole->slope[1 - a][k];
+    middle[k] = half->centre[k] - whole->centre[k] - place * whole->slope[a][k];
+    along[k] = half->slope[a][k] - width * whole->slope[a][k],
+    across[k] = half->slope[1 - a][k] - whole->slope[1 - a][k];
   }
   return sqrt(mg_dot3(middle, middle)) + sqrt(mg_dot3(along, along)) + sqrt(mg_dot3(across, across)) + half->rest;
 }
@@ -169,16 +174,16 @@ static mg_real mg_rest_from(const mg_cell *whole, const mg_cell *half, int is_up
 /* Replaces the bounds of points and directions of a divided cell by those of its halves where they are narrower. A
    curve's radius is one of its arc. */
 static void mg_narrow_by_halves(mg_cell *whole, const mg_cell *half, int is_curve) {
-  mg_real radius = 0, spread = 0, rest = 0, extent[3] = {0, 0, 0};
+  mg_real arc = 2 * mg_max(half[0].radius, half[1].radius), reach = 0, spread = 0, rest = 0, extent[3] = {0, 0, 0};
+  if (whole->place_to_divide != 0) arc = 2 * (half[0].radius + half[1].radius);
   for (int k = 0; k < 2; k++) {
-    radius =
-        mg_max(radius, is_curve ? 2 * half[k].radius : mg_bound_from(whole->centre, half[k].centre, half[k].radius));
+    reach = mg_max(reach, mg_bound_from(whole->centre, half[k].centre, half[k].radius));
     spread = mg_max(spread, mg_bound_from(whole->direction, half[k].direction, half[k].spread));
     rest = mg_max(rest, mg_rest_from(whole, half + k, k));
     for (int i = 0; i < 3; i++)
       extent[i] = mg_max(extent[i], fabs(half[k].centre[i] - whole->centre[i]) + half[k].extent[i]);
   }
-  whole->radius = mg_min(whole->radius, radius), whole->spread = mg_min(whole->spread, spread);
+  whole->radius = mg_min(whole->radius, is_curve ? arc : reach), whole->spread = mg_min(whole->spread, spread);
   whole->rest = mg_min(whole->rest, rest);
   for (int i = 0; i < 3; i++) whole->extent[i] = mg_min(whole->extent[i], extent[i]);
 }
@@ -189,7 +194,8 @@ MG_INTERNAL int mg_divide_cell(mg_context *c, int feature_pair, int side, int ce
   const int along = c->search.cells[cell].direction_to_divide, is_of_centres = c->search.cells[cell].is_of_centres;
   mg_real box[4];
   for (int k = 0; k < 4; k++) box[k] = c->search.cells[cell].box[k];
-  const mg_real low = box[2 * along], high = box[2 * along + 1], middle = low + (high - low) / 2;
+  const mg_real low = box[2 * along], high = box[2 * along + 1], half = (high - low) / 2,
+                middle = low + half + half * c->search.cells[cell].place_to_divide;
   box[2 * along + 1] = middle;
   const int first = mg_new_cell(c, feature_pair, side, is_of_centres, box);
   box[2 * along] = middle, box[2 * along + 1] = high;

@@ -74,6 +74,7 @@ static int mg_find_point_after_passage(mg_context *c, int contact, mg_real *eta)
   mg_real next[6], trial_eta[6] = {0};
   mg_minimum found;
   mg_minima kept = {0};
+  const mg_search_limits limits = {touching, touching, MG_EFFORT, MG_MAX};
   for (int k = 0; k < n; k++) trial_eta[k] = eta[k];
   if (!n) {
     mg_place_contact(c, contact, trial_eta, next);
@@ -83,8 +84,7 @@ static int mg_find_point_after_passage(mg_context *c, int contact, mg_real *eta)
     mg_insert_minimum(c, &kept, &found);
   if (!kept.count || fabs(kept.list[0].d) > touching)
     mg_search_near_contact_point(c, contact, eta, c->settings->margin_refuse, &kept);
-  if (!kept.count || fabs(kept.list[0].d) > touching)
-    mg_search_feature_pair(c, feature_pair, &mg_all_gaps, -MG_MAX, &kept);
+  if (!kept.count || fabs(kept.list[0].d) > touching) mg_search_feature_pair(c, feature_pair, &limits, -MG_MAX, &kept);
   if (!kept.count || fabs(kept.list[0].d) > touching) return 0;
   for (int k = 0; k < n; k++) eta[k] = kept.list[0].eta[k];
   mg_place_contact(c, contact, eta, next);

@@ -79,7 +79,8 @@ typedef struct {
   mg_real bend_size;      /* norm of bend, 1/m */
   mg_real bend_error;     /* norm of bend_change, 1/m */
   int halves;             /* first of the two cells into which this one is divided; 0: not divided yet */
-  int direction_to_divide; /* coordinate at which it is divided: 0 u, 1 v */
+  mg_real place_to_divide; /* place at which it is divided, from -1 to 1 */
+  int direction_to_divide; /* coordinate along which it is divided: 0 u, 1 v */
   int is_of_centres;       /* 1: it bounds the centre curve of the feature at these coordinates */
 } mg_cell;
 
