@@ -47,13 +47,16 @@
 typedef struct mg_patch_friction mg_patch_friction; /* friction of the patch in a slot (forces/forces.h) */
 typedef struct mg_context mg_context;
 
-/* What goes along with the steps of DOP853 that mg_advance tries. */
+/* What goes along with the steps of mg_advance, and with the stages of those of DOP853 that it tries. */
 typedef struct {
   void *of;
   mg_real h;   /* length of the step whose stages in c->step.slopes are followed, s; 0: none */
   int is_open; /* 1: the step now taken is one that is tried, not one towards an event */
   /* After each stage, and with stage 12 at the end; stage 0 comes before the others and is not evaluated. */
   void (*stage)(mg_context *c, void *of, int is_composed, int stage, mg_real t, mg_real h);
+  void (*begin)(mg_context *c, void *of);  /* before a step */
+  void (*settle)(mg_context *c, void *of); /* after the evaluation at the end of a step, before its projection */
+  int (*end)(mg_context *c, void *of);     /* after a step; returns 0 where mg_advance is to return */
 } mg_follower;
 
 /* A sampled point of a feature. */

@@ -75,6 +75,7 @@ static void mg_accept_state(mg_context *c, mg_real h) {
 static int mg_control_drift(mg_context *c) {
   if (!mg_are_states_finite(c, c->run->x)) return MG_NOT_FINITE;
   mg_evaluate_run_state(c);
+  if (c->step.follower) c->step.follower->settle(c, c->step.follower->of);
   if (!c->settings->project || ++c->run->since_projection < c->settings->project) return MG_DONE;
   c->run->since_projection = 0;
   return mg_project_drift(c) ? MG_DONE : MG_NOT_FINITE;
@@ -253,6 +254,7 @@ MG_INTERNAL int mg_advance_followed(const mg_system *system, const mg_settings *
   for (long step = 0; run->t < t_stop; step++) {
     if (step >= max_steps) return MG_CONTINUE;
     if (!mg_has_event_room(&c, events)) return MG_LIST_FULL;
+    if (follower) follower->begin(&c, follower->of);
     if (!step && !mg_is_time_stepping(&c)) { /* a passage in which the call before this one stopped */
       const int resumed = mg_cross_singular_contacts(&c, record, events);
       if (resumed || run->t >= t_stop) return resumed;
@@ -265,6 +267,7 @@ MG_INTERNAL int mg_advance_followed(const mg_system *system, const mg_settings *
     run->progress_tries += last && left < h; /* a step that t_stop has cut does not count as slow progress */
     if (last && t_stop - run->t - run->t_roundoff <= 8 * MG_EPS * left) run->t = t_stop, run->t_roundoff = 0;
     mg_record_now(&c, record);
+    if (follower && !follower->end(&c, follower->of)) return run->t < t_stop ? MG_CONTINUE : MG_DONE;
   }
   return MG_DONE;
 }

@@ -28,13 +28,74 @@ MG_API long mg_sensitivity_size(const mg_system *s, int n) {
 
 MG_API long mg_sensitivity_int_size(const mg_system *s) { return (long)s->n_contact + s->n_friction + s->n_patch_slot; }
 
+/* Ends the step that derivatives have been carried over: writes it to the tape, if there is one. */
+static void mg_keep_step(const mg_system *system, mg_sensitivity *s) {
+  mg_tape *tape = s->tangent->tape;
+  mg_followed_step *step = &s->step;
+  unsigned char *const stored = step->before;
+  if (tape) {
+    const long size = mg_save_size(system), k = tape->count++;
+    int *crossing = tape->crossing + 5 * k;
+    memcpy(tape->bytes + k * size, step->before, (size_t)size);
+    memcpy(tape->bytes + (k + 1) * size, step->after, (size_t)size);
+    crossing[0] = s->crossing.kind, crossing[1] = s->crossing.contact, crossing[2] = s->crossing.constraint;
+    crossing[3] = s->crossing.blow, crossing[4] = s->crossing.reason;
+  }
+  step->before = step->after, step->after = stored, step->is_stored = step->is_carried = 1;
+}
+
+/* Length of the step that the run has taken, s. */
+static mg_real mg_length_of_step(const mg_run *run, const mg_followed_step *step) {
+  return run->t - step->t + (run->t_roundoff - step->roundoff);
+}
+
+static void mg_begin_followed_step(mg_context *c, void *of) {
+  mg_sensitivity *s = of;
+  mg_followed_step *step = &s->step;
+  const mg_run *run = c->run;
+  if (!step->is_stored) mg_store_run(c->system, run, step->before);
+  memcpy(s->start, s->tangent->x, (size_t)s->directions->n * (size_t)c->layout.n_states * sizeof(mg_real));
+  s->follower.h = 0;
+  step->is_stored = step->is_settled = step->is_carried = 0, step->begun++;
+  step->n_event = step->events->count, step->n_record = step->record->count;
+  step->n_differentiated = s->tangent->count;
+  step->t = run->t, step->roundoff = run->t_roundoff, step->steps = run->steps;
+  step->passages = run->singular_passages, step->fallbacks = run->fallbacks + run->chatters;
+}
+
+static void mg_settle_step(mg_context *c, void *of) {
+  mg_sensitivity *s = of;
+  s->step.is_settled = mg_settle_followed_step(c, s, mg_length_of_step(c->run, &s->step));
+}
+
+/* True if the run has neither moved on nor changed. */
+static int mg_is_step_rejected(const mg_run *run, const mg_followed_step *step) {
+  return run->steps == step->steps && run->t == step->t && step->events->count == step->n_event;
+}
+
+/* Returns 0 where derivatives are still to be carried over the step, or there is no room on the tape for another. */
+static int mg_end_followed_step(mg_context *c, void *of) {
+  mg_sensitivity *s = of;
+  mg_followed_step *step = &s->step;
+  const mg_run *run = c->run;
+  const mg_crossing none = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON};
+  if (mg_is_step_rejected(run, step)) return step->is_carried = 1;
+  if (!step->is_settled || step->events->count != step->n_event || run->singular_passages != step->passages ||
+      run->fallbacks + run->chatters != step->fallbacks)
+    return 0;
+  s->crossing = none;
+  mg_store_run(c->system, run, step->after);
+  mg_keep_step(c->system, s);
+  return !s->tangent->tape || s->tangent->tape->count < s->tangent->tape->capacity;
+}
+
 MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int n, mg_real *work, int *iwork) {
   const mg_system *system = c->system;
   const long b = system->n_body, rows = mg_sensitivity_rows(system), states = c->layout.n_states;
   const mg_crossing none = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON};
   s->crossing = none;
   s->t_dot = 0, s->is_time = s->is_singular = 0, s->doubtful = -1;
-  s->follower = (mg_follower){s, 0, 0, mg_follow_stage};
+  s->follower = (mg_follower){s, 0, 0, mg_follow_stage, mg_begin_followed_step, mg_settle_step, mg_end_followed_step};
   s->blow = mg_take_memory(&work, 1, sizeof(mg_blow));
   s->at.pose = mg_take_reals(&work, 12 * b), s->at.twist = mg_take_reals(&work, 6 * b);
   s->at.acceleration = mg_take_reals(&work, 6 * b), s->at.wrench = mg_take_reals(&work, 6 * b);
@@ -55,10 +116,11 @@ MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int
 
 /* Opens the memory of derivatives along directions; the bytes of the run before and after a step come first. */
 static void mg_open_tangent(const mg_context *c, mg_sensitivity *s, const mg_directions *directions,
-                            mg_tangent *tangent, unsigned char **before, unsigned char **after) {
+                            mg_tangent *tangent) {
   mg_real *work = tangent->work;
-  *before = mg_take_memory(&work, mg_save_size(c->system), 1),
-  *after = mg_take_memory(&work, mg_save_size(c->system), 1);
+  memset(&s->step, 0, sizeof(s->step));
+  s->step.before = mg_take_memory(&work, mg_save_size(c->system), 1);
+  s->step.after = mg_take_memory(&work, mg_save_size(c->system), 1);
   s->directions = directions, s->tangent = tangent, s->adjoint = 0;
   s->start = mg_take_reals(&work, (long)directions->n * c->layout.n_states);
   mg_open_sensitivity(c, s, directions->n, work, tangent->iwork);
@@ -75,10 +137,9 @@ MG_API int mg_begin_tangent(const mg_system *system, const mg_settings *settings
                             const mg_directions *directions, mg_tangent *tangent, mg_real *work, int *iwork) {
   mg_context c;
   mg_sensitivity s;
-  unsigned char *before, *after;
   if (!system->kernels->derivatives) return MG_NOT_FINITE;
   mg_open_context(&c, system, settings, run, work, iwork);
-  mg_open_tangent(&c, &s, directions, tangent, &before, &after);
+  mg_open_tangent(&c, &s, directions, tangent);
   const int n = c.layout.n_states;
   for (int j = 0; j < directions->n; j++) {
     mg_real *dx = tangent->x + (long)j * n;
@@ -94,44 +155,33 @@ MG_API int mg_begin_tangent(const mg_system *system, const mg_settings *settings
   return MG_DONE;
 }
 
-/* Carries the derivatives over the step between two states of the run; the events first .. of the list belong to it.
-   Leaves the run as it is after the step. */
-static int mg_follow_step(const mg_system *system, const mg_settings *settings, mg_run *run, mg_sensitivity *s,
-                          const unsigned char *before, const unsigned char *after, const mg_events *events, int first,
-                          mg_real *work, int *iwork) {
+/* Carries the derivatives over the step that the run has taken, from its state before. Leaves the run as it is after
+   the step. */
+static int mg_carry_over_step(const mg_system *system, const mg_settings *settings, mg_run *run, mg_sensitivity *s,
+                              mg_real *work, int *iwork) {
+  const mg_followed_step *step = &s->step;
   mg_context c;
-  const mg_real end = run->t, roundoff = run->t_roundoff;
-  const long passages = run->singular_passages, fallbacks = run->fallbacks + run->chatters;
-  mg_restore_run(system, run, before);
+  const mg_real end = run->t, h = mg_length_of_step(run, step);
+  int reason = run->singular_passages != step->passages ? MG_BY_SINGULAR_CONTACT : MG_NO_REASON;
+  const int falls_back = run->fallbacks + run->chatters != step->fallbacks;
+  mg_restore_run(system, run, step->before);
   mg_open_context(&c, system, settings, run, work, iwork);
-  const mg_real h = end - run->t + (roundoff - run->t_roundoff);
-  int reason = run->singular_passages != passages ? MG_BY_SINGULAR_CONTACT : MG_NO_REASON;
-  if (mg_is_time_stepping(&c) || run->fallbacks + run->chatters != fallbacks) reason = MG_BY_TIME_STEPPING;
+  if (mg_is_time_stepping(&c) || falls_back) reason = MG_BY_TIME_STEPPING;
   const int unsure = mg_step_tangent(&c, s, h);
   if (!reason) reason = unsure;
-  mg_crossing crossing = s->crossing = mg_find_crossing(&c, events, first);
-  if (events->count == first) { /* the modes are those of the step */
+  mg_crossing crossing = s->crossing = mg_find_crossing(&c, step->events, step->n_event);
+  if (step->events->count == step->n_event) { /* the modes are those of the step */
     mg_project_tangents(&c, s, end, c.step.end);
     return reason;
   }
   mg_differentiate_event(&c, s, &crossing, end);
   mg_copy_states(&c, c.step.end, s->before);
   for (int i = 0; i < system->n_contact; i++) s->closed_before[i] = run->closed[i];
-  mg_restore_run(system, run, after);
+  mg_restore_run(system, run, step->after);
   mg_open_context(&c, system, settings, run, work, iwork);
   const int of_event = mg_cross_event(&c, s, &crossing);
   mg_project_tangents(&c, s, run->t, run->x);
   return reason ? reason : of_event;
-}
-
-/* Writes a step to a tape. */
-static void mg_store_step(const mg_system *system, mg_tape *tape, const mg_sensitivity *s, const unsigned char *before,
-                          const unsigned char *after) {
-  const long size = mg_save_size(system), k = tape->count++;
-  int *crossing = tape->crossing + 5 * k;
-  memcpy(tape->bytes + k * size, before, (size_t)size), memcpy(tape->bytes + (k + 1) * size, after, (size_t)size);
-  crossing[0] = s->crossing.kind, crossing[1] = s->crossing.contact, crossing[2] = s->crossing.constraint;
-  crossing[3] = s->crossing.blow, crossing[4] = s->crossing.reason;
 }
 
 /* True if positions or velocities differ by more than drift. */
@@ -166,53 +216,55 @@ static int mg_begin_approach(mg_approach *a, mg_real t, mg_real end, mg_real sli
   return end - t > least;
 }
 
+/* Takes back the step of the run and its derivatives. */
+static void mg_take_back_step(const mg_context *c, mg_sensitivity *s, mg_record *record, mg_events *events) {
+  const mg_followed_step *step = &s->step;
+  mg_restore_run(c->system, c->run, step->before);
+  memcpy(s->tangent->x, s->start, (size_t)s->directions->n * (size_t)c->layout.n_states * sizeof(mg_real));
+  events->count = step->n_event, record->count = step->n_record, s->tangent->count = step->n_differentiated;
+}
+
 MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settings, mg_run *run,
                               const mg_directions *directions, mg_tangent *tangent, mg_real t_stop, long max_steps,
                               mg_record *record, mg_events *events, mg_real *work, int *iwork) {
   mg_context c;
   mg_sensitivity s;
-  unsigned char *before, *after;
   if (!system->kernels->derivatives) return MG_NOT_FINITE;
   mg_open_context(&c, system, settings, run, work, iwork);
-  mg_open_tangent(&c, &s, directions, tangent, &before, &after);
+  mg_open_tangent(&c, &s, directions, tangent);
+  s.step.events = events, s.step.record = record;
   mg_copy_states(&c, run->x, s.before);
+  const long n_dx = (long)directions->n * c.layout.n_states;
   int outcome = mg_advance(system, settings, run, t_stop, 0, record, events, work, iwork); /* inputs take effect */
   mg_open_context(&c, system, settings, run, work, iwork);
   if (mg_has_state_jump(&c, s.before)) mg_doubt_tangent(tangent, MG_BY_JUMP, run->t, -1);
   mg_approach approach = {0, 0};
-  const long n_dx = (long)directions->n * c.layout.n_states;
-  int is_stored = 0; /* 1: `before` holds the run as it is */
-  for (long step = 0; outcome == MG_CONTINUE; step++) {
-    mg_tape *tape = tangent->tape;
-    if (step >= max_steps) return MG_CONTINUE;
+  while (outcome == MG_CONTINUE) {
+    mg_followed_step *step = &s.step;
+    const mg_tape *tape = tangent->tape;
+    if (step->begun >= max_steps) return MG_CONTINUE;
     if (tape && tape->count >= tape->capacity) return MG_LIST_FULL;
-    const int first = events->count, recorded = record->count, counted = tangent->count;
-    const long steps = run->steps;
-    const mg_real t = run->t, stop = mg_approach_stop(&approach, t, t_stop);
-    if (!is_stored) mg_store_run(system, run, before);
-    is_stored = 0;
-    memcpy(s.start, tangent->x, (size_t)n_dx * sizeof(mg_real));
-    s.follower.h = 0;
-    outcome = mg_advance_followed(system, settings, run, stop, 1, record, events, &s.follower, work, iwork);
+    const mg_real stop = mg_approach_stop(&approach, run->t, t_stop);
+    const long most = stop < t_stop ? 1 : max_steps - step->begun;
+    step->is_carried = 1;
+    outcome = mg_advance_followed(system, settings, run, stop, most, record, events, &s.follower, work, iwork);
     if (outcome == MG_DONE && stop < t_stop) outcome = MG_CONTINUE;
-    if (run->steps == steps && run->t == t && events->count == first) continue;
-    mg_store_run(system, run, after);
+    if (step->is_carried || mg_is_step_rejected(run, step)) continue;
+    if (step->is_settled) memcpy(tangent->x, s.start, (size_t)n_dx * sizeof(mg_real));
+    mg_store_run(system, run, step->after);
     const mg_real end = run->t;
-    const int reason = mg_follow_step(system, settings, run, &s, before, after, events, first, work, iwork),
-              stops = reason == MG_BY_SLIP_STOP, constraint = stops ? s.crossing.constraint : s.slip_falls;
+    const int reason = mg_carry_over_step(system, settings, run, &s, work, iwork), stops = reason == MG_BY_SLIP_STOP,
+              constraint = stops ? s.crossing.constraint : s.slip_falls;
     if ((stops || s.slip_end > 0) && outcome <= MG_CONTINUE &&
-        mg_begin_approach(&approach, t, stops ? end : s.slip_end, constraint < 0 ? 0 : s.slip[constraint])) {
-      mg_restore_run(system, run, before);
-      memcpy(tangent->x, s.start, (size_t)n_dx * sizeof(mg_real));
-      events->count = first, record->count = recorded, tangent->count = counted, outcome = MG_CONTINUE;
+        mg_begin_approach(&approach, step->t, stops ? end : s.slip_end, constraint < 0 ? 0 : s.slip[constraint])) {
+      mg_take_back_step(&c, &s, record, events);
+      outcome = MG_CONTINUE;
       continue;
     }
     const int of_event = s.crossing.kind == MG_CROSSES_NOTHING ? -1 : s.crossing.contact;
     mg_doubt_tangent(tangent, reason, end, s.doubtful >= 0 ? s.doubtful : of_event);
-    mg_restore_run(system, run, after);
-    if (tape) mg_store_step(system, tape, &s, before, after);
-    unsigned char *const stored = before;
-    before = after, after = stored, is_stored = 1;
+    mg_restore_run(system, run, step->after);
+    mg_keep_step(system, &s);
   }
   return outcome;
 }
@@ -250,11 +302,10 @@ MG_API void mg_sense_tangent(const mg_system *system, const mg_settings *setting
                              int *iwork) {
   mg_context c;
   mg_sensitivity s;
-  unsigned char *before, *after;
   const int n_sensor = system->kernels->n_sensor;
   mg_run copy = *run;
   mg_open_context(&c, system, settings, &copy, work, iwork);
-  mg_open_tangent(&c, &s, directions, tangent, &before, &after);
+  mg_open_tangent(&c, &s, directions, tangent);
   mg_evaluate_run_state(&c);
   mg_gather_wrenches(&c, &s, run->t);
   mg_read_sensors(&c, run->t, run->x + system->n_q + system->n_u, run->force, 1, s.y_dot);

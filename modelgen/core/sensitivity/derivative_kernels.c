@@ -69,8 +69,11 @@ static void mg_call_tangent(const mg_context *c, mg_sensitivity *s, int task, in
 
 /* Packs the pose and twist of a body. */
 static void mg_pack_body(const mg_context *c, mg_sensitivity *s, int body, mg_real **x, mg_real **x_dot) {
-  *x = mg_pack(*x, 12, c->bodies.pose + 12 * body), *x_dot = mg_pack(*x_dot, 12, s->at.pose + 12 * body);
-  *x = mg_pack(*x, 6, c->bodies.twist + 6 * body), *x_dot = mg_pack(*x_dot, 6, s->at.twist + 6 * body);
+  memcpy(*x, c->bodies.pose + 12 * body, 12 * sizeof(mg_real));
+  memcpy(*x_dot, s->at.pose + 12 * body, 12 * sizeof(mg_real));
+  memcpy(*x + 12, c->bodies.twist + 6 * body, 6 * sizeof(mg_real));
+  memcpy(*x_dot + 12, s->at.twist + 6 * body, 6 * sizeof(mg_real));
+  *x += 18, *x_dot += 18;
 }
 
 /* Packs n parameters, of a contact of a support point without the derivative of the point, which is fixed in its body.

@@ -16,12 +16,11 @@ static int mg_rows_below(const mg_context *c, int contact) {
   return c->system->n_friction ? c->kernels->contact_kinds[c->contacts.kind[contact]].rows - 1 : 0;
 }
 
-/* Adds factor * J^T of a row to the wrenches of its bodies. */
+/* Adds factor * J^T of a row to the wrenches of those of its bodies that forces move. */
 static void mg_add_row_wrench(const mg_context *c, int row, mg_real factor, mg_real *wrench) {
-  for (int k = 0; k < 6; k++) {
-    wrench[6 * c->contacts.o[row] + k] += factor * c->rows.J[12 * row + k];
-    wrench[6 * c->contacts.f[row] + k] += factor * c->rows.J[12 * row + 6 + k];
-  }
+  const int o = c->contacts.o[row], f = c->contacts.f[row];
+  if (mg_is_moved_by_forces(c, o)) mg_add_multiple6(factor, c->rows.J + 12 * row, wrench + 6 * o);
+  if (mg_is_moved_by_forces(c, f)) mg_add_multiple6(factor, c->rows.J + 12 * row + 6, wrench + 6 * f);
 }
 
 MG_INTERNAL void mg_gather_wrenches(mg_context *c, mg_sensitivity *s, mg_real t) {
@@ -192,25 +191,38 @@ static void mg_patch_forces_tangent(mg_context *c, mg_sensitivity *s) {
 }
 
 MG_INTERNAL void mg_rows_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
-                                 const mg_real *dx, mg_real *slope) {
+                                 const mg_real *dx, const int *marked, mg_real *slope) {
   const mg_system *system = c->system;
   mg_zero_reals(slope, c->layout.n_states);
   mg_zero_reals(s->at.wrench, 6L * system->n_body);
   mg_zero_reals(s->at.value, s->at.force + c->layout.friction_row_end - s->at.value);
   mg_zero_reals(s->at.ratio, system->n_friction_row);
   mg_place_bodies_tangent(c, s, direction, t, x, dx);
-  for (int i = mg_next_row(c, -1); i < system->n_contact; i = mg_next_row(c, i))
-    if (mg_is_on_feature_pair(c, i)) mg_contact_rows_tangent(c, s, direction, i, x, dx, slope);
+  for (int i = mg_next_row(c, -1); i < system->n_contact; i = mg_next_row(c, i)) {
+    const int matters = !marked || marked[i] || c->contacts.n_eta[i] || i >= c->layout.support_begin;
+    if (matters && mg_is_on_feature_pair(c, i)) mg_contact_rows_tangent(c, s, direction, i, x, dx, slope);
+  }
   for (int j = 0; j < system->n_joint; j++) mg_joint_rows_tangent(c, s, direction, j, t);
 }
 
-MG_INTERNAL void mg_rhs_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
-                                const mg_real *dx, mg_real *slope) {
-  mg_rows_tangent(c, s, direction, t, x, dx, slope);
+/* mg_rhs_tangent, with the rows of marked contacts, or of all. */
+static void mg_marked_rhs_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
+                                  const mg_real *dx, const int *marked, mg_real *slope) {
+  mg_rows_tangent(c, s, direction, t, x, dx, marked, slope);
   mg_loads_tangent(c, s, direction, t);
   mg_bodies_tangent(c, s, direction, x, dx, slope);
   mg_forces_tangent(c, s);
   mg_patch_forces_tangent(c, s);
   for (int b = 0; b < c->system->n_body; b++)
     mg_copy_velocity(c, b, s->at.acceleration + 6 * b, slope + c->system->n_q + c->system->body_u[b]);
+}
+
+MG_INTERNAL void mg_rhs_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
+                                const mg_real *dx, mg_real *slope) {
+  mg_marked_rhs_tangent(c, s, direction, t, x, dx, 0, slope);
+}
+
+MG_INTERNAL void mg_slope_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
+                                  const mg_real *dx, mg_real *slope) {
+  mg_marked_rhs_tangent(c, s, direction, t, x, dx, c->run->active, slope);
 }

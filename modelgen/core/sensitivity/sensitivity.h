@@ -93,6 +93,21 @@ enum {
   MG_CROSSES_BORDER = 5   /* a contact leaves its feature pair */
 };
 
+/* The step that the run takes, and the lists as they were before it. */
+typedef struct {
+  unsigned char *before, *after; /* bytes of the run */
+  int is_stored;                 /* 1: `before` holds the run as it is */
+  int is_uncertain;              /* 1: slip begins in it, or its modes are not differentiated */
+  int is_settled;                /* 1: the derivatives are those at its end, if no event ends it */
+  int is_carried;                /* 1: the derivatives are those of the run */
+  long begun;                    /* steps begun so far */
+  const mg_events *events;
+  const mg_record *record;
+  int n_event, n_record, n_differentiated;
+  mg_real t, roundoff; /* run->t and t_roundoff */
+  long steps, passages, fallbacks;
+} mg_followed_step;
+
 /* Memory of the derivatives of a run. */
 typedef struct {
   const mg_directions *directions;
@@ -124,6 +139,7 @@ typedef struct {
   int doubtful;          /* contact for which the step treated last is not certain, or -1 */
   int is_singular;       /* 1: equations of forces under slip were singular */
   mg_follower follower;  /* of the steps of the run */
+  mg_followed_step step;
 } mg_sensitivity;
 
 /* derivative_kernels.c: results in s->y_dot */
@@ -170,9 +186,14 @@ MG_INTERNAL int mg_is_turned_by_slip(const mg_context *c, int constraint, const 
 MG_INTERNAL void mg_rhs_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
                                 const mg_real *dx, mg_real *slope);
 
-/* Of that only the derivatives of value, rate and residual of all rows, at forces and accelerations of the state. */
+/* The same, with in s->at zeros for contacts that the right-hand side does not depend on. */
+MG_INTERNAL void mg_slope_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
+                                  const mg_real *dx, mg_real *slope);
+
+/* Of that only the derivatives of value, rate and residual of the rows of joints and of marked contacts, or of all for
+   null, at forces and accelerations of the state; and the rates of eta. */
 MG_INTERNAL void mg_rows_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
-                                 const mg_real *dx, mg_real *slope);
+                                 const mg_real *dx, const int *marked, mg_real *slope);
 
 /* patch_tangent.c */
 
@@ -219,6 +240,11 @@ MG_INTERNAL int mg_rests_on_moving_points(const mg_context *c, const mg_sensitiv
 /* A stage of a step that is tried, of an mg_follower of an mg_sensitivity: derivatives of its slope. At the end of the
    step keeps in s->before the state there. */
 MG_INTERNAL void mg_follow_stage(mg_context *c, void *of, int is_composed, int stage, mg_real t, mg_real h);
+
+/* Carries the derivatives over a step of length h to the state of the run, at which c is evaluated. Returns 0, and
+   leaves them, where the stages have not been followed, slip begins or falls, or the step is not differentiated as
+   it was taken: mg_step_tangent. */
+MG_INTERNAL int mg_settle_followed_step(mg_context *c, mg_sensitivity *s, mg_real h);
 
 /* Carries the derivatives over the step from the state of the run, of length h, whose stages have been followed or are
    taken again. Leaves in c->step.end the state at its

@@ -77,7 +77,7 @@ static void mg_project_gap_tangents(mg_context *c, mg_sensitivity *s, const int 
   mg_gather_wrenches(c, s, t);
   for (int j = 0; j < s->directions->n; j++) {
     mg_real *dx = s->tangent->x + (long)j * c->layout.n_states;
-    mg_rows_tangent(c, s, j, t, x, dx, s->stage);
+    mg_rows_tangent(c, s, j, t, x, dx, marked, s->stage);
     mg_set_body_corrections(c, mg_hold_rows(c, marked, 0, s->at.value, c->solution.impulse));
     mg_add_correction(c, x, 0, dx);
   }

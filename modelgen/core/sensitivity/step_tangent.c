@@ -51,7 +51,7 @@ MG_INTERNAL void mg_normalise_tangent(const mg_context *c, const mg_real *x, mg_
 
 MG_INTERNAL void mg_settle_eta_tangents(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x) {
   const mg_system *system = c->system;
-  if (!c->settings->newton) return;
+  if (!c->settings->newton || !system->n_eta) return;
   for (int direction = 0; direction < s->directions->n; direction++) {
     mg_real *dx = s->tangent->x + (long)direction * c->layout.n_states;
     mg_place_bodies_tangent(c, s, direction, t, x, dx);
@@ -93,14 +93,20 @@ MG_INTERNAL int mg_rests_on_moving_points(const mg_context *c, const mg_sensitiv
   return mg_first_closed_support(c) >= 0 && mg_has_moving_border(s);
 }
 
-/* What of a step is not differentiated as it was taken, or 0. */
-static int mg_uncertain_step(mg_context *c, mg_sensitivity *s, mg_real h) {
+/* What of the modes of a step is not differentiated, or 0. */
+static int mg_uncertain_modes(mg_context *c, mg_sensitivity *s) {
   s->doubtful = mg_first_closed_support(c);
   if (mg_rests_on_moving_points(c, s)) return MG_BY_BORDER;
   if (mg_has_rolling_start(c)) return MG_BY_ROLLING_START;
   if (mg_has_unknown_patch_slip(c)) return MG_BY_FACES;
   s->doubtful = -1;
-  if (mg_has_anisotropic_friction(c, s)) return MG_BY_ANISOTROPY;
+  return mg_has_anisotropic_friction(c, s) ? MG_BY_ANISOTROPY : MG_NO_REASON;
+}
+
+/* What of a step is not differentiated as it was taken, or 0. */
+static int mg_uncertain_step(mg_context *c, mg_sensitivity *s, mg_real h) {
+  const int reason = mg_uncertain_modes(c, s);
+  if (reason) return reason;
   if (c->settings->method == MG_DOP853 && c->system->n_friction) {
     mg_mark_stiff_slip(c, h);
     if (mg_has_stiff_slip(c)) return MG_BY_STIFF_SLIP;
@@ -132,6 +138,7 @@ static void mg_note_falling_slip(const mg_context *c, mg_sensitivity *s, mg_real
    run. Returns whether there are any. */
 static int mg_mark_beginning_slip(mg_context *c, mg_sensitivity *s) {
   int any = 0;
+  if (!c->system->n_friction) return 0;
   mg_update_gap_rates(c);
   mg_zero_reals(s->slip, c->system->n_friction);
   for (int i = mg_next_row(c, -1); c->system->n_friction && i < c->layout.support_begin; i = mg_next_row(c, i))
@@ -225,7 +232,7 @@ static void mg_stage_tangent(mg_context *c, mg_sensitivity *s, const mg_explicit
                       s->slopes + (long)j * states, s->stage);
     mg_real *slope = s->slopes + ((long)stage * n + j) * states;
     if (is_composed) mg_scene_tangent(c, s, j, t, c->step.stage, s->stage, slope);
-    else mg_rhs_tangent(c, s, j, t, c->step.stage, s->stage, slope);
+    else mg_slope_tangent(c, s, j, t, c->step.stage, s->stage, slope);
   }
   c->lcp.keeps_matrix = 0;
 }
@@ -252,8 +259,11 @@ MG_INTERNAL void mg_follow_stage(mg_context *c, void *of, int is_composed, int s
     mg_copy_states(c, c->step.end, s->before), mg_store_slopes(c, s);
     return;
   }
-  if (!stage) mg_copy_states(c, c->run->x, c->step.stage);
-  if (!stage && !is_composed) mg_evaluate_first_stage(c, s->slope_before);
+  if (!stage) {
+    mg_copy_states(c, c->run->x, c->step.stage);
+    if (!is_composed) mg_evaluate_first_stage(c, s->slope_before);
+    s->step.is_uncertain = mg_uncertain_modes(c, s) || mg_mark_beginning_slip(c, s);
+  }
   mg_stage_tangent(c, s, &method, is_composed, stage, t, h);
 }
 
@@ -280,22 +290,45 @@ static int mg_has_slip_mode(const mg_context *c) {
   return 0;
 }
 
+/* True if the stages of the step of length h up to or from t have been followed. */
+static int mg_is_followed(const mg_sensitivity *s, mg_real t, mg_real h) {
+  return fabs(s->follower.h - h) <= 8 * MG_EPS * (fabs(t) + h);
+}
+
+/* Derivatives at the end of the step, of which `end` has the quaternions before they are normalised. */
+static void mg_combine_end_tangents(const mg_context *c, mg_sensitivity *s, const mg_explicit_method *method, mg_real h,
+                                    const mg_real *end) {
+  const int n = s->directions->n, states = c->layout.n_states;
+  for (int j = 0; j < n; j++) {
+    mg_real *dx = s->tangent->x + (long)j * states;
+    mg_combine_stages(method, method->stages, states, (long)n * states, h, dx, s->slopes + (long)j * states, s->stage);
+    mg_copy_states(c, s->stage, dx);
+    mg_normalise_tangent(c, end, dx);
+  }
+}
+
+MG_INTERNAL int mg_settle_followed_step(mg_context *c, mg_sensitivity *s, mg_real h) {
+  const mg_explicit_method method = mg_explicit_method_of(c->settings);
+  if (!mg_is_followed(s, c->run->t, h) || s->step.is_uncertain || mg_has_unknown_patch_slip(c)) return 0;
+  mg_note_falling_slip(c, s, h);
+  if (s->slip_end > 0) return 0;
+  mg_combine_end_tangents(c, s, &method, h, s->before);
+  mg_settle_eta_tangents(c, s, c->run->t, c->run->x);
+  mg_project_tangents(c, s, c->run->t, c->run->x);
+  return 1;
+}
+
 MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h) {
   const mg_explicit_method method = mg_explicit_method_of(c->settings);
   const int n = s->directions->n, states = c->layout.n_states;
   const mg_real t = c->run->t;
-  const int is_followed = fabs(s->follower.h - h) <= 8 * MG_EPS * (fabs(t) + h);
+  const int is_followed = mg_is_followed(s, t, h);
   if (!is_followed || mg_has_slip_mode(c)) mg_begin_step_again(c);
   int reason = mg_uncertain_step(c, s, h);
   const int slip_begins = mg_mark_beginning_slip(c, s);
   if (is_followed) mg_copy_states(c, s->before, c->step.end);
   else mg_step_tangent_again(c, s, &method, h);
-  for (int j = 0; j < n; j++) {
-    mg_real *dx = s->tangent->x + (long)j * states;
-    mg_combine_stages(&method, method.stages, states, (long)n * states, h, dx, s->slopes + (long)j * states, s->stage);
-    mg_copy_states(c, s->stage, dx);
-    mg_normalise_tangent(c, c->step.end, dx);
-  }
+  mg_combine_end_tangents(c, s, &method, h, c->step.end);
   mg_settle_step_end(c, s, t + h);
   mg_note_falling_slip(c, s, h);
   if (!reason && mg_has_unknown_patch_slip(c)) reason = MG_BY_FACES, s->doubtful = mg_first_closed_support(c);
@@ -324,12 +357,20 @@ MG_INTERNAL void mg_add_correction(const mg_context *c, const mg_real *x, int of
   }
 }
 
+/* True if a joint or a closed contact holds bodies. */
+static int mg_has_held_bodies(const mg_context *c) {
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
+    if (c->run->closed[i]) return 1;
+  return c->system->n_joint_row > 0;
+}
+
 MG_INTERNAL void mg_project_tangents(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x) {
   if (!c->settings->project) return;
-  mg_gather_wrenches(c, s, t);
-  for (int j = 0; j < s->directions->n; j++) {
+  const int n = mg_has_held_bodies(c) ? s->directions->n : 0;
+  if (n) mg_gather_wrenches(c, s, t);
+  for (int j = 0; j < n; j++) {
     mg_real *dx = s->tangent->x + (long)j * c->layout.n_states;
-    mg_rows_tangent(c, s, j, t, x, dx, s->stage);
+    mg_rows_tangent(c, s, j, t, x, dx, c->run->closed, s->stage);
     mg_solve_row_correction(c, c->run->closed, s->at.value);
     mg_add_correction(c, x, 0, dx);
     mg_solve_row_correction(c, c->run->closed, s->at.rate);
