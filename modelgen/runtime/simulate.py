@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from bisect import bisect_left
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Unpack
@@ -13,7 +14,7 @@ from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_keywords, check_span, is_number, with_parameters
-from modelgen.runtime.error_estimate import estimate_of, nudge
+from modelgen.runtime.error_estimate import ORDERS, estimate_of, nudge
 from modelgen.runtime.error_statement import Estimate
 from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.recording import Recording
@@ -157,7 +158,7 @@ def _estimate(
     try:
         twin = Session(library, accuracy.companion(float(np.finfo(library.dtype).eps)))
         nudge(twin.x, twin.instance)
-        followed = [(min(until, path.t_end), settings) for until, settings in schedule]
+        followed = _followed(schedule, path, accuracy)
         return estimate_of(path, _path(twin, followed, path.t, report), accuracy, instance)
     except SimulationError as refused:
         why = f"the companion run did not start: {refused}"
@@ -165,6 +166,20 @@ def _estimate(
     except KeyboardInterrupt:
         stopped = estimate_of(path, None, accuracy, instance, "the companion run was interrupted")
         return replace(stopped, interrupted=True)
+
+
+def _followed(schedule: Schedule, path: Trajectory, accuracy: Accuracy) -> Schedule:
+    """The schedule of the companion of a run: up to where the run came, with the end of a step at each sample
+    where samples are no denser than steps and the steps adapt.
+
+    The error of states between the ends of a step changes its sign there. A sample that has a step to itself
+    may lie near such a zero of the run, where an interpolated companion errs as much.
+    """
+    ends = {min(until, path.t_end) for until, _ in schedule}
+    if len(path.t) - 1 <= path.steps and accuracy.method not in ORDERS:
+        ends |= set(path.t[1:].tolist())
+    untils = [until for until, _ in schedule]
+    return [(end, schedule[bisect_left(untils, end)][1]) for end in sorted(ends)]
 
 
 def _extent(instance: Mapping[str, Any], until: float | None, samples: int | None) -> tuple[float, int]:
