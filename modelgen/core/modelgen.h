@@ -474,6 +474,7 @@ typedef struct {
   mg_real spin_max;            /* time-stepping: largest angular speed of a body at the starts of steps, rad/s */
   mg_real spring_rate_max;     /* time-stepping: fastest rate of a spring or damper alone on its bodies, 1/s */
   mg_real incomplete_t;        /* time of the first of incomplete_searches, s */
+  mg_real indeterminate_t;     /* time of indeterminate, s */
 
   int failed_contact;       /* contact of the outcome, or -1 */
   int failed_joint;         /* joint with the largest error at the start, or -1 */
@@ -495,6 +496,8 @@ typedef struct {
   int spin_body;            /* body of spin_max, or -1 */
   int spring_rate_load;     /* load of spring_rate_max, or -1 */
   int forces_redundant;     /* 1: forces are not unique; those nearest to reference_force are taken */
+  int friction_redundant;   /* 1: friction forces of the present modes are not unique */
+  int indeterminate;        /* 1: friction forces were not unique, and the motion was not proved to be */
 } mg_run;
 
 /* Samples at times that the caller gives. Row k of an array belongs to t[k]; shapes are those of one row. The caller's

@@ -239,6 +239,11 @@ _PROPERTIES = {
         "most force-carrying contacts beyond the rank of their rows; their forces are those of minimum norm, "
         "each weighted by the square root of its diagonal entry of J M^-1 J^T",
     ),
+    "indeterminate_t": entry(
+        ["number", "null"],
+        "s, first time at which forces of contacts with friction were not unique and the motion was not "
+        "proved to be, or null",
+    ),
     "unfollowed_minima": entry(
         "integer",
         "how often a search found closest points of a pair within reach that no contact of it was free to "

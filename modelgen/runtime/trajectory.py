@@ -172,6 +172,7 @@ class Trajectory:
     kinds: tuple[str, ...]
     instructions: dict[str, int]
     accuracy: str
+    indeterminate_t: float | None = None  # s: first time at which friction forces left the motion open
     penetration_t: float = 0.0  # s, of `penetration_max`
     penetration_pair: str = ""  # the pair that penetrates so deep, "" where none does
     undeclared: tuple[Passage, ...] = ()  # pairs that no contact lists and that overlapped, by time
@@ -263,6 +264,7 @@ class Trajectory:
             "complementarity_max": self.complementarity_max,
             "margin_min": self.margin_min,
             "redundant_max": self.redundant_max,
+            "indeterminate_t": self.indeterminate_t,
             "unfollowed_minima": self.unfollowed_minima,
             "incomplete_searches": self.incomplete_searches,
             "undeclared": [{"between": list(each.between), "t": each.t} for each in self.undeclared],

@@ -70,6 +70,7 @@ def trajectory_of(
         complementarity_max=float(run.complementarity_max),
         margin_min=float(min(run.margin_min, 1.0)),
         redundant_max=int(run.redundant_max),
+        indeterminate_t=float(run.indeterminate_t) if run.indeterminate else None,
         unfollowed_minima=int(run.unfollowed_minima),
         incomplete_searches=int(run.incomplete_searches),
         kinds=shared.kind_names,

@@ -65,8 +65,12 @@ def uncertified(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any
         yield "time-stepping locates no events"
     if accuracy.method == "rk4" and any(event.kind in DYING for event in path.events):
         yield "fixed steps lose their order where slip dies"
-    if path.redundant_max and any("friction" in pair for pair in instance["pairs"]):
-        yield "contact forces with friction were not unique: which contact slips first is not decided by them"
+    if path.indeterminate_t is not None:
+        yield (
+            "contact forces with friction were not unique, and from "
+            f"t = {path.indeterminate_t:.6g} s the motion not proved to be: which contact slips first is not "
+            "decided by them"
+        )
     if path.unfollowed_minima:
         yield "closest points were found that no contact was free to follow"
     if path.incomplete_searches:

@@ -33,6 +33,7 @@ MG_INTERNAL void mg_update_diagnostics(mg_context *c) {
   mg_update_maximum(&run->energy_error_max, fabs(error));
   mg_update_maximum(&run->kinetic_max, kinetic);
   if (s->n_joint_row) mg_monitor_joint_rank(c);
+  mg_monitor_redundant_friction(c);
   for (int i = mg_next_row(c, -1); i < s->n_contact; i = mg_next_row(c, i)) {
     const mg_real gap = c->rows.d[i] / s->length, force = c->solution.force[i] / weight;
     if (!mg_is_support_contact(c, i)) mg_update_maximum(&run->complementarity_max, fabs(gap < force ? gap : force));

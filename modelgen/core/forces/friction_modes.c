@@ -317,7 +317,8 @@ static void mg_resolve_redundant_forces(mg_context *c, const int *skip, const mg
 static void mg_record_friction_report(mg_context *c, const mg_friction_problem *p, const mg_friction_report *report,
                                       int dependent_joint_rows) {
   int redundant = report->active - report->rank - dependent_joint_rows;
-  if (redundant > c->run->redundant_max) redundant -= mg_count_held_slip(c, p, c->lcp.z);
+  if (redundant > 0) redundant -= mg_count_held_slip(c, p, c->lcp.z);
+  c->run->friction_redundant = redundant > 0;
   if (redundant > c->run->redundant_max) c->run->redundant_max = redundant;
   if (report->residual > c->run->lcp_residual_max) c->run->lcp_residual_max = report->residual;
 }
@@ -331,6 +332,7 @@ MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip) {
   mg_remove_sticking_slip(c);
   mg_set_friction_bound_kinds(c);
   mg_deactivate_all_contacts(c);
+  c->run->friction_redundant = 0;
   if (c->system->n_joint_row) dependent_joint_rows = c->system->n_joint_row - mg_rank_joints(c, 0);
   const mg_friction_problem p = mg_assemble_friction_problem(c, skip);
   if (p.n_contact == 0) {
@@ -353,6 +355,7 @@ MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip) {
       c->run->friction_mode[g] = MG_FRICTION_OFF;
   mg_evaluate_run_state(c);
   mg_remove_sticking_slip(c);
+  mg_monitor_redundant_friction(c);
   return MG_DONE;
 }
 

@@ -15,7 +15,12 @@ from typing import Literal
 
 from modelgen.errors import SimulationError
 from modelgen.runtime.compiled_lcp import CoreLibrary
-from modelgen.runtime.friction.compiled_solvers import coulomb, relaxation, residual
+from modelgen.runtime.friction.compiled_solvers import (
+    coulomb,
+    relaxation,
+    residual,
+    sticking_pair_is_unique,
+)
 from modelgen.runtime.friction.painleve import Paradox, SlidingAnswer, sliding
 from modelgen.runtime.friction.polyhedral import polyhedral
 from modelgen.runtime.friction.problem import FrictionProblem, FrictionSolution, Motion, Outcome
@@ -54,4 +59,5 @@ __all__ = [
     "residual",
     "sliding",
     "solver",
+    "sticking_pair_is_unique",
 ]

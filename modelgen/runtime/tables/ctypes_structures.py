@@ -190,6 +190,7 @@ RUN_REALS = (
         "spin_max",
         "spring_rate_max",
         "incomplete_t",
+        "indeterminate_t",
     ),
 )
 RUN_INTEGERS = (
@@ -206,6 +207,8 @@ RUN_INTEGERS = (
         "spin_body",
         "spring_rate_load",
         "forces_redundant",
+        "friction_redundant",
+        "indeterminate",
     ),
 )
 RECORD_ARRAYS = (
