@@ -46,7 +46,7 @@
 #include "solve/lcp/lcp.h"
 #include "base/real.h"
 
-#define MG_ABI 18 /* version of these structures; a library and its caller must agree on it (mg_abi) */
+#define MG_ABI 19 /* version of these structures; a library and its caller must agree on it (mg_abi) */
 
 /* Kind of a condition of a feature pair. A condition is a function of the contact point x of one feature in its shape's
    axes, of the chart coordinates (u, v) of x, and of the normal N out of that feature's shape. It holds where the
@@ -779,24 +779,24 @@ typedef struct {
 MG_API int mg_advance_controlled(const mg_system *system, const mg_settings *settings, mg_run *run,
                                  mg_controller *controller, mg_real t_stop, long max_steps, mg_record *record,
                                  mg_events *events, mg_real *work, int *iwork);
-/* Begins n lanes: runs that have nothing in common but the settings and the scratch memory. Arrays have one entry for
-   each lane: its system, which lanes may share; its run; its outcome, as mg_begin returns it; its list of events. Here
-   and in the next two: *taken, 0 before the call, is the number of lanes that have been taken. Threads that make the
-   same call at once, with the same `taken` and scratch memory of their own, as long as that of the largest system,
+/* Begins n lanes: runs that have nothing in common but the scratch memory. Arrays have one entry for each lane: its
+   system and its settings, which lanes may share; its run; its outcome, as mg_begin returns it; its list of events.
+   Here and in the next two: *taken, 0 before the call, is the number of lanes that have been taken. Threads that make
+   the same call at once, with the same `taken` and scratch memory of their own, as long as that of the largest system,
    share the lanes; a call that finds *taken = n does nothing. No result depends on how lanes are shared. */
-MG_API void mg_begin_many(int n, int *taken, const mg_system *const *systems, const mg_settings *settings, mg_run *runs,
-                          int *outcome, mg_events *events, mg_real *work, int *iwork);
+MG_API void mg_begin_many(int n, int *taken, const mg_system *const *systems, const mg_settings *const *settings,
+                          mg_run *runs, int *outcome, mg_events *events, mg_real *work, int *iwork);
 
 /* Advances n lanes that have begun, each to its own t_stop [n]. Lanes whose outcome is a failure, MG_PENETRATION or
    higher, are left as they are. Of the others the outcome becomes MG_DONE, MG_LIST_FULL (empty the list and call
    again), or that which ended the run; it does not depend on other lanes. */
-MG_API void mg_advance_many(int n, int *taken, const mg_system *const *systems, const mg_settings *settings,
+MG_API void mg_advance_many(int n, int *taken, const mg_system *const *systems, const mg_settings *const *settings,
                             mg_run *runs, const mg_real *t_stop, int *outcome, mg_events *events, mg_real *work,
                             int *iwork);
 
 /* Writes what the sensors of n lanes show at their states into sensors [n * kernels->n_sensor], lane after lane. */
-MG_API void mg_sense_many(int n, int *taken, const mg_system *const *systems, const mg_settings *settings, mg_run *runs,
-                          mg_real *sensors, mg_real *work, int *iwork);
+MG_API void mg_sense_many(int n, int *taken, const mg_system *const *systems, const mg_settings *const *settings,
+                          mg_run *runs, mg_real *sensors, mg_real *work, int *iwork);
 
 /* What mg_load found. */
 enum {

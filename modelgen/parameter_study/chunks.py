@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from threading import Lock
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from modelgen.report.run_record import record_of
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import with_parameters
 from modelgen.runtime.runs_to_the_end import Ended, runs_to_the_end
+from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.simulate import simulate
 from modelgen.runtime.tables.library_tables import library_tables
 from modelgen.runtime.trajectory import Array
@@ -34,7 +35,8 @@ class Study:
 
     numbers: tuple[VariedNumber, ...]
     until: float  # s
-    accuracy: Accuracy
+    accuracy: Accuracy | str | None  # as given: the scene's own numbers of [run] are those of each run
+    stepping: Mapping[str, Any]
     estimate: bool
     seed: int
     parameters: Mapping[str, float]  # that do not vary
@@ -96,7 +98,9 @@ def _ended(study: Study, libraries: Sequence[Library], values: Array) -> list[En
     return runs_to_the_end(
         libraries,
         until=study.until,
-        accuracy=study.accuracy,
+        accuracies=[
+            accuracy_of(each.manifest.instance, study.accuracy, study.stepping) for each in libraries
+        ],
         estimate=study.estimate,
         inputs=inputs,
         starts={each.place: column for each, column in columns if each.kind == "start"},
@@ -113,7 +117,12 @@ def _whole_run(variant: Library, study: Study, row: Sequence[float]) -> bytes | 
     inputs = {**study.inputs, **{each.name: value for each, value in _of_kind(study, "input", row)}}
     try:
         path = simulate(
-            library, until=study.until, accuracy=study.accuracy, estimate=study.estimate, inputs=inputs
+            library,
+            until=study.until,
+            accuracy=study.accuracy,
+            estimate=study.estimate,
+            inputs=inputs,
+            **study.stepping,
         )
     except SimulationError:
         return None

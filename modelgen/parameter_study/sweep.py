@@ -96,7 +96,8 @@ def sweep(
     study = Study(
         numbers=varied_numbers(library, variations, fixed),
         until=float(_checked_until(instance["run"]["until"] if until is None else until)),
-        accuracy=chosen,
+        accuracy=accuracy,
+        stepping=dict(stepping),
         estimate=bool(instance["run"].get("estimate", True) if estimate is None else estimate),
         seed=seed,
         parameters=dict(parameters or {}),
@@ -104,7 +105,9 @@ def sweep(
         keep=_checked_keep(keep, out),
         scene=scene,
     )
-    plan = _plan(library, study, variations, {"design": kind, "samples": samples, "seed": seed}, values)
+    plan = _plan(
+        library, study, chosen, variations, {"design": kind, "samples": samples, "seed": seed}, values
+    )
     folder = None if out is None else SweepFolder(path_of("sweep", out))
     client = None if scheduler is None else connected(scheduler)
     workers = _checked_threads(threads) if client is None else worker_threads(client)
@@ -158,6 +161,7 @@ def _collected(
 def _plan(
     library: Library,
     study: Study,
+    accuracy: Accuracy,
     variations: Sequence[Variation],
     design: Mapping[str, Any],
     values: Array,
@@ -176,7 +180,7 @@ def _plan(
         "values": hashlib.sha256(values.astype("<f8").tobytes()).hexdigest(),
         "settings": {
             "until": study.until,
-            **asdict(study.accuracy),
+            **asdict(accuracy),
             "estimate": study.estimate,
             "parameters": dict(study.parameters),
             "inputs": dict(study.inputs),

@@ -16,8 +16,12 @@ Kind = Mapping[str, Any]  # an input of a manifest's instance
 
 
 def is_outside(kind: Kind, value: Any) -> Any:
-    """Whether a value, or each of an array, is beyond the range of its input or not finite."""
-    least, largest = input_range(kind)
+    """Whether a value is beyond the range of its input or not finite."""
+    return is_beyond(value, *input_range(kind))
+
+
+def is_beyond(value: Any, least: Any, largest: Any) -> Any:
+    """Whether a value, or each of an array, is outside a range or not finite."""
     return (value != value) | (abs(value) == inf) | (value < least) | (value > largest)
 
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from modelgen.codegen.library import Library
 from modelgen.notation import SETTING_SIZE
-from modelgen.runtime.arguments import check_name
-from modelgen.runtime.inputs import is_jump, is_outside, refused_rate, refused_value
+from modelgen.runtime.arguments import check_name, input_range
+from modelgen.runtime.inputs import is_beyond, is_jump, refused_rate, refused_value
 from modelgen.runtime.session_group import SessionGroup
 from modelgen.runtime.tables.ctypes_structures import Array
 
@@ -22,9 +23,12 @@ class InputsByLane(Mapping[str, Array]):
     written to before a lane starts or is reset.
     """
 
-    def __init__(self, group: SessionGroup) -> None:
+    def __init__(self, group: SessionGroup, libraries: Sequence[Library]) -> None:
+        """`libraries`: of each lane, whose ranges hold there."""
         self._group = group
         self._kinds = group.library.manifest.instance["inputs"]
+        self._own = [each.manifest.instance["inputs"] for each in libraries]
+        self._bounds = np.array([[input_range(kind) for kind in own] for own in self._own])
         self._index = {kind["name"]: k for k, kind in enumerate(self._kinds)}
         self._shown = {each["name"]: np.empty(group.n) for each in self._kinds if each["hold"] == "linear"}
         self.refresh()
@@ -69,14 +73,15 @@ class InputsByLane(Mapping[str, Array]):
 
     def _check(self, name: str, lanes: Any = slice(None), may_jump: bool = False) -> None:
         """Of a line, which may lead out of the range, what was written is checked: the jumps."""
-        kind, values, present = self._kinds[self._index[name]], self[name], self._present(name)
-        refused = outside = is_outside(kind, values)
+        at = self._index[name]
+        kind, values, present = self._kinds[at], self[name], self._present(name)
+        refused = outside = is_beyond(values, *self._bounds[:, at].T)
         if kind["hold"] == "linear" and not may_jump:
             refused = is_jump(kind, values, present)
         if len(bad := np.arange(self._group.n)[lanes][refused[lanes]]):
             lane = int(bad[0])
             where = f"input {name!r} of lane {lane}"
-            raise refused_value(kind, where, float(values[lane]), bool(outside[lane]))
+            raise refused_value(self._own[lane][at], where, float(values[lane]), bool(outside[lane]))
 
     def _present(self, name: str) -> Array:
         value, rate, since = self._settings(name)

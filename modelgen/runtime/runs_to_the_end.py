@@ -19,9 +19,8 @@ from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.error_estimate import estimate_of, nudge
 from modelgen.runtime.inputs_by_lane import InputsByLane
 from modelgen.runtime.recording import Recording
-from modelgen.runtime.session_group import SessionGroup
+from modelgen.runtime.session_group import group_of
 from modelgen.runtime.tables.ctypes_structures import Array
-from modelgen.runtime.tables.library_tables import library_tables
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Trajectory
 from modelgen.runtime.trajectory_of_run import Ending, trajectory_of
 from modelgen.runtime.trust import doubts
@@ -34,7 +33,7 @@ def runs_to_the_end(
     libraries: Sequence[Library],
     *,
     until: float,
-    accuracy: Accuracy,
+    accuracies: Sequence[Accuracy],
     estimate: bool = True,
     inputs: Mapping[str, Array] | None = None,
     starts: Mapping[int, Array] | None = None,
@@ -43,6 +42,7 @@ def runs_to_the_end(
 
     Args:
         libraries: one library with the numbers of each of the n lanes (`library_with`).
+        accuracies: the record of each.
         estimate: whether a companion of each run follows, from which its error is estimated.
         inputs: (n,) values of inputs for the whole run, by name; the scene's defaults for the others.
         starts: (n,) numbers of the start by their place in the state (q, then u), in place of the scene's.
@@ -50,7 +50,7 @@ def runs_to_the_end(
     Raises:
         SimulationError: the value of an input is out of its range.
     """
-    lanes = _Lanes(libraries, accuracy, inputs or {}, starts or {})
+    lanes = _Lanes(libraries, accuracies, inputs or {}, starts or {})
     refused = lanes.begin()
     lanes.advance(until)
     found = [refused[lane] if lane in refused else lanes.trajectory(lane) for lane in range(lanes.n)]
@@ -58,7 +58,7 @@ def runs_to_the_end(
         found = _with_estimates(found, lanes)
     return [
         path if isinstance(path, SimulationError) else replace(path, doubts=doubts(path, accuracy, instance))
-        for path, instance in zip(found, lanes.instances, strict=True)
+        for path, accuracy, instance in zip(found, accuracies, lanes.instances, strict=True)
     ]
 
 
@@ -68,20 +68,17 @@ class _Lanes:
     def __init__(
         self,
         libraries: Sequence[Library],
-        accuracy: Accuracy,
+        accuracies: Sequence[Accuracy],
         inputs: Mapping[str, Array],
         starts: Mapping[int, Array],
     ) -> None:
         self._given = libraries, inputs, starts
-        self.n, self.accuracy = len(libraries), accuracy
+        self.n, self.accuracies = len(libraries), accuracies
         self.instances = [each.manifest.instance for each in libraries]
-        tables = [library_tables(each) for each in libraries]
-        systems = [each.system for each in tables]
-        self.group = group = SessionGroup(libraries[0], accuracy, n=self.n, systems=systems)
-        group.x[:] = [each.start for each in tables]
+        self.group = group = group_of(libraries[0], libraries, accuracies)
         for place, values in starts.items():
             group.x[:, place] = values
-        settings = InputsByLane(group)
+        settings = InputsByLane(group, libraries)
         for name, values in inputs.items():
             settings[name][:] = values
         settings.restart(np.arange(self.n))
@@ -91,7 +88,8 @@ class _Lanes:
     def companions(self) -> _Lanes:
         """The companions of these runs, before their start."""
         libraries, inputs, starts = self._given
-        finer = self.accuracy.companion(float(np.finfo(libraries[0].dtype).eps))
+        epsilon = float(np.finfo(libraries[0].dtype).eps)
+        finer = [each.companion(epsilon) for each in self.accuracies]
         twins = _Lanes(libraries, finer, inputs, starts)
         nudge(twins.group.x, self.instances[0])
         return twins
@@ -120,6 +118,7 @@ class _Lanes:
             Ending(OUTCOME_OF_CODE[int(self.group.codes[lane])], self.group.drain_events(lane)),
             inputs=dict(zip(names, values, strict=True)),
             instance=self.instances[lane],
+            accuracy=self.accuracies[lane],
         )
 
     def _sample(self, lane: int) -> None:
@@ -137,7 +136,7 @@ def _with_estimates(found: Sequence[Ended], lanes: _Lanes) -> list[Ended]:
     refused = twins.begin()
     twins.advance(lanes.group.t)
     return [
-        _estimated(path, twins, lane, refused.get(lane), lanes.accuracy)
+        _estimated(path, twins, lane, refused.get(lane), lanes.accuracies[lane])
         if isinstance(path, Trajectory) and len(path.t)
         else path
         for lane, path in enumerate(found)

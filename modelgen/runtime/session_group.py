@@ -11,6 +11,7 @@ import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
+from modelgen.notation import SETTING_SIZE
 from modelgen.runtime import checkpoint
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import is_number
@@ -18,7 +19,8 @@ from modelgen.runtime.lanes import lanes_of, times_of
 from modelgen.runtime.session import FULL, Session
 from modelgen.runtime.start import REFUSED, refusal
 from modelgen.runtime.tables.array_block import ArrayBlock
-from modelgen.runtime.tables.ctypes_structures import EVENT_ARRAYS, INTEGER, Array, address
+from modelgen.runtime.tables.ctypes_structures import EVENT_ARRAYS, INTEGER, Array, address, settings_of
+from modelgen.runtime.tables.library_tables import library_tables
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome
 
 LANE = "run {lane}, "  # how the error of a start says which of the lanes it is
@@ -44,6 +46,7 @@ class SessionGroup:
         t: (n,) s. Before `begin`: the times of the starts, 0 unless overwritten.
         codes: (n,) outcome of the core: 0 where a lane can go on, 10 and more where it failed.
         arrays: all arrays of the runs, (n, length) each, by their names in mg_run (modelgen.h).
+        accuracies: n records, by lane.
         like: a session of the library, with the names and sizes of its runs.
         runs: the n mg_run.
     """
@@ -55,21 +58,26 @@ class SessionGroup:
         *,
         n: int,
         systems: Sequence[Any] | None = None,
+        accuracies: Sequence[Accuracy] | None = None,
     ) -> None:
         """`accuracy`: as for `simulate`, `balanced` when None; `systems`: n entries, the mg_system of each
         lane, of the sizes of the library's, whose arrays the caller keeps; None: that of the library.
+        `accuracies`: n entries, the record of each lane, in place of `accuracy`.
 
         Raises ModelgenError where an argument is not what it says.
         """
         expect("SessionGroup", library, Library)
         self.n = _whole("n", n, "give the number of runs")
         self.library = library
-        self.accuracy = Accuracy.balanced() if accuracy is None else Accuracy.taken(accuracy)
-        self.like = Session(library, self.accuracy)
+        common = Accuracy.balanced() if accuracy is None else Accuracy.taken(accuracy)
+        self.accuracies = [common] * self.n if accuracies is None else list(accuracies)
+        self._check_count("accuracies", self.accuracies)
+        self.like = Session(library, self.accuracies[0])
         self._system_of = [self.like.system] * self.n if systems is None else list(systems)
-        if len(self._system_of) != self.n:
-            found = f"{len(self._system_of)} entries"
-            raise SimulationError("systems", found, f"{self.n}, one for each run", "")
+        self._check_count("systems", self._system_of)
+        self._settings_of = [
+            settings_of(self.like.tables, each, library.manifest.instance) for each in self.accuracies
+        ]
         self.runs, self.arrays = lanes_of(self.like, self.n)
         self.x = self.arrays["x"]
         self.x[:] = self.like.x
@@ -77,9 +85,10 @@ class SessionGroup:
         self.codes = np.zeros(self.n, dtype=INTEGER)
         self._ends = np.zeros(self.n, dtype=self.like.tables.dtype)
         self._systems = (ctypes.c_void_p * self.n)(*map(ctypes.addressof, self._system_of))
+        self._settings = (ctypes.c_void_p * self.n)(*map(ctypes.addressof, self._settings_of))
         self._columns, self._lists = self._event_lists()
-        self._systems_at, self._runs_at, self._lists_at = map(
-            ctypes.addressof, (self._systems, self.runs, self._lists)
+        self._systems_at, self._settings_at, self._runs_at, self._lists_at = map(
+            ctypes.addressof, (self._systems, self._settings, self.runs, self._lists)
         )
         self.sensed = np.zeros((self.n, self.like.shared.n_sensor), self.like.tables.dtype)
         self._sensed_at, self._codes_at, self._ends_at = map(address, (self.sensed, self.codes, self._ends))
@@ -166,6 +175,10 @@ class SessionGroup:
         self.codes[lane] = self._lists[lane].count = 0
         self._told[lane] = []
 
+    def _check_count(self, name: str, entries: Sequence[Any]) -> None:
+        if len(entries) != self.n:
+            raise SimulationError(name, f"{len(entries)} entries", f"{self.n}, one for each run", "")
+
     def _event_lists(self) -> tuple[list[Array], Any]:
         """The columns of the lists of events, (n, capacity) each, and the n mg_events."""
         tables, shape = self.like.tables, (self.n, self.like.shared.n_event)
@@ -189,7 +202,7 @@ class SessionGroup:
         taken = ctypes.c_int(0)
         run = self.library.cdll[name]  # a function object of its own, as others may call it otherwise
         run.argtypes = [ctypes.c_int, *[ctypes.c_void_p] * (6 + len(by_lane))]
-        head = ctypes.addressof(taken), self._systems_at, ctypes.addressof(self.like.settings), self._runs_at
+        head = ctypes.addressof(taken), self._systems_at, self._settings_at, self._runs_at
 
         def work(scratch: _Scratch) -> None:
             run(self.n, *head, *by_lane, *scratch.addresses)
@@ -214,15 +227,28 @@ class SessionGroup:
         return self._pool
 
     def _refusal(self, lane: int, code: int, label: str = LANE) -> SimulationError:
-        session = Session(self.library, self.accuracy, self._system_of[lane])
+        session = Session(self.library, self.accuracies[lane], self._system_of[lane])
         session.x[:], session.feature_pair[:] = self.x[lane], self.arrays["feature_pair"][lane]
         session.input[:] = self.arrays["input"][lane]
         return refusal(session, code, self.runs[lane], label.format(lane=lane))
 
     def _head_at(self, lane: int) -> tuple[Any, ...]:
         """mg_system, mg_settings and mg_run of a lane."""
-        settings, run = ctypes.byref(self.like.settings), ctypes.byref(self.runs[lane])
+        settings, run = ctypes.byref(self._settings_of[lane]), ctypes.byref(self.runs[lane])
         return ctypes.byref(self._system_of[lane]), settings, run
+
+
+def group_of(library: Library, libraries: Sequence[Library], accuracies: Sequence[Accuracy]) -> SessionGroup:
+    """The lanes of a library with other numbers, one of `libraries` each (`library_with`), which the caller
+    keeps: each with the numbers, start and inputs of its own, and with its record."""
+    tables = [library_tables(each) for each in libraries]
+    systems = [each.system for each in tables]
+    group = SessionGroup(library, n=len(libraries), systems=systems, accuracies=accuracies)
+    group.x[:] = [each.start for each in tables]
+    group.arrays["input"][:, :-1:SETTING_SIZE] = [
+        [kind["default"] for kind in each.manifest.instance["inputs"]] for each in libraries
+    ]
+    return group
 
 
 def _whole(name: str, value: Any, remedy: str) -> int:

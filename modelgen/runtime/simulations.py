@@ -13,10 +13,9 @@ from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_keywords, check_span, checked_starts, with_parameters
 from modelgen.runtime.inputs_by_lane import InputsByLane
 from modelgen.runtime.sensors import parts_of
-from modelgen.runtime.session_group import SessionGroup
+from modelgen.runtime.session_group import SessionGroup, group_of
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.tables.ctypes_structures import Array
-from modelgen.runtime.tables.library_tables import library_tables
 from modelgen.runtime.trajectory import Event, Outcome
 
 KEYWORDS = ("parameters", "inputs", "q", "u", "accuracy", "threads", *STEPPING)  # of `start_many`
@@ -55,11 +54,9 @@ def start_many(
     """
     expect("start_many", library, Library)
     check_keywords("start_many", stepping, KEYWORDS)
-    chosen = accuracy_of(library.manifest.instance, accuracy, stepping)
     libraries = _libraries(library, n, parameters or {})
-    systems = [library_tables(each).system for each in libraries]
-    group = SessionGroup(library, chosen, n=n, systems=systems)
-    group.x[:] = [library_tables(each).start for each in libraries]
+    accuracies = [accuracy_of(each.manifest.instance, accuracy, stepping) for each in libraries]
+    group = group_of(library, libraries, accuracies)
     _write(group, group.x, q, u)
     many = Simulations(group, libraries, threads)
     for name, values in (inputs or {}).items():
@@ -88,7 +85,7 @@ class Simulations:
         self._starts = group.x.copy()
         self._parts = parts_of(group.library.manifest.instance["sensors"]["names"])
         self.n = group.n
-        self.inputs = InputsByLane(group)
+        self.inputs = InputsByLane(group, libraries)
         self.refused: Mapping[int, SimulationError] = {}
 
     @property

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from modelgen.notation import component_names
+from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.joint_results import coordinate_names
 from modelgen.runtime.session import Session
 from modelgen.runtime.trajectory import Event, Outcome, Trajectory
@@ -32,6 +33,7 @@ def trajectory_of(
     outcome_function: str = "",
     inputs: Mapping[str, float],
     instance: Mapping[str, Any] | None = None,
+    accuracy: Accuracy | None = None,
 ) -> Trajectory:
     """The trajectory of an mg_run.
 
@@ -39,9 +41,10 @@ def trajectory_of(
         session: of the library of the run, whose names and accuracy are those of the run.
         run: the mg_run.
         columns: the samples, as `Recording.columns` gives them.
-        instance: with the numbers of the run, where they are not those of the session.
+        instance, accuracy: of the run, where they are not those of the session.
     """
     own, shared = session.instance if instance is None else instance, session.shared
+    record = session.accuracy if accuracy is None else accuracy
     failed, deepest = run.failed_contact, run.penetration_contact
     return Trajectory(
         scene=own["name"],
@@ -75,9 +78,9 @@ def trajectory_of(
         incomplete_searches=int(run.incomplete_searches),
         kinds=shared.kind_names,
         instructions=dict(shared.instructions),
-        accuracy=session.accuracy.name,
+        accuracy=record.name,
         warnings=tuple(warnings),
-        fallback_step=fallback_step(run, session.accuracy, own),
+        fallback_step=fallback_step(run, record, own),
         outcome_function=outcome_function,
         stopped=ending.interrupted,
         parameters={each["name"]: each["value"] for each in own.get("parameters", ())},

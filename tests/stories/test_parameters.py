@@ -11,7 +11,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from modelgen import build, derive, emit, normal_rates, record_of, require, simulate, simulate_batch
+from modelgen import (
+    build,
+    derive,
+    emit,
+    normal_rates,
+    record_of,
+    require,
+    simulate,
+    simulate_batch,
+    start_many,
+    sweep,
+)
 from modelgen.benchmark.unit_conversion import Units, in_units
 from modelgen.codegen.library import Library
 from modelgen.codegen.parameter_values import library_with
@@ -161,6 +172,21 @@ between = ["arm", "hand"]
 position = [0.4, 0.0, 0.0]
 lead = 0.023
 """
+BLOWN = (
+    EGG
+    + """
+[[input]]
+name = "wind"
+default = 0.57
+minimum = 0.41
+maximum = 0.83
+
+[[force]]
+body = "egg"
+force = ["wind*t", 0, 0]
+"""
+)
+DRIVEN = BLOWN.replace('name = "wind"', 'name = "wind"\nhold = "linear"')
 
 # Scene, the number as it stands there, another value for it. Where it stands several times: which of them.
 NUMBERS: Mapping[str, tuple[str, str, str, float]] = {
@@ -183,6 +209,15 @@ NUMBERS: Mapping[str, tuple[str, str, str, float]] = {
     "damping": (EGG, "damping = 0.15", "0.15", 0.05),
     "rest length": (EGG, "rest_length = 0.33", "0.33", 0.2),
     "gravity": (EGG, "gravity = [0.0, 0.0, -9.81]", "-9.81", -1.62),
+    "tolerance": ("tolerance = 1e-9\n" + EGG, "tolerance = 1e-9", "1e-9", 1e-6),
+    "step": ('method = "rk4"\nstep = 0.001\n' + EGG, "step = 0.001", "0.001", 0.002),
+    "step of time-stepping": (
+        'method = "time-stepping"\nstep = 0.001\n' + EGG, "step = 0.001", "0.001", 0.002
+    ),
+    "imaginary edge": ("imaginary_edge = 0.02\n" + DENSE, "imaginary_edge = 0.02", "0.02", 0.3),
+    "input": (BLOWN, "default = 0.57", "0.57", 0.77),
+    "input on a line": (DRIVEN, "default = 0.57", "0.57", 0.77),
+    "range of an input": (BLOWN, "maximum = 0.83", "0.83", 0.62),
     "end of the run": (EGG, "until = 0.3", "0.3", 0.25),
     "density": (DENSE, "density = 800.0", "800.0", 950.0),
     "size of a box": (DENSE, "size = [0.21, 0.11, 0.06]", "0.11", 0.13),
@@ -202,7 +237,7 @@ NUMBERS: Mapping[str, tuple[str, str, str, float]] = {
     "joint limit": (ARM, "limits = [-0.4, 0.45]", "-0.4", -0.3),
     "joint restitution": (ARM, "restitution = 0.55", "0.55", 0.2),
     "lead": (ARM, "lead = 0.023", "0.023", 0.04),
-}
+}  # fmt: skip
 
 
 def with_parameter(case: str, value: float | None = None) -> str:
@@ -233,6 +268,17 @@ def assert_equal_runs(one: Trajectory, other: Trajectory) -> None:
             assert same, field.name
 
 
+def assert_lanes_are_runs_of(base: Library, other: Library, value: float) -> None:
+    """Of two lanes of the base, the second with the number of the other: states and events on the way."""
+    (own,) = (each["value"] for each in base.manifest.instance["parameters"])
+    many, alone = start_many(base, 2, parameters={"number": [own, value]}), [start(base), start(other)]
+    for _ in range(3):
+        many.step(0.1)
+        for lane, sim in enumerate(alone):
+            assert tuple(many.events(lane)) == sim.step(until=float(many.t[lane]))
+            assert np.array_equal(many.state[lane], sim.state)
+
+
 @pytest.mark.cases(8)
 @pytest.mark.parametrize("case", NUMBERS)
 def test_a_run_with_another_value_is_that_of_a_scene_with_that_number(case: str) -> None:
@@ -242,6 +288,7 @@ def test_a_run_with_another_value_is_that_of_a_scene_with_that_number(case: str)
     run = simulate(base, parameters={"number": value})
     assert_equal_runs(run, simulate(other))
     assert run.parameters == {"number": value}
+    assert_lanes_are_runs_of(base, other, value)
 
 
 def test_expressions_of_a_shape_follow_parameters() -> None:
@@ -538,6 +585,28 @@ def test_wrong_values_on_the_command_line(
     refused = modelgen("simulate", "one.toml", *(part for text in texts for part in ("--set", text)))
     assert refused.code == 2
     assert told in refused.err
+
+
+@pytest.mark.parametrize("case", ["step", "input"])
+def test_lanes_have_the_settings_and_inputs_of_scenes_with_their_numbers(case: str) -> None:
+    """Numbers of a scene that are none of its tables of the core: kept apart by lane as these are."""
+    value = NUMBERS[case][-1]
+    assert_lanes_are_runs_of(built(with_parameter(case)), built(with_parameter(case, value)), value)
+
+
+def test_an_input_of_a_lane_has_the_range_of_a_scene_with_its_number() -> None:
+    many = start_many(built(with_parameter("range of an input")), 2, parameters={"number": [0.83, 0.62]})
+    many.inputs["wind"][:] = 0.7
+    with pytest.raises(ModelgenError, match=r"input 'wind' of lane 1: 0\.7; a number from 0\.41 to 0\.62"):
+        many.step(0.1)
+
+
+def test_rows_of_a_sweep_have_the_settings_of_a_scene_with_their_number() -> None:
+    value = NUMBERS["step"][-1]
+    base, other = built(with_parameter("step")), built(with_parameter("step", value))
+    table = sweep(base, {"number": [0.001, value]}, until=0.1, estimate=False)
+    for row, library in enumerate((base, other)):
+        assert table["steps"][row] == simulate(library, until=0.1, samples=1, estimate=False).steps
 
 
 def test_a_batch_takes_values() -> None:

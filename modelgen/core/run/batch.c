@@ -38,11 +38,11 @@ MG_INTERNAL int mg_take_lanes(int n, int *taken, int *end) {
 #endif
 }
 
-MG_API void mg_begin_many(int n, int *taken, const mg_system *const *systems, const mg_settings *settings, mg_run *runs,
-                          int *outcome, mg_events *events, mg_real *work, int *iwork) {
+MG_API void mg_begin_many(int n, int *taken, const mg_system *const *systems, const mg_settings *const *settings,
+                          mg_run *runs, int *outcome, mg_events *events, mg_real *work, int *iwork) {
   for (int count, end; (count = mg_take_lanes(n, taken, &end));)
     for (int i = end - count; i < end; i++)
-      outcome[i] = mg_begin(systems[i], settings, runs + i, events + i, work, iwork);
+      outcome[i] = mg_begin(systems[i], settings[i], runs + i, events + i, work, iwork);
 }
 
 /* Advances a lane that has not failed; returns its outcome. */
@@ -55,11 +55,11 @@ static int mg_advance_lane(const mg_system *system, const mg_settings *settings,
   return outcome;
 }
 
-MG_API void mg_advance_many(int n, int *taken, const mg_system *const *systems, const mg_settings *settings,
+MG_API void mg_advance_many(int n, int *taken, const mg_system *const *systems, const mg_settings *const *settings,
                             mg_run *runs, const mg_real *t_stop, int *outcome, mg_events *events, mg_real *work,
                             int *iwork) {
   for (int count, end; (count = mg_take_lanes(n, taken, &end));)
     for (int i = end - count; i < end; i++)
       if (outcome[i] < MG_FIRST_FAILURE)
-        outcome[i] = mg_advance_lane(systems[i], settings, runs + i, t_stop[i], events + i, work, iwork);
+        outcome[i] = mg_advance_lane(systems[i], settings[i], runs + i, t_stop[i], events + i, work, iwork);
 }

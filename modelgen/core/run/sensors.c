@@ -16,9 +16,9 @@ MG_API void mg_sense(const mg_system *system, const mg_settings *settings, mg_ru
   mg_read_sensors(&c, run->t, run->x + system->n_q + system->n_u, run->force, solved, sensors);
 }
 
-MG_API void mg_sense_many(int n, int *taken, const mg_system *const *systems, const mg_settings *settings, mg_run *runs,
-                          mg_real *sensors, mg_real *work, int *iwork) {
+MG_API void mg_sense_many(int n, int *taken, const mg_system *const *systems, const mg_settings *const *settings,
+                          mg_run *runs, mg_real *sensors, mg_real *work, int *iwork) {
   for (int count, end; (count = mg_take_lanes(n, taken, &end));)
     for (int i = end - count; i < end; i++)
-      mg_sense(systems[i], settings, runs + i, sensors + (long)i * systems[i]->kernels->n_sensor, work, iwork);
+      mg_sense(systems[i], settings[i], runs + i, sensors + (long)i * systems[i]->kernels->n_sensor, work, iwork);
 }
