@@ -150,13 +150,15 @@ def _without_jets(kernel: ca.Function, calls: tuple[JetCall, ...]) -> SharedKern
         together = ca.Function("together", inputs, ca.cse([ca.vertcat(*computed), *kernel.call(inputs)]))
         symbols = [ca.SX.sym("jet", each.numel()) for each in computed]
         numbers = ca.vertcat(*symbols)
+        steps = tuple(instructions(together))
         entries = {
             each.operands[0]: each.place[1]
-            for each in instructions(together)
+            for each in steps
             if each.operation == ca.OP_OUTPUT and each.place[0] == 0
         }
         _, *outputs = rebuilt(
             together,
+            steps,
             inputs,
             lambda each, _: numbers[entries[each.number]] if each.number in entries else None,
         )

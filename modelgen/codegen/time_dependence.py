@@ -7,6 +7,8 @@ from math import inf
 
 import casadi as ca
 
+from modelgen.composition.instructions import instructions
+
 SEEN = 3  # the degree of a polynomial that samples of a step show whole
 
 _KEPT = (ca.OP_ASSIGN, ca.OP_NEG, ca.OP_TWICE)
@@ -21,16 +23,15 @@ def hides(f: ca.Function, *of: str) -> bool:
 def degree(f: ca.Function, of: Sequence[int]) -> float:
     """Degree of the outputs of an SX function as polynomials in the inputs `of`; infinite if one is no
     polynomial."""
-    at: dict[int, float] = {}  # work-vector slot -> degree
+    at: dict[int, float] = {}  # by the number of the instruction
     most = 0.0
-    for k in range(f.n_instructions()):
-        operation, source = f.instruction_id(k), f.instruction_input(k)
-        if operation == ca.OP_OUTPUT:
-            most = max(most, at[source[0]])
-        elif operation == ca.OP_INPUT:
-            at[f.instruction_output(k)[0]] = float(source[0] in of)
+    for each in instructions(f):
+        if each.operation == ca.OP_OUTPUT:
+            most = max(most, at[each.operands[0]])
+        elif each.operation == ca.OP_INPUT:
+            at[each.number] = float(each.place[0] in of)
         else:
-            at[f.instruction_output(k)[0]] = _of(operation, [at[slot] for slot in source])
+            at[each.number] = _of(each.operation, [at[number] for number in each.operands])
     return most
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
@@ -51,6 +51,7 @@ def unsimplified() -> Iterator[None]:
 
 def rebuilt(
     function: ca.Function,
+    steps: Sequence[Instruction],
     inputs: list[ca.SX],
     replacement: Callable[[Instruction, tuple[ca.SX, ...]], ca.SX | None],
 ) -> list[ca.SX]:
@@ -58,13 +59,14 @@ def rebuilt(
 
     Args:
         function: of `ca.SX`.
+        steps: its `instructions`.
         inputs: take the place of its inputs.
         replacement: given an operation and the values of its operands, what takes the place of its result;
             None: nothing does.
     """
     outputs = [ca.SX(function.sparsity_out(k)) for k in range(function.n_out())]
     values: dict[int, ca.SX] = {}
-    for each in instructions(function):
+    for each in steps:
         operands = tuple(values[number] for number in each.operands)
         if each.operation == ca.OP_OUTPUT:
             outputs[each.place[0]].nz[each.place[1]] = operands[0]

@@ -17,7 +17,8 @@ def with_shared_reciprocals(function: ca.Function) -> ca.Function:
 
     Results differ by rounding, one more of each such division.
     """
-    divisions = Counter(each.operands[1] for each in instructions(function) if each.operation == ca.OP_DIV)
+    steps = tuple(instructions(function))
+    divisions = Counter(each.operands[1] for each in steps if each.operation == ca.OP_DIV)
     reciprocals: dict[int, ca.SX] = {}
 
     def product(each: Instruction, operands: tuple[ca.SX, ...]) -> ca.SX | None:
@@ -33,5 +34,5 @@ def with_shared_reciprocals(function: ca.Function) -> ca.Function:
     inputs = function.sx_in()
     names = function.name_in(), function.name_out()
     with unsimplified():
-        outputs = ca.cse(rebuilt(function, inputs, product))
+        outputs = ca.cse(rebuilt(function, steps, inputs, product))
         return ca.Function(function.name(), inputs, outputs, *names)
