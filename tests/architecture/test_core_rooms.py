@@ -20,7 +20,6 @@ ROOMS = (  # each may use those before it
 )
 BODILESS = ("elementary", "base", "solve/lcp", "solve/friction", "region")  # they know no body and no scene
 CC = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
-TIED = ("closest", "forces")  # rooms in which files still call each other in a circle
 FUNCTION = re.compile(r"^(?:MG_API|MG_INTERNAL|static)\b[^;{}=]*?\b(mg_\w+)\([^;{]*\)\s*\{", re.MULTILINE)
 
 
@@ -68,8 +67,7 @@ def test_files_of_a_room_call_each_other_in_one_direction() -> None:
         path: {home[name] for name in re.findall(r"\bmg_\w+\b", text) if name in home} - {path}
         for path, text in sources().items()
     }
-    order = TopologicalSorter({path: files for path, files in called.items() if room_of(path) not in TIED})
-    order.prepare()  # raises CycleError, with the files of a circle
+    TopologicalSorter(called).prepare()  # raises CycleError, with the files of a circle
 
 
 def test_headers_declare_each_function_under_its_file() -> None:
