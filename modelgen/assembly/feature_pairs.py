@@ -92,9 +92,10 @@ def feature_pairs_of(
     numbers = {names: first + k for k, names in enumerate(found)}
     known = is_convex(a.shape) and is_convex(b.shape) and not pair.features
     groups = _parting_faces(found) if known else {}
-    surfaces = tuple({each.name: each.shape.kind for each in whole.features} for whole in (a, b))
+    surfaces = [{each.name: each.shape.kind for each in whole.features} for whole in (a, b)]
     return tuple(
-        _entry(candidate, names, numbers, kinds, index, groups, surfaces) for names, candidate in found.items()
+        _entry(candidate, names, numbers, kinds, index, groups, surfaces)
+        for names, candidate in found.items()
     )
 
 

@@ -278,8 +278,8 @@ static int mg_is_minimum_ignored(mg_context *c, const mg_minimum *found) {
   return found->d < -c->settings->start_gap * c->system->length || mg_fate_of_minimum(c, found) != MG_MINIMUM_STAYS;
 }
 
-/* True if the feature pair is of straight features that touch along a line, and are nowhere nearer than at the end of it
-   at which time-stepping holds a contact. */
+/* True if the feature pair is of straight features that touch along a line, and are nowhere nearer than at the end of
+   it at which time-stepping holds a contact. */
 static int mg_is_line_held_at_end(mg_context *c, int pair, int feature_pair) {
   mg_real next[6];
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
