@@ -146,6 +146,7 @@ class FeatureCondition:
     side: int  # 0: of o, 1: of f
     numbers: tuple[float, ...]
     next: int  # the feature pair beyond; ENDS or WATCHED
+    line: bool = False  # beyond, the features touch along a line if they are parallel; it ends here
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
@@ -92,8 +92,10 @@ def feature_pairs_of(
     numbers = {names: first + k for k, names in enumerate(found)}
     known = is_convex(a.shape) and is_convex(b.shape) and not pair.features
     groups = _parting_faces(found) if known else {}
+    surfaces = [{each.name: each.shape.kind for each in whole.features} for whole in (a, b)]
     return tuple(
-        _entry(candidate, names, numbers, kinds, index, groups) for names, candidate in found.items()
+        _entry(candidate, names, numbers, kinds, index, groups, surfaces)
+        for names, candidate in found.items()
     )
 
 
@@ -223,6 +225,7 @@ def _entry(
     kinds: KindList[ContactKind],
     pair: int,
     groups: Mapping[Face, int],
+    surfaces: Sequence[Mapping[str, str]],
 ) -> FeaturePairEntry:
     order = (1, 0) if candidate.swapped else (0, 1)
     o, f = (candidate.partners[k] for k in order)
@@ -238,7 +241,7 @@ def _entry(
         shapes=(o.shape, f.shape),
         features=names,
         face_group=-1 if face is None else groups.get(face, -1),
-        conditions=_conditions(candidate, names, numbers, order),
+        conditions=_conditions(candidate, names, numbers, order, surfaces),
     )
 
 
@@ -247,7 +250,9 @@ def _conditions(
     names: tuple[str, str],
     numbers: Mapping[tuple[str, str], int],
     order: tuple[int, int],
+    surfaces: Sequence[Mapping[str, str]],
 ) -> tuple[FeatureCondition, ...]:
+    """`surfaces`: the kinds of the features of both shapes, by name."""
     found = []
     for side, mine in enumerate(order):
         other = candidate.features[1 - mine]
@@ -258,8 +263,22 @@ def _conditions(
             to = numbers.get((beyond[0], beyond[1]), ENDS) if condition.next else ENDS
             if to < 0 and _is_moot(condition, other, faces):
                 to = WATCHED
-            found.append(FeatureCondition(condition.kind, side, condition.numbers, to))
+            line = to != WATCHED and _ends_line(
+                candidate.features[mine], surfaces[mine].get(condition.next or "", ""), other
+            )
+            found.append(FeatureCondition(condition.kind, side, condition.numbers, to, line))
     return tuple(found)
+
+
+def _ends_line(feature: Feature, beyond: str, other: Feature) -> bool:
+    """True if a surface or curve of the kind `beyond`, and another feature parallel to it, touch along a line
+    that ends at `feature`: a vertex, an edge or a round cap, all of which belongs to the solid."""
+    kinds = {beyond, other.shape.kind}
+    if not kinds <= STRAIGHT or kinds == {"plane"} or feature.dimension + other.dimension < 2:
+        return False
+    if feature.dimension == 2:
+        return feature.shape.kind == "sphere" and not feature.shape.cavity
+    return beyond == "plane" or feature.shape.kind not in STRAIGHT
 
 
 def _is_moot(condition: Condition, other: Feature, faces: frozenset[str]) -> bool:

@@ -374,7 +374,13 @@ def _feature_pair(model: Model, entry: FeaturePairEntry, shapes: _Shapes) -> dic
         "shape_f": shapes.of(entry.f, entry.shapes[1], kind.f),
         "face_group": entry.face_group,
         "conditions": [
-            {"kind": each.kind, "side": each.side, "numbers": each.numbers, "next": each.next}
+            {
+                "kind": each.kind,
+                "side": each.side,
+                "numbers": each.numbers,
+                "next": each.next,
+                **({"line": True} if each.line else {}),
+            }
             for each in entry.conditions
         ],
     }

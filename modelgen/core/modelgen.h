@@ -46,7 +46,7 @@
 #include "solve/lcp/lcp.h"
 #include "base/real.h"
 
-#define MG_ABI 19 /* version of these structures; a library and its caller must agree on it (mg_abi) */
+#define MG_ABI 20 /* version of these structures; a library and its caller must agree on it (mg_abi) */
 
 /* Kind of a condition of a feature pair. A condition is a function of the contact point x of one feature in its shape's
    axes, of the chart coordinates (u, v) of x, and of the normal N out of that feature's shape. It holds where the
@@ -159,6 +159,8 @@ typedef struct {
   const int *condition_feature;      /* [all conditions] feature whose point, coordinates, N it is about: 0 o, 1 f */
   const int *condition_feature_pair; /* [all conditions] next feature pair, MG_BEYOND_ENDS or MG_BEYOND_WATCHED */
   const int *condition_numbers;      /* [all conditions] offset into numbers */
+  const int *condition_is_line_end;  /* [all conditions] 1: beyond are two straight features, and this one ends one of
+                                        them: parallel they touch along a line, which ends here */
 
   const int *load_kind;       /* [n_load] load kind of the library */
   const int *load_a;          /* [n_load] first body */
@@ -311,6 +313,8 @@ typedef struct {
   mg_real search_gap;      /* contacts that appear in a run are followed from gaps below search_gap * pair length */
   mg_real search_movement; /* MG_SEARCH_MOVED: a pair is searched after it has moved by search_movement * pair length */
   mg_real flat_angle;      /* rad: faces within this angle of parallel lie flat on each other */
+  mg_real parallel_angle;  /* rad: time-stepping holds straight features within this angle of parallel at both ends of
+                              the line along which they touch */
   mg_real imaginary_edge;  /* rad: a face turns about a tangent of its curved rim, fixed in the body, up to this
                               tilt (section 5.3 of the paper); 0: it rolls on the rim at once */
   mg_real boundary_coincidence; /* boundaries of two faces nearer than boundary_coincidence * length coincide */

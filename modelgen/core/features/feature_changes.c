@@ -278,13 +278,27 @@ static int mg_is_minimum_ignored(mg_context *c, const mg_minimum *found) {
   return found->d < -c->settings->start_gap * c->system->length || mg_fate_of_minimum(c, found) != MG_MINIMUM_STAYS;
 }
 
+/* True if the feature pair is of straight features that touch along a line, and are nowhere nearer than at the end of
+   it at which time-stepping holds a contact. */
+static int mg_is_line_held_at_end(mg_context *c, int pair, int feature_pair) {
+  mg_real next[6];
+  for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
+    const int held = c->run->feature_pair[i];
+    if (held < 0 || !mg_ends_line(c, held, feature_pair)) continue;
+    const mg_real *eta = mg_contact_eta(c, c->run->x, i);
+    mg_place_contact(c, i, eta, next);
+    if (mg_least_line_end_condition(c, held, feature_pair, eta) >= -c->settings->feature_border) return 1;
+  }
+  return 0;
+}
+
 /* Adds the minima of the feature pairs of a pair that are within reach and neither in use nor covered to those kept. */
 static void mg_search_free_feature_pairs(mg_context *c, int pair, const mg_search_limits *limits, mg_real least,
                                          mg_minima *kept) {
   const mg_system *s = c->system;
   for (int feature_pair = s->pair_feature_pair[pair]; feature_pair < s->pair_feature_pair[pair + 1]; feature_pair++)
     if (!mg_is_feature_pair_in_use(c, pair, feature_pair) && !mg_is_feature_pair_covered(c, feature_pair) &&
-        !mg_is_out_of_reach(c, feature_pair))
+        !mg_is_out_of_reach(c, feature_pair) && !mg_is_line_held_at_end(c, pair, feature_pair))
       mg_search_feature_pair(c, feature_pair, limits, least, kept);
 }
 
@@ -385,10 +399,12 @@ static int mg_find_unfollowed_minimum(mg_context *c, int pair, mg_real moved) {
   return kind;
 }
 
-/* True if the pair is never searched, or not as long as one of its contacts is closed. */
+/* True if the pair is never searched, or not as long as one of its contacts is closed, unless time-stepping holds that
+   at the end of a line. */
 static int mg_is_search_needless(const mg_context *c, int pair) {
   const int search = c->system->pair_search[pair];
   if (search != MG_SEARCH_APART) return search == MG_SEARCH_NEVER;
+  if (mg_is_time_stepping(c) && c->run->moved_since_search[pair] >= MG_SEARCH_DUE) return 0;
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
     if (c->run->closed[i]) return 1;
   return 0;

@@ -143,6 +143,11 @@ MG_INTERNAL mg_real mg_feature_pair_condition(const mg_context *c, int feature_p
   }
 }
 
+/* True if a contact goes on a little beyond a condition: where a line along which straight features touch ends. */
+static int mg_is_held_line_end(const mg_context *c, int condition) {
+  return c->system->condition_is_line_end[condition] && mg_is_time_stepping(c);
+}
+
 MG_INTERNAL mg_real mg_least_feature_pair_condition(const mg_context *c, int feature_pair, const mg_real *eta,
                                                     int watched, int *which) {
   mg_real least = MG_MAX;
@@ -150,9 +155,30 @@ MG_INTERNAL mg_real mg_least_feature_pair_condition(const mg_context *c, int fea
   for (int k = c->system->feature_pair_condition[feature_pair]; k < c->system->feature_pair_condition[feature_pair + 1];
        k++) {
     if ((c->system->condition_feature_pair[k] == MG_BEYOND_WATCHED) != watched) continue;
-    const mg_real value = mg_feature_pair_condition(c, feature_pair, k, eta);
+    const mg_real value = mg_feature_pair_condition(c, feature_pair, k, eta) +
+                          (mg_is_held_line_end(c, k) ? c->settings->parallel_angle : 0);
     if (value < least) least = value, *which = k;
   }
+  return least;
+}
+
+/* True if a contact is held a little beyond a condition of its feature pair, at the end of that line; -1: of any. */
+static int mg_is_end_of_line(const mg_context *c, int condition, int line) {
+  return mg_is_held_line_end(c, condition) && (line < 0 || c->system->condition_feature_pair[condition] == line);
+}
+
+MG_INTERNAL int mg_ends_line(const mg_context *c, int feature_pair, int line) {
+  for (int k = c->system->feature_pair_condition[feature_pair]; k < c->system->feature_pair_condition[feature_pair + 1];
+       k++)
+    if (mg_is_end_of_line(c, k, line)) return 1;
+  return 0;
+}
+
+MG_INTERNAL mg_real mg_least_line_end_condition(const mg_context *c, int feature_pair, int line, const mg_real *eta) {
+  mg_real least = MG_MAX;
+  for (int k = c->system->feature_pair_condition[feature_pair]; k < c->system->feature_pair_condition[feature_pair + 1];
+       k++)
+    if (mg_is_end_of_line(c, k, line)) least = mg_min(least, mg_feature_pair_condition(c, feature_pair, k, eta));
   return least;
 }
 

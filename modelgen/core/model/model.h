@@ -110,8 +110,17 @@ MG_INTERNAL mg_real mg_feature_pair_condition(const mg_context *c, int feature_p
 MG_INTERNAL mg_real mg_least_feature_pair_condition(const mg_context *c, int feature_pair, const mg_real *eta,
                                                     int watched, int *which);
 
-/* Least value of the conditions that are not only watched. */
+/* Least value of the conditions that are not only watched; time-stepping adds parallel_angle to those that end a line.
+ */
 MG_INTERNAL mg_real mg_most_violated_condition(const mg_context *c, int feature_pair, const mg_real *eta, int *which);
+
+/* True if time-stepping holds contacts on a feature pair at the end of a line along which the straight features of the
+   feature pair `line` touch (-1: of any). */
+MG_INTERNAL int mg_ends_line(const mg_context *c, int feature_pair, int line);
+
+/* Least value at eta of the conditions by which it ends that line: where it is negative, the straight features are
+   nearer elsewhere on the line. MG_MAX without any. Needs mg_place_contact at eta. */
+MG_INTERNAL mg_real mg_least_line_end_condition(const mg_context *c, int feature_pair, int line, const mg_real *eta);
 
 /* True if eta holds signs that select the direction of N (two curves). */
 MG_INTERNAL int mg_has_normal_sign(const mg_context *c, int feature_pair);

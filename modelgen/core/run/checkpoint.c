@@ -138,6 +138,7 @@ static mg_digest mg_digest_contacts(mg_digest digest, const mg_system *s) {
                                    {s->condition_feature, all},
                                    {s->condition_feature_pair, all},
                                    {s->condition_numbers, all},
+                                   {s->condition_is_line_end, all},
                                    {s->impact_law, c}};
   digest = mg_digest_index_tables(digest, tables, (int)(sizeof tables / sizeof *tables));
   digest = mg_digest_reals(digest, s->restitution, c);

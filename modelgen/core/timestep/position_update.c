@@ -182,5 +182,5 @@ MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events) {
     break;
   }
   if (moved) c->run->x[c->layout.work_state] += mg_energy(c, &kinetic) - before;
-  return MG_DONE;
+  return moved;
 }

@@ -31,25 +31,35 @@ static void mg_record_step_samples(mg_context *c, mg_record *record, mg_real h) 
   }
 }
 
-/* Changes the feature pairs of contacts whose conditions fail. Needs the poses at run->x. */
-static void mg_change_features_after_step(mg_context *c, mg_events *events) {
+enum { MG_UPDATES = 32 }; /* most corrections of penetration in a step */
+
+/* Changes the feature pairs of contacts whose conditions fail; returns how many. Requests a search where a contact is
+   held at the end of a line that may touch elsewhere. Needs the poses at run->x. */
+static int mg_change_features_after_step(mg_context *c, mg_events *events) {
   int count = 0;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
-    c->events.within_border[i] = 0;
-    c->events.triggered[i] = mg_is_on_feature_pair(c, i) ? mg_find_feature_pair_exit(c, i, c->run->x) : 0,
+    c->events.within_border[i] = c->events.triggered[i] = 0;
+    if (!mg_is_on_feature_pair(c, i)) continue;
+    c->events.triggered[i] = mg_find_feature_pair_exit(c, i, c->run->x);
     count += c->events.triggered[i] != 0;
+    if (mg_least_line_end_condition(c, c->run->feature_pair[i], -1, mg_contact_eta(c, c->run->x, i)) <
+        -c->settings->feature_border)
+      c->run->moved_since_search[c->system->contact_pair[i]] = MG_SEARCH_DUE;
   }
-  if (count) mg_change_marked_features(c, events);
+  return count ? mg_change_marked_features(c, events) : 0;
 }
 
-/* Feature pairs, contact points and penetration at the end of the step. Leaves the rows at run->x. Returns an
-   outcome. */
-static int mg_update_contacts_after_step(mg_context *c, mg_events *events, mg_real h) {
+/* Feature pairs, contact points and penetration at the end of the step: penetration is corrected until the correction
+   leads no contact off its feature pair and to no new one. Leaves the rows at run->x. */
+static void mg_update_contacts_after_step(mg_context *c, mg_events *events, mg_real h) {
   mg_converge_all_contacts(c, events);
   mg_change_features_after_step(c, events);
-  int outcome = mg_post_stabilise(c, events);
-  if (outcome || !mg_search_all_pairs(c, events, h)) return outcome;
-  return mg_post_stabilise(c, events);
+  int changed, update = 0;
+  do {
+    changed = mg_post_stabilise(c, events) ? mg_change_features_after_step(c, events) : 0;
+    changed += mg_search_all_pairs(c, events, update ? 0 : h);
+  } while (changed && ++update < MG_UPDATES);
+  if (changed) mg_update_rows_at(c, c->run->t, c->run->x);
 }
 
 /* Notes the fastest spin of a body. Needs the twists. */
@@ -72,7 +82,7 @@ MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_eve
   const int is_power_finite =
       mg_all_finite(1, c->step.slopes + c->layout.n_states + c->layout.work_state); /* by the loads */
   if (!is_power_finite || mg_has_nonfinite_driven_path(c)) return MG_NOT_FINITE;
-  int outcome = mg_step_impulses(c, h);
+  const int outcome = mg_step_impulses(c, h);
   if (outcome) return outcome;
   mg_report_step_modes(c, events, h);
   mg_copy_states(c, run->x, c->step.end);
@@ -83,8 +93,7 @@ MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_eve
   mg_advance_time(run, h);
   run->steps++;
   if (run->fallback_left > 0) *(run->present_cause == MG_CHATTER ? &run->chatter_time : &run->fallback_time) += h;
-  outcome = mg_update_contacts_after_step(c, events, h);
-  if (outcome) return outcome;
+  mg_update_contacts_after_step(c, events, h);
   if (mg_is_sample_due(record, run->t)) {
     mg_record_step_samples(c, record, h);
     mg_update_rows_at(c, run->t, run->x);

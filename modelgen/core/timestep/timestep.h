@@ -80,8 +80,8 @@ MG_INTERNAL void mg_integrate_positions(mg_context *c, mg_real h);
 /* Converges eta of all contacts at run->x; contacts without closest points are released. Returns their number. */
 MG_INTERNAL int mg_converge_all_contacts(mg_context *c, mg_events *events);
 
-/* Corrects positions, at most four times, while penetration exceeds contact_gap; the change of the energy counts
-   as work. Leaves the rows at run->x. Returns an outcome. */
+/* Corrects positions while penetration exceeds contact_gap; the change of the energy counts as work. Leaves the rows at
+   run->x. Returns the number of corrections. */
 MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events);
 
 /* modes.c */

@@ -51,6 +51,7 @@ SYSTEM_INDICES = (
     ),
     *("feature_shape", "feature_parameters", "feature_numbers", "feature_tree"),
     *("condition_kind", "condition_feature", "condition_feature_pair", "condition_numbers"),
+    "condition_is_line_end",
     *("load_kind", "load_a", "load_b", "load_parameters"),
     *("joint_kind", "joint_a", "joint_b", "joint_parameters", "joint_row"),
     *("patch_pair", "patch_slots", "patch_arc", "patch_arc_f", "patch_numbers", "patch_covered"),
@@ -125,6 +126,7 @@ SETTINGS_REALS = (
     ),
     *(
         "flat_angle",
+        "parallel_angle",
         "imaginary_edge",
         "boundary_coincidence",
         "feature_border",

@@ -38,6 +38,7 @@ class FeatureTables:
             "condition_feature": [each["side"] for each in conditions],
             "condition_feature_pair": [each["next"] for each in conditions],
             "condition_numbers": [append(self.numbers, each["numbers"]) for each in conditions],
+            "condition_is_line_end": [int(each.get("line", False)) for each in conditions],
         }
 
 
