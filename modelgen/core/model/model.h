@@ -174,6 +174,9 @@ MG_INTERNAL int mg_are_states_finite(const mg_context *c, const mg_real *x);
 /* Lists what belongs to the pairs of c->listed.listed, and what takes part always. */
 MG_INTERNAL void mg_list_pairs(mg_context *c);
 
+/* Lists the states of the bodies, of the listed contacts that are on a feature pair, and the work. */
+MG_INTERNAL void mg_list_states(mg_context *c);
+
 /* True if the pair may be left out while its shapes are far apart. */
 MG_INTERNAL int mg_may_be_far(const mg_context *c, int pair);
 
