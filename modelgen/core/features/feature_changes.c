@@ -361,6 +361,16 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
   return count;
 }
 
+/* True if a contact of the pair is at the only minimum of its only feature pair with a gap up to `gap`. */
+static int mg_is_only_minimum_followed(const mg_context *c, int pair, mg_real gap) {
+  const int feature_pair = c->system->pair_feature_pair[pair];
+  if (c->system->pair_feature_pair[pair + 1] != feature_pair + 1) return 0;
+  for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
+    if (mg_is_on_feature_pair(c, i) && fabs(c->rows.d[i]) <= gap && c->run->margin[i] > c->settings->search_margin)
+      return mg_has_one_minimum(c, feature_pair, gap);
+  return 0;
+}
+
 /* What a search of a pair finds that no contact follows. */
 enum { MG_ALL_FOLLOWED = 0, MG_NEW_MINIMUM = 1, MG_NEW_PENETRATION = 2 };
 
@@ -372,6 +382,7 @@ static int mg_find_unfollowed_minimum(mg_context *c, int pair, mg_real moved) {
   const mg_real touching = c->settings->start_gap * s->length, least = mg_separating_plane_gap(c, pair) - touching;
   int kind = MG_ALL_FOLLOWED;
   mg_minima found;
+  if (mg_is_only_minimum_followed(c, pair, limits.gap)) return MG_ALL_FOLLOWED;
   found.count = 0;
   mg_search_free_feature_pairs(c, pair, &limits, least, &found);
   for (int k = 0; k < found.count && kind < MG_NEW_PENETRATION; k++) {
