@@ -433,7 +433,7 @@ MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
   mg_real *const start = c->run->x;
   for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) c->search.is_searched[pair] = 0;
   for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) {
-    const mg_real moved = c->run->moved_since_search[pair] + h * mg_pair_motion_bound(c, pair).speed;
+    const mg_real moved = c->run->moved_since_search[pair] + h * mg_pair_speed_bound(c, pair);
     if (mg_has_own_feature_pairs(c, pair) || !mg_is_search_due(c, pair, moved) || mg_pair_clearance(c, pair) > 0)
       continue;
     c->run->x = c->step.settled;
@@ -474,9 +474,8 @@ MG_INTERNAL mg_real mg_search_step_limit(const mg_context *c) {
     const int unwatched = mg_is_pair_without_contacts(c, pair);
     if (!unwatched && mg_has_guiding_contacts(c, pair)) continue;
     const mg_real travel = mg_remaining_search_range(c, pair) / (unwatched ? 2 : 1) + mg_pair_clearance(c, pair);
-    const mg_motion_bound motion = mg_pair_motion_bound(c, pair);
-    const mg_real speed = motion.speed, pull = unwatched ? motion.acceleration : 0;
-    const mg_real mean = (speed + sqrt(speed * speed + 2 * pull * travel)) / 2;
+    const mg_motion_bound motion = mg_pair_motion_bound(c, pair, unwatched);
+    const mg_real mean = (motion.speed + sqrt(motion.speed * motion.speed + 2 * motion.acceleration * travel)) / 2;
     if (mean * longest_step > travel) longest_step = travel / mean;
   }
   return longest_step;
@@ -496,7 +495,7 @@ MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h)
   mg_release_distant_rim_points(c);
   for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
-    c->run->moved_since_search[pair] += h * mg_pair_motion_bound(c, pair).speed;
+    c->run->moved_since_search[pair] += h * mg_pair_speed_bound(c, pair);
     if (!mg_is_search_due(c, pair, c->run->moved_since_search[pair])) continue;
     const mg_real moved = c->run->moved_since_search[pair];
     const int is_done = c->search.is_searched[pair] && moved < MG_SEARCH_DUE;

@@ -327,8 +327,12 @@ MG_INTERNAL const mg_real *mg_pair_ball(const mg_context *c, int pair, int side)
 MG_INTERNAL int mg_has_pair_extents(const mg_context *c, int pair);
 
 /* Bound of the motion of the shapes of a pair relative to each other, in the axes of the body that gives the
-   smaller one; of unbounded shapes the parts within the characteristic length count. */
-MG_INTERNAL mg_motion_bound mg_pair_motion_bound(const mg_context *c, int pair);
+   smaller one; of unbounded shapes the parts within the characteristic length count. The acceleration is 0 where it is
+   not asked for. */
+MG_INTERNAL mg_motion_bound mg_pair_motion_bound(const mg_context *c, int pair, int with_acceleration);
+
+/* The speed alone. */
+MG_INTERNAL mg_real mg_pair_speed_bound(const mg_context *c, int pair);
 
 /* planar_contacts.c */
 
