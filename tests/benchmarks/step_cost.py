@@ -33,7 +33,6 @@ from modelgen.runtime.tables.ctypes_structures import Array, address
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Scene
 from tests.benchmarks.counting import COUNTED_CPU, callgrind, countable
-from tests.running import library_of as built
 
 SCENES_OF_ONE_BODY = ("ellipsoid_on_plane", "rolling_disc", "rolling_ellipsoid")
 SCENES = Path(__file__).parents[2] / "scenes"
@@ -49,9 +48,12 @@ class Kernels(ctypes.Structure):
     _fields_ = [(name, ctypes.c_void_p) for name in ("place", "gravity", "body", "contact", "mass_inverse")]
 
 
-def library_of(name: str) -> Library:
-    scene = modelgen.read(SCENES / f"{name}.toml")
+def built(scene: Scene) -> Library:
     return modelgen.build(modelgen.emit(modelgen.derive(modelgen.require(scene))))
+
+
+def library_of(name: str) -> Library:
+    return built(modelgen.read(SCENES / f"{name}.toml"))
 
 
 def start(library: Library) -> Session:

@@ -274,24 +274,14 @@ static int mg_add_close_places(const mg_centred_feature *of, const mg_root_inter
   return count;
 }
 
-/* p mg_cos(s) + q mg_sin(s) + m */
-typedef struct {
-  mg_real p, q, m;
-} mg_sinusoid;
-
-/* Points of the first circle, by its angle: in the axes of the second, and how far towards the centre of the second,
-   times the distance of that. */
-typedef struct {
-  mg_sinusoid x, y, z, towards;
-} mg_first_circle;
-
+/* Part of the points of a circle along an axis, from a point. */
 static mg_sinusoid mg_along_circle(const mg_centred_feature *circle, const mg_real *axis, const mg_real *from) {
   const mg_sinusoid out = {circle->curve.radius * mg_dot3(circle->axes, axis),
                            circle->curve.radius * mg_dot3(circle->axes + 3, axis), -mg_dot3(from, axis)};
   return out;
 }
 
-static mg_first_circle mg_view_first_circle(const mg_centred_feature *of) {
+MG_INTERNAL mg_first_circle mg_view_first_circle(const mg_centred_feature *of) {
   const mg_real centre[3] = {of[1].centre[0] - of[0].centre[0], of[1].centre[1] - of[0].centre[1],
                              of[1].centre[2] - of[0].centre[2]};
   const mg_first_circle first = {mg_along_circle(of, of[1].axes, centre), mg_along_circle(of, of[1].axes + 3, centre),

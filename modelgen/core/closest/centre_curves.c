@@ -50,6 +50,16 @@ static void mg_converge_from_centres(mg_context *c, int feature_pair, const mg_c
   if (converged) mg_keep_minimum_at(c, feature_pair, eta, least, kept);
 }
 
+MG_INTERNAL int mg_has_one_minimum(const mg_context *c, int feature_pair, mg_real gap) {
+  mg_centred_feature of[2];
+  if (!mg_has_centre_curves(c, feature_pair)) return 0;
+  for (int side = 0; side < 2; side++) {
+    mg_read_centred_feature(c, feature_pair, side, of + side);
+    if (of[side].curve.kind != MG_CENTRE_CIRCLE || of[side].curve.tube < 0) return 0;
+  }
+  return mg_have_circles_one_minimum(of, gap);
+}
+
 MG_INTERNAL void mg_search_centre_curves(mg_context *c, int feature_pair, const mg_search_limits *limits, mg_real least,
                                          mg_minima *kept) {
   mg_centred_feature of[2];

@@ -145,6 +145,9 @@ typedef struct {
   mg_real axes[9];   /* of the shape, by columns: the line is along the third, the circle in the plane of the others */
 } mg_centred_feature;
 
+/* True if the gap of a feature pair is known to have one minimum at most with a value up to `gap`. */
+MG_INTERNAL int mg_has_one_minimum(const mg_context *c, int feature_pair, mg_real gap);
+
 /* Adds the minima of such a feature pair with gaps within the limits and not below `least` to those kept. */
 MG_INTERNAL void mg_search_centre_curves(mg_context *c, int feature_pair, const mg_search_limits *limits, mg_real least,
                                          mg_minima *kept);
@@ -160,6 +163,20 @@ typedef struct {
                          their size: 0 where it is constant along a curve; else 1 */
 } mg_stationary_place;
 
+/* p cos(s) + q sin(s) + m */
+typedef struct {
+  mg_real p, q, m;
+} mg_sinusoid;
+
+/* Points of the first circle, by its angle: in the axes of the second, and how far towards the centre of the second,
+   times the distance of that. */
+typedef struct {
+  mg_sinusoid x, y, z, towards;
+} mg_first_circle;
+
+/* Reads the first of two circles. */
+MG_INTERNAL mg_first_circle mg_view_first_circle(const mg_centred_feature *of);
+
 /* Point of a centre curve: at an angle of the circle, at a distance along the line. */
 MG_INTERNAL void mg_centre_point(const mg_centred_feature *at, mg_real where, mg_real *x);
 
@@ -173,6 +190,12 @@ MG_INTERNAL int mg_stationary_places(const mg_centred_feature *of, mg_real gap, 
 
 /* Distance of a line from a line or circle where it is constant, m. */
 MG_INTERNAL mg_real mg_constant_distance(const mg_centred_feature *of);
+
+/* circle_minima.c */
+
+/* True if the gap of two circles, or of features outside of them at constant distances, is known to have one minimum at
+   most with a value up to `gap`. */
+MG_INTERNAL int mg_have_circles_one_minimum(const mg_centred_feature *of, mg_real gap);
 
 /* far_sides.c */
 

@@ -375,6 +375,16 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
   return count;
 }
 
+/* True if a contact of the pair is at the only minimum of its only feature pair with a gap up to `gap`. */
+static int mg_is_only_minimum_followed(const mg_context *c, int pair, mg_real gap) {
+  const int feature_pair = c->system->pair_feature_pair[pair];
+  if (c->system->pair_feature_pair[pair + 1] != feature_pair + 1) return 0;
+  for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
+    if (mg_is_on_feature_pair(c, i) && fabs(c->rows.d[i]) <= gap && c->run->margin[i] > c->settings->search_margin)
+      return mg_has_one_minimum(c, feature_pair, gap);
+  return 0;
+}
+
 /* What a search of a pair finds that no contact follows. */
 enum { MG_ALL_FOLLOWED = 0, MG_NEW_MINIMUM = 1, MG_NEW_PENETRATION = 2 };
 
@@ -386,6 +396,7 @@ static int mg_find_unfollowed_minimum(mg_context *c, int pair, mg_real moved) {
   const mg_real touching = c->settings->start_gap * s->length, least = mg_separating_plane_gap(c, pair) - touching;
   int kind = MG_ALL_FOLLOWED;
   mg_minima found;
+  if (mg_is_only_minimum_followed(c, pair, limits.gap)) return MG_ALL_FOLLOWED;
   found.count = 0;
   mg_search_free_feature_pairs(c, pair, &limits, least, &found);
   for (int k = 0; k < found.count && kind < MG_NEW_PENETRATION; k++) {
@@ -438,7 +449,7 @@ MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
   mg_real *const start = c->run->x;
   for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) c->search.is_searched[pair] = 0;
   for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) {
-    const mg_real moved = c->run->moved_since_search[pair] + h * mg_pair_motion_bound(c, pair).speed;
+    const mg_real moved = c->run->moved_since_search[pair] + h * mg_pair_speed_bound(c, pair);
     if (mg_has_own_feature_pairs(c, pair) || !mg_is_search_due(c, pair, moved) || mg_pair_clearance(c, pair) > 0)
       continue;
     c->run->x = c->step.settled;
@@ -479,9 +490,8 @@ MG_INTERNAL mg_real mg_search_step_limit(const mg_context *c) {
     const int unwatched = mg_is_pair_without_contacts(c, pair);
     if (!unwatched && mg_has_guiding_contacts(c, pair)) continue;
     const mg_real travel = mg_remaining_search_range(c, pair) / (unwatched ? 2 : 1) + mg_pair_clearance(c, pair);
-    const mg_motion_bound motion = mg_pair_motion_bound(c, pair);
-    const mg_real speed = motion.speed, pull = unwatched ? motion.acceleration : 0;
-    const mg_real mean = (speed + sqrt(speed * speed + 2 * pull * travel)) / 2;
+    const mg_motion_bound motion = mg_pair_motion_bound(c, pair, unwatched);
+    const mg_real mean = (motion.speed + sqrt(motion.speed * motion.speed + 2 * motion.acceleration * travel)) / 2;
     if (mean * longest_step > travel) longest_step = travel / mean;
   }
   return longest_step;
@@ -520,7 +530,7 @@ MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h)
   mg_release_distant_rim_points(c);
   for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
-    c->run->moved_since_search[pair] += h * mg_pair_motion_bound(c, pair).speed;
+    c->run->moved_since_search[pair] += h * mg_pair_speed_bound(c, pair);
     if (!mg_is_search_due(c, pair, c->run->moved_since_search[pair])) continue;
     const mg_real moved = c->run->moved_since_search[pair];
     const int is_done = c->search.is_searched[pair] && moved < MG_SEARCH_DUE;

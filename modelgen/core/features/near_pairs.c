@@ -73,8 +73,6 @@ static void mg_clear_pair(mg_context *c, int pair) {
     c->events.triggered[i] = c->events.within_border[i] = c->events.gap_dips[i] = c->events.is_near[i] =
         c->patches.is_covered[i] = 0;
     c->run->force[i] = c->solution.force[i] = c->solution.impulse[i] = 0;
-    mg_real *eta = mg_contact_eta(c, c->step.stage, i);
-    for (int k = 0; k < mg_eta_capacity(c, i); k++) eta[k] = 0;
     for (int g = s->contact_friction[i]; g < s->contact_friction[i + 1]; g++)
       c->run->friction_mode[g] = c->friction.mode_before[g] = MG_FRICTION_OFF,
       c->friction.triggered[g] = c->friction.is_yielding[g] = c->friction.is_stiff[g] = 0,

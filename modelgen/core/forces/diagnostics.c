@@ -53,7 +53,7 @@ MG_INTERNAL int mg_check_penetration(mg_context *c, mg_real unresolved) {
   c->search.penetration = 0;
   if (!(depth > limit)) return MG_DONE;
   const int contact = c->search.penetration_contact;
-  if (!(depth > limit + unresolved * mg_pair_motion_bound(c, c->system->contact_pair[contact]).speed)) return MG_DONE;
+  if (!(depth > limit + unresolved * mg_pair_speed_bound(c, c->system->contact_pair[contact]))) return MG_DONE;
   c->run->failed_contact = contact;
   return MG_PENETRATED;
 }

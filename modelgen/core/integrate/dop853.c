@@ -6,32 +6,50 @@
 #include "forces/forces.h"
 #include "integrate/dop853_coefficients.h"
 
-/* out = x + h sum a_k K_k over the entries of one row of the tableau; four states at a time, with sums in
-   registers. */
-static void mg_dop853_combine_range(const mg_context *c, int range, int row, const mg_real *x, mg_real h,
-                                    mg_real *out) {
-  const int n = c->layout.n_states, first = mg_dop_row[row], end = mg_dop_row[row + 1];
-  const int last = mg_range_end(c, range);
-  int i = mg_range_begin(c, range);
-  for (; i + 4 <= last; i += 4) {
-    mg_real sum[4] = {0, 0, 0, 0};
-    for (int k = first; k < end; k++) {
-      const mg_real weight = mg_dop_value[k], *slope = c->step.slopes + mg_dop_column[k] * n + i;
-      sum[0] += weight * slope[0], sum[1] += weight * slope[1];
-      sum[2] += weight * slope[2], sum[3] += weight * slope[3];
-    }
-    for (int j = 0; j < 4; j++) out[i + j] = x[i + j] + h * sum[j];
-  }
-  for (; i < last; i++) {
-    mg_real sum = 0;
-    for (int k = first; k < end; k++) sum += mg_dop_value[k] * c->step.slopes[mg_dop_column[k] * n + i];
-    out[i] = x[i] + h * sum;
-  }
+#define MG_BLOCK 8 /* states treated together, with their sums in registers */
+
+/* A sum of slopes with weights. */
+typedef struct {
+  int count;
+  const mg_real *weight;     /* [count] */
+  const mg_real *slopes[12]; /* [count] slopes of all states at a stage */
+} mg_weighted_slopes;
+
+/* The sum of `count` terms of which entry k has the weight weight[k] and the slope at the stage column[k]. */
+static inline void mg_weigh_slopes(const mg_context *c, int count, const mg_real *weight, const int *column,
+                                   mg_weighted_slopes *of) {
+  of->count = count, of->weight = weight;
+  for (int k = 0; k < count; k++) of->slopes[k] = c->step.slopes + column[k] * c->layout.n_states;
 }
 
-/* The same over all states that take part. */
-static void mg_dop853_combine(const mg_context *c, int row, const mg_real *x, mg_real h, mg_real *out) {
-  for (int range = 0; range < c->listed.n_range; range++) mg_dop853_combine_range(c, range, row, x, h, out);
+/* Adds the weighted slopes of the states of a block from i on, one after the other. */
+static inline void mg_add_slopes(const mg_weighted_slopes *of, int i, mg_real *sum) {
+  for (int k = 0; k < of->count; k++)
+    for (int j = 0; j < MG_BLOCK; j++) sum[j] += of->weight[k] * of->slopes[k][i + j];
+}
+
+/* The same of one state. */
+static inline mg_real mg_add_slopes_of_state(const mg_weighted_slopes *of, int i, mg_real sum) {
+  for (int k = 0; k < of->count; k++) sum += of->weight[k] * of->slopes[k][i];
+  return sum;
+}
+
+/* Stage or end of a step: out = x + h sum a_k K_k by one row of the tableau. The last block of a range overlaps the one
+   before it. */
+static void mg_dop853_combine(const mg_context *c, int row, const mg_real *x, mg_real h, mg_real *restrict out) {
+  const int first = mg_dop_row[row];
+  mg_weighted_slopes of;
+  mg_weigh_slopes(c, mg_dop_row[row + 1] - first, mg_dop_value + first, mg_dop_column + first, &of);
+  for (int range = 0; range < c->listed.n_range; range++) {
+    const int begin = mg_range_begin(c, range), end = mg_range_end(c, range), last = end - MG_BLOCK;
+    for (int i = begin; i < end && last >= begin; i += MG_BLOCK) {
+      const int at = i < last ? i : last;
+      mg_real sum[MG_BLOCK] = {0};
+      mg_add_slopes(&of, at, sum);
+      for (int j = 0; j < MG_BLOCK; j++) out[at + j] = x[at + j] + h * sum[j];
+    }
+    for (int i = begin; i < end && last < begin; i++) out[i] = x[i] + h * mg_add_slopes_of_state(&of, i, 0);
+  }
 }
 
 /* Evaluates the right-hand side of a stage. */
@@ -42,24 +60,46 @@ static void mg_dop853_stage(mg_context *c, int is_composed, int stage, mg_real t
   mg_stage_right_hand_side(c, is_composed, time, c->step.stage, c->step.slopes + stage * c->layout.n_states);
 }
 
+/* Sums of squares of the errors of order 5 and 3, relative to the tolerance. */
+typedef struct {
+  mg_real fifth, third;
+} mg_squared_errors;
+
+/* Adds the errors of a state. */
+static inline void mg_add_error(const mg_context *c, int i, const mg_real *x, mg_real e5, mg_real e3,
+                                mg_squared_errors *error) {
+  const mg_real size = fabs(x[i]) > c->step.scale[i] ? fabs(x[i]) : c->step.scale[i];
+  const mg_real weight = 1 / (c->settings->tolerance * size);
+  error->fifth += e5 * weight * e5 * weight, error->third += e3 * weight * e3 * weight;
+}
+
+/* Adds the errors of the states from `begin` to `end`. */
+static void mg_add_errors_of_range(const mg_context *c, int begin, int end, const mg_real *x, mg_real h,
+                                   const mg_weighted_slopes *fifth, const mg_weighted_slopes *third,
+                                   mg_squared_errors *error) {
+  int i = begin;
+  for (; i + MG_BLOCK <= end; i += MG_BLOCK) {
+    mg_real e5[MG_BLOCK] = {0}, e3[MG_BLOCK];
+    for (int j = 0; j < MG_BLOCK; j++) e3[j] = (c->step.end[i + j] - x[i + j]) / h;
+    mg_add_slopes(fifth, i, e5), mg_add_slopes(third, i, e3);
+    for (int j = 0; j < MG_BLOCK; j++) mg_add_error(c, i + j, x, e5[j], e3[j], error);
+  }
+  for (; i < end; i++)
+    mg_add_error(c, i, x, mg_add_slopes_of_state(fifth, i, 0),
+                 mg_add_slopes_of_state(third, i, (c->step.end[i] - x[i]) / h), error);
+}
+
 /* Error relative to the tolerance, root mean square over the states: Hairer's combination of the errors of order 5
    and 3. */
 static mg_real mg_dop853_error(const mg_context *c, const mg_real *x, mg_real h) {
-  const int n = c->layout.n_states;
-  mg_real fifth = 0, third = 0;
+  mg_squared_errors error = {0, 0};
+  mg_weighted_slopes fifth, third;
+  mg_weigh_slopes(c, 8, mg_dop_fifth, mg_dop_fifth_column, &fifth);
+  mg_weigh_slopes(c, 3, mg_dop_third, mg_dop_third_column, &third);
   for (int range = 0; range < c->listed.n_range; range++)
-    for (int i = mg_range_begin(c, range); i < mg_range_end(c, range); i++) {
-      mg_real e5 = 0, e3 = (c->step.end[i] - x[i]) / h;
-      for (int j = 0; j < 12; j++) {
-        const mg_real slope = c->step.slopes[j * n + i];
-        e5 += mg_dop_fifth[j] * slope, e3 -= mg_dop_third[j] * slope;
-      }
-      const mg_real size = fabs(x[i]) > c->step.scale[i] ? fabs(x[i]) : c->step.scale[i];
-      const mg_real weight = 1 / (c->settings->tolerance * size);
-      fifth += e5 * weight * e5 * weight, third += e3 * weight * e3 * weight;
-    }
-  if (fifth == 0) return 0;
-  return fabs(h) * fifth / sqrt((fifth + third / 100) * c->layout.n_live_states);
+    mg_add_errors_of_range(c, mg_range_begin(c, range), mg_range_end(c, range), x, h, &fifth, &third, &error);
+  if (error.fifth == 0) return 0;
+  return fabs(h) * error.fifth / sqrt((error.fifth + error.third / 100) * c->layout.n_live_states);
 }
 
 MG_INTERNAL mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h) {

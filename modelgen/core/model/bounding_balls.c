@@ -64,32 +64,57 @@ MG_INTERNAL int mg_has_pair_extents(const mg_context *c, int pair) {
   return mg_pair_ball(c, pair, 0)[3] >= 0 && mg_pair_ball(c, pair, 1)[3] >= 0;
 }
 
-/* Bound of the motion of the points of body `seen`, within `extent` of its centre of mass, in the axes of body
-   `from`. */
-static mg_motion_bound mg_relative_motion_bound(const mg_context *c, int seen, int from, mg_real extent) {
-  const mg_real *pose = c->bodies.pose + 12 * from, *of = c->bodies.pose + 12 * seen;
-  const mg_real *a = c->bodies.twist + 6 * from, *b = c->bodies.twist + 6 * seen,
-                *da = c->bodies.acceleration + 6 * from, *db = c->bodies.acceleration + 6 * seen;
-  mg_real arm[3], v[3], w[3], dv[3], dw[3], frame_w[3], frame_dw[3], frame_velocity[3], frame_acceleration[3],
-      coriolis[3];
-  for (int k = 0; k < 3; k++) arm[k] = of[k] - pose[k], v[k] = b[k] - a[k], dv[k] = db[k] - da[k];
-  mg_to_world(pose, a + 3, 0, frame_w), mg_to_world(pose, da + 3, 0, frame_dw), mg_to_world(of, b + 3, 0, w),
-      mg_to_world(of, db + 3, 0, dw);
-  mg_cross_product(frame_w, arm, frame_velocity), mg_cross_product(frame_dw, arm, frame_acceleration),
-      mg_cross_product(frame_w, v, coriolis);
-  for (int k = 0; k < 3; k++)
-    v[k] -= frame_velocity[k], dv[k] -= frame_acceleration[k] + coriolis[k], w[k] -= frame_w[k], dw[k] -= frame_dw[k];
-  const mg_real speed = sqrt(mg_dot3(v, v)) + extent * sqrt(mg_dot3(w, w));
-  const mg_motion_bound motion = {speed, sqrt(mg_dot3(dv, dv)) + extent * sqrt(mg_dot3(dw, dw))};
-  return motion;
+/* Motion of body `seen` in the axes of body `from`, in world axes. */
+typedef struct {
+  mg_real arm[3], change[3], frame_w[3]; /* place and velocity less those of `from`; turn of that */
+  mg_real v[3], w[3];                    /* velocity and turn in its axes */
+} mg_relative_velocity;
+
+static void mg_find_relative_velocity(const mg_context *c, int seen, int from, mg_relative_velocity *of) {
+  const mg_real *pose = c->bodies.pose + 12 * from, *end = c->bodies.pose + 12 * seen;
+  const mg_real *a = c->bodies.twist + 6 * from, *b = c->bodies.twist + 6 * seen;
+  mg_real frame_velocity[3];
+  for (int k = 0; k < 3; k++) of->arm[k] = end[k] - pose[k], of->change[k] = b[k] - a[k];
+  mg_to_world(pose, a + 3, 0, of->frame_w), mg_to_world(end, b + 3, 0, of->w);
+  mg_cross_product(of->frame_w, of->arm, frame_velocity);
+  for (int k = 0; k < 3; k++) of->v[k] = of->change[k] - frame_velocity[k], of->w[k] -= of->frame_w[k];
 }
 
-MG_INTERNAL mg_motion_bound mg_pair_motion_bound(const mg_context *c, int pair) {
-  const int first = c->system->pair_feature_pair[pair], o = mg_feature_body(c, first, 0),
-            f = mg_feature_body(c, first, 1);
-  const mg_real extent_o = mg_shape_extent(c, pair, 0), extent_f = mg_shape_extent(c, pair, 1);
-  const mg_motion_bound of_f = mg_relative_motion_bound(c, f, o, extent_f < 0 ? c->system->length : extent_f);
-  if (extent_o < 0) return of_f;
-  const mg_motion_bound of_o = mg_relative_motion_bound(c, o, f, extent_o);
-  return extent_f < 0 || of_o.speed < of_f.speed ? of_o : of_f;
+/* Bound of the speed of the points of body `seen`, within `extent` of its centre of mass, in the axes of body `from`.
+ */
+static mg_real mg_relative_speed_bound(const mg_relative_velocity *of, mg_real extent) {
+  return sqrt(mg_dot3(of->v, of->v)) + extent * sqrt(mg_dot3(of->w, of->w));
+}
+
+/* The same of their acceleration. */
+static mg_real mg_relative_acceleration_bound(const mg_context *c, int seen, int from, const mg_relative_velocity *of,
+                                              mg_real extent) {
+  const mg_real *da = c->bodies.acceleration + 6 * from, *db = c->bodies.acceleration + 6 * seen;
+  mg_real dv[3], dw[3], frame_dw[3], frame_acceleration[3], coriolis[3];
+  mg_to_world(c->bodies.pose + 12 * from, da + 3, 0, frame_dw);
+  mg_to_world(c->bodies.pose + 12 * seen, db + 3, 0, dw);
+  mg_cross_product(frame_dw, of->arm, frame_acceleration), mg_cross_product(of->frame_w, of->change, coriolis);
+  for (int k = 0; k < 3; k++) dv[k] = db[k] - da[k] - (frame_acceleration[k] + coriolis[k]), dw[k] -= frame_dw[k];
+  return sqrt(mg_dot3(dv, dv)) + extent * sqrt(mg_dot3(dw, dw));
+}
+
+MG_INTERNAL mg_motion_bound mg_pair_motion_bound(const mg_context *c, int pair, int with_acceleration) {
+  const int first = c->system->pair_feature_pair[pair];
+  mg_motion_bound least = {MG_MAX, 0};
+  for (int side = 1; side >= 0; side--) {
+    const int seen = mg_feature_body(c, first, side), from = mg_feature_body(c, first, 1 - side);
+    const mg_real known = mg_shape_extent(c, pair, side), extent = known < 0 ? c->system->length : known;
+    if (known < 0 && (side == 0 || mg_shape_extent(c, pair, 0) >= 0)) continue; /* the other body bounds it */
+    mg_relative_velocity of;
+    mg_find_relative_velocity(c, seen, from, &of);
+    const mg_real speed = mg_relative_speed_bound(&of, extent);
+    if (!(speed < least.speed)) continue;
+    least.speed = speed;
+    if (with_acceleration) least.acceleration = mg_relative_acceleration_bound(c, seen, from, &of, extent);
+  }
+  return least;
+}
+
+MG_INTERNAL mg_real mg_pair_speed_bound(const mg_context *c, int pair) {
+  return mg_pair_motion_bound(c, pair, 0).speed;
 }

@@ -61,6 +61,8 @@ MG_INTERNAL void mg_load_feature_pair(mg_context *c, int contact) {
   if (c->contacts.n_eta[contact]) mg_eta_scale(c, feature_pair, s->length, mg_contact_eta(c, c->step.scale, contact));
   for (int k = 0; k < 12; k++) c->rows.J[12 * contact + k] = c->rows.MJ[12 * contact + k] = 0;
   for (int k = 0; k < mg_eta_capacity(c, contact); k++) c->rows.eta_dot[s->contact_eta[contact] + k] = 0;
+  for (int k = c->contacts.n_eta[contact]; k < mg_eta_capacity(c, contact); k++)
+    mg_contact_eta(c, c->step.stage, contact)[k] = 0; /* which is recorded whole */
   c->rows.gamma[contact] = c->rows.d_dot[contact] = c->solution.force[contact] = 0;
   if (s->n_friction) mg_reset_friction_rows(c, contact);
   if (held < 0) c->rows.d[contact] = MG_MAX, c->run->margin[contact] = 1;
@@ -68,8 +70,10 @@ MG_INTERNAL void mg_load_feature_pair(mg_context *c, int contact) {
 
 MG_INTERNAL void mg_set_feature_pair(mg_context *c, int contact, int feature_pair, const mg_real *eta) {
   mg_real *kept = mg_contact_eta(c, c->run->x, contact);
+  const int before = c->contacts.n_eta[contact];
   c->run->feature_pair[contact] = feature_pair;
   mg_load_feature_pair(c, contact);
+  if (c->contacts.n_eta[contact] != before) mg_list_states(c);
   for (int k = 0; k < mg_eta_capacity(c, contact); k++) kept[k] = k < c->contacts.n_eta[contact] ? eta[k] : 0;
   if (feature_pair < 0) c->run->closed[contact] = c->run->active[contact] = c->run->rolling_start[contact] = 0;
 }

@@ -1,6 +1,6 @@
 /* What of the scene takes part at present: the contacts of all pairs of shapes that are not far apart, with their rows,
-   friction constraints and eta. Loops over contacts, rows, constraints, pairs and states visit these alone, so that a
-   step costs nothing for pairs that cannot meet. Writes c->listed. */
+   friction constraints, and the eta of those on a feature pair. Loops over contacts, rows, constraints, pairs and
+   states visit these alone, so that a step costs nothing for pairs that cannot meet. Writes c->listed. */
 #include "model/model.h"
 
 MG_INTERNAL void mg_copy_states(const mg_context *c, const mg_real *from, mg_real *to) {
@@ -30,7 +30,19 @@ typedef struct {
   int contact, friction_row, constraint;
 } mg_list_ends;
 
-/* Appends a contact with its friction rows, constraints and eta. */
+MG_INTERNAL void mg_list_states(mg_context *c) {
+  const mg_system *s = c->system;
+  mg_listing *l = &c->listed;
+  l->n_range = 0;
+  mg_append_range(l, 0, s->n_q + s->n_u);
+  for (int i = mg_next_row(c, -1); i < s->n_contact; i = mg_next_row(c, i)) {
+    const int eta = s->n_q + s->n_u + s->contact_eta[i];
+    mg_append_range(l, eta, eta + c->contacts.n_eta[i]);
+  }
+  mg_append_range(l, c->layout.work_state, c->layout.n_states);
+}
+
+/* Appends a contact with its friction rows and constraints. */
 static void mg_append_contact(mg_context *c, int contact, mg_list_ends *last) {
   const mg_system *s = c->system;
   mg_listing *l = &c->listed;
@@ -40,8 +52,6 @@ static void mg_append_contact(mg_context *c, int contact, mg_list_ends *last) {
                                 last->friction_row = c->layout.friction_row_begin + k;
   for (int g = s->contact_friction[contact]; g < s->contact_friction[contact + 1]; g++)
     l->constraint[last->constraint + 1] = g, last->constraint = g;
-  const int eta = s->n_q + s->n_u + s->contact_eta[contact];
-  mg_append_range(l, eta, eta + mg_eta_capacity(c, contact));
 }
 
 MG_INTERNAL void mg_list_pairs(mg_context *c) {
@@ -49,20 +59,19 @@ MG_INTERNAL void mg_list_pairs(mg_context *c) {
   mg_listing *l = &c->listed;
   mg_list_ends last = {-1, c->layout.friction_row_begin - 1, -1};
   int pair = -1;
-  l->n_contact = l->n_range = 0;
-  mg_append_range(l, 0, s->n_q + s->n_u);
+  l->n_contact = 0;
   for (int k = 0; k < l->n_listed; k++) {
     l->pair[pair + 1] = l->listed[k], pair = l->listed[k];
     for (int i = s->pair_contact[pair]; i < s->pair_contact[pair + 1]; i++) mg_append_contact(c, i, &last);
   }
   l->pair[pair + 1] = s->n_pair;
   for (int i = c->layout.support_begin; i < s->n_contact; i++) mg_append_contact(c, i, &last);
-  mg_append_range(l, c->layout.work_state, c->layout.n_states);
   l->row[last.contact + 1] = s->n_contact;
   for (int i = s->n_contact; i < c->layout.friction_row_begin - 1; i++) l->row[i + 1] = i + 1;
   l->row[last.friction_row + 1] = c->layout.spring_row_begin;
   for (int i = c->layout.spring_row_begin; i < c->layout.spring_row_end; i++) l->row[i + 1] = i + 1;
   l->constraint[last.constraint + 1] = s->n_friction;
+  mg_list_states(c);
 }
 
 MG_INTERNAL int mg_may_be_far(const mg_context *c, int pair) {

@@ -157,6 +157,9 @@ MG_INTERNAL int mg_are_states_finite(const mg_context *c, const mg_real *x);
 /* Lists what belongs to the pairs of c->listed.listed, and what takes part always. */
 MG_INTERNAL void mg_list_pairs(mg_context *c);
 
+/* Lists the states of the bodies, of the listed contacts that are on a feature pair, and the work. */
+MG_INTERNAL void mg_list_states(mg_context *c);
+
 /* True if the pair may be left out while its shapes are far apart. */
 MG_INTERNAL int mg_may_be_far(const mg_context *c, int pair);
 
@@ -301,8 +304,12 @@ MG_INTERNAL const mg_real *mg_pair_ball(const mg_context *c, int pair, int side)
 MG_INTERNAL int mg_has_pair_extents(const mg_context *c, int pair);
 
 /* Bound of the motion of the shapes of a pair relative to each other, in the axes of the body that gives the
-   smaller one; of unbounded shapes the parts within the characteristic length count. */
-MG_INTERNAL mg_motion_bound mg_pair_motion_bound(const mg_context *c, int pair);
+   smaller one; of unbounded shapes the parts within the characteristic length count. The acceleration is 0 where it is
+   not asked for. */
+MG_INTERNAL mg_motion_bound mg_pair_motion_bound(const mg_context *c, int pair, int with_acceleration);
+
+/* The speed alone. */
+MG_INTERNAL mg_real mg_pair_speed_bound(const mg_context *c, int pair);
 
 /* contact_placement.c */
 

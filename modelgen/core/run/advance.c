@@ -57,7 +57,7 @@ static int mg_has_excessive_gap_rate(const mg_context *c, mg_real h) {
   if (mg_has_rolling_start(c) || h <= c->settings->event_tolerance * c->system->time) return 0;
   for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
     if (!c->run->closed[i] || !c->run->active[i] || !(fabs(c->rows.d_dot[i]) > part * least)) continue;
-    if (fabs(c->rows.d_dot[i]) > part * mg_pair_motion_bound(c, c->system->contact_pair[i]).speed) return 1;
+    if (fabs(c->rows.d_dot[i]) > part * mg_pair_speed_bound(c, c->system->contact_pair[i])) return 1;
   }
   return 0;
 }

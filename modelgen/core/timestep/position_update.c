@@ -100,7 +100,7 @@ MG_INTERNAL void mg_integrate_positions(mg_context *c, mg_real h) {
     for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_q; k++) q[k] = from[k] + left * slope[k];
   }
   for (int i = mg_next_row(c, -1); i < s->n_contact; i = mg_next_row(c, i))
-    for (int k = 0; k < mg_eta_capacity(c, i); k++)
+    for (int k = 0; k < c->contacts.n_eta[i]; k++)
       mg_contact_eta(c, c->run->x, i)[k] =
           mg_contact_eta(c, c->step.settled, i)[k] + left * c->rows.eta_dot[s->contact_eta[i] + k];
   mg_normalise_quaternions(c, c->run->x);
