@@ -13,40 +13,36 @@ static int mg_sticks_isotropically(const mg_context *c, int contact) {
          s[1] == d[0] && d[1] == d[0];
 }
 
-/* Lists the rows of the closed contacts if they are two that stick; returns their number, 0 if they are not. */
-static int mg_list_sticking_pair(mg_context *c) {
-  int count = 0, n = 0;
+/* Lists the rows of the closed contacts if all stick, without joints; *count: their number. Returns the number of rows,
+   0 if some contact does not stick. */
+static int mg_list_sticking_contacts(mg_context *c, int *count) {
+  int n = 0;
+  *count = 0;
   if (c->system->n_joint_row) return 0;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
     if (!c->run->closed[i]) continue;
-    if (count == 2 || mg_is_support_contact(c, i) || !mg_sticks_isotropically(c, i)) return 0;
+    if (mg_is_support_contact(c, i) || !mg_sticks_isotropically(c, i)) return 0;
     c->friction.bound[c->system->contact_friction[i]] = MG_BOUND_KINETIC;
-    n = mg_append_friction_contact(c, i, count, n);
+    n = mg_append_friction_contact(c, i, *count, n);
     mg_set_cone_coefficients(c, c->system->contact_friction[i], c->system->friction_kinetic, 1,
-                             c->friction.cone + MG_CONE * count++);
+                             c->friction.cone + MG_CONE * (*count)++);
   }
   return n;
 }
 
 /* True if the present motion is proved to be the only one. */
 static int mg_is_motion_unique(mg_context *c) {
-  const mg_friction_problem p = {mg_list_sticking_pair(c),
-                                 2,
-                                 MG_COULOMB,
-                                 0,
-                                 c->friction.cone_first,
-                                 c->friction.cone_rows,
-                                 c->friction.cone,
-                                 c->lcp.A,
-                                 c->lcp.b,
-                                 0,
-                                 0};
-  if (p.n != 6) return 0;
-  mg_assemble_delassus(c, c->lcp.rows, p.n);
-  for (int r = 0; r < p.n; r++) c->lcp.z[r] = c->solution.force[c->lcp.rows[r]], c->lcp.b[r] = 0;
-  for (int j = 0; j < p.n; j++)
-    for (int r = 0; r < p.n; r++) c->lcp.b[r] -= p.A[r + p.n * j] * c->lcp.z[j];
-  return mg_is_sticking_pair_unique(&p, c->lcp.z);
+  int count;
+  const int n = mg_list_sticking_contacts(c, &count);
+  const mg_friction_problem p = {
+      n,        count,    MG_COULOMB, 0, c->friction.cone_first, c->friction.cone_rows, c->friction.cone,
+      c->lcp.A, c->lcp.b, 0,          0};
+  if (n == 0) return 0;
+  mg_assemble_delassus(c, c->lcp.rows, n);
+  for (int r = 0; r < n; r++) c->lcp.z[r] = c->solution.force[c->lcp.rows[r]], c->lcp.b[r] = 0;
+  for (int j = 0; j < n; j++)
+    for (int r = 0; r < n; r++) c->lcp.b[r] -= p.A[r + n * j] * c->lcp.z[j];
+  return mg_is_sticking_motion_unique(&p, c->lcp.z);
 }
 
 MG_INTERNAL void mg_monitor_redundant_friction(mg_context *c) {

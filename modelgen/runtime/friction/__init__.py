@@ -19,7 +19,7 @@ from modelgen.runtime.friction.compiled_solvers import (
     coulomb,
     relaxation,
     residual,
-    sticking_pair_is_unique,
+    sticking_motion_is_unique,
 )
 from modelgen.runtime.friction.painleve import Paradox, SlidingAnswer, sliding
 from modelgen.runtime.friction.polyhedral import polyhedral
@@ -59,5 +59,5 @@ __all__ = [
     "residual",
     "sliding",
     "solver",
-    "sticking_pair_is_unique",
+    "sticking_motion_is_unique",
 ]

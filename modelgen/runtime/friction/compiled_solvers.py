@@ -78,20 +78,20 @@ def residual(problem: FrictionProblem, z: ArrayLike, library: CoreLibrary, law: 
     return value
 
 
-def sticking_pair_is_unique(problem: FrictionProblem, z: ArrayLike, library: CoreLibrary) -> bool:
-    """Whether it is proved that two contacts can but stick (mg_is_sticking_pair_unique of the core).
+def sticking_motion_is_unique(problem: FrictionProblem, z: ArrayLike, library: CoreLibrary) -> bool:
+    """Whether it is proved that contacts can but stick (mg_is_sticking_motion_unique of the core).
 
     Args:
-        problem: two contacts of 3 rows with one coefficient of friction each, in dependent rows: A is
-            symmetric, of rank 5.
-        z: (6,) forces with which both stick, A z + b = 0.
+        problem: one to four contacts of 3 rows with one coefficient of friction each; A is symmetric, and
+            may be singular.
+        z: (n,) forces with which all stick, A z + b = 0.
 
     Returns:
         True if every solution of Coulomb's law has w = 0; False if this is not proved, as for other problems.
     """
     forces = np.ascontiguousarray(z, dtype=library.dtype)
     record, alive = _record(problem, library, "coulomb")
-    proved = library.cdll.mg_is_sticking_pair_unique(ctypes.byref(record), pointer(forces))
+    proved = library.cdll.mg_is_sticking_motion_unique(ctypes.byref(record), pointer(forces))
     del alive
     return bool(proved)
 

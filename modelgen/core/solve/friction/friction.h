@@ -96,9 +96,8 @@ MG_API int mg_friction(const mg_friction_problem *problem, mg_real *z, int *mark
    direction of t1, t2. */
 MG_API mg_real mg_friction_residual(const mg_friction_problem *problem, const mg_real *z);
 
-/* True if it is proved that all solutions of a problem of two contacts have the motion w = 0 of the given one: z sticks
-   at both contacts, each of 3 rows and one coefficient of friction, A is symmetric, and its rank is 5. 0: not proved.
- */
-MG_API int mg_is_sticking_pair_unique(const mg_friction_problem *problem, const mg_real *z);
+/* True if it is proved that all solutions of a problem of up to four contacts have the motion w = 0 of the given one: z
+   sticks at all contacts, each of 3 rows and one coefficient of friction, and A is symmetric. 0: not proved. */
+MG_API int mg_is_sticking_motion_unique(const mg_friction_problem *problem, const mg_real *z);
 
 #endif
