@@ -32,7 +32,7 @@ typedef mg_real mg_held_vector[MG_HELD_ROWS];
 /* Unit vectors within an angle of t, of which cosine and sine are given. */
 typedef struct {
   mg_real t[2], cosine, sine;
-} mg_arc;
+} mg_slip_arc;
 
 /* The rows that count in given modes. */
 typedef struct {
@@ -70,10 +70,6 @@ static mg_real mg_held_product(int n, const mg_real *a, const mg_real *b) {
   return sum;
 }
 
-static void mg_add_multiple(int n, mg_real s, const mg_real *x, mg_real *y) {
-  for (int i = 0; i < n; ++i) y[i] += s * x[i];
-}
-
 /* Takes the components along orthonormal vectors from x. */
 static void mg_remove_components(int n, int count, const mg_held_vector *q, mg_real *x) {
   for (int j = 0; j < count; ++j) mg_add_multiple(n, -mg_held_product(n, q[j], x), q[j], x);
@@ -96,7 +92,7 @@ static int mg_find_basis(int n, int count, mg_held_vector *vector, mg_held_vecto
 }
 
 /* The unit vector of an arc that is nearest to the direction of x. */
-static void mg_nearest_of_arc(const mg_arc *arc, const mg_real *x, mg_real *t) {
+static void mg_nearest_of_arc(const mg_slip_arc *arc, const mg_real *x, mg_real *t) {
   const mg_real along = mg_dot2(arc->t, x), across = mg_cross2(arc->t, x), size = mg_friction_norm(2, x);
   const mg_real sine = across < 0 ? -arc->sine : arc->sine;
   if (along * arc->sine > fabs(across) * arc->cosine && size > 0) {
@@ -113,7 +109,7 @@ static void mg_keep_lower(mg_held_term *lowest, mg_held_kind kind, int contact, 
 }
 
 /* The term with the lowest y'x; with `moves`, of motions alone. */
-static mg_held_term mg_lowest_term(const mg_held_contacts *s, const mg_held_rows *v, const mg_arc *arc, int moves,
+static mg_held_term mg_lowest_term(const mg_held_contacts *s, const mg_held_rows *v, const mg_slip_arc *arc, int moves,
                                    const mg_real *y) {
   mg_held_term lowest = {MG_HELD_LOAD, 0, {0, 0}, MG_MAX};
   mg_held_vector back = {0};
@@ -185,7 +181,7 @@ static int mg_move_weights(int n, int count, mg_held_vector *vector, mg_real *we
 }
 
 /* True if one vector y excludes the modes, with slip directions of these arcs. */
-static int mg_is_separated(const mg_held_contacts *s, const mg_held_rows *v, const mg_arc *arc, int moves) {
+static int mg_is_separated(const mg_held_contacts *s, const mg_held_rows *v, const mg_slip_arc *arc, int moves) {
   const int n = v->n_row;
   mg_held_vector vector[MG_HELD_ROWS + 1], y = {0};
   mg_real weight[MG_HELD_ROWS + 1];
@@ -207,7 +203,7 @@ static int mg_is_separated(const mg_held_contacts *s, const mg_held_rows *v, con
 }
 
 /* True if the modes, with slip directions of these arcs, are excluded. */
-static int mg_is_cell_excluded(const mg_held_contacts *s, const mg_arc *arc) {
+static int mg_is_cell_excluded(const mg_held_contacts *s, const mg_slip_arc *arc) {
   for (int k = 0; k < s->n; ++k)
     if (s->mode[k] == MG_SLIPS && !(arc[k].cosine > MG_HELD_CLEAR)) return 0;
   for (int i = 0; i < s->n_view; ++i)
@@ -217,9 +213,9 @@ static int mg_is_cell_excluded(const mg_held_contacts *s, const mg_arc *arc) {
 }
 
 /* One half of an arc: the first for side -1, the second for side 1. */
-static mg_arc mg_half_arc(const mg_arc *arc, int side) {
+static mg_slip_arc mg_half_arc(const mg_slip_arc *arc, int side) {
   const mg_real cosine = (mg_real)sqrt((1 + arc->cosine) / 2), sine = (mg_real)sqrt((1 - arc->cosine) / 2);
-  const mg_arc half = {
+  const mg_slip_arc half = {
       {cosine * arc->t[0] - (mg_real)side * sine * arc->t[1], cosine * arc->t[1] + (mg_real)side * sine * arc->t[0]},
       cosine,
       sine};
@@ -227,8 +223,8 @@ static mg_arc mg_half_arc(const mg_arc *arc, int side) {
 }
 
 /* Excludes the modes for all slip directions of these arcs, in parts where that is needed. */
-static int mg_are_arcs_excluded(mg_held_contacts *s, const mg_arc *arc) {
-  mg_arc part[MG_HELD_CONTACTS];
+static int mg_are_arcs_excluded(mg_held_contacts *s, const mg_slip_arc *arc) {
+  mg_slip_arc part[MG_HELD_CONTACTS];
   int widest = -1;
   if (mg_is_cell_excluded(s, arc)) return 1;
   for (int k = 0; k < s->n; ++k) {
@@ -272,7 +268,7 @@ static int mg_set_held_rows(const mg_held_contacts *s, int has_cones, mg_held_ro
 
 /* True if no other solution has the present modes. */
 static int mg_are_modes_excluded(mg_held_contacts *s) {
-  const mg_arc all = {{1, 0}, -1, 0}, arc[MG_HELD_CONTACTS] = {all, all, all, all};
+  const mg_slip_arc all = {{1, 0}, -1, 0}, arc[MG_HELD_CONTACTS] = {all, all, all, all};
   int free_motions = -1;
   s->n_view = 0;
   for (int k = 0; k < s->n && free_motions < 0; ++k)
