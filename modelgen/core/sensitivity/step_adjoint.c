@@ -87,16 +87,6 @@ MG_INTERNAL void mg_project_gaps_adjoint(mg_context *c, mg_sensitivity *s, const
   mg_rows_adjoint(c, s, t, x, s->stage, x_bar);
 }
 
-/* y += factor x. */
-static void mg_add_multiple(int n, mg_real factor, const mg_real *x, mg_real *y) {
-  int i = 0;
-  for (; i + 4 <= n; i += 4) {
-    const mg_real part[4] = {factor * x[i], factor * x[i + 1], factor * x[i + 2], factor * x[i + 3]};
-    for (int j = 0; j < 4; j++) y[i + j] += part[j];
-  }
-  for (; i < n; i++) y[i] += factor * x[i];
-}
-
 MG_INTERNAL void mg_step_adjoint(mg_context *c, mg_sensitivity *s, mg_real h, mg_real *x_bar) {
   const mg_explicit_method method = mg_explicit_method_of(c->settings);
   const int states = c->layout.n_states;

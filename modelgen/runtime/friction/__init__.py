@@ -17,9 +17,9 @@ from modelgen.errors import SimulationError
 from modelgen.runtime.compiled_lcp import CoreLibrary
 from modelgen.runtime.friction.compiled_solvers import (
     coulomb,
+    motion_is_unique,
     relaxation,
     residual,
-    sticking_pair_is_unique,
 )
 from modelgen.runtime.friction.painleve import Paradox, SlidingAnswer, sliding
 from modelgen.runtime.friction.polyhedral import polyhedral
@@ -54,10 +54,10 @@ __all__ = [
     "SlidingAnswer",
     "Solver",
     "coulomb",
+    "motion_is_unique",
     "polyhedral",
     "relaxation",
     "residual",
     "sliding",
     "solver",
-    "sticking_pair_is_unique",
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Mapping
 from typing import Any, Literal
 
 import numpy as np
@@ -78,20 +79,32 @@ def residual(problem: FrictionProblem, z: ArrayLike, library: CoreLibrary, law: 
     return value
 
 
-def sticking_pair_is_unique(problem: FrictionProblem, z: ArrayLike, library: CoreLibrary) -> bool:
-    """Whether it is proved that two contacts can but stick (mg_is_sticking_pair_unique of the core).
+def motion_is_unique(
+    problem: FrictionProblem,
+    z: ArrayLike,
+    library: CoreLibrary,
+    slides: Mapping[int, ArrayLike] | None = None,
+) -> bool:
+    """Whether a motion is proved to be the only one (mg_is_motion_unique of the core).
 
     Args:
-        problem: two contacts of 3 rows with one coefficient of friction each, in dependent rows: A is
-            symmetric, of rank 5.
-        z: (6,) forces with which both stick, A z + b = 0.
+        problem: one to four contacts of 3 rows with one coefficient of friction each; A is symmetric, and
+            may be singular.
+        z: (n,) forces. A contact with N = 0 opens, others stick but for those in `slides`.
+        slides: f / N (2,) of each contact whose slip is under way.
 
     Returns:
-        True if every solution of Coulomb's law has w = 0; False if this is not proved, as for other problems.
+        True if every solution of Coulomb's law has w = A z + b; False if this is not proved, as for other
+        problems.
     """
     forces = np.ascontiguousarray(z, dtype=library.dtype)
     record, alive = _record(problem, library, "coulomb")
-    proved = library.cdll.mg_is_sticking_pair_unique(ctypes.byref(record), pointer(forces))
+    known = slides or {}
+    under_way = np.array([k in known for k in range(len(problem.first))], dtype=np.intc)
+    ratio = np.array([known.get(k, (0.0, 0.0)) for k in range(len(problem.first))], dtype=library.dtype)
+    proved = library.cdll.mg_is_motion_unique(
+        ctypes.byref(record), pointer(forces), pointer(under_way), pointer(ratio)
+    )
     del alive
     return bool(proved)
 

@@ -96,9 +96,12 @@ MG_API int mg_friction(const mg_friction_problem *problem, mg_real *z, int *mark
    direction of t1, t2. */
 MG_API mg_real mg_friction_residual(const mg_friction_problem *problem, const mg_real *z);
 
-/* True if it is proved that all solutions of a problem of two contacts have the motion w = 0 of the given one: z sticks
-   at both contacts, each of 3 rows and one coefficient of friction, A is symmetric, and its rank is 5. 0: not proved.
- */
-MG_API int mg_is_sticking_pair_unique(const mg_friction_problem *problem, const mg_real *z);
+enum { MG_MOTION_CONTACTS = 4 }; /* most contacts of mg_is_motion_unique */
+
+/* True if it is proved that all solutions of a problem of at most MG_MOTION_CONTACTS contacts have the motion w of the
+   given one. Each has 3 rows and one coefficient of friction, and A is symmetric. slides [n_contact], 1: the slip of
+   the contact is under way, f = N ratio [2 n_contact]; in z, the others stick or open (N = 0). 0: not proved. */
+MG_API int mg_is_motion_unique(const mg_friction_problem *problem, const mg_real *z, const int *slides,
+                               const mg_real *ratio);
 
 #endif
