@@ -73,7 +73,7 @@ async function startRun() {
   function goTo(target) {
     const stop = performance.now() + 40;
     steer();
-    while (goesOn() && reached() < target && performance.now() < stop) {
+    while (goesOn() && sampled() < target && performance.now() < stop) {
       const until = ramping.length ? Math.min(ends, ...ramping.map(each => each.until)) : ends;
       code = core.page_advance(until, 1);
       takeEvents();
@@ -97,6 +97,7 @@ async function startRun() {
     ramping = ramping.filter(each => !there.includes(each));
   }
 
+  const sampled = () => { const count = core.page_samples(); return count ? column.t[count - 1] : 0; };
   // from the samples of the core to those of the page
   function takeSamples() {
     const count = core.page_samples();

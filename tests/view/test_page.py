@@ -105,3 +105,35 @@ def test_a_browser_draws_it_without_a_complaint(tmp_path: Path) -> None:
     assert later == pytest.approx(min([t for t in events if t > 0.25] or [0.3]), abs=1e-6)
     assert np.ptp(pictures[0], axis=(0, 1)).min() > 100  # more than the background
     assert (np.abs(pictures[0] - pictures[1]).max(axis=2) > 40).mean() > 0.01
+
+
+EXTENT = """(() => {
+  const width = canvas.clientWidth, height = canvas.clientHeight, rows = [];
+  for (const t of times) {
+    const place = locate(t), seen = cameraMatrix(eyeOf(camera.centre), camera.centre, width, height);
+    for (const body of data.bodies.filter(each => each.bounded)) {
+      const { R, p } = poseOf(body, place), own = [...body.vertices, ...body.lines];
+      for (let i = 0; i < own.length; i += 3) {
+        const [x, y, z] = add(p, turned(R, own.slice(i, i + 3)));
+        const [up, away] = [1, 3].map(k => seen[k]*x + seen[k+4]*y + seen[k+8]*z + seen[k+12]);
+        rows.push(height / 2 * (1 - up / away));
+      }
+    }
+  }
+  const box = id => document.getElementById(id).getBoundingClientRect();
+  return [Math.max(box("title").bottom, box("shown").bottom), rows.reduce((a, b) => Math.min(a, b)),
+          rows.reduce((a, b) => Math.max(a, b)), box("key").height ? box("key").top : height];
+})()"""  # px: where the header ends, the highest and the lowest point of the bodies, where the key begins
+
+
+@pytest.mark.slow
+@needs_browser
+@pytest.mark.parametrize("size", [(1280, 800), (1000, 500), (500, 900)])
+@pytest.mark.parametrize("name", ["linked_rings", "double_pendulum", "bouncing_ellipsoid"])
+def test_header_and_key_cover_no_body(name: str, size: tuple[int, int], tmp_path: Path) -> None:
+    page = tmp_path / "page.html"
+    page.write_text(page_of(name, 0.5)[0])
+    with browser(tmp_path) as driven:
+        driven.open(f"file://{page}#t=0", *size)
+        header, highest, lowest, key = driven.value(EXTENT)
+    assert header < highest < lowest < key
