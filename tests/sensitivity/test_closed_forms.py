@@ -215,7 +215,7 @@ gravity = [0.0, 0.0, 0.0]
 name = "wall"
 motion = "driven"
 rpy = [0.0, "-pi/2", 0.0]
-path = { position = ["2.0 - 0.7*t", 0.0, 0.0] }
+path = { position = ["2.0 - 0.7*t - SPEEDS_UP*t**2/2", 0.0, 0.0] }
 shape = { kind = "plane" }
 
 [[body]]
@@ -232,24 +232,28 @@ restitution = "bounce"
 """
 
 
-def test_a_ball_struck_by_a_moving_wall() -> None:
-    """By its start, its place changes as -e, and its velocity not at all."""
+@pytest.mark.parametrize("speeds_up", [0.0, 0.5])
+def test_a_ball_struck_by_a_moving_wall(speeds_up: float) -> None:
+    """By a wall of constant speed its place changes as -e with its start, its velocity not at all; one that
+    speeds up strikes a later ball at another speed."""
     values = {"place": 0.2, "fast": 1.3, "bounce": 0.6}
     t = 1.5
 
     def struck(place: complex, fast: complex, bounce: complex) -> tuple[complex, complex, complex]:
-        strikes = (2.0 - R - place) / (fast + 0.7)
-        after = -0.7 - bounce * (fast + 0.7)
+        left = 2.0 - R - place
+        strikes = 2 * left / (fast + 0.7 + np.sqrt((fast + 0.7) ** 2 + 2 * speeds_up * left))
+        wall = -0.7 - speeds_up * strikes
+        after = wall - bounce * (fast - wall)
         return place + fast * strikes + after * (t - strikes), after, strikes
 
-    found = sensitivity(
-        built(WALL, values), t, of=["ball.position", "ball.velocity"], by=list(values), accuracy="tight"
-    )
+    library = built(WALL.replace("SPEEDS_UP", str(speeds_up)), values)
+    found = sensitivity(library, t, of=["ball.position", "ball.velocity"], by=list(values), accuracy="tight")
     assert found.verdict
     for row, entry in ((0, 0), (3, 1)):
         expected = complex_step(lambda *v, entry=entry: struck(*v)[entry], tuple(values.values()))
         assert np.allclose(found.jacobian[0, row], expected, rtol=1e-11, atol=1e-11)
-    assert found.jacobian[0, 0, 0] == pytest.approx(-values["bounce"], abs=1e-11)
+    if not speeds_up:
+        assert found.jacobian[0, 0, 0] == pytest.approx(-values["bounce"], abs=1e-11)
     expected = complex_step(lambda *v: struck(*v)[2], tuple(values.values()))
     assert np.allclose(found.events[0].by, expected, atol=1e-11)
 

@@ -75,8 +75,10 @@ MG_INTERNAL void mg_joint_adjoint(const mg_context *c, mg_sensitivity *s, int jo
   *s->x = t;
   mg_real *x = mg_pack_state(c, b, mg_pack_state(c, a, s->x + 1));
   mg_pack(mg_pack(x, n, system->parameters + offset), 3 * system->n_input, c->run->input);
-  for (int k = 0; k < 3 * system->n_input; k++) s->x_dot[37 + n + k] = 0; /* of rows that no input moves */
+  s->x_dot[0] = 0; /* of rows that neither time nor an input moves */
+  for (int k = 0; k < 3 * system->n_input; k++) s->x_dot[37 + n + k] = 0;
   mg_call_adjoint(c, s, MG_TASK_JOINT, kind);
+  s->t_bar += s->x_dot[0];
   const mg_real *x_bar = mg_add_to_body(s, b, mg_add_to_body(s, a, s->x_dot + 1));
   mg_add_part(s->adjoint->input, 3 * system->n_input, mg_add_part(s->adjoint->parameters + offset, n, x_bar));
 }
@@ -118,8 +120,10 @@ static void mg_path_adjoint(const mg_context *c, mg_sensitivity *s, int body, mg
   mg_pack(mg_pack(s->x + 1, 12, c->system->parameters + offset), inputs, c->run->input);
   mg_real *y = mg_pack(s->y_dot, 12, s->at.pose + 12 * body);
   mg_pack(mg_pack(y, 6, s->at.twist + 6 * body), 6, s->at.acceleration + 6 * body);
+  s->x_dot[0] = 0;
   for (int k = 0; k < inputs; k++) s->x_dot[13 + k] = 0;
   mg_call_adjoint(c, s, MG_TASK_PATH, mg_body_kind_of(c, body));
+  s->t_bar += s->x_dot[0];
   mg_add_part(s->adjoint->input, inputs, mg_add_part(s->adjoint->parameters + offset, 12, s->x_dot + 1));
 }
 

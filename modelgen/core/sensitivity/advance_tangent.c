@@ -94,7 +94,7 @@ MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int
   const long b = system->n_body, rows = mg_sensitivity_rows(system), states = c->layout.n_states;
   const mg_crossing none = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON};
   s->crossing = none;
-  s->t_dot = 0, s->is_time = s->is_singular = 0, s->doubtful = -1;
+  s->is_time = s->is_at_event = s->is_singular = 0, s->t_bar = 0, s->doubtful = -1;
   s->follower = (mg_follower){s, 0, 0, mg_follow_stage, mg_begin_followed_step, mg_settle_step, mg_end_followed_step};
   s->blow = mg_take_memory(&work, 1, sizeof(mg_blow));
   s->at.pose = mg_take_reals(&work, 12 * b), s->at.twist = mg_take_reals(&work, 6 * b);

@@ -22,6 +22,14 @@ MG_INTERNAL mg_real mg_number_dot(const mg_sensitivity *s, const mg_real *array,
   return row ? row[i] : 0;
 }
 
+MG_INTERNAL mg_real mg_event_time_dot(const mg_sensitivity *s, int direction) {
+  return -s->event_rate[direction] / s->event_rate[s->directions->n];
+}
+
+MG_INTERNAL mg_real mg_time_dot(const mg_sensitivity *s, int direction) {
+  return s->is_at_event ? mg_event_time_dot(s, direction) : s->is_time;
+}
+
 /* Largest of n changes relative to their numbers, those that are zero left out. */
 static mg_real mg_largest_relative_change(int n, const mg_real *change, const mg_real *number) {
   mg_real most = 0;
@@ -122,7 +130,7 @@ MG_INTERNAL void mg_joint_tangent(const mg_context *c, mg_sensitivity *s, int di
   mg_real *x = s->x, *x_dot = s->x_dot;
   mg_real *w = mg_pack(mg_pack(s->weights, rows, force), MG_ROWS_OF_ONE - rows, 0);
   w = mg_pack(w, 6, acceleration ? acceleration + 6 * a : 0), mg_pack(w, 6, acceleration ? acceleration + 6 * b : 0);
-  *x++ = t, *x_dot++ = s->t_dot;
+  *x++ = t, *x_dot++ = mg_time_dot(s, direction);
   mg_pack_body(c, s, a, &x, &x_dot), mg_pack_body(c, s, b, &x, &x_dot);
   x = mg_pack(x, n, system->parameters + system->joint_parameters[joint]);
   x_dot = mg_pack(x_dot, n, mg_parameters_dot(c, s, direction, system->joint_parameters[joint]));
@@ -152,7 +160,7 @@ MG_INTERNAL void mg_load_tangent(const mg_context *c, mg_sensitivity *s, int dir
             b = system->load_b[load] < 0 ? a : system->load_b[load], n = c->kernels->load_kinds[kind].n_parameters,
             offset = system->load_parameters[load];
   mg_real *x = s->x, *x_dot = s->x_dot;
-  *x++ = t, *x_dot++ = s->t_dot;
+  *x++ = t, *x_dot++ = mg_time_dot(s, direction);
   mg_pack_body(c, s, a, &x, &x_dot), mg_pack_body(c, s, b, &x, &x_dot);
   x = mg_pack(x, n, system->parameters + offset), x_dot = mg_pack(x_dot, n, mg_parameters_dot(c, s, direction, offset));
   mg_pack(x, 3 * system->n_input, c->run->input), mg_pack(x_dot, 3 * system->n_input, mg_inputs_dot(c, s, direction));
@@ -163,7 +171,7 @@ MG_INTERNAL void mg_load_tangent(const mg_context *c, mg_sensitivity *s, int dir
 static void mg_path_tangent(const mg_context *c, mg_sensitivity *s, int direction, int body, mg_real t) {
   const int offset = c->system->body_parameters[body];
   mg_real *x = s->x, *x_dot = s->x_dot;
-  *x++ = t, *x_dot++ = s->t_dot;
+  *x++ = t, *x_dot++ = mg_time_dot(s, direction);
   x = mg_pack(x, 12, c->system->parameters + offset),
   x_dot = mg_pack(x_dot, 12, mg_parameters_dot(c, s, direction, offset));
   mg_pack(x, 3 * c->system->n_input, c->run->input);
@@ -194,7 +202,7 @@ MG_INTERNAL void mg_scene_tangent(const mg_context *c, mg_sensitivity *s, int di
                                   const mg_real *dx, mg_real *slope) {
   const int n = c->layout.work_state, parameters = c->system->n_parameters;
   mg_real *all = s->x, *all_dot = s->x_dot;
-  *all++ = t, *all_dot++ = s->t_dot;
+  *all++ = t, *all_dot++ = mg_time_dot(s, direction);
   all = mg_pack(all, n, x), all_dot = mg_pack(all_dot, n, dx);
   all = mg_pack(all, 3, c->system->gravity);
   all_dot = mg_pack(all_dot, 3, mg_row_of_direction(s, s->directions->gravity, 3, direction));
@@ -208,7 +216,7 @@ MG_INTERNAL void mg_sensors_tangent(const mg_context *c, mg_sensitivity *s, int 
   const mg_system *system = c->system;
   const int bodies = system->n_body, n = system->n_parameters - system->sensor_parameters;
   mg_real *x = s->x, *x_dot = s->x_dot;
-  *x++ = t, *x_dot++ = s->t_dot;
+  *x++ = t, *x_dot++ = mg_time_dot(s, direction);
   x = mg_pack(x, 12 * bodies, c->bodies.pose), x_dot = mg_pack(x_dot, 12 * bodies, s->at.pose);
   x = mg_pack(x, 6 * bodies, c->bodies.twist), x_dot = mg_pack(x_dot, 6 * bodies, s->at.twist);
   x = mg_pack(x, 6 * bodies, c->sensors.acceleration), x_dot = mg_pack(x_dot, 6 * bodies, s->at.acceleration);

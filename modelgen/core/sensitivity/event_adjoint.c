@@ -48,8 +48,9 @@ MG_INTERNAL mg_real mg_event_adjoint(mg_context *c, mg_sensitivity *s, const mg_
       mg_is_graze(c, crossing, rate))
     return 0;
   for (int i = 0; i < moving; i++) of_time += after[i] * x_bar[i];
+  s->t_bar = 0;
   if (crossing->blow && !mg_recover_impulses(c, s, 1)) mg_blow_adjoint(c, s, x_bar);
   mg_settle_eta_adjoint(c, s, c->run->t, c->run->x, x_bar);
   for (int i = 0; i < moving; i++) of_time -= s->slope_before[i] * x_bar[i];
-  return of_time / rate;
+  return (of_time - s->t_bar) / rate;
 }

@@ -137,7 +137,7 @@ MG_INTERNAL void mg_differentiate_event(mg_context *c, mg_sensitivity *s, mg_cro
   for (int j = 0; j <= n; j++) {
     s->event_rate[j] = 0;
     if (crossing->kind == MG_CROSSES_NOTHING) continue;
-    s->is_time = j == n, s->t_dot = s->is_time;
+    s->is_time = j == n;
     const mg_real *dx = s->is_time ? s->slope_before : s->tangent->x + (long)j * states;
     mg_rhs_tangent(c, s, j, t, c->step.end, dx, s->stage);
     const int eta = c->system->n_q + c->system->n_u + c->system->contact_eta[contact];
@@ -153,7 +153,7 @@ MG_INTERNAL void mg_differentiate_event(mg_context *c, mg_sensitivity *s, mg_cro
     else if (mg_is_on_feature_pair(c, contact))
       s->event_rate[j] = mg_border_tangent(c, s, contact, c->step.end + eta, dx + eta);
   }
-  s->is_time = 0, s->t_dot = 0;
+  s->is_time = 0;
 }
 
 MG_INTERNAL int mg_has_slope_jump(const mg_context *c, const mg_sensitivity *s, const mg_real *after) {
@@ -175,7 +175,7 @@ static void mg_shift_by_event_times(const mg_context *c, mg_sensitivity *s, cons
   const int moving = c->system->n_q + c->system->n_u;
   for (int j = 0; j < s->directions->n; j++) {
     mg_real *dx = s->tangent->x + (long)j * c->layout.n_states;
-    for (int i = 0; i < moving; i++) dx[i] -= sign * slope[i] * s->event_rate[j] / s->event_rate[s->directions->n];
+    for (int i = 0; i < moving; i++) dx[i] += sign * slope[i] * mg_event_time_dot(s, j);
   }
 }
 
@@ -237,7 +237,7 @@ static void mg_note_event(const mg_context *c, mg_sensitivity *s, const mg_cross
   const int n = s->directions->n, k = tangent->count++;
   if (k >= tangent->capacity) return;
   tangent->event_t[k] = c->run->t, tangent->event_contact[k] = crossing->contact;
-  for (int j = 0; j < n; j++) tangent->event_t_dot[(long)k * n + j] = -s->event_rate[j] / s->event_rate[n];
+  for (int j = 0; j < n; j++) tangent->event_t_dot[(long)k * n + j] = mg_event_time_dot(s, j);
 }
 
 MG_INTERNAL int mg_cross_event(mg_context *c, mg_sensitivity *s, const mg_crossing *crossing) {
@@ -258,6 +258,7 @@ MG_INTERNAL int mg_cross_event(mg_context *c, mg_sensitivity *s, const mg_crossi
   int reason = crossing->reason;
   if (!reason && crossing->kind == MG_CROSSES_BORDER && mg_has_moving_border(s)) reason = MG_BY_BORDER;
   mg_shift_by_event_times(c, s, s->slope_before, 1);
+  s->is_at_event = 1;
   mg_settle_eta_tangents(c, s, c->run->t, c->run->x);
   if (crossing->blow) {
     const int unsolved = mg_recover_impulses(c, s, 1);
@@ -268,6 +269,7 @@ MG_INTERNAL int mg_cross_event(mg_context *c, mg_sensitivity *s, const mg_crossi
     mg_gather_wrenches(c, s, c->run->t);
     if (mg_leaves_slip_across(c, s, crossing) && !reason) reason = MG_BY_SLIP_STOP;
   } else if (crossing->kind == MG_CROSSES_FORCE && !reason) reason = MG_BY_JUMP;
+  s->is_at_event = 0;
   mg_shift_by_event_times(c, s, after, -1);
   mg_settle_eta_tangents(c, s, c->run->t, c->run->x);
   return reason;

@@ -134,8 +134,9 @@ typedef struct {
   mg_real slip_end;      /* time at which slip that falls much in the step would end, s; 0: none falls much */
   int slip_falls;        /* its constraint */
   mg_crossing crossing;  /* of the step treated last */
-  mg_real t_dot;         /* derivative of the time in the direction looked at: 1 of time itself */
   int is_time;           /* 1: the direction looked at is time: no number changes */
+  int is_at_event;       /* 1: derivatives are those at the event of a changed run, whose time changes (event_rate) */
+  mg_real t_bar;         /* in the adjoint: cotangent of the time of paths and of motions of joints */
   int doubtful;          /* contact for which the step treated last is not certain, or -1 */
   int is_singular;       /* 1: equations of forces under slip were singular */
   mg_follower follower;  /* of the steps of the run */
@@ -169,6 +170,12 @@ MG_INTERNAL mg_real *mg_pack(mg_real *to, int n, const mg_real *from);
 
 /* Derivative of a number along a direction; 0 while s->is_time or where the array is not given. */
 MG_INTERNAL mg_real mg_number_dot(const mg_sensitivity *s, const mg_real *array, long n, int direction, int i);
+
+/* Derivative of the time of the event along a direction. */
+MG_INTERNAL mg_real mg_event_time_dot(const mg_sensitivity *s, int direction);
+
+/* Derivative along a direction of the time at which the state is looked at. */
+MG_INTERNAL mg_real mg_time_dot(const mg_sensitivity *s, int direction);
 
 /* Largest change of a number along a direction: of states by their scales, of others relative to themselves. */
 MG_INTERNAL mg_real mg_direction_size(const mg_context *c, const mg_sensitivity *s, int direction);
