@@ -296,9 +296,10 @@ static int mg_is_line_held_at_end(mg_context *c, int pair, int feature_pair) {
 static void mg_search_free_feature_pairs(mg_context *c, int pair, const mg_search_limits *limits, mg_real least,
                                          mg_minima *kept) {
   const mg_system *s = c->system;
+  const int has_held_lines = mg_is_time_stepping(c);
   for (int feature_pair = s->pair_feature_pair[pair]; feature_pair < s->pair_feature_pair[pair + 1]; feature_pair++)
     if (!mg_is_feature_pair_in_use(c, pair, feature_pair) && !mg_is_feature_pair_covered(c, feature_pair) &&
-        !mg_is_out_of_reach(c, feature_pair) && !mg_is_line_held_at_end(c, pair, feature_pair))
+        !mg_is_out_of_reach(c, feature_pair) && !(has_held_lines && mg_is_line_held_at_end(c, pair, feature_pair)))
       mg_search_feature_pair(c, feature_pair, limits, least, kept);
 }
 
@@ -415,7 +416,7 @@ static int mg_find_unfollowed_minimum(mg_context *c, int pair, mg_real moved) {
 static int mg_is_search_needless(const mg_context *c, int pair) {
   const int search = c->system->pair_search[pair];
   if (search != MG_SEARCH_APART) return search == MG_SEARCH_NEVER;
-  if (mg_is_time_stepping(c) && c->run->moved_since_search[pair] >= MG_SEARCH_DUE) return 0;
+  if (c->run->moved_since_search[pair] >= MG_SEARCH_DUE && mg_is_time_stepping(c)) return 0;
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
     if (c->run->closed[i]) return 1;
   return 0;

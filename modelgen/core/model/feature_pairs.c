@@ -118,29 +118,48 @@ MG_INTERNAL int mg_is_within_border(const mg_context *c, int feature_pair, int s
   return 1;
 }
 
-MG_INTERNAL mg_real mg_feature_pair_condition(const mg_context *c, int feature_pair, int k, const mg_real *eta) {
+/* Contact point, normal out of the feature, and coordinates on one side of a feature pair, in the axes of its shape. */
+typedef struct {
+  int side;
+  mg_real x[3], N[3], uv[2];
+} mg_feature_view;
+
+static void mg_view_feature(const mg_context *c, int feature_pair, int side, const mg_real *eta,
+                            mg_feature_view *view) {
+  view->side = side;
+  mg_point_in_shape_axes(c, feature_pair, side, c->search.placement + (side ? 11 : 8), view->x);
+  mg_direction_in_shape_axes(c, feature_pair, side, c->search.placement + 5, view->N);
+  for (int i = 0; i < 3 && side; i++) view->N[i] = -view->N[i];
+  mg_feature_coordinates(c, feature_pair, side, eta, view->x, view->uv);
+}
+
+/* Value of condition k at eta. The view is that of the condition before, or has no side: -1. */
+static mg_real mg_condition_value(const mg_context *c, int feature_pair, int k, const mg_real *eta,
+                                  mg_feature_view *view) {
   const mg_system *s = c->system;
   const mg_real *a = s->numbers + s->condition_numbers[k];
   const int side = s->condition_feature[k];
-  mg_real x[3], N[3], uv[2];
-  mg_point_in_shape_axes(c, feature_pair, side, c->search.placement + (side ? 11 : 8), x);
-  mg_direction_in_shape_axes(c, feature_pair, side, c->search.placement + 5, N);
-  for (int i = 0; i < 3 && side; i++) N[i] = -N[i];
-  mg_feature_coordinates(c, feature_pair, side, eta, x, uv);
+  if (view->side != side) mg_view_feature(c, feature_pair, side, eta, view);
   switch (s->condition_kind[k]) {
     case MG_CONDITION_QUADRIC:
-      return mg_quadric_condition(a, x) / s->length;
+      return mg_quadric_condition(a, view->x) / s->length;
     case MG_CONDITION_PARAMETER:
-      return a[1] * (uv[(int)a[0]] - a[2]) / mg_feature_numbers(c, feature_pair, side)[MG_FEATURE_UV_SCALE + (int)a[0]];
+      return a[1] * (view->uv[(int)a[0]] - a[2]) /
+             mg_feature_numbers(c, feature_pair, side)[MG_FEATURE_UV_SCALE + (int)a[0]];
     case MG_CONDITION_DISC:
-      return a[0] - (uv[0] * uv[0] + uv[1] * uv[1]) / a[0];
+      return a[0] - (view->uv[0] * view->uv[0] + view->uv[1] * view->uv[1]) / a[0];
     case MG_CONDITION_WING:
-      return mg_wing_condition(c, feature_pair, side, a, x, uv, N);
+      return mg_wing_condition(c, feature_pair, side, a, view->x, view->uv, view->N);
     case MG_CONDITION_TILT:
-      return a[3] * (mg_sine_between(a, N) - c->settings->flat_angle);
+      return a[3] * (mg_sine_between(a, view->N) - c->settings->flat_angle);
     default:
-      return -mg_dot3(a, N);
+      return -mg_dot3(a, view->N);
   }
+}
+
+MG_INTERNAL mg_real mg_feature_pair_condition(const mg_context *c, int feature_pair, int k, const mg_real *eta) {
+  mg_feature_view view = {.side = -1};
+  return mg_condition_value(c, feature_pair, k, eta, &view);
 }
 
 /* True if a contact goes on a little beyond a condition: where a line along which straight features touch ends. */
@@ -150,13 +169,14 @@ static int mg_is_held_line_end(const mg_context *c, int condition) {
 
 MG_INTERNAL mg_real mg_least_feature_pair_condition(const mg_context *c, int feature_pair, const mg_real *eta,
                                                     int watched, int *which) {
+  mg_feature_view view = {.side = -1};
   mg_real least = MG_MAX;
   *which = -1;
   for (int k = c->system->feature_pair_condition[feature_pair]; k < c->system->feature_pair_condition[feature_pair + 1];
        k++) {
     if ((c->system->condition_feature_pair[k] == MG_BEYOND_WATCHED) != watched) continue;
-    const mg_real value = mg_feature_pair_condition(c, feature_pair, k, eta) +
-                          (mg_is_held_line_end(c, k) ? c->settings->parallel_angle : 0);
+    const mg_real slack = mg_is_held_line_end(c, k) ? c->settings->parallel_angle : 0,
+                  value = mg_condition_value(c, feature_pair, k, eta, &view) + slack;
     if (value < least) least = value, *which = k;
   }
   return least;
@@ -175,10 +195,11 @@ MG_INTERNAL int mg_ends_line(const mg_context *c, int feature_pair, int line) {
 }
 
 MG_INTERNAL mg_real mg_least_line_end_condition(const mg_context *c, int feature_pair, int line, const mg_real *eta) {
+  mg_feature_view view = {.side = -1};
   mg_real least = MG_MAX;
   for (int k = c->system->feature_pair_condition[feature_pair]; k < c->system->feature_pair_condition[feature_pair + 1];
        k++)
-    if (mg_is_end_of_line(c, k, line)) least = mg_min(least, mg_feature_pair_condition(c, feature_pair, k, eta));
+    if (mg_is_end_of_line(c, k, line)) least = mg_min(least, mg_condition_value(c, feature_pair, k, eta, &view));
   return least;
 }
 

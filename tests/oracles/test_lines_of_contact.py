@@ -1,0 +1,102 @@
+"""Bodies that lie on each other along a line, or almost so, in time-stepping: held at both ends of it."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from modelgen import simulate
+from modelgen.codegen.library import Library
+from modelgen.runtime.trajectory import Trajectory
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Body, Scene, Shape
+from tests.benchmarks.groups import Ran, deepest
+from tests.running import library_of
+
+RADIUS, STEP, UNTIL = 0.05, 1e-3, 0.1  # m, s, s
+WITHIN = 1e-10  # m
+SHAPES = {
+    "capsule": lambda length: make.capsule(RADIUS, length),
+    "cylinder": lambda length: make.cylinder(RADIUS, length),
+    "frustum": lambda length: make.frustum(RADIUS, 0.8 * RADIUS, length),
+    "box": lambda length: make.box(2 * RADIUS, 2 * RADIUS, length),
+}
+PAIRS = [
+    ("capsule", 0.08, "capsule", 0.08),
+    ("box", 0.08, "cylinder", 0.1),  # reaches beyond the face at both ends
+    ("frustum", 0.08, "frustum", 0.06),
+    ("cylinder", 0.08, "capsule", 0.06),
+    ("capsule", 0.08, "box", 0.1),
+    ("cylinder", 0.08, "cylinder", 0.06),
+    ("box", 0.08, "capsule", 0.1),
+]
+LEVEL = [pair for pair in PAIRS if pair[0] != "frustum"]  # whose lower body lies level on the floor
+
+
+def slot(lower: Shape, upper: Shape, angle: float) -> tuple[Scene, list[Body]]:
+    """Two bodies with level axes, one above the other, between a floor and two walls, and turned by about an
+    angle in rad; they fall onto the floor and each other."""
+    chance = np.random.default_rng(1)
+    free = 1e-4 + 0.1 * angle
+    walls = [
+        make.fixed("floor", make.plane()),
+        make.fixed("east", make.plane(), position=[RADIUS + free, 0, 0], rpy=[0, -np.pi / 2, 0]),
+        make.fixed("west", make.plane(), position=[-RADIUS - free, 0, 0], rpy=[0, np.pi / 2, 0]),
+    ]
+    bodies = []
+    for k, shape in enumerate((lower, upper)):
+        turn = Rotation.from_rotvec(angle * chance.normal(size=3) * [0.5, 0, 0.1])
+        rpy = [float(a) for a in (turn * Rotation.from_euler("x", np.pi / 2)).as_euler("xyz")]
+        place = [0.0, 0.013 * k, RADIUS * (1 + 2 * k) + (1 + 3 * k) * free]
+        bodies.append(make.dynamic(f"body{k}", shape, density=500.0 + 2000 * k, position=place, rpy=rpy))
+    everything = [*walls, *bodies]
+    contact = [
+        {"between": [b.name, a.name], "friction": 0.3}
+        for a, b in combinations(everything, 2)
+        if b.motion == "dynamic"
+    ]
+    return make.scene("slot", everything, contact=contact), everything
+
+
+def fall(pair: tuple[str, float, str, float], angle: float) -> tuple[Trajectory, float, Library]:
+    """The motion in the slot, the deepest penetration in it by support functions in m, and the library."""
+    scene, bodies = slot(SHAPES[pair[0]](pair[1]), SHAPES[pair[2]](pair[3]), angle)
+    library = library_of(scene)
+    centres = {body["name"]: np.array(body["centre_of_mass"]) for body in library.manifest.instance["bodies"]}
+    path = simulate(library, until=UNTIL, samples=100, estimate=False, method="time-stepping", step=STEP)
+    return path, deepest(Ran(path, 0.0, centres), bodies), library
+
+
+@pytest.mark.cases(8)
+@pytest.mark.parametrize("pair", PAIRS, ids=lambda pair: f"{pair[2]}_on_{pair[0]}")
+@pytest.mark.parametrize("angle", [1e-1, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8])
+def test_neither_end_of_a_line_of_contact_penetrates(
+    pair: tuple[str, float, str, float], angle: float
+) -> None:
+    path, depth, _ = fall(pair, angle)
+    assert path.outcome.succeeded
+    assert depth < WITHIN
+    assert path.penetration_max < WITHIN
+
+
+@pytest.mark.cases(3)
+@pytest.mark.parametrize("pair", LEVEL, ids=lambda pair: f"{pair[2]}_on_{pair[0]}")
+@pytest.mark.parametrize("angle", [1e-4, 1e-6])
+def test_a_body_at_rest_on_a_line_is_carried_by_both_of_its_ends(
+    pair: tuple[str, float, str, float], angle: float
+) -> None:
+    """The weight is in their middle: each carries as much as its lever says, and none lets go again."""
+    path, _, library = fall(pair, angle)
+    upper = path.body_names.index("body1")
+    ends = [k for k, name in enumerate(path.contact_names) if name.startswith("body1-body0")]
+    places, forces = path.points_f[-1, ends], path.force[-1, ends]
+    weight = 9.81 * library.manifest.instance["bodies"][upper]["parameters"][0]
+    np.testing.assert_allclose(forces.sum(), weight, rtol=1e-6)
+    assert (forces > 0.05 * weight).sum() == 2
+    moment = np.nansum(forces * (places[:, 1] - path.p[-1, upper, 1]))
+    assert abs(moment) < 1e-6 * weight
+    opened = [event for event in path.events if event.kind in ("lift-off", "vanish") and event.t > UNTIL / 2]
+    assert not opened
