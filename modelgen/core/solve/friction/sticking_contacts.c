@@ -7,8 +7,8 @@
    -mu N2 t, w2_t = s t, s > 0); one whose slip is under way opens or slides on (w2_n = 0, f2 as N2). In the modes of
    the given solution d = 0, if the forces of contacts that slide are determined. In others, for directions t within
    arcs, a sum of forces L L'z2, the vector b and motions -w2 is zero. That is excluded by a vector y with
-   - y'L = 0, and y'(-w2) > 0 for all motions: bodies cannot move so; where none slides, w = 0, and L has full rank, so
-   that w2 = 0 means d = 0; or
+   - y'L = 0, and y'(-w2) > 0 for all motions: bodies cannot move so. Where w is not 0, y'w > 0; elsewhere w2 = 0 must
+   mean d = 0, because L has full rank, or because the modes then are those of the given solution; or
    - y'x > 0 for each force, for b, and for each motion.
    y is sought as the nearest point to the origin of the convex hull of these vectors (Wolfe, Math. Program. 11 (1976),
    128-149). Arcs are halved until it is found. Contacts that stick in both solutions take part by their rows and cones,
@@ -36,16 +36,17 @@ typedef struct {
   mg_real t[2], cosine, sine;
 } mg_slip_arc;
 
-/* The rows that count in given modes. */
+/* Rows that exclude modes, if a vector y is found. */
 typedef struct {
   int has_cones;                      /* 1: among them those of all contacts that stick, with their cones */
+  int has_forces;                     /* 1: y'x > 0 for all terms; 0: y'L = 0, and forces do not count */
   int n_row, row[MG_HELD_ROWS];       /* rows of the problem */
   int first[MG_MOTION_CONTACTS];      /* place of the normal row of a contact among them, -1: none */
-  int is_loaded;                      /* 1: w of the given solution is not 0 on them */
-  int n_image;                        /* rank of the rows if they may exclude motions by themselves, otherwise 0 */
-  mg_held_vector image[MG_HELD_ROWS]; /* orthonormal basis of their image */
+  int is_loaded;                      /* 1: the load is one of the terms */
+  mg_held_vector load;                /* b; without forces, w of the given solution */
   mg_held_vector L[MG_HELD_ROWS];     /* of all rows of the problem, for the motions d that are left */
-  mg_held_vector load, turn;          /* b on the rows, and w of the given solution */
+  int n_image;                        /* size of the image of the rows; with forces, 0 */
+  mg_held_vector image[MG_HELD_ROWS]; /* its orthonormal basis */
 } mg_held_rows;
 
 typedef struct {
@@ -56,8 +57,8 @@ typedef struct {
   mg_held_vector L[MG_HELD_ROWS], F, w;      /* of the scaled problem; F = L'z */
   mg_contact_mode given[MG_MOTION_CONTACTS]; /* modes of the given solution */
   mg_contact_mode mode[MG_MOTION_CONTACTS];  /* modes of another solution */
-  int n_view;                                /* ways in which its contacts that stick take part */
-  mg_held_rows view[2];                      /* the rows for each of them */
+  int n_view;                                /* number of `view` */
+  mg_held_rows view[4];                      /* what may exclude the modes of the other solution */
 } mg_held_contacts;
 
 /* What the sum of vectors may hold: b, the force of a contact, or its motion. */
@@ -114,24 +115,23 @@ static void mg_keep_lower(mg_held_term *lowest, mg_held_kind kind, int contact, 
   if (value < lowest->value) *lowest = term;
 }
 
-/* The term with the lowest y'x; with `moves`, without forces. */
-static mg_held_term mg_lowest_term(const mg_held_contacts *s, const mg_held_rows *v, const mg_slip_arc *arc, int moves,
+/* The term with the lowest y'x. */
+static mg_held_term mg_lowest_term(const mg_held_contacts *s, const mg_held_rows *v, const mg_slip_arc *arc,
                                    const mg_real *y) {
-  mg_held_term lowest = {MG_HELD_LOAD, 0, {0, 0}, MG_MAX};
+  mg_held_term lowest = {MG_HELD_LOAD, 0, {0, 0}, v->is_loaded ? mg_held_product(v->n_row, y, v->load) : MG_MAX};
   mg_held_vector back = {0};
-  for (int i = 0; i < v->n_row && !moves; ++i) mg_add_multiple(s->rank, y[i], v->L[v->row[i]], back);
-  if (!moves || v->is_loaded) lowest.value = mg_held_product(v->n_row, y, moves ? v->turn : v->load);
+  for (int i = 0; i < v->n_row && v->has_forces; ++i) mg_add_multiple(s->rank, y[i], v->L[v->row[i]], back);
   for (int k = 0; k < s->n; ++k) {
     const mg_contact_mode mode = s->mode[k];
-    const mg_real *own = y + (v->first[k] < 0 ? 0 : v->first[k]);
-    mg_real q[3], t[2] = {1, 0}, f[2] = {s->ratio[k][0], s->ratio[k][1]}, size;
     if (v->first[k] < 0) continue;
+    const mg_real *own = y + v->first[k];
+    mg_real q[3], t[2] = {1, 0}, f[2] = {s->ratio[k][0], s->ratio[k][1]}, size;
     if (mode == MG_OPENS) mg_keep_lower(&lowest, MG_HELD_MOTION, k, 0, 0, -own[0]);
     if (mode == MG_SLIPS) {
       mg_nearest_of_arc(arc + k, own + 1, t);
       mg_keep_lower(&lowest, MG_HELD_MOTION, k, t[0], t[1], -mg_dot2(own + 1, t));
     }
-    if (moves || mode == MG_OPENS) continue;
+    if (!v->has_forces || mode == MG_OPENS) continue;
     for (int i = 0; i < 3; ++i) q[i] = mg_held_product(s->rank, v->L[3 * k + i], back);
     size = mg_friction_norm(2, q + 1);
     if (mode == MG_SLIPS) mg_nearest_of_arc(arc + k, q + 1, t);
@@ -142,21 +142,19 @@ static mg_held_term mg_lowest_term(const mg_held_contacts *s, const mg_held_rows
   return lowest;
 }
 
-/* The vector of a term; with `moves`, without its part in the image of the rows. */
-static void mg_vector_of_term(const mg_held_contacts *s, const mg_held_rows *v, int moves, const mg_held_term *term,
-                              mg_real *x) {
-  const int k = term->contact;
-  mg_real *own = x + (v->first[k] < 0 ? 0 : v->first[k]);
+/* The vector of a term, without its part in the image. */
+static void mg_vector_of_term(const mg_held_contacts *s, const mg_held_rows *v, const mg_held_term *term, mg_real *x) {
+  const int k = term->contact, first = v->first[k];
   mg_held_vector d = {0};
-  for (int i = 0; i < v->n_row; ++i) x[i] = term->kind == MG_HELD_LOAD ? (moves ? v->turn : v->load)[i] : 0;
-  if (term->kind == MG_HELD_MOTION && s->mode[k] == MG_OPENS) own[0] = -1;
-  if (term->kind == MG_HELD_MOTION && s->mode[k] == MG_SLIPS) own[1] = -term->t[0], own[2] = -term->t[1];
+  for (int i = 0; i < v->n_row; ++i) x[i] = term->kind == MG_HELD_LOAD ? v->load[i] : 0;
+  if (term->kind == MG_HELD_MOTION && s->mode[k] == MG_OPENS) x[first] = -1;
+  if (term->kind == MG_HELD_MOTION && s->mode[k] == MG_SLIPS) x[first + 1] = -term->t[0], x[first + 2] = -term->t[1];
   if (term->kind == MG_HELD_FORCE) {
     mg_add_multiple(s->rank, 1, v->L[3 * k], d);
     for (int i = 0; i < 2; ++i) mg_add_multiple(s->rank, term->t[i], v->L[3 * k + 1 + i], d);
     for (int i = 0; i < v->n_row; ++i) x[i] = mg_held_product(s->rank, v->L[v->row[i]], d);
   }
-  if (moves) mg_remove_components(v->n_row, v->n_image, v->image, x);
+  mg_remove_components(v->n_row, v->n_image, v->image, x);
 }
 
 /* Moves the weights of `count` vectors to their affine combination nearest to the origin, or towards it until the first
@@ -186,18 +184,18 @@ static int mg_move_weights(int n, int count, mg_held_vector *vector, mg_real *we
 }
 
 /* True if one vector y excludes the modes, with slip directions of these arcs. */
-static int mg_is_separated(const mg_held_contacts *s, const mg_held_rows *v, const mg_slip_arc *arc, int moves) {
+static int mg_is_separated(const mg_held_contacts *s, const mg_held_rows *v, const mg_slip_arc *arc) {
   const int n = v->n_row;
   mg_held_vector vector[MG_HELD_ROWS + 1], y = {0};
   mg_real weight[MG_HELD_ROWS + 1];
   int count = 0;
   for (int step = 0; step < MG_NEAREST_STEPS; ++step) {
-    const mg_held_term lowest = mg_lowest_term(s, v, arc, moves, y);
+    const mg_held_term lowest = mg_lowest_term(s, v, arc, y);
     const mg_real length = (mg_real)sqrt(mg_held_product(n, y, y));
     if (count && !(length > MG_HELD_MARGIN)) return 0;
     if (count && lowest.value > MG_HELD_MARGIN * length) return 1;
     if (count && (lowest.value > length * length - MG_HELD_MARGIN * MG_HELD_MARGIN || count > n)) return 0;
-    mg_vector_of_term(s, v, moves, &lowest, vector[count]);
+    mg_vector_of_term(s, v, &lowest, vector[count]);
     weight[count] = count ? 0 : 1;
     for (int before = count++; before != count && count > 1;)
       before = count, count = mg_move_weights(n, count, vector, weight);
@@ -212,8 +210,7 @@ static int mg_is_cell_excluded(const mg_held_contacts *s, const mg_slip_arc *arc
   for (int k = 0; k < s->n; ++k)
     if (s->mode[k] == MG_SLIPS && !(arc[k].cosine > MG_HELD_CLEAR)) return 0;
   for (int i = 0; i < s->n_view; ++i)
-    if ((s->view[i].n_image && mg_is_separated(s, s->view + i, arc, 1)) || mg_is_separated(s, s->view + i, arc, 0))
-      return 1;
+    if (mg_is_separated(s, s->view + i, arc)) return 1;
   return 0;
 }
 
@@ -244,11 +241,23 @@ static int mg_are_arcs_excluded(mg_held_contacts *s, const mg_slip_arc *arc) {
   return 1;
 }
 
-/* Adds the rows of a contact that count in its present mode; none if its forces may be any. */
+/* Adds the rows of a contact. Those of one that sticks in both solutions may be left out to restrict the motions, those
+   of one that opens in both need not count without forces. */
 static void mg_add_rows_of_contact(const mg_held_contacts *s, int k, mg_held_rows *v) {
-  const int rows = s->mode[k] == MG_SLIPS || s->mode[k] == MG_STICKS ? 3 : 1;
-  v->first[k] = !v->has_cones && s->mode[k] == MG_STICKS && s->given[k] == MG_STICKS ? -1 : v->n_row;
+  const int rows = s->mode[k] == MG_SLIPS || s->mode[k] == MG_STICKS ? 3 : 1, stays = s->mode[k] == s->given[k];
+  v->first[k] = v->n_row;
+  if (stays && s->mode[k] == MG_STICKS && !v->has_cones) v->first[k] = -1;
+  if (stays && s->mode[k] == MG_OPENS && !v->has_forces) v->first[k] = -1;
   for (int i = 0; i < rows && v->first[k] >= 0; ++i) v->row[v->n_row++] = 3 * k + i;
+}
+
+/* True if another solution in the present modes is one in the given modes where contacts that slip or open rest. */
+static int mg_rests_in_given_modes(const mg_held_contacts *s) {
+  for (int k = 0; k < s->n; ++k)
+    if (s->mode[k] != s->given[k] && !(s->mode[k] == MG_SLIPS && s->given[k] == MG_STICKS) &&
+        !(s->mode[k] == MG_OPENS && s->given[k] == MG_SLIDES))
+      return 0;
+  return 1;
 }
 
 /* Restricts L and F to motions at which the listed rows are zero. Returns the number of these motions, -1 where it is
@@ -263,27 +272,34 @@ static int mg_restrict_motions(int rank, int n, const int *list, int n_vector, m
   return n < 0 ? -1 : rank - n;
 }
 
-/* Sets the rows that count in the present modes. Contacts that stick in both solutions take part by their cones, or
-   restrict the motions. Returns the number of motions that are left, -1 where it is not clear. */
-static int mg_set_held_rows(const mg_held_contacts *s, int has_cones, mg_held_rows *v) {
+/* Adds a view of the present modes if it may exclude them. Contacts that stick in both solutions take part by their
+   cones, or restrict the motions. Returns the number of motions that are left, -1 where it is not clear. */
+static int mg_add_held_rows(mg_held_contacts *s, int has_cones, int has_forces) {
+  mg_held_rows *v = s->view + s->n_view;
   mg_held_vector vector[MG_HELD_ROWS], F;
   int held[MG_HELD_ROWS], n_held = 0, left, n_image;
   for (int i = 0; i < 3 * s->n; ++i)
     for (int j = 0; j < s->rank; ++j) v->L[i][j] = s->L[i][j];
   for (int j = 0; j < s->rank; ++j) F[j] = s->F[j];
-  v->has_cones = has_cones, v->n_row = v->n_image = v->is_loaded = 0;
+  v->has_cones = has_cones, v->has_forces = v->is_loaded = has_forces, v->n_row = v->n_image = 0;
   for (int k = 0; k < s->n; ++k) {
     mg_add_rows_of_contact(s, k, v);
-    for (int i = 0; i < 3 && v->first[k] < 0; ++i) held[n_held++] = 3 * k + i;
+    for (int i = 0; i < 3 && v->first[k] < 0 && s->mode[k] == MG_STICKS; ++i) held[n_held++] = 3 * k + i;
   }
   left = mg_restrict_motions(s->rank, n_held, held, 3 * s->n, v->L, F);
   for (int i = 0; i < v->n_row; ++i) {
-    v->turn[i] = s->w[v->row[i]], v->load[i] = v->turn[i] - mg_held_product(s->rank, v->L[v->row[i]], F);
-    v->is_loaded |= v->turn[i] != 0;
-    for (int j = 0; j < s->rank; ++j) vector[j][i] = v->L[v->row[i]][j];
+    const int row = v->row[i];
+    v->load[i] = s->w[row] - (has_forces ? mg_held_product(s->rank, v->L[row], F) : 0);
+    v->is_loaded |= v->load[i] != 0;
+    for (int j = 0; j < s->rank; ++j) vector[j][i] = v->L[row][j];
+  }
+  if (left < 0 || has_forces) {
+    s->n_view += left >= 0;
+    return left;
   }
   n_image = mg_find_basis(v->n_row, s->rank, vector, v->image);
-  if (n_image > 0 && n_image < v->n_row && (n_image == left || v->is_loaded)) v->n_image = n_image;
+  v->n_image = n_image;
+  s->n_view += n_image >= 0 && n_image < v->n_row && (n_image == left || v->is_loaded || mg_rests_in_given_modes(s));
   return left;
 }
 
@@ -314,14 +330,14 @@ static int mg_are_given_modes_unique(const mg_held_contacts *s) {
 /* True if another solution in the present modes has the accelerations of the given one. */
 static int mg_are_modes_excluded(mg_held_contacts *s) {
   const mg_slip_arc all = {{1, 0}, -1, 0}, arc[MG_MOTION_CONTACTS] = {all, all, all, all};
-  int left = -1, is_given = 1, any_held = 0;
+  int is_given = 1, any_held = 0;
   for (int k = 0; k < s->n; ++k)
     is_given &= s->mode[k] == s->given[k], any_held |= s->mode[k] == MG_STICKS && s->given[k] == MG_STICKS;
   if (is_given) return mg_are_given_modes_unique(s);
-  if (any_held) left = mg_set_held_rows(s, 0, s->view);
-  if (left == 0) return 1;
-  s->n_view = left > 0;
-  mg_set_held_rows(s, 1, s->view + s->n_view++);
+  s->n_view = 0;
+  for (int has_cones = !any_held; has_cones < 2; ++has_cones)
+    for (int has_forces = 0; has_forces < 2; ++has_forces)
+      if (mg_add_held_rows(s, has_cones, has_forces) == 0) return 1;
   return mg_are_arcs_excluded(s, arc);
 }
 
