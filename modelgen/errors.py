@@ -133,6 +133,11 @@ def synonym(name: str, known: Iterable[str]) -> str:
     return f"did you mean {found[0]!r}{f', {note}' if note else ''}?"
 
 
+def with_article(noun: str) -> str:
+    """ "an ellipsoid"."""
+    return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"
+
+
 def nearest(name: str, known: Iterable[str]) -> str:
     """`did you mean 'x'?` for the known name that means the same as `name` or is closest to it, or an empty
     text."""

@@ -145,7 +145,7 @@ class FeatureCondition:
     kind: str
     side: int  # 0: of o, 1: of f
     numbers: tuple[float, ...]
-    next: int  # the feature pair beyond; ENDS or WATCHED
+    next: int  # the feature pair beyond, by its number within the pair; ENDS or WATCHED
     line: bool = False  # beyond, the features touch along a line if they are parallel; it ends here
 
 
@@ -195,6 +195,7 @@ class PairEntry:
     ] = ()  # around its shapes, m, axes of the bodies o, f of its first feature pair
     candidate: bool = False  # followed only while its shapes are near to each other
     shapes: tuple[str, ...] = ()  # their names in their bodies, in the order of the balls
+    repeats: int | None = None  # an earlier pair whose feature pairs these are, but for the bodies
 
 
 @dataclass(frozen=True, slots=True)

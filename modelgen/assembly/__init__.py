@@ -13,12 +13,11 @@ from dataclasses import dataclass, replace
 from itertools import accumulate
 
 from modelgen.assembly.characteristic_scales import scales_of
-from modelgen.assembly.contact_count import Following, confined, following
 from modelgen.assembly.contact_form_choice import Owner, contact_names, find_body, find_shape
 from modelgen.assembly.contact_inputs import have_same_contacts, with_coefficients
 from modelgen.assembly.contact_warnings import soundness
 from modelgen.assembly.coplanar_faces import Shown, Unions
-from modelgen.assembly.feature_pairs import Whole, feature_pairs_of
+from modelgen.assembly.feature_pairs import Whole
 from modelgen.assembly.friction_constraints import friction_constraints_of
 from modelgen.assembly.input_kinds import input_kinds
 from modelgen.assembly.joints import Joined, joined
@@ -33,9 +32,9 @@ from modelgen.assembly.masses import (
     pose_numbers,
 )
 from modelgen.assembly.observed_influence import influencing
+from modelgen.assembly.pair_content import PairContent, PairContents
 from modelgen.assembly.patches import Faces, patches_of
 from modelgen.assembly.pruning import bodies_of, check_observed, motion_of, pairs_by_body, watched
-from modelgen.contact.form_table import eta_layout
 from modelgen.errors import SceneError, expect
 from modelgen.model import (
     BodyEntry,
@@ -51,10 +50,8 @@ from modelgen.model import (
     PairEntry,
     PatchEntry,
     Scales,
-    Search,
     ShapeKind,
 )
-from modelgen.notation import ETA_SIZE
 from modelgen.rotations import rotation_of
 from modelgen.scene.scene_types import Body, ContactPair, Scene, Vector
 
@@ -170,11 +167,6 @@ def _scales(scene: Scene, pieces: Sequence[Piece]) -> Scales:
     return scales_of(scene, [(piece.body, piece.mass) for piece in pieces if piece.mass])
 
 
-def eta_size(kind: ContactKind) -> int:
-    """Number of entries of eta of one contact of this kind."""
-    return sum(ETA_SIZE[layout] for layout in eta_layout(kind))
-
-
 def _pieces(scene: Scene) -> tuple[Piece, ...]:
     pairs = pairs_by_body(scene)
     return tuple(_piece(scene, index, pairs[body.name]) for index, body in enumerate(scene.bodies))
@@ -236,85 +228,61 @@ def _taken_over(scene: Scene, pieces: Sequence[Piece], known: Model) -> Touching
 def _touching(scene: Scene, pieces: Sequence[Piece]) -> Touching:
     """The pairs that may touch, their feature pairs, and the contacts that follow them."""
     warnings = soundness(scene)
-    shapes, kinds = KindList[ShapeKind](), KindList[ContactKind]()
-    faces, shown, wholes = Faces(shapes), [], Wholes(scene, pieces)
+    contents, wholes = PairContents(scene.run.form or "auto"), Wholes(scene, pieces)
+    faces, shown = Faces(contents.shapes), []
     entries: list[PairEntry] = []
     all_feature_pairs: list[FeaturePairEntry] = []
     all_contacts: list[ContactEntry] = []
     for index, (name, pair) in enumerate(zip(contact_names(scene), scene.contacts, strict=True)):
         where = f"{scene.source}: contact{'s' if pair.candidate else f'[{index}]'}"
         a, b = (wholes.of(partner, f"{where}.between") for partner in pair.between)
-        first = len(all_feature_pairs)
-        feature_pairs = feature_pairs_of(
-            a, b, pair, scene.run.form or "auto", where, shapes, kinds, first, index
-        )
-        room = max(eta_size(kinds.kinds[feature_pair.kind]) for feature_pair in feature_pairs)
-        explicit = all(
-            eta_layout(kinds.kinds[feature_pair.kind])[1] == "none" and room < 2
-            for feature_pair in feature_pairs
-        )
-        way = following(a.shape, b.shape, pair, feature_pairs, explicit)
-        feature_pairs = confined(feature_pairs, first) if way.own else feature_pairs
+        content, first = contents.of(a, b, pair, where, index), len(all_feature_pairs)
         eta = all_contacts[-1].eta + all_contacts[-1].room if all_contacts else 0
-        contacts = _contacts(name, index, feature_pairs, way, first, eta, room, kinds)
-        normal = _turned_round(pair.normal) if feature_pairs[0].swapped else pair.normal
+        contacts = _contacts(name, index, content, first, eta, contents.rooms(content))
+        is_swapped = content.feature_pairs[0].swapped
+        normal = _turned_round(pair.normal) if is_swapped else pair.normal
         ranges = (
-            (first, first + len(feature_pairs)),
+            (first, first + len(content.feature_pairs)),
             (len(all_contacts), len(all_contacts) + len(contacts)),
         )
         constraints = friction_constraints_of(pair, a.owner.body)
-        wholes_of_pair = (b, a) if feature_pairs[0].swapped else (a, b)
+        wholes_of_pair = (b, a) if is_swapped else (a, b)
         entries.append(
             PairEntry(
                 name,
                 *ranges,
-                _search(way, feature_pairs),
+                content.search,
                 pair.restitution,
                 normal,
                 constraints,
                 tuple(each.ball for each in wholes_of_pair),
                 pair.candidate,
                 tuple(each.shape.name for each in wholes_of_pair),
+                content.repeats,
             )
         )
-        shown.append(
-            Shown((a, b), pair, patches_of(a, b, pair, name, where, feature_pairs, first, faces, kinds))
-        )
-        all_feature_pairs += feature_pairs
+        patches = patches_of(content.planar_pairs, (a, b), pair, name, index, first, faces)
+        shown.append(Shown((a, b), pair, patches))
+        all_feature_pairs += content.feature_pairs
         all_contacts += contacts
     unions = Unions(faces.entries, [p.body.pose if p.motion == "fixed" else None for p in pieces])
-    patches = unions.patches(shown)
+    joined_patches = unions.patches(shown)
     return Touching(
-        tuple(entries), tuple(all_feature_pairs), tuple(all_contacts), tuple(unions.faces), patches,
-        shapes.kinds, kinds.kinds, warnings,
+        tuple(entries), tuple(all_feature_pairs), tuple(all_contacts), tuple(unions.faces), joined_patches,
+        contents.shapes.kinds, contents.kinds.kinds, warnings,
     )  # fmt: skip
 
 
-def _search(way: Following, feature_pairs: Sequence[FeaturePairEntry]) -> Search:
-    """The search policy of a pair (never, after movement, always): contacts that never end are not searched
-    for."""
-    endless = way.own and not any(feature_pair.conditions for feature_pair in feature_pairs)
-    return "never" if endless else way.search
-
-
 def _contacts(
-    name: str,
-    pair: int,
-    feature_pairs: Sequence[FeaturePairEntry],
-    way: Following,
-    first: int,
-    eta: int,
-    room: int,
-    kinds: KindList[ContactKind],
+    name: str, pair: int, content: PairContent, first: int, eta: int, rooms: Sequence[int]
 ) -> tuple[ContactEntry, ...]:
     """The contacts of a pair; `first`, `eta`: the number of its first feature pair, and the offset of eta."""
     found = []
-    for k in range(way.contacts):
-        own = first + k if way.own else -1
-        space = eta_size(kinds.kinds[feature_pairs[k].kind]) if way.own else room
-        label = f":{feature_pairs[k].name}" if way.own else f"#{k + 1}"
-        found.append(ContactEntry(name + (label if way.contacts > 1 else ""), pair, eta, space, own))
-        eta += space
+    for k, room in enumerate(rooms):
+        own = first + k if content.way.own else -1
+        label = f":{content.feature_pairs[k].name}" if content.way.own else f"#{k + 1}"
+        found.append(ContactEntry(name + (label if len(rooms) > 1 else ""), pair, eta, room, own))
+        eta += room
     return tuple(found)
 
 

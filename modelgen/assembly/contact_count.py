@@ -80,9 +80,9 @@ def _is_plane(shape: Shape) -> bool:
     return shape.kind == "plane"
 
 
-def confined(feature_pairs: Sequence[FeaturePairEntry], first: int) -> tuple[FeaturePairEntry, ...]:
-    """The feature pairs, of which the first has that number, with conditions under which a contact of its own
-    ends where the feature pair ends, or goes on around it."""
+def confined(feature_pairs: Sequence[FeaturePairEntry]) -> tuple[FeaturePairEntry, ...]:
+    """The feature pairs of a pair with conditions under which a contact of its own ends where its feature
+    pair ends, or goes on around it."""
     return tuple(
         replace(
             feature_pair,
@@ -92,5 +92,5 @@ def confined(feature_pairs: Sequence[FeaturePairEntry], first: int) -> tuple[Fea
                 if each.next != WATCHED
             ),
         )
-        for number, feature_pair in enumerate(feature_pairs, start=first)
+        for number, feature_pair in enumerate(feature_pairs)
     )

@@ -38,6 +38,11 @@ class Whole:
     )  # by the feature's identity, which it keeps
 
     @cached_property
+    def without_body(self) -> tuple[Owner, Shape]:
+        """All that its feature pairs follow from but the body."""
+        return replace(self.owner, body=-1), self.shape
+
+    @cached_property
     def ball(self) -> tuple[Vector, float]:
         """Centre (m, body axes, from the centre of mass) and radius (m, or infinite) of a ball around it."""
         centre, radius = bounding_ball(replace(self.shape, cavity=False))
@@ -81,21 +86,31 @@ def feature_pairs_of(
     where: str,
     shapes: KindList[ShapeKind],
     kinds: KindList[ContactKind],
-    first: int,
     index: int,
 ) -> tuple[FeaturePairEntry, ...]:
-    """The feature pairs of a pair; the first has the number `first`. Raises SceneError if there is none.
+    """The feature pairs of a pair. Raises SceneError if there is none.
 
     `wish` is the form that they take where it is regular, if the pair names none.
     """
     found = _candidates(a, b, pair, wish, where, shapes)
-    numbers = {names: first + k for k, names in enumerate(found)}
+    numbers = {names: k for k, names in enumerate(found)}
     known = is_convex(a.shape) and is_convex(b.shape) and not pair.features
     groups = _parting_faces(found) if known else {}
     surfaces = [{each.name: each.shape.kind for each in whole.features} for whole in (a, b)]
     return tuple(
         _entry(candidate, names, numbers, kinds, index, groups, surfaces)
         for names, candidate in found.items()
+    )
+
+
+def repeated(
+    feature_pairs: Sequence[FeaturePairEntry], a: Whole, b: Whole, index: int
+) -> tuple[FeaturePairEntry, ...]:
+    """The feature pairs of a pair as those of another pair, whose shapes differ from (a, b) by their bodies
+    alone."""
+    order = (a.owner.body, b.owner.body)
+    return tuple(
+        replace(each, pair=index, o=order[each.swapped], f=order[not each.swapped]) for each in feature_pairs
     )
 
 

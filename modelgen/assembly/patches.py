@@ -60,43 +60,79 @@ class Half:
     region: Region
 
 
-def patches_of(
+@dataclass(frozen=True, slots=True)
+class PlanarPair:
+    """Planar regions of the two shapes of a pair, o first, that may rest on each other."""
+
+    name: str
+    regions: tuple[Region, Region]
+    swapped: bool  # o is the second shape as the user named them
+    kind: int  # of contact, of its support points
+    friction_kind: int  # that of the first point where there is friction, or -1
+    parameters: tuple[tuple[float, ...], ...]  # of each point's contact
+    covered: tuple[int, ...]  # feature pairs that lie in it, by their numbers within the pair
+
+
+def planar_pairs_of(
     a: Whole,
     b: Whole,
     pair: ContactPair,
-    name: str,
     where: str,
     feature_pairs: Sequence[FeaturePairEntry],
-    first: int,
-    faces: Faces,
+    shapes: KindList[ShapeKind],
     kinds: KindList[ContactKind],
-) -> tuple[PatchEntry, ...]:
-    """The patches of a pair of shapes with these feature pairs, the first of which has the number `first`.
+) -> tuple[PlanarPair, ...]:
+    """The planar regions of a pair of shapes with these feature pairs that may rest on each other.
 
     Faces with friction that depends on the direction, or with resistances, stand on points.
     """
-    found: list[PatchEntry] = []
     if pair.friction is not None and not has_friction(pair):
         return ()
-    numbered = _numbers_by_features(feature_pairs, first)
+    found: list[PlanarPair] = []
+    numbered = _numbers_by_features(feature_pairs)
     for one, two in product(_allowed(a, pair), _allowed(b, pair)):
         if not one.arcs and not two.arcs:
             continue
-        halves = Half(a, one), Half(b, two)
         within = product({*one.features}, {*two.features})
         covered = tuple(sorted(number for names in within for number in numbered.get(names, ())))
-        order = halves[::-1] if not two.arcs else halves  # o first: a whole plane if there is one
-        kind, friction_kind, parameters = _support_points(order, pair, where, faces.shapes, kinds)
+        swapped = not two.arcs  # o first: a whole plane if there is one
+        order = (Half(b, two), Half(a, one)) if swapped else (Half(a, one), Half(b, two))
+        kind, friction_kind, parameters = _support_points(order, pair, where, shapes, kinds)
         label = "-".join(filter(None, (one.name, two.name)))
-        numbers = tuple(faces.index(half.whole, half.region) for half in order)
-        entry = PatchEntry(
-            f"{name}:{label}", feature_pairs[0].pair, kind, (numbers[0], numbers[1]), parameters, covered
-        )
-        if pair.friction is not None:
-            friction = pair.friction.static[0], pair.friction.kinetic[0]
-            entry = replace(entry, friction_kind=friction_kind, friction=friction)
-        found.append(entry)
+        regions = order[0].region, order[1].region
+        found.append(PlanarPair(label, regions, swapped, kind, friction_kind, parameters, covered))
     return tuple(found)
+
+
+def patches_of(
+    planar_pairs: Sequence[PlanarPair],
+    wholes: tuple[Whole, Whole],
+    pair: ContactPair,
+    name: str,
+    index: int,
+    first: int,
+    faces: Faces,
+) -> tuple[PatchEntry, ...]:
+    """The patches of the pair of that number, whose first feature pair has the number `first`."""
+    coefficients = (
+        (0.0, 0.0) if pair.friction is None else (pair.friction.static[0], pair.friction.kinetic[0])
+    )
+    return tuple(
+        PatchEntry(
+            f"{name}:{each.name}",
+            index,
+            each.kind,
+            (
+                faces.index(wholes[each.swapped], each.regions[0]),
+                faces.index(wholes[not each.swapped], each.regions[1]),
+            ),
+            each.parameters,
+            tuple(first + number for number in each.covered),
+            friction_kind=each.friction_kind,
+            friction=coefficients,
+        )
+        for each in planar_pairs
+    )
 
 
 def _allowed(whole: Whole, pair: ContactPair) -> Iterable[Region]:
@@ -105,13 +141,14 @@ def _allowed(whole: Whole, pair: ContactPair) -> Iterable[Region]:
 
 
 def _numbers_by_features(
-    feature_pairs: Sequence[FeaturePairEntry], first: int
+    feature_pairs: Sequence[FeaturePairEntry],
 ) -> Mapping[tuple[str, str], Sequence[int]]:
-    """The numbers of feature pairs by the names of both features, those of points of a rim by the rim's."""
+    """The numbers of feature pairs within their pair by the names of both features, those of points of a rim
+    by the rim's."""
     found: defaultdict[tuple[str, str], list[int]] = defaultdict(list)
     for k, feature_pair in enumerate(feature_pairs):
         one, two = feature_pair.features
-        found[rim_of(one), rim_of(two)].append(first + k)
+        found[rim_of(one), rim_of(two)].append(k)
     return found
 
 

@@ -73,7 +73,7 @@ def export(
     if name in PAGES:
         check_page(target)
     else:
-        check_folder(target)
+        check_folder(target, "a folder for the files of the export", "name another: --out FOLDER")
     derivation = derive_scene(what)
     with progress("exporting"), tempfile.TemporaryDirectory(prefix="modelgen-") as scratch:
         try:

@@ -52,19 +52,20 @@ def _folder(name: str, form: str | None) -> Path:
     return Path("generated") / (name if form is None else f"{name}.{form}")
 
 
-def check_folder(folder: Path) -> None:
+GENERATED = (
+    "a folder for the generated files, `generated` in the current one where none is named",
+    "go to another folder, or name one: build --out FOLDER",
+)
+
+
+def check_folder(folder: Path, allowed: str = GENERATED[0], remedy: str = GENERATED[1]) -> None:
     """Raise ModelgenError for a folder that cannot be written, before anything is derived."""
     nearest = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     if not nearest.is_dir():
-        raise _no_place(folder, f"{str(nearest)!r} is a file")
+        raise ModelgenError(str(folder), f"{str(nearest)!r} is a file", allowed, remedy)
     if not os.access(nearest, os.W_OK | os.X_OK):
-        raise _no_place(folder, f"{str(nearest)!r} is not yours to write into")
-
-
-def _no_place(folder: Path, found: str) -> ModelgenError:
-    allowed = "a folder for the generated files, `generated` in the current one where none is named"
-    remedy = "go to another folder, or name one: build --out FOLDER"
-    return ModelgenError(str(folder), found, allowed, remedy)
+        found = f"{str(nearest)!r} is not yours to write into"
+        raise ModelgenError(str(folder), found, allowed, remedy)
 
 
 def build_scene(scene: Scene, folder: Path, real: str | None = None, derivatives: bool = False) -> Library:
@@ -80,7 +81,8 @@ def build_derivation(
         try:
             return modelgen.build(modelgen.emit(derivation, derivatives), real=real, folder=folder)
         except OSError as cause:
-            raise _no_place(folder, f"it cannot be written: {cause.strerror}") from cause
+            found = f"it cannot be written: {cause.strerror}"
+            raise ModelgenError(str(folder), found, *GENERATED) from cause
 
 
 def run_scene(path: Path, form: str | None, settings: dict[str, Any]) -> tuple[Trajectory, Library]:
@@ -113,7 +115,11 @@ def _known_or_built(path: Path, form: str | None, folder: Path) -> Library:
 def fit_scene(path: Path, data: list[Path], settings: dict[str, Any]) -> Fit:
     """Fit a scene to recordings with keywords of `fit`. Its library has derivatives, and a folder of its own;
     if the fit is refused, a new folder is removed again."""
+    from modelgen.identification.fit import recording_in
+
     scene = read_scene(path, None)
+    for each in data:  # before anything is compiled
+        recording_in(each, settings["of"])
     with removed_if_refused(folder_of(scene, DERIVATIVES)) as folder:
         library = build_derivation(derive_scene(scene), folder, derivatives=True)
         with activity("fitting") as report:

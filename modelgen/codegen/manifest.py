@@ -14,6 +14,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
+from modelgen.codegen.repeated_pairs import with_repeats, without_repeats
 from modelgen.errors import LibraryError
 
 FEET = {
@@ -35,6 +36,7 @@ def have_centre_curves(shapes: Iterable[str]) -> bool:
 
 Json = dict[str, Any]
 STRUCTURE, INSTANCE = "manifest.json", "instance.json"  # names of the files
+WRITTEN = "instance_without_repeats"  # as a file has it
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,15 +69,15 @@ class Manifest:
 
     def instance_json(self) -> str:
         """JSON text of the instance, a line an entry, with the set of kinds that it is written in."""
-        return _lines({"instance": self.instance, "kinds_hash": self.kinds_hash}) + "\n"
+        return _lines({WRITTEN: without_repeats(self.instance), "kinds_hash": self.kinds_hash}) + "\n"
 
     @classmethod
     def from_json(cls, structure: str, instance: str, source: str = "manifest") -> Manifest:
         """The manifest of both texts; raises LibraryError if they are none, or of different kinds."""
         values = _object(structure, ("abi", "composed", "functions", "kinds", "tables"), cls, source)
-        spoken = _object(instance, ("instance", "kinds_hash"), cls, f"{source}: its instance")
+        spoken = _object(instance, (WRITTEN, "kinds_hash"), cls, f"{source}: its instance")
         del values["tables"]
-        manifest = cls(**values, instance=spoken["instance"])
+        manifest = cls(**values, instance=with_repeats(spoken[WRITTEN]))
         if manifest.kinds_hash != spoken["kinds_hash"]:
             raise LibraryError(
                 source, "its instance is of another set of kinds", "", "it is stale: build again"

@@ -11,6 +11,7 @@ from modelgen.assembly.contact_inputs import models_have_same_contacts
 from modelgen.assembly.masses import pose_numbers
 from modelgen.codegen.manifest_planar_contacts import face_table, patch_table
 from modelgen.codegen.manifest_unlisted import unlisted_of
+from modelgen.codegen.repeated_pairs import repeated
 from modelgen.contact.form_table import FORMS, eta_layout
 from modelgen.contact.separation import has_separation
 from modelgen.dynamics.sensors import sensor_parameters
@@ -238,10 +239,9 @@ CONTACTS = ("pairs", "feature_pairs", "contacts", "faces", "patches", "unlisted"
 
 def _contacts(model: Model) -> dict[str, Any]:
     """The tables that follow from shapes, their places about the centres of mass, and contact pairs."""
-    shapes = _Shapes(model)
     return {
-        "pairs": [_pair(entry) for entry in model.pairs],
-        "feature_pairs": [_feature_pair(model, entry, shapes) for entry in model.feature_pairs],
+        "pairs": [_pair(model, entry) for entry in model.pairs],
+        "feature_pairs": _feature_pairs(model),
         "contacts": [asdict(entry) for entry in model.contacts],
         "faces": [face_table(model, entry) for entry in model.faces],
         "patches": [patch_table(entry) for entry in model.patches],
@@ -256,7 +256,7 @@ def _contacts_like(model: Model, other: Model, known: dict[str, Any]) -> dict[st
         return _contacts(model)
     found = {key: known[key] for key in CONTACTS}
     if model.scene.contacts != other.scene.contacts:
-        found["pairs"] = [_pair(entry) for entry in model.pairs]
+        found["pairs"] = [_pair(model, entry) for entry in model.pairs]
         found["patches"] = [patch_table(entry) for entry in model.patches]
     return found
 
@@ -328,9 +328,11 @@ def _limit(model: Model, entry: LimitEntry) -> dict[str, Any]:
     }
 
 
-def _pair(entry: PairEntry) -> dict[str, Any]:
+def _pair(model: Model, entry: PairEntry) -> dict[str, Any]:
     return {
         "name": entry.name,
+        "bodies": _named_bodies(model, entry),
+        **({} if entry.repeats is None else {"repeats": entry.repeats}),
         "feature_pairs": list(entry.feature_pairs),
         "contacts": list(entry.contacts),
         "search": entry.search,
@@ -360,6 +362,25 @@ class _Shapes:
         return self._known[key]
 
 
+def _named_bodies(model: Model, pair: PairEntry) -> list[int]:
+    """The bodies of a pair as the user named them."""
+    first = model.feature_pairs[pair.feature_pairs[0]]
+    return [first.f, first.o] if first.swapped else [first.o, first.f]
+
+
+def _feature_pairs(model: Model) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = []
+    shapes = _Shapes(model)
+    for index, pair in enumerate(model.pairs):
+        if pair.repeats is None:
+            entries = model.feature_pairs[slice(*pair.feature_pairs)]
+            found += [_feature_pair(model, entry, shapes) for entry in entries]
+        else:
+            same = found[slice(*model.pairs[pair.repeats].feature_pairs)]
+            found += repeated(same, index, _named_bodies(model, pair))
+    return found
+
+
 def _feature_pair(model: Model, entry: FeaturePairEntry, shapes: _Shapes) -> dict[str, Any]:
     kind = model.contact_kinds[entry.kind]
     return {
@@ -377,7 +398,7 @@ def _feature_pair(model: Model, entry: FeaturePairEntry, shapes: _Shapes) -> dic
             {
                 "kind": each.kind,
                 "side": each.side,
-                "numbers": each.numbers,
+                "numbers": list(each.numbers),
                 "next": each.next,
                 **({"line": True} if each.line else {}),
             }

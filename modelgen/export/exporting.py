@@ -143,7 +143,9 @@ def check_format(name: str | None, choices: Choices) -> str:
     for key, word in WORDS.items():
         if key not in OPTIONS[name] and getattr(choices, key) != getattr(Choices(), key):
             takers = " and ".join(each for each, keys in OPTIONS.items() if key in keys)
-            raise ModelgenError(word, f"it with --to {name}", f"it goes with {takers}", "leave it out")
+            raise ModelgenError(
+                word, f"it is given with --to {name}", f"it goes with {takers}", "leave it out"
+            )
     return name
 
 

@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from modelgen.benchmark.peers.scene_description import Setup, Solid, numbers, unused_name
-from modelgen.errors import ModelgenError
+from modelgen.errors import ModelgenError, with_article
 from modelgen.rotations import rotation_of
 from modelgen.scene.pose_arithmetic import compose
 from modelgen.scene.scene_types import Body, Joint, Pose, Scene, Shape
@@ -109,7 +109,7 @@ def _unlike(scene: Scene) -> Iterator[str]:
             if shape.cavity:
                 yield f"shape {body.name}/{shape.name} is a cavity"
             elif shape.kind not in SHAPES:
-                yield f"shape {body.name}/{shape.name} is a {shape.kind}"
+                yield f"shape {body.name}/{shape.name} is {with_article(shape.kind)}"
     used = {each.joint.name for each in _tree(scene).values()}
     for joint in scene.joints:
         if joint.kind not in JOINTS:

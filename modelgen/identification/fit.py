@@ -159,13 +159,14 @@ def _recordings(data: Data | Sequence[Data], of: Sequence[str] | None) -> list[R
         if isinstance(each, Mapping):
             found.append(recording_of(each, f"recording {k + 1}", of))
         elif isinstance(each, str | PathLike):
-            found.append(_read(Path(each), of))
+            found.append(recording_in(Path(each), of))
         else:
             raise SimulationError("data", f"a {type(each).__name__}", "CSV files, or columns by name")
     return found
 
 
-def _read(path: Path, of: Sequence[str] | None) -> Recording:
+def recording_in(path: Path, of: Sequence[str] | None) -> Recording:
+    """The recording in a CSV file, of which these columns count; raises SimulationError."""
     try:
         return read_recording(path, of)
     except OSError as cause:

@@ -46,6 +46,7 @@ def connected(address: str) -> Any:
     """A client of a scheduler; raises ModelgenError where it does not answer, or has no workers."""
     distributed = require_distributed()
     try:
+        distributed.comm.addressing.parse_host_port(address)  # a client that is refused it cannot be closed
         client = distributed.Client(address, timeout=ANSWER_S, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
         remedy = "start one with: dask scheduler, and workers with: dask worker tcp://HOST:8786"

@@ -22,6 +22,7 @@ from modelgen.parameter_study.rows import Row
 PLAN, TABLE, PARTS, RUNS = "sweep.json", "runs.parquet", "parts", "runs"
 SCRATCH = ".new"  # end of the names of files that are being written
 PART = re.compile(r"(\d+)-(\d+)\.parquet")
+FILES = (".csv", ".json", ".npz", ".parquet", ".xlsx")
 REMEDY = "name another folder, or remove it"
 
 
@@ -40,6 +41,11 @@ class SweepFolder:
     """A folder that one sweep at a time writes."""
 
     def __init__(self, path: Path) -> None:
+        if path.suffix in FILES and not path.is_dir():
+            remedy = f"write {str(path.with_suffix(''))!r}"
+            raise ModelgenError(
+                str(path), "the name of a file", f"a folder, in which {TABLE} is made", remedy
+            )
         self.path = path
         self._arrow, self._parquet = require_pyarrow()
 

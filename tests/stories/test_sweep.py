@@ -64,6 +64,8 @@ def test_a_sweep_of_which_every_run_fails_ends_with_code_1(modelgen: Modelgen, t
         (("--out", "x", HEIGHT, "--plot", "x.gif"), ".png, .svg"),
         (("--out", "x", HEIGHT, "--plot", "x.png", "--of", "evens"), "did you mean 'events'?"),
         (("--out", "x", HEIGHT, "--scheduler", "nonsense://1"), "does not answer"),
+        (("--out", "x", HEIGHT, "--scheduler", "localhost"), "missing port number"),
+        (("--out", "x.csv", HEIGHT), "write 'x'"),
         (("--out", BALL, HEIGHT), "cannot be written"),
     ],
 )

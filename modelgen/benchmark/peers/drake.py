@@ -15,6 +15,7 @@ from modelgen.benchmark.knobs import Knob, Settings
 from modelgen.benchmark.peers.peer import Peer, PeerError, Run, missing, sampled
 from modelgen.benchmark.peers.scene_description import Setup, Solid, driven, numbers
 from modelgen.benchmark.sampled_motion import Array
+from modelgen.errors import with_article
 from modelgen.scene.scene_types import Scene, Shape
 
 KNOBS: tuple[Knob, ...] = (
@@ -170,7 +171,7 @@ def _refused(partner: tuple[str, str], shape: Shape, fixed: bool) -> list[str]:
     if shape.cavity:
         return [f"{where} is a cavity"]
     if shape.kind not in SHAPES or (shape.kind == "cylinder" and "length" not in numbers(shape)):
-        return [f"{where} is a {shape.kind}"]
+        return [f"{where} is {with_article(shape.kind)}"]
     return [f"{where} is a plane that moves"] if shape.kind == "plane" and not fixed else []
 
 

@@ -19,6 +19,7 @@ from modelgen.benchmark.peers.scene_description import (
     unsteady,
     unused_name,
 )
+from modelgen.errors import with_article
 from modelgen.scene.scene_types import ContactPair, ForceLoad, Scene, Shape, SpringLoad, TorqueLoad
 
 PRIMITIVES: Mapping[str, tuple[tuple[str, ...], float]] = {  # parameters, and what of the last MuJoCo takes
@@ -216,7 +217,7 @@ def _refused(where: str, shape: Shape, fixed: bool, others: list[Shape]) -> list
     if shape.solid and shape.solid.convex and _corners(shape):
         return []
     if shape.kind not in PRIMITIVES or len(shape.parameters) < len(PRIMITIVES[shape.kind][0]):
-        return [f"{where} is a {shape.kind}"]
+        return [f"{where} is {with_article(shape.kind)}"]
     return []
 
 

@@ -14,6 +14,7 @@ from modelgen.benchmark.knobs import Knob, Settings
 from modelgen.benchmark.peers.external_program import answer, compiled, output_of
 from modelgen.benchmark.peers.peer import PATIENCE, Peer, Run, missing
 from modelgen.benchmark.peers.scene_description import Setup, Solid, driven, numbers
+from modelgen.errors import with_article
 from modelgen.scene.scene_types import Scene, Shape
 
 KNOBS: tuple[Knob, ...] = (
@@ -108,7 +109,7 @@ def unlike(scene: Scene) -> list[str]:
         if shape.cavity:
             found.append(f"{where} is a cavity")
         elif shape.kind not in KINDS:
-            found.append(f"{where} is a {shape.kind}")
+            found.append(f"{where} is {with_article(shape.kind)}")
         elif shape.kind == "plane" and partner[0] not in fixed:
             found.append(f"{where} is a plane that moves")
     bodies = sorted({partner[0] for partner in touching} - fixed)

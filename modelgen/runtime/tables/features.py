@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import accumulate, chain
 from math import hypot, pi
-from typing import Any
+from typing import Any, TypeVar
 
 from modelgen.codegen.manifest import Manifest, have_centre_curves
+
+Entry = Mapping[str, Any]
+Found = TypeVar("Found")
 
 CELLS_PER_TREE, CELLS_MIN, CELLS_MAX = 4096, 32768, 131072
 CONDITIONS = ("quadric", "parameter", "disc", "wing", "direction", "tilt")  # MG_CONDITION_QUADRIC ..
@@ -18,48 +22,104 @@ class FeatureTables:
 
     def __init__(self, manifest: Manifest, parameters: list[float], endless: float) -> None:
         self.numbers: list[float] = []
-        feature_pairs, length = manifest.instance["feature_pairs"], manifest.instance["scales"]["length"]
-        kinds = manifest.kinds["shape"]
-        sides = [feature_pair[side] for feature_pair in feature_pairs for side in ("shape_o", "shape_f")]
-        conditions = [condition for feature_pair in feature_pairs for condition in feature_pair["conditions"]]
-        first = [0]
-        for feature_pair in feature_pairs:
-            first.append(first[-1] + len(feature_pair["conditions"]))
+        instance, kinds, length = manifest.instance, manifest.kinds, manifest.instance["scales"]["length"]
+        trees = _Trees(kinds)
+
+        def placed(side: Entry) -> list[float]:
+            return _side_numbers(side, endless, spans(side, kinds["shape"], length))
+
+        counts = _each(instance, lambda pair: [len(each["conditions"]) for each in pair])
         self.integers: dict[str, list[int]] = {
-            "feature_pair_condition": first,
-            "feature_shape": [side["kind"] for side in sides],
-            "feature_parameters": [append(parameters, side["parameters"]) for side in sides],
-            "feature_numbers": [
-                append(self.numbers, _side_numbers(side, endless, spans(side, kinds, length)))
-                for side in sides
-            ],
-            "feature_tree": _trees(feature_pairs, manifest.kinds),
-            "condition_kind": [CONDITIONS.index(each["kind"]) for each in conditions],
-            "condition_feature": [each["side"] for each in conditions],
-            "condition_feature_pair": [each["next"] for each in conditions],
-            "condition_numbers": [append(self.numbers, each["numbers"]) for each in conditions],
-            "condition_is_line_end": [int(each.get("line", False)) for each in conditions],
+            "feature_pair_condition": [0, *accumulate(counts)],
+            "feature_shape": _each(instance, lambda pair: [side["kind"] for side in _sides(pair)]),
+            "feature_parameters": _pooled(
+                instance, parameters, lambda pair: [side["parameters"] for side in _sides(pair)]
+            ),
+            "feature_numbers": _pooled(
+                instance, self.numbers, lambda pair: [placed(side) for side in _sides(pair)]
+            ),
+            "feature_tree": _each(instance, trees.of),
+            "condition_kind": _each(
+                instance, lambda pair: [CONDITIONS.index(each["kind"]) for each in _conditions(pair)]
+            ),
+            "condition_feature": _each(instance, lambda pair: [each["side"] for each in _conditions(pair)]),
+            "condition_feature_pair": _beyond(instance),
+            "condition_numbers": _pooled(
+                instance, self.numbers, lambda pair: [each["numbers"] for each in _conditions(pair)]
+            ),
+            "condition_is_line_end": _each(
+                instance, lambda pair: [int(each.get("line", False)) for each in _conditions(pair)]
+            ),
         }
 
 
-def _trees(
-    feature_pairs: Sequence[Mapping[str, Any]], kinds: Mapping[str, Sequence[Mapping[str, Any]]]
+def _sides(pair: Sequence[Entry]) -> list[Entry]:
+    return [each[side] for each in pair for side in ("shape_o", "shape_f")]
+
+
+def _conditions(pair: Sequence[Entry]) -> list[Entry]:
+    return [condition for each in pair for condition in each["conditions"]]
+
+
+def _by_pair(instance: Entry, of: Callable[[Sequence[Entry]], Found]) -> Iterator[Found]:
+    """What follows from the feature pairs of each pair of shapes, made once for pairs that repeat another."""
+    made: dict[int, Found] = {}
+    for k, pair in enumerate(instance["pairs"]):
+        source = pair.get("repeats", k)
+        if source not in made:
+            made[source] = of(instance["feature_pairs"][slice(*pair["feature_pairs"])])
+        yield made[source]
+
+
+def _each(instance: Entry, of: Callable[[Sequence[Entry]], list[int]]) -> list[int]:
+    return list(chain.from_iterable(_by_pair(instance, of)))
+
+
+def _pooled(
+    instance: Entry, pool: list[float], of: Callable[[Sequence[Entry]], Sequence[Sequence[float]]]
 ) -> list[int]:
+    """Where each of the sequences of numbers starts in the pool, to whose end they are added."""
+    starts: list[int] = []
+    for found in _by_pair(instance, of):
+        starts += accumulate(map(len, found), initial=len(pool))
+        starts.pop()  # the end
+        pool.extend(chain.from_iterable(found))
+    return starts
+
+
+def _beyond(instance: Entry) -> list[int]:
+    """The feature pair beyond each condition, which says its number within the pair."""
+    nexts = _by_pair(instance, lambda pair: [each["next"] for each in _conditions(pair)])
+    firsts = (pair["feature_pairs"][0] for pair in instance["pairs"])
+    return [
+        first + each if each >= 0 else each
+        for first, found in zip(firsts, nexts, strict=True)
+        for each in found
+    ]
+
+
+class _Trees:
     """The number of the tree of cells of each side, or -1: of a point, and of pairs that are not searched by
     cells. Features that differ in their placement alone share one."""
-    trees: dict[tuple[Any, ...], int] = {}
-    numbers = []
-    for feature_pair in feature_pairs:
-        kind = kinds["contact"][feature_pair["kind"]]
+
+    def __init__(self, kinds: Mapping[str, Sequence[Entry]]) -> None:
+        self._kinds = kinds
+        self._known: dict[tuple[Any, ...], int] = {}
+
+    def of(self, pair: Sequence[Entry]) -> list[int]:
+        """Those of the feature pairs of a pair."""
+        return [number for feature_pair in pair for number in self._of(feature_pair)]
+
+    def _of(self, feature_pair: Entry) -> Iterator[int]:
+        kind = self._kinds["contact"][feature_pair["kind"]]
         shapes = feature_pair["shape_o"], feature_pair["shape_f"]
-        is_closed_form = have_centre_curves(kinds["shape"][shape["kind"]]["kind"] for shape in shapes)
+        is_closed_form = have_centre_curves(self._kinds["shape"][shape["kind"]]["kind"] for shape in shapes)
         for shape in shapes:
             if kind["convex"] or not kind["n_eta"] or not shape["domain"] or is_closed_form:
-                numbers.append(-1)
-                continue
-            key = (shape["kind"], tuple(shape["parameters"]), *(tuple(ends) for ends in shape["domain"]))
-            numbers.append(trees.setdefault(key, len(trees)))
-    return numbers
+                yield -1
+            else:
+                key = (shape["kind"], tuple(shape["parameters"]), *(tuple(ends) for ends in shape["domain"]))
+                yield self._known.setdefault(key, len(self._known))
 
 
 def cell_capacity(trees: int) -> int:
