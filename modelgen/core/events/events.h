@@ -25,6 +25,13 @@ MG_INTERNAL int mg_mark_gap_minima(mg_context *c, mg_real h);
 
 /* event_location.c */
 
+/* True if there are conditions that may take the contact off its feature pair. */
+MG_INTERNAL int mg_may_leave_feature_pair(const mg_context *c, int contact);
+
+/* True if the contact is off its feature pair at eta; c->events.broken_condition says where. Needs mg_place_contact
+   there. */
+MG_INTERNAL int mg_is_off_feature_pair(mg_context *c, int contact, const mg_real *eta);
+
 /* MG_LEAVES_FEATURE if the contact leaves its feature pair at the state x, MG_PASSES_BORDER if it passes a watched
    border, else 0; stores the condition that is broken. */
 MG_INTERNAL int mg_find_feature_pair_exit(mg_context *c, int contact, mg_real *x);
