@@ -37,7 +37,9 @@ MG_INTERNAL int mg_is_off_feature_pair(mg_context *c, int contact, const mg_real
          -c->settings->feature_border;
 }
 
-MG_INTERNAL int mg_find_feature_pair_exit(mg_context *c, int contact, mg_real *x) {
+/* MG_LEAVES_FEATURE if the contact leaves its feature pair at the state x, MG_PASSES_BORDER if it passes a watched
+   border, else 0; stores the condition that is broken. */
+static int mg_find_feature_pair_exit(mg_context *c, int contact, mg_real *x) {
   const int feature_pair = c->run->feature_pair[contact];
   if (!mg_may_leave_feature_pair(c, contact)) return 0;
   const mg_real *eta = mg_contact_eta(c, x, contact);

@@ -32,10 +32,6 @@ MG_INTERNAL int mg_may_leave_feature_pair(const mg_context *c, int contact);
    there. */
 MG_INTERNAL int mg_is_off_feature_pair(mg_context *c, int contact, const mg_real *eta);
 
-/* MG_LEAVES_FEATURE if the contact leaves its feature pair at the state x, MG_PASSES_BORDER if it passes a watched
-   border, else 0; stores the condition that is broken. */
-MG_INTERNAL int mg_find_feature_pair_exit(mg_context *c, int contact, mg_real *x);
-
 /* Mark the closed or nearly closed contacts that are within their watched borders; a contact beyond one has its
    pair searched. Needs the poses at the run's state. */
 MG_INTERNAL void mg_mark_contacts_within_border(mg_context *c);
