@@ -28,9 +28,12 @@ MG_INTERNAL int mg_mark_gap_minima(mg_context *c, mg_real h);
 /* True if the contact is closed but carries no force. */
 MG_INTERNAL int mg_is_closed_without_force(const mg_context *c, int contact);
 
-/* MG_LEAVES_FEATURE if the contact leaves its feature pair at the state x, MG_PASSES_BORDER if it passes a watched
-   border, else 0; stores the condition that is broken. */
-MG_INTERNAL int mg_find_feature_pair_exit(mg_context *c, int contact, mg_real *x);
+/* True if there are conditions that may take the contact off its feature pair. */
+MG_INTERNAL int mg_may_leave_feature_pair(const mg_context *c, int contact);
+
+/* True if the contact is off its feature pair at eta; c->events.broken_condition says where. Needs mg_place_contact
+   there. */
+MG_INTERNAL int mg_is_off_feature_pair(mg_context *c, int contact, const mg_real *eta);
 
 /* Mark the closed or nearly closed contacts that are within their watched borders; a contact beyond one has its
    pair searched. Needs the poses at the run's state. */

@@ -13,16 +13,25 @@ MG_INTERNAL int mg_is_closed_without_force(const mg_context *c, int contact) {
   return c->run->closed[contact] && !c->run->active[contact];
 }
 
-MG_INTERNAL int mg_find_feature_pair_exit(mg_context *c, int contact, mg_real *x) {
+MG_INTERNAL int mg_may_leave_feature_pair(const mg_context *c, int contact) {
   const int feature_pair = c->run->feature_pair[contact];
-  if (feature_pair < 0 || c->run->rolling_start[contact] || mg_is_unconditional_feature_pair(c, feature_pair) ||
-      mg_is_distant_flat_feature_pair(c, contact))
-    return 0;
+  return feature_pair >= 0 && !c->run->rolling_start[contact] && !mg_is_unconditional_feature_pair(c, feature_pair) &&
+         !mg_is_distant_flat_feature_pair(c, contact);
+}
+
+MG_INTERNAL int mg_is_off_feature_pair(mg_context *c, int contact, const mg_real *eta) {
+  return mg_most_violated_condition(c, c->run->feature_pair[contact], eta, c->events.broken_condition + contact) <
+         -c->settings->feature_border;
+}
+
+/* MG_LEAVES_FEATURE if the contact leaves its feature pair at the state x, MG_PASSES_BORDER if it passes a watched
+   border, else 0; stores the condition that is broken. */
+static int mg_find_feature_pair_exit(mg_context *c, int contact, mg_real *x) {
+  const int feature_pair = c->run->feature_pair[contact];
+  if (!mg_may_leave_feature_pair(c, contact)) return 0;
   const mg_real *eta = mg_contact_eta(c, x, contact);
   mg_place_contact(c, contact, eta, c->search.placement + 32);
-  if (mg_most_violated_condition(c, feature_pair, eta, c->events.broken_condition + contact) <
-      -c->settings->feature_border)
-    return MG_LEAVES_FEATURE;
+  if (mg_is_off_feature_pair(c, contact, eta)) return MG_LEAVES_FEATURE;
   const int is_touching = !c->run->closed[contact] && c->rows.d[contact] < c->settings->start_gap * c->system->length;
   if (!c->events.within_border[contact] || is_touching) return 0;
   return mg_least_feature_pair_condition(c, feature_pair, eta, 1, c->events.broken_condition + contact) <

@@ -7,6 +7,7 @@
 #include "closest/closest.h"
 #include "forces/forces.h"
 #include "features/features.h"
+#include "events/events.h"
 
 /* Rounds of the correction of penetration: a body that lies almost flat on a rim tips from one side of it to the other,
    and loses about two fifths of its penetration in a round. It ends where a number of rounds do not halve it. */
@@ -121,19 +122,28 @@ static int mg_converge_contact(mg_context *c, int contact) {
   return steps >= 0;
 }
 
-MG_INTERNAL int mg_converge_all_contacts(mg_context *c, mg_events *events) {
-  int count = 0;
+/* Marks a contact that is off its feature pair, and requests a search where it is held at the end of a line that may be
+   nearer elsewhere. Needs its placement. */
+static void mg_mark_feature_exit(mg_context *c, int contact) {
+  const int feature_pair = c->run->feature_pair[contact];
+  const mg_real *eta = mg_contact_eta(c, c->run->x, contact);
+  if (!mg_may_leave_feature_pair(c, contact)) return;
+  if (mg_is_off_feature_pair(c, contact, eta)) c->events.triggered[contact] = MG_LEAVES_FEATURE;
+  else if (mg_ends_line(c, feature_pair, -1) &&
+           mg_least_line_end_condition(c, feature_pair, -1, eta) < -c->settings->feature_border)
+    c->run->moved_since_search[c->system->contact_pair[contact]] = MG_SEARCH_DUE;
+}
+
+MG_INTERNAL void mg_converge_all_contacts(mg_context *c, mg_events *events) {
   mg_update_poses(c, c->run->t, c->run->x);
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
+    c->events.triggered[i] = c->events.within_border[i] = 0;
     if (!mg_is_on_feature_pair(c, i)) continue;
     if (mg_converge_contact(c, i)) {
       c->rows.d[i] = c->search.placement[0], c->run->margin[i] = mg_placement_margin(c, i);
-      continue;
-    }
-    mg_release_contact(c, events, i);
-    count++;
+      mg_mark_feature_exit(c, i);
+    } else mg_release_contact(c, events, i);
   }
-  return count;
 }
 
 /* Largest penetration or joint error. */
@@ -178,6 +188,7 @@ MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events) {
     mg_update_rows_at(c, c->run->t, c->run->x);
     if (mg_largest_violation(c) < 2 * worst) continue;
     mg_copy_states(c, c->step.stage, c->run->x);
+    mg_converge_all_contacts(c, events);
     mg_update_rows_at(c, c->run->t, c->run->x);
     break;
   }

@@ -33,30 +33,14 @@ static void mg_record_step_samples(mg_context *c, mg_record *record, mg_real h) 
 
 enum { MG_UPDATES = 32 }; /* most corrections of penetration in a step */
 
-/* Changes the feature pairs of contacts whose conditions fail; returns how many. Requests a search where a contact is
-   held at the end of a line that may touch elsewhere. Needs the poses at run->x. */
-static int mg_change_features_after_step(mg_context *c, mg_events *events) {
-  int count = 0;
-  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
-    c->events.within_border[i] = c->events.triggered[i] = 0;
-    if (!mg_is_on_feature_pair(c, i)) continue;
-    c->events.triggered[i] = mg_find_feature_pair_exit(c, i, c->run->x);
-    count += c->events.triggered[i] != 0;
-    if (mg_least_line_end_condition(c, c->run->feature_pair[i], -1, mg_contact_eta(c, c->run->x, i)) <
-        -c->settings->feature_border)
-      c->run->moved_since_search[c->system->contact_pair[i]] = MG_SEARCH_DUE;
-  }
-  return count ? mg_change_marked_features(c, events) : 0;
-}
-
 /* Feature pairs, contact points and penetration at the end of the step: penetration is corrected until the correction
    leads no contact off its feature pair and to no new one. Leaves the rows at run->x. */
 static void mg_update_contacts_after_step(mg_context *c, mg_events *events, mg_real h) {
-  mg_converge_all_contacts(c, events);
-  mg_change_features_after_step(c, events);
   int changed, update = 0;
+  mg_converge_all_contacts(c, events);
+  mg_change_marked_features(c, events);
   do {
-    changed = mg_post_stabilise(c, events) ? mg_change_features_after_step(c, events) : 0;
+    changed = mg_post_stabilise(c, events) ? mg_change_marked_features(c, events) : 0;
     changed += mg_search_all_pairs(c, events, update ? 0 : h);
   } while (changed && ++update < MG_UPDATES);
   if (changed) mg_update_rows_at(c, c->run->t, c->run->x);
