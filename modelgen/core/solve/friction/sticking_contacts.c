@@ -214,14 +214,15 @@ static int mg_is_cell_excluded(const mg_held_contacts *s, const mg_slip_arc *arc
   return 0;
 }
 
-/* One half of an arc: the first for side -1, the second for side 1. */
-static mg_slip_arc mg_half_arc(const mg_slip_arc *arc, int side) {
-  const mg_real cosine = (mg_real)sqrt((1 + arc->cosine) / 2), sine = (mg_real)sqrt((1 - arc->cosine) / 2);
-  const mg_slip_arc half = {
-      {cosine * arc->t[0] - (mg_real)side * sine * arc->t[1], cosine * arc->t[1] + (mg_real)side * sine * arc->t[0]},
-      cosine,
-      sine};
-  return half;
+/* One of the parts of an arc: a third of all directions, or a half of others. */
+static mg_slip_arc mg_part_of_arc(const mg_slip_arc *arc, int part) {
+  const int is_all = arc->cosine < 0;
+  const mg_real cosine = is_all ? (mg_real)0.5 : (mg_real)sqrt((1 + arc->cosine) / 2);
+  const mg_real sine = (mg_real)sqrt(1 - cosine * cosine), turn = is_all ? 2 * sine * cosine : sine;
+  const mg_real along = is_all ? cosine * cosine - sine * sine : cosine, across = part ? turn : -turn;
+  mg_slip_arc out = {{along * arc->t[0] - across * arc->t[1], along * arc->t[1] + across * arc->t[0]}, cosine, sine};
+  if (part == 2) out.t[0] = arc->t[0], out.t[1] = arc->t[1];
+  return out;
 }
 
 /* Excludes the modes for all slip directions of these arcs, in parts where that is needed. */
@@ -234,8 +235,8 @@ static int mg_are_arcs_excluded(mg_held_contacts *s, const mg_slip_arc *arc) {
     if (s->mode[k] == MG_SLIPS && (widest < 0 || arc[k].cosine < arc[widest].cosine)) widest = k;
   }
   if (widest < 0 || arc[widest].cosine > MG_HELD_NARROW || ++s->cells > MG_HELD_CELLS) return 0;
-  for (int side = -1; side <= 1; side += 2) {
-    part[widest] = mg_half_arc(arc + widest, side);
+  for (int k = 0; k < (arc[widest].cosine < 0 ? 3 : 2); ++k) {
+    part[widest] = mg_part_of_arc(arc + widest, k);
     if (!mg_are_arcs_excluded(s, part)) return 0;
   }
   return 1;
@@ -327,6 +328,19 @@ static int mg_are_given_modes_unique(const mg_held_contacts *s) {
   return mg_lu(n, U, swap) > MG_HELD_CLEAR;
 }
 
+/* True if no motion keeps closed what is closed in the present and in the given modes. */
+static int mg_is_no_motion_left(const mg_held_contacts *s) {
+  mg_held_vector L[MG_HELD_ROWS], F = {0};
+  int held[MG_HELD_ROWS], n_held = 0;
+  for (int k = 0; k < s->n; ++k) {
+    const int rows = s->mode[k] == MG_OPENS || s->given[k] == MG_OPENS ? 0 : s->mode[k] == MG_STICKS ? 3 : 1;
+    for (int i = 0; i < rows; ++i) held[n_held++] = 3 * k + i;
+  }
+  for (int i = 0; i < 3 * s->n; ++i)
+    for (int j = 0; j < s->rank; ++j) L[i][j] = s->L[i][j];
+  return mg_restrict_motions(s->rank, n_held, held, 0, L, F) == 0;
+}
+
 /* True if another solution in the present modes has the accelerations of the given one. */
 static int mg_are_modes_excluded(mg_held_contacts *s) {
   const mg_slip_arc all = {{1, 0}, -1, 0}, arc[MG_MOTION_CONTACTS] = {all, all, all, all};
@@ -334,6 +348,7 @@ static int mg_are_modes_excluded(mg_held_contacts *s) {
   for (int k = 0; k < s->n; ++k)
     is_given &= s->mode[k] == s->given[k], any_held |= s->mode[k] == MG_STICKS && s->given[k] == MG_STICKS;
   if (is_given) return mg_are_given_modes_unique(s);
+  if (mg_is_no_motion_left(s)) return 1;
   s->n_view = 0;
   for (int has_cones = !any_held; has_cones < 2; ++has_cones)
     for (int has_forces = 0; has_forces < 2; ++has_forces)
