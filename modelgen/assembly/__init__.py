@@ -349,9 +349,9 @@ def _initial_u(piece: Piece) -> tuple[float, ...]:
 
 
 def _left_out(pieces: Sequence[Piece]) -> tuple[str, ...]:
-    why = "orientation and spin left out: nothing depends on how a sphere about its centre turns"
+    why = "orientation and spin, for nothing depends on how a sphere about its centre turns"
     return tuple(f"{piece.body.name}: {why}" for piece in pieces if piece.motion == "point")
 
 
 def _unobserved(names: Sequence[str]) -> tuple[str, ...]:
-    return tuple(f"{name}: left out: nothing observed depends on it" for name in names)
+    return tuple(f"{name}, for nothing observed depends on it" for name in names)

@@ -42,12 +42,7 @@ def print_summary(summary: dict[str, Any], console: Console) -> None:
     _print_events(summary["events"], console)
     _print_bodies(summary["final"], console)
     print_contacts(summary["contacts"], console)
-    for name, patch in summary["patches"].items():
-        at = _vector(patch["centre_of_pressure"])
-        line = f"{name}: rests, force {patch['force']:.6g}, centre_of_pressure ({at})"
-        if any(patch["friction"]):
-            line += f", friction ({_vector(patch['friction'])}), torque {patch['torque']:.6g}"
-        console.print(line, markup=False, soft_wrap=True)
+    _print_patches(summary["patches"], _largest(summary["final"], "p"), console)
     _print_joints(summary["joints"], _largest(summary["final"], "p"), console)
     shown = [f"{name} {value:.6g}" for name, value in summary["sensors"].items() if value is not None]
     if shown:
@@ -93,6 +88,16 @@ def print_contacts(contacts: dict[str, Any], console: Console) -> None:
         console.print(f"... {more} more contacts press; --json and --out hold all", soft_wrap=True)
 
 
+def _print_patches(patches: dict[str, Any], length: float, console: Console) -> None:
+    for name, patch in patches.items():
+        at, noise = _vector(patch["centre_of_pressure"], NOISE * length), NOISE * patch["force"]
+        line = f"{name}: rests, force {patch['force']:.6g}, centre_of_pressure ({at})"
+        torque = patch["torque"] if abs(patch["torque"]) > noise * length else 0.0
+        if torque or hypot(*patch["friction"]) > noise:
+            line += f", friction ({_vector(patch['friction'], noise)}), torque {torque:.6g}"
+        console.print(line, markup=False, soft_wrap=True)
+
+
 def _print_joints(joints: dict[str, Any], length: float, console: Console) -> None:
     force = _largest(joints, "force")
     noise = {"force": NOISE * force, "torque": NOISE * max(force * length, _largest(joints, "torque"))}
@@ -131,4 +136,4 @@ def _contact(event: dict[str, Any]) -> str:
 
 
 def _vector(values: list[float], noise: float = 0.0) -> str:
-    return " ".join(f"{0.0 if abs(value) < noise else value:.5g}" for value in values)
+    return " ".join(f"{0.0 if abs(value) <= noise else value:.5g}" for value in values)
