@@ -42,19 +42,17 @@ static void mg_dop853_stage(mg_context *c, int is_composed, int stage, mg_real t
   mg_stage_right_hand_side(c, is_composed, time, c->step.stage, c->step.slopes + stage * c->layout.n_states);
 }
 
-/* Error relative to the tolerance, root mean square over the states: Hairer's combination of the errors of order 5
-   and 3. */
-static mg_real mg_dop853_error(const mg_context *c, const mg_real *x, mg_real h) {
-  const int n = c->layout.n_states;
+MG_INTERNAL mg_real mg_dop853_error(const mg_context *c, const mg_real *x, const mg_real *end, const mg_real *slopes,
+                                    long stride, mg_real least, mg_real h) {
   mg_real fifth = 0, third = 0;
   for (int range = 0; range < c->listed.n_range; range++)
     for (int i = mg_range_begin(c, range); i < mg_range_end(c, range); i++) {
-      mg_real e5 = 0, e3 = (c->step.end[i] - x[i]) / h;
+      mg_real e5 = 0, e3 = (end[i] - x[i]) / h;
       for (int j = 0; j < 12; j++) {
-        const mg_real slope = c->step.slopes[j * n + i];
+        const mg_real slope = slopes[j * stride + i];
         e5 += mg_dop_fifth[j] * slope, e3 -= mg_dop_third[j] * slope;
       }
-      const mg_real size = fabs(x[i]) > c->step.scale[i] ? fabs(x[i]) : c->step.scale[i];
+      const mg_real size = mg_max(fabs(x[i]), least * c->step.scale[i]);
       const mg_real weight = 1 / (c->settings->tolerance * size);
       fifth += e5 * weight * e5 * weight, third += e3 * weight * e3 * weight;
     }
@@ -73,7 +71,8 @@ MG_INTERNAL mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_rea
   }
   mg_dop853_combine(c, 12, x, h, c->step.end);
   if (follower) follower->stage(c, follower->of, is_composed, 12, t + h, h), follower->h = h;
-  return mg_dop853_error(c, x, h);
+  const mg_real error = mg_dop853_error(c, x, c->step.end, c->step.slopes, c->layout.n_states, 1, h);
+  return follower ? mg_max(error, follower->error(c, follower->of, h)) : error;
 }
 
 MG_INTERNAL void mg_dop853_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
