@@ -648,7 +648,8 @@ enum {
   MG_BY_JUMP = 13,            /* state or acceleration jump for another cause */
   MG_BY_START = 14,           /* the start is corrected by an impact */
   MG_BY_ANISOTROPY = 15,      /* friction differs from direction to direction */
-  MG_BY_BORDER = 16           /* the border of a feature moves */
+  MG_BY_BORDER = 16,          /* the border of a feature moves */
+  MG_BY_LOAD = 17             /* a load jumps where the motion takes it */
 };
 
 /* What a run leaves behind so that it can be gone through backwards; the caller's arrays. */
@@ -705,8 +706,8 @@ MG_API int mg_begin_tangent(const mg_system *system, const mg_settings *settings
                             const mg_directions *directions, mg_tangent *tangent, mg_real *work, int *iwork);
 
 /* As mg_advance, with the derivatives of the state. The run is the same to the last bit, but for more and shorter steps
-   to an instant at which slip dies whose direction changes. Returns MG_LIST_FULL as well
-   where the tape has no room for another step. */
+   to an instant at which slip dies whose direction changes, and over one at which derivatives of the right-hand side
+   jump. Returns MG_LIST_FULL as well where the tape has no room for another step. */
 MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settings, mg_run *run,
                               const mg_directions *directions, mg_tangent *tangent, mg_real t_stop, long max_steps,
                               mg_record *record, mg_events *events, mg_real *work, int *iwork);

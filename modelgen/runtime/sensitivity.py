@@ -45,6 +45,7 @@ REASONS = (  # MG_NO_REASON ..
     "the start is corrected by an impact",
     "friction differs from direction to direction",
     "the border of a feature moves",
+    "a load jumps where the motion takes it",
 )
 
 

@@ -15,11 +15,12 @@ typedef struct {
   const mg_real *slopes[12]; /* [count] slopes of all states at a stage */
 } mg_weighted_slopes;
 
-/* The sum of `count` terms of which entry k has the weight weight[k] and the slope at the stage column[k]. */
-static inline void mg_weigh_slopes(const mg_context *c, int count, const mg_real *weight, const int *column,
-                                   mg_weighted_slopes *of) {
+/* The sum of `count` terms of which entry k has the weight weight[k] and the slope at the stage column[k]; slopes of
+   stages are `stride` apart. */
+static inline void mg_weigh_slopes(const mg_real *slopes, long stride, int count, const mg_real *weight,
+                                   const int *column, mg_weighted_slopes *of) {
   of->count = count, of->weight = weight;
-  for (int k = 0; k < count; k++) of->slopes[k] = c->step.slopes + column[k] * c->layout.n_states;
+  for (int k = 0; k < count; k++) of->slopes[k] = slopes + column[k] * stride;
 }
 
 /* Adds the weighted slopes of the states of a block from i on, one after the other. */
@@ -39,7 +40,8 @@ static inline mg_real mg_add_slopes_of_state(const mg_weighted_slopes *of, int i
 static void mg_dop853_combine(const mg_context *c, int row, const mg_real *x, mg_real h, mg_real *restrict out) {
   const int first = mg_dop_row[row];
   mg_weighted_slopes of;
-  mg_weigh_slopes(c, mg_dop_row[row + 1] - first, mg_dop_value + first, mg_dop_column + first, &of);
+  mg_weigh_slopes(c->step.slopes, c->layout.n_states, mg_dop_row[row + 1] - first, mg_dop_value + first,
+                  mg_dop_column + first, &of);
   for (int range = 0; range < c->listed.n_range; range++) {
     const int begin = mg_range_begin(c, range), end = mg_range_end(c, range), last = end - MG_BLOCK;
     for (int i = begin; i < end && last >= begin; i += MG_BLOCK) {
@@ -60,44 +62,51 @@ static void mg_dop853_stage(mg_context *c, int is_composed, int stage, mg_real t
   mg_stage_right_hand_side(c, is_composed, time, c->step.stage, c->step.slopes + stage * c->layout.n_states);
 }
 
+/* A step whose error is estimated. */
+typedef struct {
+  const mg_real *x, *end; /* its start and its end */
+  mg_real h;              /* its length, s */
+  mg_real least;          /* least size of a state, in its scale */
+} mg_estimated_step;
+
 /* Sums of squares of the errors of order 5 and 3, relative to the tolerance. */
 typedef struct {
   mg_real fifth, third;
 } mg_squared_errors;
 
 /* Adds the errors of a state. */
-static inline void mg_add_error(const mg_context *c, int i, const mg_real *x, mg_real e5, mg_real e3,
+static inline void mg_add_error(const mg_context *c, const mg_estimated_step *of, int i, mg_real e5, mg_real e3,
                                 mg_squared_errors *error) {
-  const mg_real size = fabs(x[i]) > c->step.scale[i] ? fabs(x[i]) : c->step.scale[i];
+  const mg_real size = mg_max(fabs(of->x[i]), of->least * c->step.scale[i]);
   const mg_real weight = 1 / (c->settings->tolerance * size);
   error->fifth += e5 * weight * e5 * weight, error->third += e3 * weight * e3 * weight;
 }
 
 /* Adds the errors of the states from `begin` to `end`. */
-static void mg_add_errors_of_range(const mg_context *c, int begin, int end, const mg_real *x, mg_real h,
+static void mg_add_errors_of_range(const mg_context *c, const mg_estimated_step *of, int begin, int end,
                                    const mg_weighted_slopes *fifth, const mg_weighted_slopes *third,
                                    mg_squared_errors *error) {
   int i = begin;
   for (; i + MG_BLOCK <= end; i += MG_BLOCK) {
     mg_real e5[MG_BLOCK] = {0}, e3[MG_BLOCK];
-    for (int j = 0; j < MG_BLOCK; j++) e3[j] = (c->step.end[i + j] - x[i + j]) / h;
+    for (int j = 0; j < MG_BLOCK; j++) e3[j] = (of->end[i + j] - of->x[i + j]) / of->h;
     mg_add_slopes(fifth, i, e5), mg_add_slopes(third, i, e3);
-    for (int j = 0; j < MG_BLOCK; j++) mg_add_error(c, i + j, x, e5[j], e3[j], error);
+    for (int j = 0; j < MG_BLOCK; j++) mg_add_error(c, of, i + j, e5[j], e3[j], error);
   }
   for (; i < end; i++)
-    mg_add_error(c, i, x, mg_add_slopes_of_state(fifth, i, 0),
-                 mg_add_slopes_of_state(third, i, (c->step.end[i] - x[i]) / h), error);
+    mg_add_error(c, of, i, mg_add_slopes_of_state(fifth, i, 0),
+                 mg_add_slopes_of_state(third, i, (of->end[i] - of->x[i]) / of->h), error);
 }
 
-/* Error relative to the tolerance, root mean square over the states: Hairer's combination of the errors of order 5
-   and 3. */
-static mg_real mg_dop853_error(const mg_context *c, const mg_real *x, mg_real h) {
+MG_INTERNAL mg_real mg_dop853_error(const mg_context *c, const mg_real *x, const mg_real *end, const mg_real *slopes,
+                                    long stride, mg_real least, mg_real h) {
+  const mg_estimated_step of = {x, end, h, least};
   mg_squared_errors error = {0, 0};
   mg_weighted_slopes fifth, third;
-  mg_weigh_slopes(c, 8, mg_dop_fifth, mg_dop_fifth_column, &fifth);
-  mg_weigh_slopes(c, 3, mg_dop_third, mg_dop_third_column, &third);
+  mg_weigh_slopes(slopes, stride, 8, mg_dop_fifth, mg_dop_fifth_column, &fifth);
+  mg_weigh_slopes(slopes, stride, 3, mg_dop_third, mg_dop_third_column, &third);
   for (int range = 0; range < c->listed.n_range; range++)
-    mg_add_errors_of_range(c, mg_range_begin(c, range), mg_range_end(c, range), x, h, &fifth, &third, &error);
+    mg_add_errors_of_range(c, &of, mg_range_begin(c, range), mg_range_end(c, range), &fifth, &third, &error);
   if (error.fifth == 0) return 0;
   return fabs(h) * error.fifth / sqrt((error.fifth + error.third / 100) * c->layout.n_live_states);
 }
@@ -113,7 +122,8 @@ MG_INTERNAL mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_rea
   }
   mg_dop853_combine(c, 12, x, h, c->step.end);
   if (follower) follower->stage(c, follower->of, is_composed, 12, t + h, h), follower->h = h;
-  return mg_dop853_error(c, x, h);
+  const mg_real error = mg_dop853_error(c, x, c->step.end, c->step.slopes, c->layout.n_states, 1, h);
+  return follower ? mg_max(error, follower->error(c, follower->of, h)) : error;
 }
 
 MG_INTERNAL void mg_dop853_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h) {

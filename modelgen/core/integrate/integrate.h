@@ -28,6 +28,12 @@ MG_INTERNAL void mg_scene_rk4(mg_context *c, mg_real t, const mg_real *x, mg_rea
    error relative to the tolerance. */
 MG_INTERNAL mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 
+/* Error of a step h from x to `end` with the slopes of its stages, `stride` apart: Hairer's combination of the errors
+   of order 5 and 3, root mean square over the states, relative to the tolerance of their sizes, which are at least
+   `least` of their scales. */
+MG_INTERNAL mg_real mg_dop853_error(const mg_context *c, const mg_real *x, const mg_real *end, const mg_real *slopes,
+                                    long stride, mg_real least, mg_real h);
+
 /* Makes the interpolant of the step. Needs the slope at its end in row 12 of c->step.slopes. */
 MG_INTERNAL void mg_dop853_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 

@@ -54,7 +54,8 @@ typedef struct {
   int is_open; /* 1: the step now taken is one that is tried, not one towards an event */
   /* After each stage, and with stage 12 at the end; stage 0 comes before the others and is not evaluated. */
   void (*stage)(mg_context *c, void *of, int is_composed, int stage, mg_real t, mg_real h);
-  void (*begin)(mg_context *c, void *of);  /* before a step */
+  mg_real (*error)(mg_context *c, void *of, mg_real h); /* of what goes along, of what it may be; or 0 */
+  void (*begin)(mg_context *c, void *of);               /* before a step */
   void (*settle)(mg_context *c, void *of); /* after the evaluation at the end of a step, before its projection */
   int (*end)(mg_context *c, void *of);     /* after a step; returns 0 where mg_advance is to return */
 } mg_follower;

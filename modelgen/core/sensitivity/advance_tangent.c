@@ -23,7 +23,8 @@ MG_API long mg_sensitivity_size(const mg_system *s, int n) {
   const long states = (long)s->n_q + s->n_u + s->n_eta + 1;
   return 2 * mg_count_reals(mg_save_size(s), 1) + mg_count_reals(1, sizeof(mg_blow)) + 36L * s->n_body +
          4 * mg_sensitivity_rows(s) + s->n_friction_row + (12L * (n ? n : 1) + n + 3) * states + 3 * mg_packed_size(s) +
-         18 + n + 1 + s->n_friction + 2L * s->n_pair + 6L * s->n_joint + 6L * s->n_patch_slot;
+         18 + n + 1 + s->n_friction + s->n_patch_slot + 2L * s->n_pair + 6L * s->n_joint + 12L * s->n_load +
+         6L * s->n_patch_slot;
 }
 
 MG_API long mg_sensitivity_int_size(const mg_system *s) { return (long)s->n_contact + s->n_friction + s->n_patch_slot; }
@@ -55,6 +56,7 @@ static void mg_begin_followed_step(mg_context *c, void *of) {
   const mg_run *run = c->run;
   if (!step->is_stored) mg_store_run(c->system, run, step->before);
   memcpy(s->start, s->tangent->x, (size_t)s->directions->n * (size_t)c->layout.n_states * sizeof(mg_real));
+  mg_note_loads(c, s, run->t);
   s->follower.h = 0;
   step->is_stored = step->is_settled = step->is_carried = 0, step->begun++;
   step->n_event = step->events->count, step->n_record = step->record->count;
@@ -95,7 +97,8 @@ MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int
   const mg_crossing none = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON};
   s->crossing = none;
   s->is_time = s->is_at_event = s->is_singular = 0, s->t_bar = 0, s->doubtful = -1;
-  s->follower = (mg_follower){s, 0, 0, mg_follow_stage, mg_begin_followed_step, mg_settle_step, mg_end_followed_step};
+  s->follower = (mg_follower){
+      s, 0, 0, mg_follow_stage, mg_followed_error, mg_begin_followed_step, mg_settle_step, mg_end_followed_step};
   s->blow = mg_take_memory(&work, 1, sizeof(mg_blow));
   s->at.pose = mg_take_reals(&work, 12 * b), s->at.twist = mg_take_reals(&work, 6 * b);
   s->at.acceleration = mg_take_reals(&work, 6 * b), s->at.wrench = mg_take_reals(&work, 6 * b);
@@ -108,8 +111,10 @@ MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int
   s->slope_before = mg_take_reals(&work, states);
   s->x = mg_take_reals(&work, mg_packed_size(system)), s->x_dot = mg_take_reals(&work, mg_packed_size(system));
   s->y_dot = mg_take_reals(&work, mg_packed_size(system)), s->weights = mg_take_reals(&work, 18);
-  s->event_rate = mg_take_reals(&work, n + 1), s->slip = mg_take_reals(&work, system->n_friction);
+  s->event_rate = mg_take_reals(&work, n + 1),
+  s->slip = mg_take_reals(&work, system->n_friction + system->n_patch_slot);
   s->pair = mg_take_reals(&work, 2L * system->n_pair), s->joint = mg_take_reals(&work, 6L * system->n_joint);
+  s->load = mg_take_reals(&work, 12L * system->n_load);
   s->closed_before = mg_take_ints(&iwork, system->n_contact);
   s->slip_begins = mg_take_ints(&iwork, system->n_friction + system->n_patch_slot);
 }

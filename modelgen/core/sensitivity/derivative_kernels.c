@@ -26,7 +26,8 @@ MG_INTERNAL mg_real mg_event_time_dot(const mg_sensitivity *s, int direction) {
   return -s->event_rate[direction] / s->event_rate[s->directions->n];
 }
 
-MG_INTERNAL mg_real mg_time_dot(const mg_sensitivity *s, int direction) {
+/* Derivative along a direction of the time at which the state is looked at. */
+static mg_real mg_time_dot(const mg_sensitivity *s, int direction) {
   return s->is_at_event ? mg_event_time_dot(s, direction) : s->is_time;
 }
 

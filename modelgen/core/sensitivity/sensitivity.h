@@ -105,6 +105,7 @@ typedef struct {
   const mg_record *record;
   int n_event, n_record, n_differentiated;
   mg_real t, roundoff; /* run->t and t_roundoff */
+  mg_real refused_end; /* end of the last step that was refused for the error of its derivatives, s */
   long steps, passages, fallbacks;
 } mg_followed_step;
 
@@ -126,11 +127,13 @@ typedef struct {
   mg_real *event_rate;   /* [n + 1] derivative of the event function along each direction, and its rate */
   mg_real *pair;         /* [2 n_pair] of gap and force of each pair, as sensors show them */
   mg_real *joint;        /* [6 n_joint] of the wrenches of joints */
+  mg_real *load;         /* [12 n_load] wrenches of the loads at the start of the step */
   mg_blow *blow;         /* the blow of the event */
   mg_real *start;        /* [n n_states] derivatives before the step */
   int *closed_before;    /* [n_contact] closed before the event */
   int *slip_begins;      /* [n_friction + n_patch_slot] 1: slip of the constraint or patch begins in the step */
-  mg_real *slip;         /* [n_friction] at the start of the step, of its tolerance; 0: no slip in a plane */
+  mg_real *slip;         /* [n_friction + n_patch_slot] at the start of the step: of a constraint in a plane, of its
+                            tolerance; of a patch; 0: none */
   mg_real slip_end;      /* time at which slip that falls much in the step would end, s; 0: none falls much */
   int slip_falls;        /* its constraint */
   mg_crossing crossing;  /* of the step treated last */
@@ -173,9 +176,6 @@ MG_INTERNAL mg_real mg_number_dot(const mg_sensitivity *s, const mg_real *array,
 
 /* Derivative of the time of the event along a direction. */
 MG_INTERNAL mg_real mg_event_time_dot(const mg_sensitivity *s, int direction);
-
-/* Derivative along a direction of the time at which the state is looked at. */
-MG_INTERNAL mg_real mg_time_dot(const mg_sensitivity *s, int direction);
 
 /* Largest change of a number along a direction: of states by their scales, of others relative to themselves. */
 MG_INTERNAL mg_real mg_direction_size(const mg_context *c, const mg_sensitivity *s, int direction);
@@ -244,6 +244,9 @@ MG_INTERNAL int mg_has_moving_border(const mg_sensitivity *s);
 
 /* True if faces rest on each other by points that a direction moves within them. */
 MG_INTERNAL int mg_rests_on_moving_points(const mg_context *c, const mg_sensitivity *s);
+
+/* Slip of a constraint in a plane, of its tolerance. Needs the velocities of the rows. */
+MG_INTERNAL mg_real mg_slip_of(const mg_context *c, int contact, int constraint);
 
 #define MG_SLOPES_KEPT 12 /* slopes of a step on a tape: stages of DOP853 */
 
@@ -318,6 +321,22 @@ MG_INTERNAL void mg_border_adjoint(mg_context *c, mg_sensitivity *s, int contact
 /* Carries the derivatives over the event. c is that of the run after it; s->before and s->slope_before are those before
    it. Returns a reason or 0. */
 MG_INTERNAL int mg_cross_event(mg_context *c, mg_sensitivity *s, const mg_crossing *crossing);
+
+/* tangent_error.c */
+
+/* Error of the derivatives at the end of a step of DOP853 that is tried, of an mg_follower of an mg_sensitivity,
+   relative to what it may be. */
+MG_INTERNAL mg_real mg_followed_error(mg_context *c, void *of, mg_real h);
+
+/* load_jumps.c */
+
+/* Notes the loads at the start of a step. */
+MG_INTERNAL void mg_note_loads(const mg_context *c, mg_sensitivity *s, mg_real t);
+
+/* True if a load has jumped in the step of length h to (t, x), at which c is evaluated, where the motion has taken it.
+   `slope`: right-hand side there. */
+MG_INTERNAL int mg_has_load_jump(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x, const mg_real *slope,
+                                 mg_real h);
 
 /* impact_tangent.c */
 

@@ -114,8 +114,7 @@ static int mg_uncertain_step(mg_context *c, mg_sensitivity *s, mg_real h) {
   return MG_NO_REASON;
 }
 
-/* Slip of a constraint in a plane, of its tolerance. Needs the velocities of the rows. */
-static mg_real mg_slip_of(const mg_context *c, int contact, int constraint) {
+MG_INTERNAL mg_real mg_slip_of(const mg_context *c, int contact, int constraint) {
   const mg_real *slip = c->rows.d_dot + mg_first_friction_row(c, contact, constraint);
   return sqrt(mg_dot2(slip, slip)) / mg_slip_velocity_tolerance(c, constraint);
 }
@@ -140,7 +139,7 @@ static int mg_mark_beginning_slip(mg_context *c, mg_sensitivity *s) {
   int any = 0;
   if (!c->system->n_friction) return 0;
   mg_update_gap_rates(c);
-  mg_zero_reals(s->slip, c->system->n_friction);
+  mg_zero_reals(s->slip, c->system->n_friction + c->system->n_patch_slot);
   for (int i = mg_next_row(c, -1); c->system->n_friction && i < c->layout.support_begin; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
       const int mode = c->run->friction_mode[g];
@@ -151,8 +150,11 @@ static int mg_mark_beginning_slip(mg_context *c, mg_sensitivity *s) {
                           !mg_is_turned_by_slip(c, g, c->rows.d_dot + mg_first_friction_row(c, i, g));
       any |= s->slip_begins[g];
     }
-  for (int slot = 0; slot < c->system->n_patch_slot; slot++)
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
+    if (c->run->patch_mode[slot] == MG_SLIPPING)
+      s->slip[c->system->n_friction + slot] = mg_patch_slip_along_direction(c, slot, c->rows.d_dot);
     any |= s->slip_begins[c->system->n_friction + slot] = c->run->patch_mode[slot] == MG_SLIP_STARTING;
+  }
   return any;
 }
 
@@ -312,6 +314,7 @@ MG_INTERNAL int mg_settle_followed_step(mg_context *c, mg_sensitivity *s, mg_rea
   if (!mg_is_followed(s, c->run->t, h) || s->step.is_uncertain || mg_has_unknown_patch_slip(c)) return 0;
   mg_note_falling_slip(c, s, h);
   if (s->slip_end > 0) return 0;
+  if (mg_has_load_jump(c, s, c->run->t, c->run->x, c->step.slopes, h)) return 0;
   mg_combine_end_tangents(c, s, &method, h, s->before);
   mg_settle_eta_tangents(c, s, c->run->t, c->run->x);
   mg_project_tangents(c, s, c->run->t, c->run->x);
@@ -331,6 +334,7 @@ MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h) {
   mg_combine_end_tangents(c, s, &method, h, c->step.end);
   mg_settle_step_end(c, s, t + h);
   mg_note_falling_slip(c, s, h);
+  if (!reason && mg_has_load_jump(c, s, t + h, c->step.end, s->slope_before, h)) reason = MG_BY_LOAD;
   if (!reason && mg_has_unknown_patch_slip(c)) reason = MG_BY_FACES, s->doubtful = mg_first_closed_support(c);
   for (int j = 0; j < n && !reason && slip_begins; j++) {
     mg_rhs_tangent(c, s, j, t + h, c->step.end, s->tangent->x + (long)j * states, s->stage);
