@@ -14,7 +14,6 @@ from modelgen.cli.known_scene import recall, remember, scene_key
 from modelgen.cli.options import read_option
 from modelgen.cli.progress import activity, progress
 from modelgen.errors import ModelgenError
-from modelgen.scene.assemble import with_form
 from modelgen.scene.scene_name import scene_name
 
 if TYPE_CHECKING:
@@ -34,6 +33,8 @@ def read_scene(path: Path, form: str | None) -> Scene:
     name = read_option("form", form)
     if name is None:
         return scene
+    from modelgen.scene.assemble import with_form  # a scene that was built before is not assembled
+
     return with_form(scene, name)
 
 

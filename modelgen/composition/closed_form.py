@@ -1,4 +1,4 @@
-"""The right-hand side of a small scene as one expression, with all contacts held closed.
+"""The right-hand side of a small scene as one expression, with all contacts held closed and sticking.
 
 M a = f + J^T lambda and J a + gamma = 0 give (J M^-1 J^T) lambda = -(J a_free + gamma) and
 a = a_free + M^-1 J^T lambda (Section 3). It serves proofs and instruction counts, and the stages of steps.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from modelgen.composition.contact_mode import ContactMode, held_mode
+from modelgen.composition.contact_mode import ContactMode, friction_of_contacts, held_mode
 from modelgen.composition.moving_bodies import Functions
 from modelgen.composition.right_hand_side import in_mode, slip_speeds, written_scene
 from modelgen.composition.shared_reciprocals import with_shared_reciprocals
@@ -26,23 +26,34 @@ def why_not_closed(model: Model) -> str:
         return f"{len(model.pairs)} contacts"
     for pair in model.pairs:
         n = pair.feature_pairs[1] - pair.feature_pairs[0]
-        if any(model.contact_kinds[model.feature_pairs[k].kind].rows > 1 for k in range(*pair.feature_pairs)):
-            return f"friction at contact {pair.name!r}"
         if n != 1:
             return f"contact {pair.name!r} goes over {n} pairs of faces, edges, vertices, pieces or caps"
+        if pair.friction and len(model.pairs) > 1:
+            return f"friction at contact {pair.name!r}, which is not the only one"
+        if any(constraint.body >= 0 for constraint in pair.friction):
+            return f"friction with a direction at contact {pair.name!r}"
     return ""
 
 
 def closed_right_hand_side(model: Model, functions: Functions) -> ca.Function:
-    """`mg_rhs`: (t, q, u, eta, gravity, parameters) -> (qdot, udot, eta_dot, force(n_pair) N).
+    """`mg_rhs`: (t, q, u, eta, gravity, parameters) -> (qdot, udot, eta_dot, force N or N m).
 
-    Of a pair that more than one contact follows, the first is closed; the eta of the others stay.
+    Of a pair that more than one contact follows, the first is closed, and sticks; the eta of the others
+    stay. `force`: normal forces by pair, then those of the friction rows of these contacts. `parameters`
+    are without coefficients of friction.
     """
     solved = in_mode(model, functions, held_mode(model), slip_speeds(model), ca.SX)
     scene, found = solved.scene, solved.found
-    force = ca.vertcat(ca.SX(0, 1), *(found.forces[pair.contacts[0]] for pair in model.pairs))
+    friction = friction_of_contacts(model)
+    firsts = [pair.contacts[0] for pair in model.pairs]
+    rows = enumerate(scene.rows.rows)
+    below = [k for k, row in rows if row.kind == "friction" and friction[row.owner][0] in firsts]
+    force = ca.vertcat(ca.SX(0, 1), *(found.forces[k] for k in [*firsts, *below]))
     outputs = {"qdot": scene.qdot, "udot": found.udot, "eta_dot": scene.eta_dot, "force": force}
-    return with_shared_reciprocals(kernel("mg_rhs", scene.symbols.arguments, outputs))
+    arguments = scene.symbols.arguments
+    used = int(arguments["parameters"].numel()) - 2 * len(friction)
+    arguments["parameters"] = arguments["parameters"][:used]
+    return with_shared_reciprocals(kernel("mg_rhs", arguments, outputs))
 
 
 def pushed(model: Model, functions: Functions, mode: ContactMode) -> ca.Function:

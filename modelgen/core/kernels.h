@@ -202,16 +202,17 @@ typedef struct {
                 const mg_real *pairs, const mg_real *joints, const mg_real *gravity, const mg_real *parameters,
                 const mg_real *inputs, mg_real *sensors);
 
-  /* Right-hand side of the whole scene in one mode: of each pair the first contact carries force, no other contact is
-     on a feature pair. q_dot, u_dot, eta_dot, and the force of each pair [n_pair], N. kind is 0. 0: not generated; only
-     for scenes without friction, joints, loads, driven bodies and resting faces. */
+  /* Right-hand side of the whole scene in one mode: of each pair the first contact carries force and sticks, no other
+     contact is on a feature pair. q_dot, u_dot, eta_dot, and the normal force of each pair [n_pair], then those of the
+     friction rows of these contacts, N, N m. kind is 0. 0: not generated; only for scenes without joints, loads, driven
+     bodies and resting faces. */
   void (*scene_rhs)(int kind, const mg_real *t, const mg_real *q, const mg_real *u, const mg_real *eta,
                     const mg_real *gravity, const mg_real *parameters, mg_real *qdot, mg_real *udot, mg_real *eta_dot,
                     mg_real *force);
 
   /* A step h of the classical Runge-Kutta method of order 4 with this right-hand side, from x = [q, u, eta] to `end`;
-     slope: that at x, or 0; force: those of the pairs at the four stages [4 n_pair], N, not of the first if its slope
-     is given. Present with scene_rhs. */
+     slope: that at x, or 0; force: those of scene_rhs at the four stages, not at the first if its slope is given.
+     Present with scene_rhs. */
   void (*scene_step)(const mg_real *t, const mg_real *x, mg_real h, const mg_real *gravity, const mg_real *parameters,
                      const mg_real *slope, mg_real *force, mg_real *end);
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from modelgen.errors import ExpressionError, SceneError
 from modelgen.scene.expression import Expression, evaluate, parse_expression
-from modelgen.scene.scene_types import Input
+
+if TYPE_CHECKING:
+    from modelgen.scene.scene_types import Input
 
 
 class Use(NamedTuple):

@@ -17,7 +17,7 @@ TRIES = 8  # states drawn for each that is wanted: not every one is regular
 
 
 def check_rhs(function: ca.Function, derivation: Derivation, n: int, seed: int) -> list[Finding]:
-    """Gaps keep J u_dot + gamma = 0; without contact forces each body would move as its own kernel says."""
+    """Rows keep J u_dot + gamma = 0; without contact forces each body would move as its own kernel says."""
     random = np.random.default_rng(seed)
     gaps, pushes, units = [], [], []
     for _ in range(TRIES * n):
@@ -68,7 +68,7 @@ def random_state(model: Model, random: np.random.Generator) -> list[Array]:
 def _residuals(
     derivation: Derivation, state: list[Array], qdot: Array, udot: Array, eta_dot: Array, force: Array
 ) -> tuple[Array, Array]:
-    """J u_dot + gamma of each feature pair; M (u_dot - a) - J^T lambda of each body without loads."""
+    """J u_dot + gamma of the rows of feature pairs; M (u_dot - a) - J^T lambda of bodies without loads."""
     model, (t, q, u, eta, gravity, _, *settings) = derivation.model, state
     poses, twists, accels = _kinematics(derivation, t, q, u, udot, settings)
     left = {k: np.zeros(0) for k, _ in enumerate(model.bodies)}
@@ -76,7 +76,7 @@ def _residuals(
         kind = model.body_kinds[body.kind]
         if kind.motion in ("point", "free") and not kind.loaded:
             left[k] = _pushed(derivation, k, q, u, gravity, accels[k])
-    gaps = []
+    gaps, of_friction = [], iter(force[len(model.feature_pairs) :])
     for index, feature_pair in enumerate(model.feature_pairs):
         rates = derivation.function(f"mg_{model.contact_kinds[feature_pair.kind].name}_rates")
         start = model.contacts[model.pairs[feature_pair.pair].contacts[0]].eta
@@ -90,13 +90,19 @@ def _residuals(
             np.array(feature_pair.parameters),
         ]
         cut = [ca.DM(value[: rates.numel_in(k)]) for k, value in enumerate(given)]
-        _, J_o, J_f, gamma, _, _ = (np.asarray(value).ravel() for value in rates.call(cut))
-        gaps.append(
-            gamma[0] + J_o @ accels[feature_pair.o][: len(J_o)] + J_f @ accels[feature_pair.f][: len(J_f)]
-        )
-        for side, J in ((feature_pair.o, J_o), (feature_pair.f, J_f)):
+        found = {
+            name: np.asarray(value) for name, value in zip(rates.name_out(), rates.call(cut), strict=True)
+        }
+        friction = model.pairs[feature_pair.pair].friction
+        rows = [0, *(1 + each.row + k for each in friction for k in range(each.rows))]
+        gamma, along = found["gamma"].ravel(), np.zeros(len(rows))
+        forces = np.array([force[index], *(next(of_friction) for _ in rows[1:])])
+        for side, name in ((feature_pair.o, "J_o"), (feature_pair.f, "J_f")):
+            J = found[name].reshape(len(gamma), -1)[rows]
+            along += J @ accels[side][: J.shape[1]]
             if left[side].size:
-                left[side] -= J * force[index]
+                left[side] -= J.T @ forces
+        gaps += list(gamma[rows] + along)
     return np.array(gaps), np.concatenate([np.zeros(0), *left.values()])
 
 

@@ -5,15 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from modelgen import Accuracy, build, derive, emit, read, require
+from modelgen import Accuracy, build, derive, emit, read, require, simulate
 from modelgen.codegen.library import Library
 from modelgen.runtime.session import Session
+from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.read import read_text
-from tests.running import SCENES, scene_of
+from tests.running import SCENES, library_of, scene_of
 
 STEP = 1e-3
 ROUNDING = 1e-13  # relative to the size of a slope; sums of some hundred terms
 COMPOSED = ("ball_in_bowl", "disc_on_rim", "ellipsoid_on_ellipsoid", "ellipsoid_on_plane", "linked_rings")
+STICKING = ("coin", "rattleback", "rolling_disc", "rolling_ellipsoid", "spinning_egg")
 
 
 def held(library: Library, accuracy: Accuracy) -> Session:
@@ -26,6 +28,7 @@ def held(library: Library, accuracy: Accuracy) -> Session:
     session.closed[firsts] = session.active[firsts] = 1
     others = [k for k in range(session.n_contact) if k not in firsts]
     session.feature_pair[others] = -1
+    session.friction_mode[:-1] = 1  # sticks
     return session
 
 
@@ -42,7 +45,7 @@ def by_hand(session: Session) -> np.ndarray:
     return np.asarray(x + STEP / 6 * (slopes[0] + 2 * (slopes[1] + slopes[2]) + slopes[3]))
 
 
-@pytest.mark.parametrize("name", COMPOSED)
+@pytest.mark.parametrize("name", [*COMPOSED, *STICKING])
 def test_a_step_of_rk4_is_that_of_the_kernels(name: str) -> None:
     library = scene_of(name)
     assert "mg_rhs" in library.manifest.functions
@@ -52,6 +55,37 @@ def test_a_step_of_rk4_is_that_of_the_kernels(name: str) -> None:
     np.testing.assert_allclose(
         session.x[: session.n_x - 1], expected[:-1], rtol=ROUNDING, atol=ROUNDING * np.abs(expected).max()
     )
+
+
+def rolling(friction: float, push: str) -> Trajectory:
+    """An ellipsoid that rolls until it slips; with a load it has no composed right-hand side."""
+    text = (SCENES / "rolling_ellipsoid.toml").read_text().replace("friction = 1.0", f"friction = {friction}")
+    library = library_of(read_text(text + push, "rolling.toml"))
+    assert ("mg_rhs" in library.manifest.functions) == (not push)
+    return simulate(library, until=1.0, accuracy=Accuracy.tight(), samples=20)
+
+
+LOAD = '\n[[force]]\nbody = "egg"\nforce = ["0*vx", "0", "0"]\n'
+
+
+@pytest.mark.parametrize("friction", [0.05, 0.1, 1.0])
+def test_rolling_that_comes_to_slip_is_that_of_the_kernels(friction: float) -> None:
+    own, other = (rolling(friction, push) for push in ("", LOAD))
+    events = [[(event.kind, event.contact) for event in path.events] for path in (own, other)]
+    assert events[0] == events[1]
+    assert bool(events[0]) == (friction < 1)
+    times = [[event.t for event in path.events] for path in (own, other)]
+    np.testing.assert_allclose(times[0], times[1], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(own.p, other.p, rtol=0, atol=1e-11)
+
+
+def test_a_contact_that_slips_takes_the_kernels_of_the_kinds() -> None:
+    """The composed right-hand side would stop it."""
+    session = held(scene_of("sphere_slide_to_roll"), Accuracy.tight().fixed_step(STEP))
+    session.friction_mode[:-1] = 4  # slips
+    expected = by_hand(session)
+    session.smooth(1)
+    np.testing.assert_allclose(session.x[: session.n_x - 1], expected[:-1], rtol=ROUNDING, atol=ROUNDING)
 
 
 def test_numbers_folded_into_the_code_give_the_same_step() -> None:

@@ -9,8 +9,11 @@ import numpy as np
 import pytest
 
 from modelgen import derive, read, require
+from modelgen.composition.closed_form import why_not_closed
 from modelgen.composition.constraint_forces import eliminated
 from modelgen.derivation import Derivation
+from modelgen.scene.read import read_text
+from modelgen.verification.right_hand_side import check_rhs
 from tests.model.scenes import WIDE
 from tests.running import SCENES
 
@@ -99,6 +102,47 @@ def bodies(derivation: Derivation, t: float, q: Array, u: Array, g: Array) -> tu
             )
             accels[k][:n_u] = call(derivation.function(f"mg_{kind.name}_motion"), *own, g, body.parameters)[1]
     return poses, twists, accels, columns
+
+
+@pytest.mark.parametrize(
+    "name", ["coin", "rattleback", "rolling_disc", "spinning_egg", "sphere_slide_to_roll", "turntable"]
+)
+def test_a_contact_with_friction_sticks(name: str) -> None:
+    """Its friction rows keep J u_dot + gamma = 0, as the normal row does, by the kernels of the kinds."""
+    derivation = derive(require(read(SCENES / f"{name}.toml")))
+    findings = check_rhs(derivation.function("mg_rhs"), derivation, 20, seed=3)
+    assert [finding.quantity for finding in findings] == ["udot", "force"]
+    assert all(finding.status != "failed" for finding in findings)
+
+
+SECOND = """
+[[body]]
+name = "other"
+shape = { kind = "sphere", radius = 0.05 }
+density = 1000.0
+position = [1.0, 0.0, 0.05]
+
+[[contact]]
+between = ["other", "table"]
+"""
+
+
+@pytest.mark.parametrize(
+    ("friction", "more", "why"),
+    [
+        ("{ kinetic = [0.5, 0.2], direction = [1.0, 0.0, 0.0] }", "", "direction"),
+        ("1.0", SECOND, "not the only one"),
+        ("1.0", "", ""),
+    ],
+)
+def test_friction_has_a_closed_form_at_one_contact_without_direction(
+    friction: str, more: str, why: str
+) -> None:
+    text = (SCENES / "rolling_ellipsoid.toml").read_text()
+    model = require(read_text(text.replace("friction = 1.0", f"friction = {friction}") + more, "varied.toml"))
+    found = why_not_closed(model)
+    assert why in found
+    assert bool(found) == bool(why)
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -22,7 +22,10 @@ Modelgen = Callable[..., Any]
 ROOT = Path(__file__).parents[2]
 EGG = Path("scenes/ellipsoid_on_plane.toml")
 FOLDER = Path("generated/ellipsoid_on_plane")
-HEAVY = ("casadi", "scipy", "sympy", "mpmath", "matplotlib")
+HEAVY = (
+    *("casadi", "scipy", "sympy", "mpmath", "matplotlib"),
+    *("modelgen.scene.scene_types", "modelgen.scene.assemble"),
+)
 
 
 def key() -> str:
@@ -71,7 +74,7 @@ def test_a_second_run_derives_nothing_and_gives_the_same(
     assert without_time(modelgen("simulate", EGG, "--json").json) == ran
 
 
-def test_a_second_run_loads_no_library_of_symbols(ran: dict[str, Any]) -> None:
+def test_a_second_run_loads_no_library_of_symbols_and_no_reader_of_scenes(ran: dict[str, Any]) -> None:
     code = (
         "import sys\nfrom modelgen.cli import main\n"
         f"sys.argv = ['modelgen', 'simulate', {str(EGG)!r}, '--json']\n"

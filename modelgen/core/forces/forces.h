@@ -145,6 +145,12 @@ MG_INTERNAL void mg_right_hand_side(mg_context *c, mg_real t, const mg_real *x, 
 /* True if the scene has a composed right-hand side, and the run is in its mode. */
 MG_INTERNAL int mg_is_in_mode_of_scene_rhs(const mg_context *c);
 
+/* Number of the forces that the composed right-hand side gives. */
+MG_INTERNAL int mg_scene_force_count(const mg_context *c);
+
+/* Makes these forces those of the rows. */
+MG_INTERNAL void mg_set_scene_forces(mg_context *c, const mg_real *force);
+
 /* Evaluate x_dot = f(t, x) and the forces of the contacts at a stage of a step; by the composed right-hand side if
    `is_composed`, which leaves poses, rows and accelerations of the context as they were. */
 MG_INTERNAL void mg_stage_right_hand_side(mg_context *c, int is_composed, mg_real t, const mg_real *x, mg_real *x_dot);

@@ -157,16 +157,45 @@ MG_INTERNAL void mg_right_hand_side(mg_context *c, mg_real t, const mg_real *x, 
   c->run->rhs_evals++;
 }
 
+/* True if all friction of a contact sticks. */
+static int mg_sticks(const mg_context *c, int contact) {
+  for (int g = c->system->contact_friction[contact]; g < c->system->contact_friction[contact + 1]; g++)
+    if (c->run->friction_mode[g] != MG_STICKING) return 0;
+  return 1;
+}
+
 MG_INTERNAL int mg_is_in_mode_of_scene_rhs(const mg_context *c) {
   const mg_system *s = c->system;
   if (!c->kernels->scene_rhs || !c->settings->use_gamma || c->listed.has_candidates) return 0;
+  if (s->n_friction && c->run->forces_redundant) return 0;
   for (int pair = 0; pair < s->n_pair; pair++)
     for (int i = s->pair_contact[pair]; i < s->pair_contact[pair + 1]; i++) {
       const int is_first = i == s->pair_contact[pair];
       if (c->run->active[i] != is_first || (c->run->feature_pair[i] >= 0) != is_first || c->run->rolling_start[i])
         return 0;
+      if (is_first && !mg_sticks(c, i)) return 0;
     }
   return 1;
+}
+
+MG_INTERNAL int mg_scene_force_count(const mg_context *c) {
+  const mg_system *s = c->system;
+  int count = s->n_pair;
+  for (int pair = 0; pair < s->n_pair && s->n_friction; pair++)
+    for (int g = s->contact_friction[s->pair_contact[pair]]; g < s->contact_friction[s->pair_contact[pair] + 1]; g++)
+      count += mg_friction_row_count(c, g);
+  return count;
+}
+
+MG_INTERNAL void mg_set_scene_forces(mg_context *c, const mg_real *force) {
+  const mg_system *s = c->system;
+  for (int pair = 0; pair < s->n_pair; pair++) c->solution.force[s->pair_contact[pair]] = *force++;
+  for (int pair = 0; pair < s->n_pair && s->n_friction; pair++) {
+    const int i = s->pair_contact[pair];
+    for (int g = s->contact_friction[i]; g < s->contact_friction[i + 1]; g++)
+      for (int k = 0; k < mg_friction_row_count(c, g); k++)
+        c->solution.force[mg_first_friction_row(c, i, g) + k] = *force++;
+  }
 }
 
 MG_INTERNAL void mg_stage_right_hand_side(mg_context *c, int is_composed, mg_real t, const mg_real *x, mg_real *x_dot) {
@@ -179,7 +208,7 @@ MG_INTERNAL void mg_stage_right_hand_side(mg_context *c, int is_composed, mg_rea
   c->kernels->scene_rhs(0, &t, x, x + s->n_q, eta, s->gravity, s->parameters, x_dot, x_dot + s->n_q,
                         x_dot + s->n_q + s->n_u, c->rows.row_rate);
   x_dot[c->layout.work_state] = 0;
-  for (int pair = 0; pair < s->n_pair; pair++) c->solution.force[s->pair_contact[pair]] = c->rows.row_rate[pair];
+  mg_set_scene_forces(c, c->rows.row_rate);
   c->run->rhs_evals++;
 }
 

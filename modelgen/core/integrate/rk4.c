@@ -3,14 +3,28 @@
 #include "model/model.h"
 #include "forces/forces.h"
 
+/* Forces at the stages of mg_scene_rk4: rows of slopes that it does not need otherwise. */
+static mg_real *mg_scene_step_forces(const mg_context *c) { return c->step.slopes + c->layout.n_states; }
+
 MG_INTERNAL void mg_scene_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h, const mg_real *slope) {
   const mg_system *s = c->system;
-  mg_real *force = c->step.slopes + c->layout.n_states; /* rows that the step does not need otherwise */
-  c->kernels->scene_step(&t, x, h, s->gravity, s->parameters, slope, force, c->step.end);
+  c->kernels->scene_step(&t, x, h, s->gravity, s->parameters, slope, mg_scene_step_forces(c), c->step.end);
   c->step.end[c->layout.work_state] = x[c->layout.work_state];
-  for (int k = s->n_pair; k < 4 * s->n_pair; k++)
-    if (force[k] < 0) c->step.sign_changed = 1;
   c->run->rhs_evals += slope ? 3 : 4;
+}
+
+/* Watches event functions at the last three stages of mg_scene_rk4. */
+static void mg_watch_scene_stages(mg_context *c) {
+  const mg_system *s = c->system;
+  const int count = mg_scene_force_count(c);
+  for (int stage = 1; stage < 4; stage++) {
+    const mg_real *force = mg_scene_step_forces(c) + stage * count;
+    for (int pair = 0; pair < s->n_pair; pair++)
+      if (force[pair] < 0) c->step.sign_changed = 1;
+    if (!s->n_friction) continue;
+    mg_set_scene_forces(c, force);
+    if (mg_has_any_friction_event(c)) c->step.sign_changed = 1;
+  }
 }
 
 MG_INTERNAL void mg_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
@@ -19,6 +33,7 @@ MG_INTERNAL void mg_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   mg_real *K = c->step.slopes;
   if (is_composed && c->settings->newton <= 1) {
     mg_scene_rk4(c, t, x, h, K);
+    mg_watch_scene_stages(c);
     return;
   }
   for (int stage = 0; stage < 3; stage++) {
