@@ -298,8 +298,9 @@ static void mg_search_free_feature_pairs(mg_context *c, int pair, const mg_searc
   const mg_system *s = c->system;
   const int has_held_lines = mg_is_time_stepping(c);
   for (int feature_pair = s->pair_feature_pair[pair]; feature_pair < s->pair_feature_pair[pair + 1]; feature_pair++)
-    if (!mg_is_feature_pair_in_use(c, pair, feature_pair) && !mg_is_feature_pair_covered(c, feature_pair) &&
-        !mg_is_out_of_reach(c, feature_pair) && !(has_held_lines && mg_is_line_held_at_end(c, pair, feature_pair)))
+    if (!mg_is_feature_pair_in_use(c, pair, feature_pair) && !mg_is_out_of_reach(c, feature_pair) &&
+        !mg_is_feature_pair_covered(c, feature_pair) &&
+        !(has_held_lines && mg_is_line_held_at_end(c, pair, feature_pair)))
       mg_search_feature_pair(c, feature_pair, limits, least, kept);
 }
 

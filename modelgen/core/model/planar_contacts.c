@@ -129,12 +129,20 @@ MG_INTERNAL int mg_has_patch_just_opened(const mg_context *c, int contact) {
   return -4 * c->rows.d[contact] > fall_length && -4 * c->rows.d[contact] < 3 * fall_length;
 }
 
+/* True if a contact starts to roll from a patch. */
+static int mg_has_patch_rolling_start(const mg_context *c) {
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
+    if (c->run->rolling_start[i]) return 1;
+  return 0;
+}
+
 MG_INTERNAL int mg_is_feature_pair_covered(const mg_context *c, int feature_pair) {
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     const int patch = mg_patch_of_slot(c, slot);
     if (patch >= 0 && mg_is_feature_pair_in_patch(c, patch, feature_pair)) return 1;
   }
-  if (!c->system->n_patch_slot || !mg_is_feature_pair_of_flat_faces(c, feature_pair)) return 0;
+  if (!c->system->n_patch_slot || !mg_is_feature_pair_of_flat_faces(c, feature_pair) || !mg_has_patch_rolling_start(c))
+    return 0;
   for (int patch = 0; patch < c->system->n_patch; patch++)
     if (mg_is_feature_pair_in_patch(c, patch, feature_pair) && mg_is_patch_rolling_start(c, patch)) return 1;
   return 0;
