@@ -22,10 +22,10 @@ enum {
   MG_NEAREST_STEPS = 40 /* most steps of the search for a nearest point */
 };
 
-#define MG_HELD_MARGIN (mg_real)(16 * sqrt(MG_EPS))  /* what y'x must exceed, |y| = 1 */
+#define MG_HELD_MARGIN \
+  (mg_real)(16 * sqrt(MG_EPS)) /* what y'x must exceed, |y| = 1; sine of half an arc that is not halved */
 #define MG_HELD_CLEAR (mg_real) sqrt(MG_HELD_MARGIN) /* length that a vector must exceed to count for a rank */
 #define MG_HELD_NOISE (mg_real) sqrt(MG_EPS)         /* length up to which it is zero */
-#define MG_HELD_NARROW (1 - MG_HELD_MARGIN)          /* cosine of half an arc that is not halved */
 
 typedef enum { MG_OPENS, MG_STICKS, MG_SLIPS, MG_SLIDES /* on, along a given direction */ } mg_contact_mode;
 
@@ -218,7 +218,8 @@ static int mg_is_cell_excluded(const mg_held_contacts *s, const mg_slip_arc *arc
 static mg_slip_arc mg_part_of_arc(const mg_slip_arc *arc, int part) {
   const int is_all = arc->cosine < 0;
   const mg_real cosine = is_all ? (mg_real)0.5 : (mg_real)sqrt((1 + arc->cosine) / 2);
-  const mg_real sine = (mg_real)sqrt(1 - cosine * cosine), turn = is_all ? 2 * sine * cosine : sine;
+  const mg_real sine = is_all ? (mg_real)sqrt(0.75) : arc->sine / (2 * cosine),
+                turn = is_all ? 2 * sine * cosine : sine;
   const mg_real along = is_all ? cosine * cosine - sine * sine : cosine, across = part ? turn : -turn;
   mg_slip_arc out = {{along * arc->t[0] - across * arc->t[1], along * arc->t[1] + across * arc->t[0]}, cosine, sine};
   if (part == 2) out.t[0] = arc->t[0], out.t[1] = arc->t[1];
@@ -234,7 +235,8 @@ static int mg_are_arcs_excluded(mg_held_contacts *s, const mg_slip_arc *arc) {
     part[k] = arc[k];
     if (s->mode[k] == MG_SLIPS && (widest < 0 || arc[k].cosine < arc[widest].cosine)) widest = k;
   }
-  if (widest < 0 || arc[widest].cosine > MG_HELD_NARROW || ++s->cells > MG_HELD_CELLS) return 0;
+  if (widest < 0 || (arc[widest].cosine > 0 && arc[widest].sine < MG_HELD_MARGIN) || ++s->cells > MG_HELD_CELLS)
+    return 0;
   for (int k = 0; k < (arc[widest].cosine < 0 ? 3 : 2); ++k) {
     part[widest] = mg_part_of_arc(arc + widest, k);
     if (!mg_are_arcs_excluded(s, part)) return 0;
