@@ -110,22 +110,25 @@ def _errors(
     moving = [k for k, body in bodies if body["motion"] in ("point", "free")]
     turning = [k for k, body in bodies if body["motion"] == "free"]
     tiny, scales = ROUNDED * float(np.finfo(path.p.dtype).eps), instance["scales"]
-    size = max(scales["length"], float(np.abs(path.p[:n, moving]).max(initial=0.0)))
-    fast = max(scales["length"] / scales["time"], float(np.abs(path.v[:n, moving]).max(initial=0.0)))
-    turns = max(1 / scales["time"], float(np.abs(path.w[:n, turning]).max(initial=0.0)))
+    far, speed = (float(np.abs(each[:n, moving]).max(initial=0.0)) for each in (path.p, path.v))
+    spin = float(np.abs(path.w[:n, turning]).max(initial=0.0))
+    size, fast = max(scales["length"], far), max(scales["length"] / scales["time"], speed)
     walk = float(np.finfo(path.p.dtype).eps) / 2 * np.sqrt(path.steps * path.t[:n] / (path.t_end or 1.0))
     moved, is_turning = path.t[:n] / np.sqrt(3), float(bool(turning))
     found = {
         "position": (
             distance_between(path.p, twin.p, moving)[:n],
-            tiny * size + walk * (size + fast * moved),
+            tiny * size + walk * (far + speed * moved),
         ),
         "rotation": (
             angle_between(path.quaternion[:n, turning], twin.quaternion[:n, turning]),
-            is_turning * (tiny + walk * (1 + turns * moved)),
+            is_turning * (tiny + walk * (1 + spin * moved)),
         ),
-        "velocity": (distance_between(path.v, twin.v, moving)[:n], (tiny + walk) * fast),
-        "spin": (distance_between(path.w, twin.w, turning)[:n], is_turning * (tiny + walk) * turns),
+        "velocity": (distance_between(path.v, twin.v, moving)[:n], tiny * fast + walk * speed),
+        "spin": (
+            distance_between(path.w, twin.w, turning)[:n],
+            is_turning * (tiny * max(1 / scales["time"], spin) + walk * spin),
+        ),
     }
     return {key: (np.maximum.accumulate(apart), least) for key, (apart, least) in found.items()}
 
