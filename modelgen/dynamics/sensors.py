@@ -52,9 +52,9 @@ def sensor_parameters(model: Model) -> tuple[float, ...]:
 
 
 def sensor_kernel(model: Model) -> ca.Function:
-    """`mg_sensors`: (t, pose(12 a body), twist(6 a body), accel(6 a body: rate of the twist), pairs(2 a pair:
-    least gap m, normal force N), joints(6 a joint: its wrench on the second body), gravity(3), parameters,
-    inputs) -> (sensors): the components of all sensors in order."""
+    """`mg_sensors`: (t, pose(12 a body), twist(6 a body), accel(6 a body: rate of the twist), pairs(2 a pair,
+    then 2 a limit of a joint: least gap m, normal force N), joints(6 a joint: its wrench on the second body),
+    gravity(3), parameters, inputs) -> (sensors): the components of all sensors in order."""
     symbols = _Symbols.of(model)
     known = dict(symbols.values)
     shown = []
@@ -82,7 +82,7 @@ class _Symbols:
             "pose": POSE * len(model.bodies),
             "twist": TWIST * len(model.bodies),
             "accel": TWIST * len(model.bodies),
-            "pairs": OF_A_PAIR * len(model.pairs),
+            "pairs": OF_A_PAIR * (len(model.pairs) + len(model.limits)),
             "joints": WRENCH * len(model.joints),
             "gravity": 3,
             "parameters": len(sensor_parameters(model)),

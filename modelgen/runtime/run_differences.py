@@ -104,10 +104,10 @@ class _Runs:
         return np.array(rows)
 
     def _change_start(self, session: Session, direction: Direction, change: float) -> None:
-        """Change the start as far as its constraints permit."""
+        """Change the start, as joints and blows correct it, as far as its constraints permit."""
         arrays = direction_arrays(session.library, [direction], self._parameters)
         run = TangentRun(self._session(session.library), arrays, 1)
-        session.x[:] += change * run.state_derivatives()[0]
+        session.x[:] = run.session.x + change * run.state_derivatives()[0]
         for body in session.instance["bodies"]:
             if body["motion"] == "free":
                 session.x[body["q"] + 3 : body["q"] + 7] /= np.linalg.norm(

@@ -9,6 +9,7 @@ import pytest
 
 from modelgen import sensitivity
 from modelgen.codegen.library import Library
+from modelgen.runtime.run_differences import run_differences
 from modelgen.scene.read import read_text
 from tests.sensitivity.differences import differentiable
 
@@ -446,3 +447,20 @@ def test_a_start_that_a_joint_corrects() -> None:
     for row, entry in ((0, 0), (2, 1), (4, 2)):
         expected = complex_step(lambda *v, entry=entry: kicked(*v)[entry], tuple(values.values()))
         assert np.allclose(found.jacobian[0, row], expected, atol=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [(ROD, {"turn": 0.5, "kick": 1.7}), (BALL.replace('"high"', "0.1"), {"up": -2.0, "bounce": 0.6})],
+)
+def test_differences_of_a_start_that_is_corrected(text: str, values: dict[str, float]) -> None:
+    """A change of the start is one of what joints and blows have made of it."""
+    library = built(text, values)
+    body, quantities = (
+        ("rod", ("velocity", "angular_velocity")) if text is ROD else ("ball", ("position", "velocity"))
+    )
+    of = [f"{body}.{quantity}" for quantity in quantities]
+    by = [*values, *of]
+    found = sensitivity(library, 0.1, of=of, by=by, accuracy="tight", estimate=False)
+    expected = run_differences(library, 0.1, of=of, by=by, accuracy="tight")
+    assert np.allclose(found.jacobian, expected, atol=1e-7)
