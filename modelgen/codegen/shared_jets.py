@@ -151,17 +151,13 @@ def _without_jets(kernel: ca.Function, calls: tuple[JetCall, ...]) -> SharedKern
         symbols = [ca.SX.sym("jet", each.numel()) for each in computed]
         numbers = ca.vertcat(*symbols)
         steps = tuple(instructions(together))
-        entries = {
-            each.operands[0]: each.place[1]
+        computing = {each.number for each in steps if each.operands}
+        known = {
+            each.operands[0]: numbers[each.place[1]]
             for each in steps
-            if each.operation == ca.OP_OUTPUT and each.place[0] == 0
+            if each.operation == ca.OP_OUTPUT and each.place[0] == 0 and each.operands[0] in computing
         }
-        _, *outputs = rebuilt(
-            together,
-            steps,
-            inputs,
-            lambda each, _: numbers[entries[each.number]] if each.number in entries else None,
-        )
+        _, *outputs = rebuilt(together, steps, inputs, known=known)
         needed = [any(ca.which_depends(ca.veccat(*outputs), each, 1, True)) for each in symbols]
         jets = ca.vertcat(ca.SX(0, 1), *compress(symbols, needed))
         return SharedKernel(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
@@ -53,7 +53,8 @@ def rebuilt(
     function: ca.Function,
     steps: Sequence[Instruction],
     inputs: list[ca.SX],
-    replacement: Callable[[Instruction, tuple[ca.SX, ...]], ca.SX | None],
+    replacement: Callable[[Instruction, tuple[ca.SX, ...]], ca.SX | None] = lambda *_: None,
+    known: Mapping[int, ca.SX] | None = None,
 ) -> list[ca.SX]:
     """The outputs of a function as expressions of other inputs; to be called where `unsimplified` holds.
 
@@ -63,10 +64,11 @@ def rebuilt(
         inputs: take the place of its inputs.
         replacement: given an operation and the values of its operands, what takes the place of its result;
             None: nothing does.
+        known: results by the numbers of their instructions; what only they need is not made.
     """
     outputs = [ca.SX(function.sparsity_out(k)) for k in range(function.n_out())]
-    values: dict[int, ca.SX] = {}
-    for each in steps:
+    values = dict(known or {})
+    for each in _needed(steps, values):
         operands = tuple(values[number] for number in each.operands)
         if each.operation == ca.OP_OUTPUT:
             outputs[each.place[0]].nz[each.place[1]] = operands[0]
@@ -78,6 +80,17 @@ def rebuilt(
             other = replacement(each, operands)
             values[each.number] = _result(each.operation, operands) if other is None else other
     return outputs
+
+
+def _needed(steps: Sequence[Instruction], known: Container[int]) -> list[Instruction]:
+    """The instructions that the outputs need beside known results."""
+    needed: set[int] = set()
+    found = []
+    for each in reversed(steps):
+        if each.number not in known and (each.operation == ca.OP_OUTPUT or each.number in needed):
+            needed.update(each.operands)
+            found.append(each)
+    return found[::-1]
 
 
 def _result(operation: int, operands: tuple[ca.SX, ...]) -> ca.SX:
