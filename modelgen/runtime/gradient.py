@@ -15,7 +15,7 @@ from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_keywords, with_parameters
 from modelgen.runtime.directions import direction_arrays, directions_of
 from modelgen.runtime.inputs import Inputs
-from modelgen.runtime.sensitivity import Outputs, TangentRun, Verdict, times_of
+from modelgen.runtime.sensitivity import VERDICTS, Outputs, TangentRun, Verdict, times_of
 from modelgen.runtime.session import Session
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.tables.ctypes_structures import COTANGENT_ARRAYS, INTEGER, Array, address
@@ -104,7 +104,7 @@ def gradient(
         value=float(number),
         by=tuple(direction.name for direction in directions),
         gradient=found_gradient,
-        verdict=shown[-1][2],
+        verdict=max((each for _, _, each in shown), key=lambda each: VERDICTS.index(each.kind)),
         forward_difference=abs(forward - float(weights @ found_gradient)) / size if size else 0.0,
     )
 

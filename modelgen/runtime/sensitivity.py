@@ -47,11 +47,13 @@ REASONS = (  # MG_NO_REASON ..
     "the border of a feature moves",
     "a load jumps where the motion takes it",
 )
+AT_EVENT = "an event happens at this very time"
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """Whether a derivative holds: "differentiable" or "undecided", with the first cause of that."""
+    """Whether a derivative holds: "differentiable", "one-sided" for changes by which an event at this very
+    time comes sooner, or "undecided"; with the first cause of that."""
 
     kind: str
     reason: str = ""
@@ -328,11 +330,20 @@ class TangentRun:
     def _verdict(self) -> Verdict:
         tangent = self._tangent
         if not tangent.verdict:
-            return Verdict(VERDICTS[0])
+            return self._verdict_at_event()
         reason = REASONS[tangent.reason]
         return Verdict(
             VERDICTS[tangent.verdict], reason, float(tangent.reason_t), self._contact(tangent.reason_contact)
         )
+
+    def _verdict_at_event(self) -> Verdict:
+        """One-sided at the very time of an event that comes sooner in some changed runs, later in others."""
+        session = self.session
+        near = float(session.settings.event_tolerance) * session.instance["scales"]["time"]
+        for event in reversed(self.events()):
+            if abs(event.t - float(session.run.t)) <= near and np.any(event.by):
+                return Verdict(VERDICTS[1], AT_EVENT, event.t, event.contact)
+        return Verdict(VERDICTS[0])
 
     def _contact(self, index: int) -> str:
         return self.session.contact_name(index) if index >= 0 else ""

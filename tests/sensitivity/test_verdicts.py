@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from math import sqrt
 
+import casadi
 import numpy as np
 import pytest
 
-from modelgen import Accuracy, sensitivity
+from modelgen import Accuracy, gradient, sensitivity
 from modelgen.scene.read import read_text
 from tests.sensitivity.differences import differentiable, shipped
 
@@ -170,3 +171,33 @@ force = ["40*t*push", "aside", 0.0]
         assert found.verdict.contact == "ball-floor"
         assert found.verdict.reason == "slip begins in a direction that depends on the change"
     assert np.all(np.isfinite(found.jacobian))
+
+
+@pytest.mark.parametrize("apart", [-1e-3, -1e-10, 0.0, 1e-10, 1e-3])
+def test_the_very_time_of_an_event(apart: float) -> None:
+    """A ball strikes the floor, and has yet to do so in some changed runs: derivatives hold on one side."""
+    text = f"""{BALL}
+position = [0.0, 0.0, 0.5]
+[[body]]
+name = "floor"
+motion = "fixed"
+shape = {{ kind = "plane" }}
+[[contact]]
+between = ["ball", "floor"]
+restitution = 0.6
+"""
+    strikes = sqrt(2 * (0.5 - R) / G)
+    library = differentiable(read_text(text, "scene.toml"))
+    of, by = ["ball.position"], ["ball.position"]
+    strikes = sensitivity(library, 2 * strikes, of=of, by=by, accuracy="tight").events[0].t
+    found = sensitivity(library, [strikes + apart, 0.4], of=of, by=by, accuracy="tight")
+    assert found.verdicts[1]
+    assert found.verdicts[0].kind == ("differentiable" if apart else "one-sided")
+    assert found.jacobian[0, 2, 2] == pytest.approx(1.0 if apart < 0 else -0.6, abs=0.02)
+    if not apart:
+        assert found.verdicts[0].contact == "ball-floor"
+        assert found.verdicts[0].t == pytest.approx(strikes, abs=1e-12)
+    values = casadi.MX.sym("values", 2, 3)
+    loss = casadi.Function("loss", [values], [casadi.sumsqr(values)])
+    slope = gradient(library, [strikes + apart, 0.4], loss, of=of, by=by, accuracy="tight")
+    assert slope.verdict == found.verdicts[0]

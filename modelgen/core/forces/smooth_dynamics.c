@@ -46,14 +46,14 @@ static void mg_solve_island(mg_context *c, int n, const mg_real *rate, mg_real *
 static void mg_hold_island(mg_context *c, int first, const mg_real *rate, mg_real *amount) {
   int n = 0;
   for (int i = first; i >= 0; i = c->islands.next[i]) c->islands.rows[n++] = i;
-  if (!c->lcp.keeps_matrix) mg_assemble_delassus(c, c->islands.rows, n), c->lcp.n_assembled++;
+  if (!c->lcp.keeps_matrix) mg_assemble_delassus(c, c->islands.rows, n);
   mg_solve_island(c, n, rate, amount);
 }
 
 /* The same for the n rows of c->lcp.rows, which act on one pair of bodies. */
 static void mg_hold_pair(mg_context *c, int n, const mg_real *rate, mg_real *amount) {
   for (int r = 0; r < n; r++) c->islands.rows[r] = c->lcp.rows[r];
-  if (!c->lcp.keeps_matrix) mg_assemble_delassus_of_pair(c, c->islands.rows, n), c->lcp.n_assembled++;
+  if (!c->lcp.keeps_matrix) mg_assemble_delassus_of_pair(c, c->islands.rows, n);
   mg_solve_island(c, n, rate, amount);
 }
 

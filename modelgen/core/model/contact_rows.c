@@ -159,6 +159,7 @@ static const mg_real *mg_body_half_row(const mg_context *c, const mg_real *rows,
 }
 
 MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n) {
+  c->lcp.n_assembled++;
   for (int r = 0; r < n; r++) c->lcp.column[list[r]] = r, mg_update_inverse_mass_row(c, list[r]);
   for (int k = 0; k < n * n; k++) c->lcp.A[k] = 0;
   for (int r = 0; r < n; r++)
@@ -194,6 +195,7 @@ static inline void mg_add_side_of_pair(mg_context *c, const int *list, int n, in
 MG_INTERNAL void mg_assemble_delassus_of_pair(mg_context *c, const int *list, int n) {
   const int o = c->contacts.o[list[0]], f = c->contacts.f[list[0]], o_moves = mg_is_moved_by_forces(c, o),
             f_moves = mg_is_moved_by_forces(c, f);
+  c->lcp.n_assembled++;
   for (int k = 0; k < n * n && !o_moves && !f_moves; k++) c->lcp.A[k] = 0;
   if (o_moves) mg_add_side_of_pair(c, list, n, 0, o, 1);
   if (f_moves && o_moves) mg_add_side_of_pair(c, list, n, 1, f, 0);
