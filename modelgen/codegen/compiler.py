@@ -19,6 +19,8 @@ from modelgen.errors import CompilerMissing, LibraryError
 CANDIDATES = ("cc", "gcc", "clang")
 LEVELS, LEVEL = ("O1", "O2", "O3"), "O2"
 FLAGS = ("-std=c99", "-fno-math-errno", "-ffp-contract=off", "-fvisibility=hidden", "-fPIC")
+# two passes of GCC that take a tenth of its time on the core, and change no run by more than 2 %
+QUICK_GCC = ("-fno-gcse", "-fno-schedule-insns2")
 SHARED = ("-shared", *(("-Wl,-z,defs",) if sys.platform == "linux" else ()))
 LIBRARIES = ("-lm",)
 IS_X86 = platform.machine().lower() in ("x86_64", "amd64")
@@ -37,10 +39,15 @@ class Compiler:
     def is_zig(self) -> bool:
         return "ziglang" in self.command or Path(self.command[0]).stem == "zig"
 
+    @property
+    def is_gcc(self) -> bool:
+        return "Free Software Foundation" in self.version
+
     def flags(self, real: str, level: str = LEVEL) -> tuple[str, ...]:
         """All flags that decide what an object does, for one real type and level of optimisation."""
         native = ("-fno-sanitize=undefined",) if self.is_zig else NATIVE  # zig targets this CPU anyway
-        return (f"-{level}", *FLAGS, *native, *REAL_FLAGS[real])
+        quick = QUICK_GCC if self.is_gcc else ()
+        return (f"-{level}", *FLAGS, *quick, *native, *REAL_FLAGS[real])
 
 
 def portable_flags(compiler: Compiler, real: str) -> tuple[str, ...]:

@@ -184,8 +184,8 @@ def extrapolated(function: Callable[[float], Array], step: float, levels: int = 
         h = step / 2**k
         above, below = function(h), function(-h)
         table.append((above - below) / (2 * h))
-        rounding = ROUNDING * np.finfo(float).eps * np.maximum(np.abs(above), np.abs(below)) / h
-        if k == 1 and np.all(np.abs(table[1] - table[0]) <= rounding):
+        rounding = ROUNDING * np.finfo(float).eps * np.maximum(np.abs(above), np.abs(below))
+        if k == 1 and np.all(np.abs(table[1] - table[0]) * h <= rounding):
             return table[0]
     for order in range(1, levels):
         factor = 4.0**order

@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 from collections.abc import Iterator
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -58,6 +59,29 @@ def test_rooms_call_downwards() -> None:
         for file, name, room in calls()
         if rank[room] > rank[file.rpartition("/")[0]]
     ]
+
+
+def test_files_of_a_room_call_each_other_in_one_direction() -> None:
+    home = {name: path for path, text in sources().items() for name in FUNCTION.findall(text)}
+    called = {
+        path: {home[name] for name in re.findall(r"\bmg_\w+\b", text) if name in home} - {path}
+        for path, text in sources().items()
+    }
+    TopologicalSorter(called).prepare()  # raises CycleError, with the files of a circle
+
+
+def test_headers_declare_each_function_under_its_file() -> None:
+    found = {path: set(FUNCTION.findall(text)) for path, text in sources().items()}
+    wrong = []
+    for header in CORE.rglob("*.h"):
+        parts = re.split(
+            r"^/\* (\w+\.c)(?:: [^*]*)? \*/$", header.read_text(encoding="utf-8"), flags=re.MULTILINE
+        )
+        for file, text in zip(parts[1::2], parts[2::2], strict=True):
+            declared = re.findall(r"^MG_INTERNAL\b[^;{}=]*?\b(mg_\w+)\([^;{]*\);", text, re.MULTILINE)
+            here = found.get(header.parent / file, set())
+            wrong += [f"{header.name}: {name} is not in {file}" for name in declared if name not in here]
+    assert not wrong
 
 
 def test_rooms_without_bodies_do_not_see_the_context() -> None:

@@ -198,6 +198,12 @@ def test_zig_is_the_last_resort(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "-march=native" not in found.flags("double")
 
 
+def test_passes_of_gcc_are_named_to_gcc_alone() -> None:
+    gcc = compiler.Compiler(("cc",), "cc (Distribution 12.2.0) 12.2.0\nFree Software Foundation, Inc.")
+    clang = compiler.Compiler(("cc",), "Apple clang version 15.0.0")
+    assert set(gcc.flags("double")) - set(clang.flags("double")) == set(compiler.QUICK_GCC)
+
+
 def test_an_unknown_real_type_is_refused(tmp_path: Path) -> None:
     with pytest.raises(LibraryError, match=r"'half'.*double, float, long double"):
         build(package(), real="half", folder=tmp_path)

@@ -103,6 +103,9 @@ MG_INTERNAL void mg_cross_product(const mg_real *a, const mg_real *b, mg_real *o
 /* Sorts integers in ascending order (Shell sort with Knuth's increments). */
 MG_INTERNAL void mg_sort_ints(int count, int *list);
 
+/* to = from, n numbers. */
+MG_INTERNAL void mg_copy_reals(mg_real *to, const mg_real *from, int n);
+
 /* bernstein.c */
 
 enum {

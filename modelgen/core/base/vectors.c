@@ -70,3 +70,7 @@ MG_INTERNAL void mg_sort_ints(int count, int *list) {
       list[k] = value;
     }
 }
+
+MG_INTERNAL void mg_copy_reals(mg_real *to, const mg_real *from, int n) {
+  for (int i = 0; i < n; i++) to[i] = from[i];
+}

@@ -35,6 +35,11 @@ MG_INTERNAL int mg_damped_newton(const mg_shape_pair *p, const mg_newton_goal *g
 /* True if the distance is a minimum, and not only stationary: the margin is positive. */
 MG_INTERNAL int mg_is_minimum(const mg_real *placed);
 
+/* spare_contact.c */
+
+/* Puts the spare contact, numbered n_contact, on a feature pair; returns its number. */
+MG_INTERNAL int mg_use_spare_contact(mg_context *c, int feature_pair);
+
 /* Finds closest points on a feature pair from any eta; of convex shapes without a start. Returns -1 if it fails.
    c->search.placement holds the placement. */
 MG_INTERNAL int mg_converge_from_any_start(mg_context *c, int feature_pair, mg_real *eta);
@@ -61,6 +66,43 @@ MG_INTERNAL void mg_shrink_window(mg_real *window, const mg_real *centre);
 /* Distance within which an unbounded feature is sampled, m: it contains the other feature as seen from either
    body. */
 MG_INTERNAL mg_real mg_search_radius(mg_context *c, int feature_pair);
+
+/* True if the nearest point of the feature to any point is known in closed form (plane, sphere, vertex). */
+MG_INTERNAL int mg_has_nearest_point(const mg_context *c, int feature_pair, int side);
+
+/* Eta for a sample of each feature. */
+MG_INTERNAL void mg_start_eta(const mg_context *c, int feature_pair, const mg_sample *o, const mg_sample *f,
+                              mg_real *eta);
+
+/* Rotation of a feature's shape in world axes, 9 numbers by columns. */
+MG_INTERNAL void mg_shape_rotation(const mg_context *c, int feature_pair, int side, mg_real *R);
+
+/* centred_features.c */
+
+/* The line or circle at a constant distance from which a feature lies, in the axes of the shape: the third axis, or
+   about it. */
+typedef struct {
+  int kind;       /* MG_CENTRE_LINE or MG_CENTRE_CIRCLE */
+  int coordinate; /* that of the feature which runs along the curve: 0 u, 1 v */
+  mg_real radius; /* of the circle, m */
+  mg_real tube;   /* distance of the feature, m; negative: a cavity, 0: the curve itself */
+} mg_centre_curve;
+
+/* True if the critical points of a feature pair follow from lines or circles in closed form. */
+MG_INTERNAL int mg_has_centre_curves(const mg_context *c, int feature_pair);
+
+/* True if a feature is a surface that has a centre curve. */
+MG_INTERNAL int mg_is_about_centre_curve(const mg_context *c, int feature_pair, int side);
+
+/* Reads the centre curve of a feature that has one. */
+MG_INTERNAL void mg_read_centre_curve(const mg_context *c, int feature_pair, int side, mg_centre_curve *at);
+
+/* Point of a centre curve nearest to x, axes of the shape. */
+MG_INTERNAL void mg_foot_on_centre_curve(const mg_centre_curve *curve, const mg_real *x, mg_real *foot);
+
+/* Sample of a feature that has a centre curve at a point of it in the axes of the shape; without the world point. */
+MG_INTERNAL void mg_sample_about_centre_curve(const mg_context *c, int feature_pair, int side,
+                                              const mg_centre_curve *curve, const mg_real *local, mg_sample *sample);
 
 /* cells.c */
 
@@ -96,37 +138,12 @@ MG_INTERNAL int mg_is_cell_beyond(const mg_context *c, int cell, const mg_featur
 
 /* centre_curves.c */
 
-/* The line or circle at a constant distance from which a feature lies, in the axes of the shape: the third axis, or
-   about it. */
-typedef struct {
-  int kind;       /* MG_CENTRE_LINE or MG_CENTRE_CIRCLE */
-  int coordinate; /* that of the feature which runs along the curve: 0 u, 1 v */
-  mg_real radius; /* of the circle, m */
-  mg_real tube;   /* distance of the feature, m; negative: a cavity, 0: the curve itself */
-} mg_centre_curve;
-
 /* The centre curve of a feature, with its place. */
 typedef struct {
   mg_centre_curve curve;
   mg_real centre[3]; /* of the circle, or a point of the line, m */
   mg_real axes[9];   /* of the shape, by columns: the line is along the third, the circle in the plane of the others */
 } mg_centred_feature;
-
-/* Reads the centre curve of a feature that has one. */
-MG_INTERNAL void mg_read_centre_curve(const mg_context *c, int feature_pair, int side, mg_centre_curve *at);
-
-/* True if a feature is a surface that has a centre curve. */
-MG_INTERNAL int mg_is_about_centre_curve(const mg_context *c, int feature_pair, int side);
-
-/* Point of a centre curve nearest to x, axes of the shape. */
-MG_INTERNAL void mg_foot_on_centre_curve(const mg_centre_curve *curve, const mg_real *x, mg_real *foot);
-
-/* Sample of a feature that has a centre curve at a point of it in the axes of the shape; without the world point. */
-MG_INTERNAL void mg_sample_about_centre_curve(const mg_context *c, int feature_pair, int side,
-                                              const mg_centre_curve *curve, const mg_real *local, mg_sample *sample);
-
-/* True if the critical points of a feature pair follow from lines or circles in closed form. */
-MG_INTERNAL int mg_has_centre_curves(const mg_context *c, int feature_pair);
 
 /* True if the gap of a feature pair is known to have one minimum at most with a value up to `gap`. */
 MG_INTERNAL int mg_has_one_minimum(const mg_context *c, int feature_pair, mg_real gap);
@@ -219,25 +236,12 @@ MG_INTERNAL int mg_judge_cells(const mg_cell_view *a, const mg_cell_view *b, con
 
 /* critical_points.c */
 
-/* True if the nearest point of the feature to any point is known in closed form (plane, sphere, vertex). */
-MG_INTERNAL int mg_has_nearest_point(const mg_context *c, int feature_pair, int side);
-
-/* Eta for a sample of each feature. */
-MG_INTERNAL void mg_start_eta(const mg_context *c, int feature_pair, const mg_sample *o, const mg_sample *f,
-                              mg_real *eta);
-
-/* Rotation of a feature's shape in world axes, 9 numbers by columns. */
-MG_INTERNAL void mg_shape_rotation(const mg_context *c, int feature_pair, int side, mg_real *R);
-
 /* Adds the minima of a feature pair with gaps within the limits and not below `least` to those kept. Returns 0 if
    there may be more; where these are farther than a positive gap, notes it and returns 1. */
 MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const mg_search_limits *limits,
                                           mg_real least, mg_minima *kept);
 
-/* minima_search.c */
-
-/* Puts the spare contact, numbered n_contact, on a feature pair; returns its number. */
-MG_INTERNAL int mg_use_spare_contact(mg_context *c, int feature_pair);
+/* found_minima.c */
 
 /* Reverses N of two curves, by the signs in eta. */
 MG_INTERNAL void mg_reverse_normal(const mg_context *c, int feature_pair, mg_real *eta);
@@ -257,18 +261,20 @@ MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta,
 /* Counts a minimum that no contact can follow, if it is within search_gap, in the report of the run. */
 MG_INTERNAL void mg_report_unfollowed_minimum(const mg_context *c, const mg_minimum *found);
 
-/* Notes a gap in m above which the features may be at many places at once, none of which is a minimum by itself. */
-MG_INTERNAL void mg_note_open_gap(mg_context *c, mg_real gap);
-
-/* Adds the critical point at eta to the minima kept, if it is one and not below `least`. */
-MG_INTERNAL void mg_keep_minimum_at(mg_context *c, int feature_pair, mg_real *eta, mg_real least, mg_minima *kept);
-
 /* Notes that a contact, or closest points of its pair, on a feature pair penetrate by `depth` at the state of the run.
    A rim that stands on three of its points because it is almost flat is lower elsewhere, which is no penetration. */
 MG_INTERNAL void mg_note_penetration(mg_context *c, int contact, int feature_pair, mg_real depth);
 
 /* Inserts a minimum in order of |d|, unless it is known. Beyond MG_MINIMA the farthest is dropped and reported. */
 MG_INTERNAL void mg_insert_minimum(const mg_context *c, mg_minima *kept, const mg_minimum *found);
+
+/* Notes a gap in m above which the features may be at many places at once, none of which is a minimum by itself. */
+MG_INTERNAL void mg_note_open_gap(mg_context *c, mg_real gap);
+
+/* Adds the critical point at eta to the minima kept, if it is one and not below `least`. */
+MG_INTERNAL void mg_keep_minimum_at(mg_context *c, int feature_pair, mg_real *eta, mg_real least, mg_minima *kept);
+
+/* minima_search.c */
 
 /* Lower bound of the distance of two convex solids: the largest over their flat faces of the least gap to the
    features of the other; -MG_MAX if no faces are known. An extremum below it is not a minimum of the distance. */

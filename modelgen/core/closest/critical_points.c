@@ -32,44 +32,6 @@ typedef struct {
   mg_minima *kept;
 } mg_critical_search;
 
-MG_INTERNAL int mg_has_nearest_point(const mg_context *c, int feature_pair, int side) {
-  const int parametrisation = mg_parametrisation(c, feature_pair, side);
-  const mg_shape_kind *kind = c->kernels->shape_kinds + c->system->feature_shape[2 * feature_pair + side];
-  return kind->dimension == 0 || (kind->nearest_point && (parametrisation == MG_NONE || parametrisation == MG_LOCAL));
-}
-
-MG_INTERNAL void mg_start_eta(const mg_context *c, int feature_pair, const mg_sample *o, const mg_sample *f,
-                              mg_real *eta) {
-  for (int side = 0; side < 2; side++) {
-    const mg_sample *at = side ? f : o;
-    switch (mg_parametrisation(c, feature_pair, side)) {
-      case MG_LOCAL:
-        for (int k = 0; k < 3; k++) *eta++ = at->local[k];
-        break;
-      case MG_CHART:
-        *eta++ = at->uv[0], *eta++ = at->uv[1];
-        break;
-      case MG_CURVE:
-        *eta++ = at->uv[0];
-        break;
-      case MG_SIGNED_CURVE:
-        *eta++ = at->uv[0], *eta++ = 1, *eta++ = 1;
-        break;
-      case MG_SIGN:
-        *eta++ = 1;
-        break;
-      default:
-        break;
-    }
-  }
-}
-
-MG_INTERNAL void mg_shape_rotation(const mg_context *c, int feature_pair, int side, mg_real *R) {
-  const mg_real *place = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_PLACEMENT,
-                *pose = c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side);
-  for (int k = 0; k < 3; k++) mg_to_world(pose, place + 3 + 3 * k, 0, R + 3 * k);
-}
-
 /* Sets the view of a side without cells: a plane, a sphere as its centre, or a vertex. */
 static void mg_set_closed_view(mg_critical_search *s) {
   mg_context *c = s->c;

@@ -1,6 +1,6 @@
-/* Event location: which event functions have triggered at a state, and when the first of them triggers within a
-   step. The step is scanned on the interpolant, the bracket bisected and the time refined on steps of their own.
-   Reads the interpolant; writes event marks, search requests and the end of the step, but no mode. */
+/* Event location: when the first event function triggers within a step. The step is scanned on the interpolant, the
+   bracket bisected and the time refined on steps of their own. Reads the interpolant; writes event marks and the end of
+   the step, but no mode. */
 #include "events/events.h"
 #include "model/model.h"
 #include "closest/closest.h"
@@ -17,95 +17,6 @@
   int contact, cause;
   mg_real value, slope, start;
 } mg_located_event;
-
-/* Characteristic speed, length / time. */
-static mg_real mg_speed_scale(const mg_context *c) { return c->system->length / c->system->time; }
-
-/* True if the contact is closed but carries no force. */
-static int mg_is_closed_without_force(const mg_context *c, int contact) {
-  return c->run->closed[contact] && !c->run->active[contact];
-}
-
-MG_INTERNAL int mg_find_feature_pair_exit(mg_context *c, int contact, mg_real *x) {
-  const int feature_pair = c->run->feature_pair[contact];
-  if (feature_pair < 0 || c->run->rolling_start[contact] || mg_is_unconditional_feature_pair(c, feature_pair) ||
-      mg_is_distant_flat_feature_pair(c, contact))
-    return 0;
-  const mg_real *eta = mg_contact_eta(c, x, contact);
-  mg_place_contact(c, contact, eta, c->search.placement + 32);
-  if (mg_most_violated_condition(c, feature_pair, eta, c->events.broken_condition + contact) <
-      -c->settings->feature_border)
-    return MG_LEAVES_FEATURE;
-  const int is_touching = !c->run->closed[contact] && c->rows.d[contact] < c->settings->start_gap * c->system->length;
-  if (!c->events.within_border[contact] || is_touching) return 0;
-  return mg_least_feature_pair_condition(c, feature_pair, eta, 1, c->events.broken_condition + contact) <
-                 -c->settings->feature_border
-             ? MG_PASSES_BORDER
-             : 0;
-}
-
-/* Least watched condition of a contact at a state, and its index. Needs the poses there. */
-static mg_real mg_least_watched_condition(mg_context *c, int contact, mg_real *x, int *which) {
-  const mg_real *eta = mg_contact_eta(c, x, contact);
-  mg_place_contact(c, contact, eta, c->search.placement + 32);
-  return mg_least_feature_pair_condition(c, c->run->feature_pair[contact], eta, 1, which);
-}
-
-/* True if a contact beyond a watched border moves back towards it. Needs the slope at the run's state. */
-static int mg_is_returning_to_border(mg_context *c, int contact, mg_real now) {
-  int which;
-  mg_extrapolate_poses(c);
-  const mg_real then = mg_least_watched_condition(c, contact, c->step.stage, &which);
-  mg_update_poses(c, c->run->t, c->run->x);
-  return then > now;
-}
-
-MG_INTERNAL void mg_mark_contacts_within_border(mg_context *c) {
-  int which;
-  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
-    const int feature_pair = c->run->feature_pair[i],
-              near = c->run->closed[i] || c->rows.d[i] < c->settings->search_movement * c->system->length;
-    const int was_on_border = c->events.within_border[i] == MG_PASSES_BORDER;
-    c->events.within_border[i] = 0;
-    if (feature_pair < 0 || !near || mg_is_unconditional_feature_pair(c, feature_pair)) continue;
-    const mg_real value = mg_least_watched_condition(c, i, c->run->x, &which);
-    if (which < 0) continue;
-    const int still_on_border = was_on_border && (value < 0 || !c->run->closed[i]);
-    c->events.within_border[i] =
-        value >= -c->settings->feature_border && (!still_on_border || mg_is_returning_to_border(c, i, value));
-    if (!c->events.within_border[i])
-      c->run->moved_since_search[c->system->contact_pair[i]] = MG_SEARCH_DUE; /* searched at the end of the step */
-  }
-}
-
-MG_INTERNAL int mg_mark_triggered_events(mg_context *c, mg_real *x) {
-  const mg_real deep = -c->settings->contact_gap * c->system->length,
-                rest = -c->settings->rest_speed * mg_speed_scale(c);
-  int count = mg_mark_patch_events(c);
-  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
-    if (mg_is_closed_without_force(c, i))
-      c->events.triggered[i] =
-          fabs(mg_row_acceleration(c, i)) > c->settings->rest_loss_factor * mg_acceleration_tolerance(c);
-    else if (c->run->closed[i])
-      c->events.triggered[i] = c->solution.force[i] < -mg_acceleration_tolerance(c) * c->system->mass;
-    else
-      c->events.triggered[i] =
-          (c->rows.d[i] < 0 && c->rows.d_dot[i] < rest) || (c->rows.d[i] < deep && c->rows.d_dot[i] < 0);
-    const int leaves = mg_find_feature_pair_exit(c, i, x);
-    if (leaves == MG_LEAVES_FEATURE || (leaves && (c->run->closed[i] || !c->events.triggered[i])))
-      c->events.triggered[i] = leaves;
-    count += c->events.triggered[i] != 0;
-  }
-  return c->system->n_friction ? count + mg_mark_friction_events(c) : count;
-}
-
-MG_INTERNAL int mg_mark_triggered_events_at(mg_context *c, mg_real h, mg_real theta) {
-  mg_interpolate(c, c->run->x, theta, c->step.stage);
-  mg_normalise_quaternions(c, c->step.stage);
-  mg_right_hand_side(c, c->run->t + theta * h, c->step.stage, c->step.slopes + 16 * c->layout.n_states);
-  mg_update_gap_rates(c);
-  return mg_mark_triggered_events(c, c->step.stage);
-}
 
 /* First contact whose event has triggered, or -1. */
 static int mg_first_triggered_contact(const mg_context *c) {

@@ -23,7 +23,10 @@ MG_INTERNAL void mg_store_gaps(mg_context *c);
 /* Mark the gaps that may have closed within the last h; returns the larger of their classes. */
 MG_INTERNAL int mg_mark_gap_minima(mg_context *c, mg_real h);
 
-/* event_location.c */
+/* triggered_events.c */
+
+/* True if the contact is closed but carries no force. */
+MG_INTERNAL int mg_is_closed_without_force(const mg_context *c, int contact);
 
 /* MG_LEAVES_FEATURE if the contact leaves its feature pair at the state x, MG_PASSES_BORDER if it passes a watched
    border, else 0; stores the condition that is broken. */
@@ -39,6 +42,8 @@ MG_INTERNAL int mg_mark_triggered_events(mg_context *c, mg_real *x);
 
 /* Evaluate the interpolant at theta and mark the events that have triggered there; returns their number. */
 MG_INTERNAL int mg_mark_triggered_events_at(mg_context *c, mg_real h, mg_real theta);
+
+/* event_location.c */
 
 /* Locate the first event within the step h just tried; returns the step to it with its end state and its marks, 0
    if there is none. `passed`: one was seen at a stage or at the end, or a gap may turn more than once. Needs the

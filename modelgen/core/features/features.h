@@ -57,11 +57,6 @@ MG_INTERNAL mg_real mg_near_pair_step_limit(const mg_context *c);
 /* Makes the next mg_choose_near_pairs look anew. */
 MG_INTERNAL void mg_forget_margins(mg_context *c);
 
-/* extremum_bifurcation.c */
-
-/* Release the contacts at folds; their pairs are searched at once. Returns their number. */
-MG_INTERNAL int mg_release_folded_contacts(mg_context *c, mg_events *events);
-
 /* contact_merging.c */
 
 /* Search minima too near to eta for a sampled search: Newton's method from both sides, at distances of the order

@@ -4,20 +4,6 @@
 #include "model/model.h"
 #include "solve/lcp/solvers.h"
 
-MG_INTERNAL mg_real mg_acceleration_tolerance(const mg_context *c) {
-  return c->settings->rest_acceleration * c->system->length / (c->system->time * c->system->time);
-}
-
-MG_INTERNAL int mg_activate_supports(mg_context *c) {
-  int count = 0;
-  for (int i = c->layout.support_begin; i < c->system->n_contact; i++) {
-    if (!c->run->closed[i]) continue;
-    c->run->active[i] = 1, c->rows.row_rate[i] = mg_row_acceleration(c, i);
-    count++;
-  }
-  return count;
-}
-
 MG_INTERNAL int mg_solve_active_set(mg_context *c, const int *skip) {
   const int m = c->system->n_contact;
   if (c->system->n_friction) return mg_solve_patch_friction_modes(c, skip);

@@ -4,28 +4,12 @@
    negative the function is evaluated there, and so on. Writes samples of event margins and event marks. */
 #include "forces/forces.h"
 #include "model/model.h"
-#include "base/base.h"
 
 static const mg_real mg_margin_time[MG_MARGIN_SAMPLES] = {
     /* times of a step, in parts of it: its start, those of its stages, its end */
     0, (mg_real)0.1184, (mg_real)0.25, (mg_real)0.3333, (mg_real)0.6, (mg_real)0.8571, 1};
 
 static const int mg_margin_sample_of_stage[12] = {0, -1, -1, 1, -1, 3, 2, -1, -1, 4, 5, -1}; /* sample at a stage */
-
-MG_INTERNAL int mg_event_margin_count(const mg_system *s) { return s->n_contact + s->n_friction; }
-
-MG_INTERNAL int mg_next_event_margin(const mg_context *c, int which) {
-  const int n = c->system->n_contact, contact = which < n ? mg_next_row(c, which) : n;
-  return contact < n ? contact : n + mg_next_constraint(c, which < n ? -1 : which - n);
-}
-
-MG_INTERNAL long mg_event_margin_size(const mg_system *s) {
-  return mg_count_reals((MG_MARGIN_SAMPLES + 1L) * mg_event_margin_count(s), sizeof(mg_event_margin));
-}
-
-MG_INTERNAL mg_event_margin *mg_event_margins_of_sample(const mg_context *c, int sample) {
-  return c->events.margins + (long)sample * mg_event_margin_count(c->system);
-}
 
 MG_INTERNAL void mg_sample_event_margins(mg_context *c, int sample) {
   const mg_system *s = c->system;

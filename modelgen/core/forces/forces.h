@@ -62,6 +62,73 @@ typedef struct {
   mg_event_margin left; /* bounds of the margin */
 } mg_margin_sample;
 
+/* row_accelerations.c */
+
+/* Acceleration J a + Gamma2 of one row (of a contact: the gap's second derivative) under the accelerations last
+   computed. */
+MG_INTERNAL mg_real mg_row_acceleration(const mg_context *c, int contact);
+
+/* Acceleration in m/s^2 below which a gap counts as at rest: rest_acceleration * length / time^2. */
+MG_INTERNAL mg_real mg_acceleration_tolerance(const mg_context *c);
+
+/* Force in N that counts as zero: acceleration tolerance times the mass scale. */
+MG_INTERNAL mg_real mg_force_tolerance(const mg_context *c);
+
+/* Mark the closed support contacts of patches as active and write the accelerations of their rows; returns their
+   number. */
+MG_INTERNAL int mg_activate_supports(mg_context *c);
+
+/* Entry J_row M^-1 J_column^T of the Delassus matrix. */
+MG_INTERNAL mg_real mg_delassus_entry(const mg_context *c, int row, int column);
+
+/* patch_hull.c */
+
+/* Position of a support point in world axes. */
+MG_INTERNAL void mg_support_world_point(const mg_context *c, int support, mg_real *world);
+
+/* Sum of the forces or impulses on the supports of a slot, and their centre in world axes. */
+MG_INTERNAL mg_real mg_support_resultant(const mg_context *c, int slot, const mg_real *amount, mg_real *centre);
+
+/* Largest number of boundary arcs of a patch in the system. */
+MG_INTERNAL int mg_max_patch_arcs(const mg_system *s);
+
+/* True if o's face of the patch is a whole plane, without boundary. */
+MG_INTERNAL int mg_is_whole_plane(const mg_context *c, int patch);
+
+/* Pose of the hull of a patch in world axes: that of o's face, or of f's where o's is a whole plane, because the
+   hull is then constant. */
+MG_INTERNAL void mg_hull_pose(const mg_context *c, int patch, mg_real *out);
+
+/* Overlay the two faces of a patch and compute the convex hull of what they share; returns the number of hull
+   edges. */
+MG_INTERNAL int mg_overlay_patch_regions(mg_context *c, int patch);
+
+/* Distance in m by which a world point lies inside the hull of a patch, and the nearest boundary; -MG_MAX where
+   the faces share nothing. Remembers the deepest point found in a hull that does not change. */
+MG_INTERNAL mg_real mg_patch_hull_margin(mg_context *c, int patch, const mg_real *world, mg_nearest_boundary *nearest);
+
+/* Lower bound in m of the distance by which a world point lies inside the hull, from the deepest point known;
+   negative where it tells nothing. */
+MG_INTERNAL mg_real mg_hull_margin_lower_bound(const mg_context *c, int patch, const mg_real *world);
+
+/* event_margins.c */
+
+/* Number of event margins of one sample: contacts and friction constraints. */
+MG_INTERNAL int mg_event_margin_count(const mg_system *s);
+
+/* Margin after `which` (-1: the first) of contacts and friction constraints that take part; beyond the last their
+   number. */
+MG_INTERNAL int mg_next_event_margin(const mg_context *c, int which);
+
+/* Memory of all samples of event margins, in mg_real. */
+MG_INTERNAL long mg_event_margin_size(const mg_system *s);
+
+/* Event margins of one sample. */
+MG_INTERNAL mg_event_margin *mg_event_margins_of_sample(const mg_context *c, int sample);
+
+/* Event margins of a slot: force, centre of pressure inside the hull, friction. */
+MG_INTERNAL mg_event_margin *mg_slot_event_margins(const mg_context *c, int slot);
+
 /* smooth_dynamics.c */
 
 /* True if the prescribed path of a driven body is not finite at the present time. */
@@ -87,10 +154,6 @@ MG_INTERNAL void mg_set_scene_forces(mg_context *c, const mg_real *force);
 /* Evaluate x_dot = f(t, x) and the forces of the contacts at a stage of a step; by the composed right-hand side if
    `is_composed`, which leaves poses, rows and accelerations of the context as they were. */
 MG_INTERNAL void mg_stage_right_hand_side(mg_context *c, int is_composed, mg_real t, const mg_real *x, mg_real *x_dot);
-
-/* Acceleration J a + Gamma2 of one row (of a contact: the gap's second derivative) under the accelerations last
-   computed. */
-MG_INTERNAL mg_real mg_row_acceleration(const mg_context *c, int contact);
 
 /* Lists the rows that hold in c->lcp.rows: active contacts, joints, sticking friction. Returns their number. */
 MG_INTERNAL int mg_list_held_rows(mg_context *c);
@@ -184,9 +247,6 @@ MG_INTERNAL void mg_set_slip_force_ratio(mg_context *c, int contact, int constra
 /* Set the force ratios of all friction rows, 0 where nothing slips, and M^-1 J^T of the rows that slip. */
 MG_INTERNAL void mg_set_slip_force_ratios(mg_context *c);
 
-/* Entry J_row M^-1 J_column^T of the Delassus matrix. */
-MG_INTERNAL mg_real mg_delassus_entry(const mg_context *c, int row, int column);
-
 /* Number of tangential rows of a contact; 0 for support contacts of patches and for other rows. */
 MG_INTERNAL int mg_tangential_row_count(const mg_context *c, int row);
 
@@ -211,39 +271,9 @@ MG_INTERNAL void mg_slip_direction_at_angle(const mg_context *c, int contact, in
 
 /* patch_end_conditions.c */
 
-/* Position of a support point in world axes. */
-MG_INTERNAL void mg_support_world_point(const mg_context *c, int support, mg_real *world);
-
-/* Sum of the forces or impulses on the supports of a slot, and their centre in world axes. */
-MG_INTERNAL mg_real mg_support_resultant(const mg_context *c, int slot, const mg_real *amount, mg_real *centre);
-
-/* Largest number of boundary arcs of a patch in the system. */
-MG_INTERNAL int mg_max_patch_arcs(const mg_system *s);
-
-/* True if o's face of the patch is a whole plane, without boundary. */
-MG_INTERNAL int mg_is_whole_plane(const mg_context *c, int patch);
-
-/* Pose of the hull of a patch in world axes: that of o's face, or of f's where o's is a whole plane, because the
-   hull is then constant. */
-MG_INTERNAL void mg_hull_pose(const mg_context *c, int patch, mg_real *out);
-
-/* Overlay the two faces of a patch and compute the convex hull of what they share; returns the number of hull
-   edges. */
-MG_INTERNAL int mg_overlay_patch_regions(mg_context *c, int patch);
-
-/* Distance in m by which a world point lies inside the hull of a patch, and the nearest boundary; -MG_MAX where
-   the faces share nothing. Remembers the deepest point found in a hull that does not change. */
-MG_INTERNAL mg_real mg_patch_hull_margin(mg_context *c, int patch, const mg_real *world, mg_nearest_boundary *nearest);
-
-/* Force in N that counts as zero: acceleration tolerance times the mass scale. */
-MG_INTERNAL mg_real mg_force_tolerance(const mg_context *c);
-
 /* Cause for which a patch ends with the given amounts on its supports, or 0, and the distance of the centre of
    pressure inside the hull. */
 MG_INTERNAL int mg_find_patch_end_cause(mg_context *c, int slot, const mg_real *amount, mg_real floor, mg_real *margin);
-
-/* Event margins of a slot: force, centre of pressure inside the hull, friction. */
-MG_INTERNAL mg_event_margin *mg_slot_event_margins(const mg_context *c, int slot);
 
 /* Event of the patch in a slot at the last right-hand side, or 0; stores the margins before its events. */
 MG_INTERNAL int mg_find_slot_event(mg_context *c, int slot);
@@ -336,13 +366,6 @@ MG_INTERNAL void mg_set_friction_cone(const mg_context *c, int contact, mg_real 
 MG_INTERNAL int mg_append_friction_contact(mg_context *c, int contact, int k, int size);
 
 /* contact_modes.c */
-
-/* Acceleration in m/s^2 below which a gap counts as at rest: rest_acceleration * length / time^2. */
-MG_INTERNAL mg_real mg_acceleration_tolerance(const mg_context *c);
-
-/* Mark the closed support contacts of patches as active and write the accelerations of their rows; returns their
-   number. */
-MG_INTERNAL int mg_activate_supports(mg_context *c);
 
 /* Choose the active set among the closed contacts that `skip` does not mark, from the complementarity problem of
    accelerations; returns MG_DONE or the outcome that ends the run. */
@@ -443,19 +466,6 @@ MG_INTERNAL int mg_project_initial_pose(mg_context *c);
 MG_INTERNAL int mg_project_initial_joints(mg_context *c);
 
 /* event_margin_samples.c */
-
-/* Number of event margins of one sample: contacts and friction constraints. */
-MG_INTERNAL int mg_event_margin_count(const mg_system *s);
-
-/* Margin after `which` (-1: the first) of contacts and friction constraints that take part; beyond the last their
-   number. */
-MG_INTERNAL int mg_next_event_margin(const mg_context *c, int which);
-
-/* Memory of all samples of event margins, in mg_real. */
-MG_INTERNAL long mg_event_margin_size(const mg_system *s);
-
-/* Event margins of one sample. */
-MG_INTERNAL mg_event_margin *mg_event_margins_of_sample(const mg_context *c, int sample);
 
 /* Store the present event margins as a sample of the step; those of slots are stored already. Needs the
    right-hand side and the gap velocities. */

@@ -212,10 +212,6 @@ MG_INTERNAL void mg_stage_right_hand_side(mg_context *c, int is_composed, mg_rea
   c->run->rhs_evals++;
 }
 
-MG_INTERNAL mg_real mg_row_acceleration(const mg_context *c, int contact) {
-  return mg_row_times(c, contact, c->bodies.acceleration) + c->rows.gamma[contact];
-}
-
 MG_INTERNAL int mg_hold_rows(mg_context *c, const int *marked, int sticks, const mg_real *rate, mg_real *amount) {
   const int n = mg_list_marked_rows(c, marked, sticks, amount);
   mg_solve_listed_rows(c, n, rate, amount);

@@ -1,6 +1,6 @@
 /* Impacts with friction: Newton's restitution and Coulomb's law for impulses at all closed contacts at once
    (Moreau; Glocker and Pfeiffer, Nonlinear Dynamics 7 (1995), 471-497, with Newton's law in place of Poisson's).
-   Writes the impulses and the energy statistics, and resets the friction modes of the run. */
+   Writes the impulses. */
 #include "impact/impact.h"
 #include "solve/friction/solvers.h"
 #include "model/model.h"
@@ -48,25 +48,4 @@ MG_INTERNAL int mg_solve_frictional_impulses(mg_context *c) {
   for (int i = c->layout.support_begin; i < c->system->n_contact; i++) c->solution.impulse[i] = 0;
   for (int r = n; r < p.n; r++) c->solution.impulse[c->lcp.rows[r]] = c->lcp.z[r];
   return n;
-}
-
-MG_INTERNAL void mg_note_impact_energy_gain(mg_context *c, int n) {
-  for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
-  const int size = mg_append_bilateral_rows(c, c->lcp.rows, n);
-  for (int r = 0; r < size; r++) mg_add_row_response(c, c->lcp.rows[r], c->lcp.z[r], c->bodies.wrench);
-  for (int k = 0, r = 0; r < n; k++) {
-    mg_real gain = 0;
-    for (const int end = r + c->friction.cone_rows[k]; r < end; r++)
-      gain += c->lcp.z[r] * (c->rows.d_dot[c->lcp.rows[r]] + mg_row_times(c, c->lcp.rows[r], c->bodies.wrench) / 2);
-    if (!(gain > c->run->impact_gain_max)) continue;
-    c->run->impact_gain_max = gain, c->run->impact_gain_t = c->run->t,
-    c->run->impact_gain_contact = c->friction.cone_contact[k];
-  }
-}
-
-MG_INTERNAL void mg_reset_friction_modes(mg_context *c) {
-  for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
-    c->run->friction_mode[g] = MG_FRICTION_OFF, c->friction.triggered[g] = 0;
-  mg_reset_patch_friction(c);
-  mg_update_slip_velocities(c);
 }

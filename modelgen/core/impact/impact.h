@@ -22,7 +22,7 @@ typedef struct {
    end. */
 MG_INTERNAL int mg_integrate_impact_path(mg_impact_path *b, int law, mg_real e);
 
-/* frictionless_impact.c */
+/* impulses.c */
 
 /* True if the gap closes faster than rest_speed, so that the contact may bounce. */
 MG_INTERNAL int mg_is_approaching(const mg_context *c, int contact);
@@ -32,10 +32,6 @@ MG_INTERNAL int mg_is_approaching(const mg_context *c, int contact);
    for ever at restitution 1. */
 MG_INTERNAL mg_real mg_effective_restitution(const mg_context *c, int contact);
 
-/* Add the impulses of the first n listed rows to the velocities of the run's state, and the work they do on the
-   moving bodies to its work. */
-MG_INTERNAL void mg_apply_impulses(mg_context *c, int n);
-
 /* Total time in s of the ever shorter flights that a contact closed at small approach velocity would still have
    made; 0 where hardly anything presses it. */
 MG_INTERNAL mg_real mg_remaining_bounce_time(mg_context *c, int contact);
@@ -43,6 +39,19 @@ MG_INTERNAL mg_real mg_remaining_bounce_time(mg_context *c, int contact);
 /* Set the velocities that the impulses must cancel on supports and joints; the supports of a face that lands flat
    rebound with one coefficient. */
 MG_INTERNAL void mg_set_support_impact_rates(mg_context *c);
+
+/* Add the impulses of the first n listed rows to the velocities of the run's state, and the work they do on the
+   moving bodies to its work. */
+MG_INTERNAL void mg_apply_impulses(mg_context *c, int n);
+
+/* Record the contact that gains most kinetic energy in the impact. Needs the impulses of the first n listed rows
+   and the velocities before the impact. */
+MG_INTERNAL void mg_note_impact_energy_gain(mg_context *c, int n);
+
+/* Reset all friction modes after an impact, so that the slip velocities decide them again. */
+MG_INTERNAL void mg_reset_friction_modes(mg_context *c);
+
+/* simultaneous_impact.c */
 
 /* Resolve the impacts at the run's state. Faces that land flat are struck as one if the impulse presses them
    together within their hull; otherwise the contacts they cover are struck singly. Needs the rows at the run's
@@ -54,13 +63,6 @@ MG_INTERNAL int mg_resolve_impacts(mg_context *c, mg_events *events);
 /* Solve the impulses with Newton's restitution and Coulomb's law. Returns how many listed rows belong to
    contacts, -1 without a solution. */
 MG_INTERNAL int mg_solve_frictional_impulses(mg_context *c);
-
-/* Record the contact that gains most kinetic energy in the impact. Needs the impulses of the first n listed rows
-   and the velocities before the impact. */
-MG_INTERNAL void mg_note_impact_energy_gain(mg_context *c, int n);
-
-/* Reset all friction modes after an impact, so that the slip velocities decide them again. */
-MG_INTERNAL void mg_reset_friction_modes(mg_context *c);
 
 /* sequential_impact.c */
 

@@ -5,6 +5,15 @@
 
 #include "model/context.h"
 
+/* stages.c */
+
+/* State at t + theta h on the interpolant. */
+MG_INTERNAL void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta, mg_real *out);
+
+/* Sets c->step.sign_changed if an event function is negative at the present right-hand side, so that the step is
+   searched for events. */
+MG_INTERNAL void mg_watch_event_signs(mg_context *c);
+
 /* rk4.c */
 
 /* Takes a step h from (t, x) to c->step.end. Needs the slope at (t, x) in row 0 of c->step.slopes. */
@@ -67,6 +76,10 @@ MG_INTERNAL void mg_restrict_step(mg_context *c, const mg_real *x, mg_real share
 /* Replaces b by the solution of A z = b, by Gaussian elimination with row exchanges. Returns 0 if A is singular. */
 MG_INTERNAL int mg_gauss_eliminate(mg_real A[MG_RADAU_STAGES][MG_RADAU_STAGES], mg_real *b);
 
+/* Difference of the interpolant at half the step from the end of a step half as long, root mean square relative
+   to the tolerance. */
+MG_INTERNAL mg_real mg_half_step_difference(mg_context *c, const mg_real *x, const mg_real *half);
+
 /* tilt_kinematics.c */
 
 /* True if the tilt is so small that rounding of the poses hides its direction. */
@@ -104,21 +117,17 @@ MG_INTERNAL mg_real mg_relative_angular_acceleration(const mg_context *c, int co
    fails. Needs the poses of x; leaves eta there. */
 MG_INTERNAL int mg_find_rolling_point(mg_context *c, mg_real t, int contact, const mg_contact_tilt *at, mg_real *x);
 
+/* Bring eta of a contact to the extremum at the present poses, up to rounding; returns 0 if it fails. */
+MG_INTERNAL int mg_converge_contact_point(mg_context *c, int contact, mg_real *eta);
+
 /* rolling_start.c */
 
 /* True if a contact starts to roll from flat. */
 MG_INTERNAL int mg_has_rolling_start(const mg_context *c);
 
-/* Bring eta of a contact to the extremum at the present poses, up to rounding; returns 0 if it fails. */
-MG_INTERNAL int mg_converge_contact_point(mg_context *c, int contact, mg_real *eta);
-
 /* After a step, advance the state of contacts that start from flat: starting, settling, over; limits the next
    step. */
 MG_INTERNAL void mg_update_rolling_starts(mg_context *c);
-
-/* Difference of the interpolant at half the step from the end of a step half as long, root mean square relative
-   to the tolerance. */
-MG_INTERNAL mg_real mg_half_step_difference(mg_context *c, const mg_real *x, const mg_real *half);
 
 /* Take one collocation step from flat; writes its end and the interpolant. Returns the error relative to the
    tolerance, MG_MAX where there is no solution. */
@@ -171,13 +180,6 @@ MG_INTERNAL void mg_make_cubic_interpolant(mg_context *c, const mg_real *x, mg_r
 /* Makes the interpolant of the method. */
 MG_INTERNAL void mg_make_interpolant(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 
-/* State at t + theta h on the interpolant. */
-MG_INTERNAL void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta, mg_real *out);
-
-/* Sets c->step.sign_changed if an event function is negative at the present right-hand side, so that the step is
-   searched for events. */
-MG_INTERNAL void mg_watch_event_signs(mg_context *c);
-
 /* Factor of the next step for an error of order 8 relative to the tolerance, 0.2 .. most. */
 MG_INTERNAL mg_real mg_step_growth(mg_real error, mg_real most);
 
@@ -196,9 +198,6 @@ MG_INTERNAL void mg_read_sensors(mg_context *c, mg_real t, const mg_real *eta, c
                                  mg_real *sensors);
 
 /* samples.c */
-
-/* to = from, n numbers. */
-MG_INTERNAL void mg_copy_reals(mg_real *to, const mg_real *from, int n);
 
 /* Appends the sample of the state x. Needs poses, rows and forces at x. */
 MG_INTERNAL void mg_record_sample(mg_context *c, mg_record *record, mg_real *x);

@@ -155,3 +155,26 @@ MG_INTERNAL int mg_gauss_eliminate(mg_real A[MG_RADAU_STAGES][MG_RADAU_STAGES], 
   }
   return 1;
 }
+
+/* True if the state is eta of a starting contact, which is solved for, not integrated. */
+static int mg_is_eta_of_rolling_start(const mg_context *c, int state) {
+  const int first = c->system->n_q + c->system->n_u;
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
+    const int from = first + c->system->contact_eta[i];
+    if (c->run->rolling_start[i] == MG_START_FLAT && state >= from && state < from + c->contacts.n_eta[i]) return 1;
+  }
+  return 0;
+}
+
+MG_INTERNAL mg_real mg_half_step_difference(mg_context *c, const mg_real *x, const mg_real *half) {
+  mg_real sum = 0;
+  mg_interpolate(c, x, (mg_real)1 / 2, c->step.stage);
+  for (int range = 0; range < c->listed.n_range; range++)
+    for (int i = mg_range_begin(c, range); i < mg_range_end(c, range); i++) {
+      if (mg_is_eta_of_rolling_start(c, i)) continue;
+      const mg_real size = fabs(x[i]) > c->step.scale[i] ? fabs(x[i]) : c->step.scale[i];
+      const mg_real error = (c->step.stage[i] - half[i]) / (c->settings->tolerance * size);
+      sum += error * error;
+    }
+  return sqrt(sum / c->layout.n_live_states);
+}

@@ -47,16 +47,6 @@ static int mg_is_rolling_start_over(mg_context *c, int contact) {
          mg_most_violated_condition(c, c->run->feature_pair[contact], eta, &which) >= 0;
 }
 
-MG_INTERNAL int mg_converge_contact_point(mg_context *c, int contact, mg_real *eta) {
-  if (!c->contacts.n_eta[contact]) return 1;
-  if (mg_newton_on_feature_pair(c, contact, eta) < 0) return 0;
-  for (int extra = 0; extra < 2; extra++) {
-    mg_place_contact(c, contact, eta, c->search.placement + 32);
-    for (int k = 0; k < c->contacts.n_eta[contact]; k++) eta[k] = c->search.placement[32 + k];
-  }
-  return mg_all_finite(c->contacts.n_eta[contact], eta);
-}
-
 /* Update the outward direction and the contact point of a contact that still starts from flat. */
 static void mg_continue_rolling_start(mg_context *c, int contact) {
   const mg_contact_tilt at =
@@ -309,29 +299,6 @@ static mg_real mg_solve_rolling_stages(mg_context *c, mg_real t, mg_real *x, mg_
     previous_change = last_change;
   }
   return (mg_real)NAN;
-}
-
-/* True if the state is eta of a starting contact, which is solved for, not integrated. */
-static int mg_is_eta_of_rolling_start(const mg_context *c, int state) {
-  const int first = c->system->n_q + c->system->n_u;
-  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
-    const int from = first + c->system->contact_eta[i];
-    if (c->run->rolling_start[i] == MG_START_FLAT && state >= from && state < from + c->contacts.n_eta[i]) return 1;
-  }
-  return 0;
-}
-
-MG_INTERNAL mg_real mg_half_step_difference(mg_context *c, const mg_real *x, const mg_real *half) {
-  mg_real sum = 0;
-  mg_interpolate(c, x, (mg_real)1 / 2, c->step.stage);
-  for (int range = 0; range < c->listed.n_range; range++)
-    for (int i = mg_range_begin(c, range); i < mg_range_end(c, range); i++) {
-      if (mg_is_eta_of_rolling_start(c, i)) continue;
-      const mg_real size = fabs(x[i]) > c->step.scale[i] ? fabs(x[i]) : c->step.scale[i];
-      const mg_real error = (c->step.stage[i] - half[i]) / (c->settings->tolerance * size);
-      sum += error * error;
-    }
-  return sqrt(sum / c->layout.n_live_states);
 }
 
 /* Solve the stages of the full step, from a longer step tried before or from a guess; returns the relative change

@@ -5,10 +5,6 @@
 #include "model/model.h"
 #include "forces/forces.h"
 
-MG_INTERNAL void mg_copy_reals(mg_real *to, const mg_real *from, int n) {
-  for (int i = 0; i < n; i++) to[i] = from[i];
-}
-
 /* Force, gap, normal and points of a contact. */
 static void mg_record_contact(mg_context *c, mg_record *record, int row, int contact, const mg_real *eta) {
   const long k = (long)row * c->system->n_contact + contact;

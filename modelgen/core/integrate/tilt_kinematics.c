@@ -155,3 +155,13 @@ MG_INTERNAL int mg_find_rolling_point(mg_context *c, mg_real t, int contact, con
   mg_update_poses(c, t, x);
   return found;
 }
+
+MG_INTERNAL int mg_converge_contact_point(mg_context *c, int contact, mg_real *eta) {
+  if (!c->contacts.n_eta[contact]) return 1;
+  if (mg_newton_on_feature_pair(c, contact, eta) < 0) return 0;
+  for (int extra = 0; extra < 2; extra++) {
+    mg_place_contact(c, contact, eta, c->search.placement + 32);
+    for (int k = 0; k < c->contacts.n_eta[contact]; k++) eta[k] = c->search.placement[32 + k];
+  }
+  return mg_all_finite(c->contacts.n_eta[contact], eta);
+}

@@ -95,3 +95,7 @@ MG_INTERNAL int mg_is_free_body(const mg_context *c, int body) { return c->bodie
 MG_INTERNAL int mg_is_driven_body(const mg_system *s, int body) {
   return s->kernels->body_kinds[s->body_kind[body]].motion == MG_DRIVEN;
 }
+
+MG_INTERNAL int mg_is_spring(const mg_system *s, int load) {
+  return s->kernels->load_kinds[s->load_kind[load]].is_spring;
+}

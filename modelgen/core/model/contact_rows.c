@@ -222,16 +222,6 @@ MG_INTERNAL int mg_first_friction_row(const mg_context *c, int contact, int cons
   return c->layout.friction_row_begin + c->system->contact_friction_row[contact] + c->system->friction_row[constraint];
 }
 
-MG_INTERNAL void mg_reset_friction_rows(mg_context *c, int contact) {
-  const int *row_range = c->system->contact_friction_row + contact, first = c->layout.friction_row_begin + row_range[0];
-  for (int i = 0; i < row_range[1] - row_range[0]; i++) {
-    c->contacts.o[first + i] = c->contacts.o[contact], c->contacts.f[first + i] = c->contacts.f[contact],
-                          c->lcp.column[first + i] = -1;
-    for (int k = 0; k < 12; k++) c->rows.J[12 * (first + i) + k] = c->rows.MJ[12 * (first + i) + k] = 0;
-    c->rows.gamma[first + i] = c->rows.d_dot[first + i] = c->solution.force[first + i] = 0;
-  }
-}
-
 MG_INTERNAL void mg_rotate_pair(mg_real cosine, mg_real sine, mg_real *a, mg_real *b) {
   const mg_real x = *a, y = *b;
   *a = cosine * x + sine * y, *b = cosine * y - sine * x;

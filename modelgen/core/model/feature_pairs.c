@@ -1,44 +1,10 @@
-/* Feature pairs of the contacts: which one each contact is on (c->contacts), and the conditions under which it
-   stays there, inequalities in the contact point, the normal and eta (MG_CONDITION_QUADRIC ..). */
+/* Feature pairs: their features, their coordinates eta, and the conditions under which a contact stays on them,
+   inequalities in the contact point, the normal and eta (MG_CONDITION_QUADRIC ..). */
 #include "model/model.h"
 #include "base/base.h"
 
-MG_INTERNAL int mg_is_on_feature_pair(const mg_context *c, int contact) { return c->run->feature_pair[contact] >= 0; }
-
-MG_INTERNAL int mg_eta_capacity(const mg_context *c, int contact) {
-  const mg_system *s = c->system;
-  return (contact + 1 < s->n_contact ? s->contact_eta[contact + 1] : s->n_eta) - s->contact_eta[contact];
-}
-
-MG_INTERNAL mg_real *mg_contact_eta(const mg_context *c, mg_real *x, int contact) {
-  return x + c->system->n_q + c->system->n_u + c->system->contact_eta[contact];
-}
-
-MG_INTERNAL const mg_real *mg_contact_parameters(mg_context *c, int contact) {
-  const mg_real *held = c->system->parameters + c->contacts.parameters[contact];
-  if (!mg_is_support_contact(c, contact)) return held;
-  const int n = c->kernels->contact_kinds[c->contacts.kind[contact]].n_parameters;
-  for (int k = 0; k < n - 3; k++) c->contacts.point_parameters[k] = held[k];
-  for (int k = 0; k < 3; k++) c->contacts.point_parameters[n - 3 + k] = c->run->point[3 * contact + k];
-  return c->contacts.point_parameters;
-}
-
-MG_INTERNAL void mg_place_on_feature_pair(mg_context *c, int contact, int feature_pair) {
-  const mg_system *s = c->system;
-  c->contacts.kind[contact] = s->feature_pair_kind[feature_pair],
-  c->contacts.parameters[contact] = s->feature_pair_parameters[feature_pair];
-  c->contacts.length[contact] = mg_pair_length(c, s->feature_pair_owner[feature_pair]);
-  c->contacts.o[contact] = s->feature_pair_o[feature_pair], c->contacts.f[contact] = s->feature_pair_f[feature_pair];
-}
-
 MG_INTERNAL int mg_is_unconditional_feature_pair(const mg_context *c, int feature_pair) {
   return c->system->feature_pair_condition[feature_pair] == c->system->feature_pair_condition[feature_pair + 1];
-}
-
-MG_INTERNAL int mg_pair_first_contact(const mg_context *c, int pair) { return c->system->pair_contact[pair]; }
-
-MG_INTERNAL int mg_has_own_feature_pairs(const mg_context *c, int pair) {
-  return c->system->contact_feature_pair[mg_pair_first_contact(c, pair)] >= 0;
 }
 
 MG_INTERNAL void mg_eta_scale(const mg_context *c, int feature_pair, mg_real length, mg_real *scale) {
@@ -51,34 +17,6 @@ MG_INTERNAL void mg_eta_scale(const mg_context *c, int feature_pair, mg_real len
                  : parametrisation == MG_LOCAL ? length
                                                : 1;
   }
-}
-
-MG_INTERNAL void mg_load_feature_pair(mg_context *c, int contact) {
-  const mg_system *s = c->system;
-  const int held = c->run->feature_pair[contact],
-            feature_pair = held < 0 ? s->pair_feature_pair[s->contact_pair[contact]] : held;
-  mg_place_on_feature_pair(c, contact, feature_pair);
-  c->layout.n_live_states -= c->contacts.n_eta[contact];
-  c->contacts.n_eta[contact] = held < 0 ? 0 : c->kernels->contact_kinds[c->contacts.kind[contact]].n_eta;
-  c->layout.n_live_states += c->contacts.n_eta[contact];
-  if (c->contacts.n_eta[contact]) mg_eta_scale(c, feature_pair, s->length, mg_contact_eta(c, c->step.scale, contact));
-  for (int k = 0; k < 12; k++) c->rows.J[12 * contact + k] = c->rows.MJ[12 * contact + k] = 0;
-  for (int k = 0; k < mg_eta_capacity(c, contact); k++) c->rows.eta_dot[s->contact_eta[contact] + k] = 0;
-  for (int k = c->contacts.n_eta[contact]; k < mg_eta_capacity(c, contact); k++)
-    mg_contact_eta(c, c->step.stage, contact)[k] = 0; /* which is recorded whole */
-  c->rows.gamma[contact] = c->rows.d_dot[contact] = c->solution.force[contact] = 0;
-  if (s->n_friction) mg_reset_friction_rows(c, contact);
-  if (held < 0) c->rows.d[contact] = MG_MAX, c->run->margin[contact] = 1;
-}
-
-MG_INTERNAL void mg_set_feature_pair(mg_context *c, int contact, int feature_pair, const mg_real *eta) {
-  mg_real *kept = mg_contact_eta(c, c->run->x, contact);
-  const int before = c->contacts.n_eta[contact];
-  c->run->feature_pair[contact] = feature_pair;
-  mg_load_feature_pair(c, contact);
-  if (c->contacts.n_eta[contact] != before) mg_list_states(c);
-  for (int k = 0; k < mg_eta_capacity(c, contact); k++) kept[k] = k < c->contacts.n_eta[contact] ? eta[k] : 0;
-  if (feature_pair < 0) c->run->closed[contact] = c->run->active[contact] = c->run->rolling_start[contact] = 0;
 }
 
 MG_INTERNAL const mg_real *mg_feature_numbers(const mg_context *c, int feature_pair, int side) {

@@ -65,42 +65,16 @@ MG_INTERNAL int mg_is_time_stepping(const mg_context *c);
 /* True if the motion of the body is prescribed. */
 MG_INTERNAL int mg_is_driven_body(const mg_system *s, int body);
 
+/* True if the load is a spring with a damper. */
+MG_INTERNAL int mg_is_spring(const mg_system *s, int load);
+
 /* feature_pairs.c */
-
-/* True if the contact is on a feature pair. */
-MG_INTERNAL int mg_is_on_feature_pair(const mg_context *c, int contact);
-
-/* Entries of eta for which a contact has room. */
-MG_INTERNAL int mg_eta_capacity(const mg_context *c, int contact);
-
-/* Eta of a contact in x. */
-MG_INTERNAL mg_real *mg_contact_eta(const mg_context *c, mg_real *x, int contact);
-
-/* Parameters of the contact kind of a contact; of a support point with the point that the run holds. */
-MG_INTERNAL const mg_real *mg_contact_parameters(mg_context *c, int contact);
-
-/* Sets kind, parameters and bodies of a contact (n_contact: the spare one) to those of a feature pair. */
-MG_INTERNAL void mg_place_on_feature_pair(mg_context *c, int contact, int feature_pair);
 
 /* True if the feature pair has no conditions. */
 MG_INTERNAL int mg_is_unconditional_feature_pair(const mg_context *c, int feature_pair);
 
-/* First contact of a pair of shapes. */
-MG_INTERNAL int mg_pair_first_contact(const mg_context *c, int pair);
-
-/* True if each contact of the pair has a feature pair of its own; else the contacts share all feature pairs of the
-   pair. */
-MG_INTERNAL int mg_has_own_feature_pairs(const mg_context *c, int pair);
-
 /* Scales of the entries of eta on a feature pair. */
 MG_INTERNAL void mg_eta_scale(const mg_context *c, int feature_pair, mg_real length, mg_real *scale);
-
-/* Updates c->contacts, error scales and rows of a contact from run->feature_pair. A contact on no feature pair
-   gets an infinite gap, so that no loop over contacts need ask. */
-MG_INTERNAL void mg_load_feature_pair(mg_context *c, int contact);
-
-/* Puts a contact on a feature pair with the given eta, or on none (-1). */
-MG_INTERNAL void mg_set_feature_pair(mg_context *c, int contact, int feature_pair, const mg_real *eta);
 
 /* Numbers of a feature (side 0: o, 1: f) of a feature pair, see MG_FEATURE_PLACEMENT. */
 MG_INTERNAL const mg_real *mg_feature_numbers(const mg_context *c, int feature_pair, int side);
@@ -234,9 +208,6 @@ MG_INTERNAL void mg_update_gap_rates(mg_context *c);
 /* First row of a friction constraint of a contact. */
 MG_INTERNAL int mg_first_friction_row(const mg_context *c, int contact, int constraint);
 
-/* Assigns the friction rows of a contact to the bodies of its feature pair and sets them to zero. */
-MG_INTERNAL void mg_reset_friction_rows(mg_context *c, int contact);
-
 /* Rotates the components (a, b) of a vector by an angle given as cosine and sine. */
 MG_INTERNAL void mg_rotate_pair(mg_real cosine, mg_real sine, mg_real *a, mg_real *b);
 
@@ -261,9 +232,6 @@ MG_INTERNAL int mg_row_joint(const mg_context *c, int row);
 MG_INTERNAL int mg_worst_joint(const mg_context *c, const mg_real *value, mg_real *size);
 
 /* spring_rows.c */
-
-/* True if the load is a spring with a damper. */
-MG_INTERNAL int mg_is_spring(const mg_system *s, int load);
 
 /* Number of springs. */
 MG_INTERNAL int mg_spring_count(const mg_system *s);
@@ -334,10 +302,41 @@ MG_INTERNAL mg_motion_bound mg_pair_motion_bound(const mg_context *c, int pair, 
 /* The speed alone. */
 MG_INTERNAL mg_real mg_pair_speed_bound(const mg_context *c, int pair);
 
-/* planar_contacts.c */
+/* contact_placement.c */
 
 /* True if the contact is a support point of a patch. */
 MG_INTERNAL int mg_is_support_contact(const mg_context *c, int contact);
+
+/* True if the contact is on a feature pair. */
+MG_INTERNAL int mg_is_on_feature_pair(const mg_context *c, int contact);
+
+/* Entries of eta for which a contact has room. */
+MG_INTERNAL int mg_eta_capacity(const mg_context *c, int contact);
+
+/* Eta of a contact in x. */
+MG_INTERNAL mg_real *mg_contact_eta(const mg_context *c, mg_real *x, int contact);
+
+/* Parameters of the contact kind of a contact; of a support point with the point that the run holds. */
+MG_INTERNAL const mg_real *mg_contact_parameters(mg_context *c, int contact);
+
+/* Sets kind, parameters and bodies of a contact (n_contact: the spare one) to those of a feature pair. */
+MG_INTERNAL void mg_place_on_feature_pair(mg_context *c, int contact, int feature_pair);
+
+/* First contact of a pair of shapes. */
+MG_INTERNAL int mg_pair_first_contact(const mg_context *c, int pair);
+
+/* True if each contact of the pair has a feature pair of its own; else the contacts share all feature pairs of the
+   pair. */
+MG_INTERNAL int mg_has_own_feature_pairs(const mg_context *c, int pair);
+
+/* Updates c->contacts, error scales and rows of a contact from run->feature_pair. A contact on no feature pair
+   gets an infinite gap, so that no loop over contacts need ask. */
+MG_INTERNAL void mg_load_feature_pair(mg_context *c, int contact);
+
+/* Puts a contact on a feature pair with the given eta, or on none (-1). */
+MG_INTERNAL void mg_set_feature_pair(mg_context *c, int contact, int feature_pair, const mg_real *eta);
+
+/* planar_contacts.c */
 
 /* First of the three support contacts of a slot. */
 MG_INTERNAL int mg_first_support(const mg_context *c, int slot);

@@ -5,10 +5,6 @@
 #include "model/model.h"
 #include "base/base.h"
 
-MG_INTERNAL int mg_is_support_contact(const mg_context *c, int contact) {
-  return contact >= c->layout.support_begin && contact < c->system->n_contact;
-}
-
 MG_INTERNAL int mg_first_support(const mg_context *c, int slot) { return c->layout.support_begin + 3 * slot; }
 
 MG_INTERNAL int mg_patch_of_slot(const mg_context *c, int slot) {

@@ -2,10 +2,6 @@
    that yield (timestep/spring_impulses.c); elsewhere springs are loads. Writes c->rows. */
 #include "model/model.h"
 
-MG_INTERNAL int mg_is_spring(const mg_system *s, int load) {
-  return s->kernels->load_kinds[s->load_kind[load]].is_spring;
-}
-
 MG_INTERNAL int mg_spring_count(const mg_system *s) {
   int count = 0;
   for (int i = 0; i < s->n_load; i++) count += mg_is_spring(s, i);

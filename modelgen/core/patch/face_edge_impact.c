@@ -193,3 +193,14 @@ MG_INTERNAL void mg_finish_edge_impacts(mg_context *c, mg_events *events) {
 MG_INTERNAL int mg_is_approaching_beyond_drift(const mg_context *c, int contact) {
   return c->rows.d_dot[contact] < -c->settings->drift_tolerance * c->system->length / c->system->time;
 }
+
+MG_INTERNAL mg_real mg_point_speed_along_normal(const mg_context *c, const mg_real *twists, int body, const mg_real *at,
+                                                const mg_real *N) {
+  const mg_real *pose = c->bodies.pose + 12 * body, *twist = twists + 6 * body;
+  mg_real spin[3], arm[3];
+  mg_to_world(pose, twist + 3, 0, spin);
+  for (int k = 0; k < 3; k++) arm[k] = at[k] - pose[k];
+  const mg_real v[3] = {twist[0] + spin[1] * arm[2] - spin[2] * arm[1], twist[1] + spin[2] * arm[0] - spin[0] * arm[2],
+                        twist[2] + spin[0] * arm[1] - spin[1] * arm[0]};
+  return mg_dot3(v, N);
+}

@@ -5,6 +5,45 @@
 #include "model/context.h"
 #include "region/region.h"
 
+/* covered_contacts.c */
+
+/* Search the feature pairs that a patch covered and open a contact at each minimum found; `flat`: also on feature pairs
+   for faces that lie flat. */
+MG_INTERNAL void mg_search_covered_feature_pairs(mg_context *c, int patch, int flat, mg_minima *found);
+
+/* Restore the contacts that a patch covered; with friction its faces count as flat still, so that contacts stand
+   on points of them. */
+MG_INTERNAL void mg_restore_covered_contacts(mg_context *c, int patch, mg_minima *found);
+
+/* Contact, among those that the patch covers, at a world point, or -1. */
+MG_INTERNAL int mg_find_contact_at_point(mg_context *c, int patch, const mg_real *world);
+
+/* Set a contact closed and active. */
+MG_INTERNAL void mg_close_contact(mg_context *c, int contact);
+
+/* Close all contacts on feature pairs that the patch covers. */
+MG_INTERNAL void mg_close_covered_contacts(mg_context *c, int patch);
+
+/* Mark the contacts on feature pairs that a held patch covers. */
+MG_INTERNAL void mg_mark_covered_contacts(mg_context *c);
+
+/* Take the contacts that held patches cover off their feature pairs. */
+MG_INTERNAL void mg_release_covered_contacts(mg_context *c);
+
+/* tipping.c */
+
+/* World position of an extreme point of the hull. */
+MG_INTERNAL void mg_hull_point_to_world(const mg_real *o, const mg_support_point *at, mg_real *world);
+
+/* True if the boundary that the centre of pressure has reached is curved and has not started to roll. */
+MG_INTERNAL int mg_is_tipping_on_curve(mg_context *c, int slot);
+
+/* Tip a patch over a point or a side of its hull: the patch ends and contacts or an edge begin there. */
+MG_INTERNAL void mg_tip_patch_at(mg_context *c, int slot, const mg_nearest_boundary *nearest);
+
+/* Tip a patch over the boundary point nearest to its centre of pressure. */
+MG_INTERNAL void mg_tip_patch(mg_context *c, int slot);
+
 /* face_edge_impact.c */
 
 /* Move the supports of a slot to the edge of its curved hull, the first where the face approaches fastest;
@@ -24,17 +63,14 @@ MG_INTERNAL void mg_finish_edge_impacts(mg_context *c, mg_events *events);
 /* True if the gap closes faster than the drift tolerance; also an approach too slow to bounce is stopped. */
 MG_INTERNAL int mg_is_approaching_beyond_drift(const mg_context *c, int contact);
 
-/* patch_begin.c */
-
 /* Velocity along N of a body's material point at a world point. */
 MG_INTERNAL mg_real mg_point_speed_along_normal(const mg_context *c, const mg_real *twists, int body, const mg_real *at,
                                                 const mg_real *N);
 
+/* patch_begin.c */
+
 /* True if the contact lies in a patch whose faces lie on each other. */
 MG_INTERNAL int mg_is_contact_of_flat_patch(mg_context *c, int contact);
-
-/* Mark the contacts on feature pairs that a held patch covers. */
-MG_INTERNAL void mg_mark_covered_contacts(mg_context *c);
 
 /* Hold every free patch that lies flat, on trial; returns their number. */
 MG_INTERNAL int mg_hold_flat_patches_on_trial(mg_context *c, mg_real touching, int moving);
@@ -46,36 +82,11 @@ MG_INTERNAL void mg_release_trial_patches(mg_context *c);
    the edge of a curved hull instead. Returns how many were rejected. */
 MG_INTERNAL int mg_reject_trial_patches(mg_context *c, const mg_real *amount, mg_real floor, int impulses);
 
-/* Take the contacts that held patches cover off their feature pairs. */
-MG_INTERNAL void mg_release_covered_contacts(mg_context *c);
-
 /* Begin the patches that lie flat and that the contact forces press together within their hulls; the contacts
    they cover are released. */
 MG_INTERNAL void mg_begin_flat_patches(mg_context *c, mg_events *events, mg_real touching);
 
 /* patch_end.c */
-
-/* Restore the contacts that a patch covered; with friction its faces count as flat still, so that contacts stand
-   on points of them. */
-MG_INTERNAL void mg_restore_covered_contacts(mg_context *c, int patch, mg_minima *found);
-
-/* Contact, among those that the patch covers, at a world point, or -1. */
-MG_INTERNAL int mg_find_contact_at_point(mg_context *c, int patch, const mg_real *world);
-
-/* Set a contact closed and active. */
-MG_INTERNAL void mg_close_contact(mg_context *c, int contact);
-
-/* World position of an extreme point of the hull. */
-MG_INTERNAL void mg_hull_point_to_world(const mg_real *o, const mg_support_point *at, mg_real *world);
-
-/* True if the boundary that the centre of pressure has reached is curved and has not started to roll. */
-MG_INTERNAL int mg_is_tipping_on_curve(mg_context *c, int slot);
-
-/* Tip a patch over a point or a side of its hull: the patch ends and contacts or an edge begin there. */
-MG_INTERNAL void mg_tip_patch_at(mg_context *c, int slot, const mg_nearest_boundary *nearest);
-
-/* Tip a patch over the boundary point nearest to its centre of pressure. */
-MG_INTERNAL void mg_tip_patch(mg_context *c, int slot);
 
 /* End the patches that the impulses would pull apart or press outside their hulls; the contacts they cover are
    struck instead. Returns their number. */

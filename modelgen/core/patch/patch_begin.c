@@ -6,17 +6,6 @@
 #include "model/model.h"
 #include "forces/forces.h"
 
-MG_INTERNAL mg_real mg_point_speed_along_normal(const mg_context *c, const mg_real *twists, int body, const mg_real *at,
-                                                const mg_real *N) {
-  const mg_real *pose = c->bodies.pose + 12 * body, *twist = twists + 6 * body;
-  mg_real spin[3], arm[3];
-  mg_to_world(pose, twist + 3, 0, spin);
-  for (int k = 0; k < 3; k++) arm[k] = at[k] - pose[k];
-  const mg_real v[3] = {twist[0] + spin[1] * arm[2] - spin[2] * arm[1], twist[1] + spin[2] * arm[0] - spin[0] * arm[2],
-                        twist[2] + spin[0] * arm[1] - spin[1] * arm[0]};
-  return mg_dot3(v, N);
-}
-
 /* True if the faces of a patch lie on each other: gaps within `touching`, normal velocities within rest_speed
    unless `moving`, and a common area. */
 static int mg_is_patch_flat(mg_context *c, int patch, mg_real touching, int moving) {
@@ -42,12 +31,6 @@ static int mg_is_patch_flat(mg_context *c, int patch, mg_real touching, int movi
 MG_INTERNAL int mg_is_contact_of_flat_patch(mg_context *c, int contact) {
   const int patch = mg_find_flat_patch_of_contact(c, contact, c->settings->flat_angle);
   return patch >= 0 && mg_is_patch_flat(c, patch, c->settings->start_gap * c->system->length, 1);
-}
-
-MG_INTERNAL void mg_mark_covered_contacts(mg_context *c) {
-  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
-    c->patches.is_covered[i] = i < c->layout.support_begin && mg_is_on_feature_pair(c, i) &&
-                               mg_is_feature_pair_covered(c, c->run->feature_pair[i]);
 }
 
 MG_INTERNAL int mg_hold_flat_patches_on_trial(mg_context *c, mg_real touching, int moving) {
@@ -85,13 +68,6 @@ MG_INTERNAL int mg_reject_trial_patches(mg_context *c, const mg_real *amount, mg
     mg_release_patch(c, slot);
   }
   return count;
-}
-
-MG_INTERNAL void mg_release_covered_contacts(mg_context *c) {
-  const mg_real none[6] = {0};
-  mg_mark_covered_contacts(c);
-  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
-    if (c->patches.is_covered[i]) mg_set_feature_pair(c, i, -1, none), c->events.triggered[i] = 0;
 }
 
 /* Slot held on trial if no other slot holds a patch, else -1. */

@@ -197,17 +197,22 @@ static const mg_real mg_node_weight[MG_NODES] = {
     (mg_real)0.134633359654998177545613,  (mg_real)0.109543181257991021997767,  (mg_real)0.0747256745752902965728882,
     (mg_real)0.0333356721543440687967844};
 
-/* placed_arcs.c */
+/* arc_points.c */
 
 /* Point and tangent (of any length) of an arc at parameter t. */
 MG_INTERNAL void mg_arc_point(const mg_placed_arc *k, mg_real t, mg_real *point, mg_real *tangent);
 
-/* Sets the span of an arc from parameter a to b. */
-MG_INTERNAL void mg_make_span(const mg_hull *h, int arc, mg_real a, mg_real b, mg_arc_span *span);
+/* Value at t of the function of which a zero is sought. */
+MG_INTERNAL mg_real mg_zero_function(const mg_placed_arc *k, int sought, const mg_real *v, mg_real t);
 
 /* Zero of a function between a and b, or the end that is nearer to one; for MG_ZERO_NEAREST only a minimum of the
    distance. Safeguarded secant method (Anderson and Bjorck, BIT 13, 1973). */
 MG_INTERNAL mg_real mg_zero_on_arc(const mg_placed_arc *k, int sought, const mg_real *v, mg_real a, mg_real b);
+
+/* placed_arcs.c */
+
+/* Sets the span of an arc from parameter a to b. */
+MG_INTERNAL void mg_make_span(const mg_hull *h, int arc, mg_real a, mg_real b, mg_arc_span *span);
 
 /* Places all arcs in the axes of their own faces and divides them into spans. */
 MG_INTERNAL void mg_divide_arcs(mg_hull *h);

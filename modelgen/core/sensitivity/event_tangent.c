@@ -231,12 +231,6 @@ static int mg_is_gap_held_already(mg_context *c, mg_sensitivity *s, int contact)
   return 1;
 }
 
-MG_INTERNAL int mg_has_moving_border(const mg_sensitivity *s) {
-  for (int j = 0; j < s->directions->n; j++)
-    if (s->directions->moves_borders && s->directions->moves_borders[j]) return 1;
-  return 0;
-}
-
 /* Notes the derivatives of the time of an event. */
 static void mg_note_event(const mg_context *c, mg_sensitivity *s, const mg_crossing *crossing) {
   mg_tangent *tangent = s->tangent;

@@ -232,6 +232,9 @@ MG_INTERNAL void mg_patch_bound_adjoint(mg_context *c, mg_sensitivity *s, int sl
 
 /* step_tangent.c */
 
+/* True if a direction moves borders of features. */
+MG_INTERNAL int mg_has_moving_border(const mg_sensitivity *s);
+
 /* True if faces rest on each other by points that a direction moves within them. */
 MG_INTERNAL int mg_rests_on_moving_points(const mg_context *c, const mg_sensitivity *s);
 
@@ -287,9 +290,6 @@ MG_INTERNAL int mg_restore_start(mg_context *c, mg_sensitivity *s, const mg_real
 MG_INTERNAL void mg_start_adjoint(mg_context *c, mg_sensitivity *s, const mg_real *given, mg_real *x_bar);
 
 /* event_tangent.c */
-
-/* True if a direction moves borders of features. */
-MG_INTERNAL int mg_has_moving_border(const mg_sensitivity *s);
 
 /* Event of a step from its events first .. of the list. */
 MG_INTERNAL mg_crossing mg_find_crossing(const mg_context *c, const mg_events *events, int first);

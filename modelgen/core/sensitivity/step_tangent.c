@@ -379,3 +379,9 @@ MG_INTERNAL void mg_project_tangents(mg_context *c, mg_sensitivity *s, mg_real t
   mg_zero_reals(c->bodies.wrench, 6L * c->system->n_body);
   mg_settle_eta_tangents(c, s, t, x);
 }
+
+MG_INTERNAL int mg_has_moving_border(const mg_sensitivity *s) {
+  for (int j = 0; j < s->directions->n; j++)
+    if (s->directions->moves_borders && s->directions->moves_borders[j]) return 1;
+  return 0;
+}

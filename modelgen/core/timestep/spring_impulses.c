@@ -73,10 +73,6 @@ MG_INTERNAL void mg_set_spring_impulses(mg_context *c, mg_real h) {
   }
 }
 
-MG_INTERNAL mg_real mg_free_spring_rate(const mg_context *c, int row, mg_real h) {
-  return mg_free_end_rate(c, row, h) - c->springs.impulse[row - c->layout.spring_row_begin];
-}
-
 /* Mean over the step of the part of a row's rate that bodies moved by forces cause. */
 static mg_real mg_mean_moving_rate(const mg_context *c, int row, mg_real h) {
   mg_real rate = 0;

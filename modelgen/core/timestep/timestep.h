@@ -35,6 +35,10 @@ MG_INTERNAL int mg_is_rebounding(const mg_context *c, int contact, mg_real h);
    their rows turn. */
 MG_INTERNAL mg_real mg_scheme_gap_rate(const mg_context *c, int contact, mg_real h);
 
+/* Rate of the row of a spring at the end of the step without impulses, less what its own impulse makes of it without
+   that rate. */
+MG_INTERNAL mg_real mg_free_spring_rate(const mg_context *c, int row, mg_real h);
+
 /* spring_impulses.c */
 
 /* Adds the accelerations by the springs at the present poses to c->bodies.acceleration, of stiff ones a part, and
@@ -47,10 +51,6 @@ MG_INTERNAL void mg_update_spring_rows(mg_context *c);
 /* Scales the rows of the springs for a step h, and writes their rates and impulses at its start. Needs J, the twists at
    the start of the step, and the deflections there. */
 MG_INTERNAL void mg_set_spring_impulses(mg_context *c, mg_real h);
-
-/* Rate of the row of a spring at the end of the step without impulses, less what its own impulse makes of it without
-   that rate. */
-MG_INTERNAL mg_real mg_free_spring_rate(const mg_context *c, int row, mg_real h);
 
 /* Work of the impulses of the springs on the bodies that forces move. */
 MG_INTERNAL mg_real mg_spring_work(const mg_context *c, mg_real h);

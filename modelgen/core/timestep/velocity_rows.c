@@ -102,3 +102,7 @@ MG_INTERNAL mg_real mg_scheme_gap_rate(const mg_context *c, int contact, mg_real
   if (c->settings->stepping_scheme == MG_STEWART_TRINKLE) return c->rows.d[contact] <= 0 ? 0 : -c->rows.d[contact] / h;
   return c->run->closed[contact] ? mg_closed_gap_rate(c, contact, h) : 0;
 }
+
+MG_INTERNAL mg_real mg_free_spring_rate(const mg_context *c, int row, mg_real h) {
+  return mg_free_end_rate(c, row, h) - c->springs.impulse[row - c->layout.spring_row_begin];
+}

@@ -1,5 +1,5 @@
-/* Residual of a friction problem, in the scaled form and for the problem as given (mg_friction_residual), and what
-   can be proved of a problem: that there is no solution, that the solution is unique, that it is not. */
+/* Residual of a friction problem as given (mg_friction_residual), and what can be proved of a problem: that
+   there is no solution, that the solution is unique, that it is not. */
 #include "solve/friction/solvers.h"
 #include "base/base.h"
 #include "solve/lcp/solvers.h"
@@ -7,67 +7,6 @@
 typedef struct {
   mg_real error, size, force; /* maxima of the residual, of b and of z, in the units of the residual */
 } mg_friction_measure;
-
-MG_INTERNAL mg_real mg_friction_norm(int k, const mg_real *x) {
-  if (k == 1) return (mg_real)fabs(x[0]);
-  return (mg_real)sqrt(x[0] * x[0] + x[1] * x[1]);
-}
-
-/* |f - P_radius(f - w / rho)| sqrt(rho) of a disc of k rows: natural map of Coulomb's law. */
-static mg_real mg_friction_disc_error(int k, const mg_real *f, const mg_real *w, mg_real rho, mg_real radius) {
-  mg_real q[2] = {0, 0}, size, error[2] = {0, 0};
-  for (int i = 0; i < k; ++i) q[i] = f[i] - w[i] / rho;
-  size = mg_friction_norm(k, q);
-  if (!(radius > 0)) radius = 0;
-  for (int i = 0; i < k; ++i) error[i] = size > radius ? f[i] - q[i] * (radius / size) : w[i] / rho;
-  return mg_friction_norm(k, error) * (mg_real)sqrt(rho);
-}
-
-MG_INTERNAL mg_real mg_friction_slack(const mg_scaled_friction *s, int contact) {
-  mg_real slack = s->v[s->normal[contact]];
-  for (int p = s->part[contact]; s->theta > 0 && p < s->part[contact + 1]; ++p)
-    slack -= s->theta * mg_friction_norm(s->part_dim[p], s->v + s->part_row[p]);
-  return slack;
-}
-
-MG_INTERNAL mg_real mg_friction_error(const mg_scaled_friction *s) {
-  mg_real worst = 0;
-  for (int c = 0; c < s->n; ++c) {
-    const mg_real force = s->y[s->normal[c]], slack = mg_friction_slack(s, c);
-    mg_real error = (mg_real)fabs(force < slack ? force : slack);
-    if (!(error <= MG_MAX)) return MG_MAX;
-    worst = error > worst ? error : worst;
-    for (int p = s->part[c]; p < s->part[c + 1]; ++p) {
-      const int i = s->part_row[p];
-      error = mg_friction_disc_error(s->part_dim[p], s->y + i, s->v + i, s->rho[p], force);
-      if (!(error <= MG_MAX)) return MG_MAX;
-      worst = error > worst ? error : worst;
-    }
-  }
-  return worst;
-}
-
-MG_INTERNAL void mg_friction_update_motion(mg_scaled_friction *s) {
-  for (int i = 0; i < s->m; ++i) s->v[i] = s->c[i];
-  for (int j = 0; j < s->m; ++j) {
-    const mg_real *column = s->S + j * s->m, value = s->y[j];
-    for (int i = 0; i < s->m; ++i) s->v[i] += column[i] * value;
-  }
-}
-
-MG_INTERNAL mg_real mg_friction_tolerance(const mg_scaled_friction *s, const mg_real *y) {
-  const mg_real tolerance = mg_lcp_tolerance(s->m, mg_max_abs(s->m, y));
-  return tolerance < MG_LCP_CAP / 4 ? tolerance : MG_LCP_CAP / 4;
-}
-
-MG_INTERNAL int mg_friction_update_best(mg_scaled_friction *s) {
-  const mg_real error = mg_friction_error(s);
-  if (error < s->residual) {
-    s->residual = error;
-    for (int i = 0; i < s->m; ++i) s->best[i] = s->y[i];
-  }
-  return s->residual <= mg_friction_tolerance(s, s->best);
-}
 
 /* w of one row of the given problem. */
 static mg_real mg_friction_row_motion(const mg_friction_problem *p, const mg_real *z, int row) {

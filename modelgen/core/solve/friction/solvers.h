@@ -42,10 +42,13 @@ typedef struct {
 
 enum { MG_FRICTION_STARTS = 20 }; /* starting points that mg_friction_try_start knows */
 
-/* certificate.c */
+/* scaled_residual.c */
 
 /* Euclidean norm of k = 1 or 2 components. */
 MG_INTERNAL mg_real mg_friction_norm(int k, const mg_real *x);
+
+/* |f - P_radius(f - w / rho)| sqrt(rho) of a disc of k rows: natural map of Coulomb's law. */
+MG_INTERNAL mg_real mg_friction_disc_error(int k, const mg_real *f, const mg_real *w, mg_real rho, mg_real radius);
 
 /* v_n of a contact; of the relaxed law less theta sum |v_t|. */
 MG_INTERNAL mg_real mg_friction_slack(const mg_scaled_friction *s, int contact);
@@ -62,6 +65,8 @@ MG_INTERNAL mg_real mg_friction_tolerance(const mg_scaled_friction *s, const mg_
 
 /* Copies y to best if its residual is the least so far. Returns whether best is a solution. */
 MG_INTERNAL int mg_friction_update_best(mg_scaled_friction *s);
+
+/* certificate.c */
 
 /* Residual of z for the given problem; *growth = largest force over largest right-hand side. */
 MG_INTERNAL mg_real mg_friction_certify(const mg_friction_problem *p, const mg_real *z, mg_real *growth);

@@ -1,4 +1,4 @@
-/* Impacts without friction: Newton's restitution at all closed contacts at once, as a complementarity problem of
+/* Impacts at all closed contacts at once. Without friction, Newton's restitution is a complementarity problem of
    velocities, 0 <= P, 0 <= v_after + e v_before, complementary. Faces that land flat are struck as one. Writes
    the velocities and the work of the run's state, the closed set and the event list. */
 #include "impact/impact.h"
@@ -7,47 +7,12 @@
 #include "forces/forces.h"
 #include "patch/patch.h"
 
-MG_INTERNAL int mg_is_approaching(const mg_context *c, int contact) {
-  return c->rows.d_dot[contact] < -c->settings->rest_speed * c->system->length / c->system->time;
-}
-
-MG_INTERNAL mg_real mg_effective_restitution(const mg_context *c, int contact) {
-  const mg_real e = c->system->restitution[contact], approach = -c->rows.d_dot[contact];
-  const mg_real least = c->settings->rest_speed * c->system->length / c->system->time;
-  return e * approach > least && 4 * approach > 5 * least && !mg_has_patch_just_opened(c, contact) ? e : 0;
-}
-
 /* List the closed contacts that no patch covers, then the supports on hull edges; returns their number. */
 static int mg_list_impact_contacts(mg_context *c) {
   int n = 0;
   for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     if (c->run->closed[i] && !c->patches.is_covered[i]) c->lcp.rows[n++] = i;
   return mg_append_edge_supports(c, c->lcp.rows, n);
-}
-
-MG_INTERNAL void mg_apply_impulses(mg_context *c, int n) {
-  const mg_system *s = c->system;
-  for (int i = 0; i < 6 * s->n_body; i++) c->bodies.wrench[i] = 0;
-  for (int r = 0; r < n; r++) mg_add_row_response(c, c->lcp.rows[r], c->lcp.z[r], c->bodies.wrench);
-  for (int r = 0; r < n; r++) {
-    const int i = c->lcp.rows[r];
-    const mg_real before = c->rows.d_dot[i], after = before + mg_row_times(c, i, c->bodies.wrench);
-    c->run->x[c->layout.work_state] += c->lcp.z[r] * ((before + after) / 2 - mg_prescribed_gap_rate(c, i));
-  }
-  for (int b = 0; b < s->n_body; b++)
-    for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_u; k++)
-      c->run->x[s->n_q + s->body_u[b] + k] += c->bodies.wrench[6 * b + k];
-  for (int i = 0; i < 6 * s->n_body; i++) c->bodies.wrench[i] = 0;
-}
-
-MG_INTERNAL mg_real mg_remaining_bounce_time(mg_context *c, int contact) {
-  const mg_real e = c->system->restitution[contact], closing_acceleration = -mg_row_acceleration(c, contact),
-                most = c->settings->time_resolution * c->system->time;
-  const mg_real twice_speed_after = -2 * e * c->rows.d_dot[contact];
-  return e < 1 && twice_speed_after > 0 && closing_acceleration > mg_acceleration_tolerance(c) &&
-                 twice_speed_after < most * closing_acceleration * (1 - e)
-             ? twice_speed_after / (closing_acceleration * (1 - e))
-             : 0;
 }
 
 /* Open the contacts that separate after the impact and report their events. */
@@ -58,17 +23,6 @@ static void mg_open_rebounding_contacts(mg_context *c, mg_events *events) {
     if (separates && mg_is_approaching(c, i))
       mg_apply_contact_transition(c, events, i, MG_IMPACT_REBOUND, c->run->t, -c->rows.d_dot[i]);
     else if (separates) mg_apply_contact_transition(c, events, i, MG_PUSHED_OPEN, c->run->t, 0);
-  }
-}
-
-MG_INTERNAL void mg_set_support_impact_rates(mg_context *c) {
-  for (int i = c->layout.support_begin; i < c->layout.joint_row_end; i++) c->rows.row_rate[i] = c->rows.d_dot[i];
-  for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
-    const int support = mg_first_support(c, slot);
-    mg_real e = 0;
-    for (int k = 0; k < 3 && c->patches.trial[slot] == 1; k++)
-      e = mg_effective_restitution(c, support + k) > e ? mg_effective_restitution(c, support + k) : e;
-    for (int k = 0; k < 3; k++) c->rows.row_rate[support + k] *= 1 + e;
   }
 }
 

@@ -1,0 +1,34 @@
+/* Accelerations of rows, how forces on one row accelerate another, and what counts as zero. */
+#include "forces/forces.h"
+#include "model/model.h"
+
+MG_INTERNAL mg_real mg_row_acceleration(const mg_context *c, int contact) {
+  return mg_row_times(c, contact, c->bodies.acceleration) + c->rows.gamma[contact];
+}
+
+MG_INTERNAL mg_real mg_acceleration_tolerance(const mg_context *c) {
+  return c->settings->rest_acceleration * c->system->length / (c->system->time * c->system->time);
+}
+
+MG_INTERNAL mg_real mg_force_tolerance(const mg_context *c) { return mg_acceleration_tolerance(c) * c->system->mass; }
+
+MG_INTERNAL int mg_activate_supports(mg_context *c) {
+  int count = 0;
+  for (int i = c->layout.support_begin; i < c->system->n_contact; i++) {
+    if (!c->run->closed[i]) continue;
+    c->run->active[i] = 1, c->rows.row_rate[i] = mg_row_acceleration(c, i);
+    count++;
+  }
+  return count;
+}
+
+MG_INTERNAL mg_real mg_delassus_entry(const mg_context *c, int row, int column) {
+  mg_real sum = 0;
+  for (int side = 0; side < 2; side++)
+    for (int other = 0; other < 2; other++) {
+      const int body = side ? c->contacts.f[row] : c->contacts.o[row];
+      if (body != (other ? c->contacts.f : c->contacts.o)[column] || !mg_is_moved_by_forces(c, body)) continue;
+      sum += mg_dot6(c->rows.J + 12 * row + 6 * side, c->rows.MJ + 12 * column + 6 * other);
+    }
+  return sum;
+}
