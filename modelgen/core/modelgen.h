@@ -291,6 +291,8 @@ typedef struct {
   mg_real separation_speed_factor; /* a step is shortened if at its end the gap rate of a loaded contact exceeds
                                       separation_speed_factor * tolerance times length / time and times the
                                       approach bound of the pair */
+  mg_real derivative_error_factor; /* a step with derivatives is refused where their error in it, relative to their
+                                      size, exceeds derivative_error_factor * tolerance */
   mg_real rest_loss_factor;        /* a gap held without force opens within a step where its acceleration exceeds
                                       rest_loss_factor * rest_acceleration * length / time^2 */
   mg_real event_correction_step;   /* an event later in the step than this part of it is corrected by further steps only

@@ -114,6 +114,8 @@ class Accuracy:
             times `slip_speed` has.
         separation_speed_factor: a step is shortened if a loaded contact separates at its end faster than this
             times `tolerance` times its speed or L/T.
+        derivative_error_factor: in a run with derivatives, a step is refused where their error in it exceeds
+            this times `tolerance`, relative to their size.
         rest_loss_factor: a contact held without force opens within a step above this times
             `rest_acceleration`.
         event_correction_step: beyond this fraction of the step, an event is corrected only while the
@@ -186,6 +188,7 @@ class Accuracy:
     appear_tilt_sine: float = 0.5
     slip_stop_speed_ratio: float = 100.0
     separation_speed_factor: float = 1e3
+    derivative_error_factor: float = 100.0
     rest_loss_factor: float = 100.0
     event_correction_step: float = 1e-3
     contact_rank_tolerance: float = 2e-10

@@ -34,9 +34,8 @@ static int mg_may_lose_slip(mg_context *c, const mg_sensitivity *s) {
   return 0;
 }
 
-#define MG_TANGENT_TOLERANCE ((mg_real)100) /* local error of derivatives, of the tolerance of the run */
-#define MG_AT_KINK ((mg_real)1e-3)          /* of that error, in a step that has been refused for it */
-#define MG_LEAST_STEP ((mg_real)1e-9)       /* of T: shorter steps are taken whatever the error of derivatives */
+#define MG_AT_KINK ((mg_real)1e-3)    /* part of the error of derivatives allowed in a step that was refused for it */
+#define MG_LEAST_STEP ((mg_real)1e-9) /* of T: shorter steps are taken whatever the error of derivatives */
 
 /* Error of the derivatives along a direction at the end of a step that is tried, of what it may be: of their size, or
    of their rounding where they are hardly larger. */
@@ -45,12 +44,13 @@ static mg_real mg_tangent_error(const mg_context *c, mg_sensitivity *s, int dire
   const int states = c->layout.n_states;
   const long stride = (long)s->directions->n * states;
   const mg_real *dx = s->tangent->x + (long)direction * states, *slopes = s->slopes + (long)direction * states,
-                part = MG_TANGENT_TOLERANCE * c->settings->tolerance,
+                part = c->settings->derivative_error_factor * c->settings->tolerance,
                 rounding = 16 * MG_EPS * mg_direction_size(c, s, direction);
   mg_combine_stages(&method, method.stages, states, stride, h, dx, slopes, s->stage);
   const mg_real size = mg_max(mg_tangent_size(c, dx), mg_tangent_size(c, s->stage)),
                 least = mg_max(size, rounding / part);
-  return least > 0 ? mg_dop853_error(c, dx, s->stage, slopes, stride, least, h) / MG_TANGENT_TOLERANCE : 0;
+  return least > 0 ? mg_dop853_error(c, dx, s->stage, slopes, stride, least, h) / c->settings->derivative_error_factor
+                   : 0;
 }
 
 MG_INTERNAL mg_real mg_followed_error(mg_context *c, void *of, mg_real h) {

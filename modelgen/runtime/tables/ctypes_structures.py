@@ -106,6 +106,7 @@ SETTINGS_REALS = (
         "extremality_residual",
         "slip_stop_speed_ratio",
         "separation_speed_factor",
+        "derivative_error_factor",
         "rest_loss_factor",
         "event_correction_step",
         "contact_rank_tolerance",
