@@ -83,3 +83,16 @@ def test_through_blows(name: str) -> None:
     found = assert_differences(library, f"{moving(library)[0]}.velocity", [0.9])
     assert found.verdict
     assert found.events
+
+
+def test_steps_towards_the_end_of_slip_change_no_derivative() -> None:
+    """A sample at any time before it ends, at 1.02517 s, makes the steps that lead to it others."""
+    library, of = shipped("tippe_top"), ["top.position", "top.velocity", "top.angular_velocity"]
+    samples = np.random.default_rng(5).uniform(1.0, 1.02517, 12)
+    after = np.array(
+        [
+            sensitivity(library, [t, 1.1], of=of, by=["top.angular_velocity"], accuracy="tight").jacobian[-1]
+            for t in samples
+        ]
+    )
+    assert np.ptp(after, axis=0).max() < 1e-9 * np.abs(after).max()

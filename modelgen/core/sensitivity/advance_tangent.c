@@ -197,14 +197,15 @@ static int mg_has_state_jump(const mg_context *c, const mg_real *before) {
 }
 
 /* Approach to an instant at which slip dies: the derivative of its direction is the quotient of two numbers that both
-   vanish there, so that steps towards it are halved again and again, until slip is so slow that it may stop. */
+   vanish there, so that steps towards it are halved again and again, until slip is as slow as its tolerance, at which
+   it may stop: the last step, too, no more than halves it. */
 typedef struct {
   mg_real end;   /* the instant, s */
   mg_real least; /* the last step, s */
 } mg_approach;
 
 #define MG_APPROACH_HALVINGS 30 /* at most */
-#define MG_APPROACH_SLIP 8      /* least slip, of its tolerance, at the start of a step */
+#define MG_APPROACH_SLIP 2      /* least slip, of its tolerance, at the start of a step */
 
 /* Where the next step is to end at the latest. */
 static mg_real mg_approach_stop(const mg_approach *a, mg_real t, mg_real t_stop) {
