@@ -12,7 +12,7 @@ from modelgen.codegen.manifest import Manifest, have_centre_curves
 Entry = Mapping[str, Any]
 Found = TypeVar("Found")
 
-CELLS_PER_TREE, CELLS_MIN, CELLS_MAX = 4096, 32768, 131072
+CELLS_PER_TREE, CELLS_MIN, CELLS_MAX = 4096, 32768, 1 << 20
 CONDITIONS = ("quadric", "parameter", "disc", "wing", "direction", "tilt")  # MG_CONDITION_QUADRIC ..
 
 
