@@ -119,12 +119,11 @@ def fit_scene(path: Path, data: list[Path], settings: dict[str, Any]) -> Fit:
     from modelgen.identification.fit import recording_in
 
     scene = read_scene(path, None)
-    for each in data:  # before anything is compiled
-        recording_in(each, settings["of"])
+    recordings = [recording_in(each, settings["of"]) for each in data]  # before anything is compiled
     with removed_if_refused(folder_of(scene, DERIVATIVES)) as folder:
         library = build_derivation(derive_scene(scene), folder, derivatives=True)
         with activity("fitting") as report:
-            return modelgen.fit(library, data, on_progress=report, **settings)
+            return modelgen.fit(library, recordings, on_progress=report, **settings)
 
 
 def linearise_scene(path: Path, form: str | None, find: Callable[..., Result]) -> Result:

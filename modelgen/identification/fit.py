@@ -36,7 +36,7 @@ FAINT = 0.1  # deviations over the noise, root mean square, that are no deviatio
 FOLLOWING = 0.3  # correlation of deviations with those of the row before that is told
 AT_BOUND = 1e-6  # distance to the end of a range, in scales
 
-Data = str | PathLike[str] | Mapping[str, Any]
+Data = str | PathLike[str] | Mapping[str, Any] | Recording
 
 
 @dataclass(frozen=True)
@@ -151,12 +151,14 @@ def _silent(_: str) -> None:
 
 
 def _recordings(data: Data | Sequence[Data], of: Sequence[str] | None) -> list[Recording]:
-    several = [data] if isinstance(data, str | PathLike | Mapping) else list(data)
+    several = [data] if isinstance(data, str | PathLike | Mapping | Recording) else list(data)
     if not several:
         raise SimulationError("data", "no recordings", "CSV files, or columns by name")
     found = []
     for k, each in enumerate(several):
-        if isinstance(each, Mapping):
+        if isinstance(each, Recording):
+            found.append(each)
+        elif isinstance(each, Mapping):
             found.append(recording_of(each, f"recording {k + 1}", of))
         elif isinstance(each, str | PathLike):
             found.append(recording_in(Path(each), of))

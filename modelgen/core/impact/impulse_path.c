@@ -71,8 +71,8 @@ static mg_real mg_impact_step_error(const mg_impact_path *b, mg_real dp, mg_real
   mg_real fifth = 0, third = 0;
   for (int k = 0; k < 6; k++) {
     mg_real e5 = 0, e3 = (y[k] - b->velocity[k]) / dp;
-    for (int j = 0; j < 8; j++) e5 += mg_dop_fifth[j] * slope[mg_dop_fifth_column[j]][k];
-    for (int j = 0; j < 3; j++) e3 += mg_dop_third[j] * slope[mg_dop_third_column[j]][k];
+    for (int j = 0; j < MG_DOP_FIFTH; j++) e5 += mg_dop_fifth[j] * slope[mg_dop_fifth_column[j]][k];
+    for (int j = 0; j < MG_DOP_THIRD; j++) e3 += mg_dop_third[j] * slope[mg_dop_third_column[j]][k];
     const mg_real weight = 1 / (MG_IMPACT_STEP_ERROR * size[k]);
     fifth += e5 * weight * e5 * weight, third += e3 * weight * e3 * weight;
   }

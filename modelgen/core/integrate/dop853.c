@@ -103,8 +103,8 @@ MG_INTERNAL mg_real mg_dop853_error(const mg_context *c, const mg_real *x, const
   const mg_estimated_step of = {x, end, h, least};
   mg_squared_errors error = {0, 0};
   mg_weighted_slopes fifth, third;
-  mg_weigh_slopes(slopes, stride, 8, mg_dop_fifth, mg_dop_fifth_column, &fifth);
-  mg_weigh_slopes(slopes, stride, 3, mg_dop_third, mg_dop_third_column, &third);
+  mg_weigh_slopes(slopes, stride, MG_DOP_FIFTH, mg_dop_fifth, mg_dop_fifth_column, &fifth);
+  mg_weigh_slopes(slopes, stride, MG_DOP_THIRD, mg_dop_third, mg_dop_third_column, &third);
   for (int range = 0; range < c->listed.n_range; range++)
     mg_add_errors_of_range(c, &of, mg_range_begin(c, range), mg_range_end(c, range), &fifth, &third, &error);
   if (error.fifth == 0) return 0;

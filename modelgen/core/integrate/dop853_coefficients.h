@@ -117,17 +117,19 @@ static const mg_real mg_dop_time[16] = {
     (mg_real)0.2L,
     (mg_real)7 / 9,
 };
+enum { MG_DOP_FIFTH = 8, MG_DOP_THIRD = 3 }; /* terms of the errors of order 5 and 3 */
+
 /* Error of order 5: sum of fifth[k] K[fifth_column[k]]; of order 3: the mean slope of the step and the sum of third[k]
    K[third_column[k]]. */
-static const int mg_dop_fifth_column[8] = {0, 5, 6, 7, 8, 9, 10, 11};
-static const mg_real mg_dop_fifth[8] = {
+static const int mg_dop_fifth_column[MG_DOP_FIFTH] = {0, 5, 6, 7, 8, 9, 10, 11};
+static const mg_real mg_dop_fifth[MG_DOP_FIFTH] = {
     (mg_real)0.1312004499419488073250102996e-1L, (mg_real)-0.1225156446376204440720569753e+1L,
     (mg_real)-0.4957589496572501915214079952L,   (mg_real)0.1664377182454986536961530415e+1L,
     (mg_real)-0.3503288487499736816886487290L,   (mg_real)0.3341791187130174790297318841L,
     (mg_real)0.8192320648511571246570742613e-1L, (mg_real)-0.2235530786388629525884427845e-1L,
 };
-static const int mg_dop_third_column[3] = {0, 8, 11};
-static const mg_real mg_dop_third[3] = {
+static const int mg_dop_third_column[MG_DOP_THIRD] = {0, 8, 11};
+static const mg_real mg_dop_third[MG_DOP_THIRD] = {
     (mg_real)-0.244094488188976377952755905512L,
     (mg_real)-0.733846688281611857341361741547L,
     (mg_real)-0.220588235294117647058823529412e-1L,

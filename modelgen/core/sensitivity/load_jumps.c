@@ -9,11 +9,14 @@
 #define MG_JUMP_SPAN ((mg_real)1e-6) /* of T: way along which a jump is sought */
 #define MG_JUMP_BISECTIONS 16        /* of that way */
 
+/* Wrench of a load alone on its two bodies. */
+static void mg_wrench_of_load(const mg_context *c, mg_real t, int load, mg_real *wrench) {
+  mg_zero_reals(wrench, 12);
+  mg_load_wrench(c, t, load, wrench);
+}
+
 MG_INTERNAL void mg_note_loads(const mg_context *c, mg_sensitivity *s, mg_real t) {
-  for (int i = 0; i < c->system->n_load; i++) {
-    mg_zero_reals(s->load + 12 * i, 12);
-    mg_load_wrench(c, t, i, s->load + 12 * i);
-  }
+  for (int i = 0; i < c->system->n_load; i++) mg_wrench_of_load(c, t, i, s->load + 12 * i);
 }
 
 /* Largest difference of two wrenches on two bodies, N; the second may be null for zero. */
@@ -35,8 +38,7 @@ static void mg_moved_load(mg_context *c, const mg_sensitivity *s, mg_real t, int
     for (int k = 0; k < 12; k++) pose[k] += part * s->at.pose[12 * bodies[side] + k];
     for (int k = 0; k < 6; k++) twist[k] += part * s->at.twist[6 * bodies[side] + k];
   }
-  mg_zero_reals(wrench, 12);
-  mg_load_wrench(c, t, load, wrench);
+  mg_wrench_of_load(c, t, load, wrench);
   for (int side = 0; side < 2; side++)
     if (bodies[side] >= 0 && mg_is_moved_by_forces(c, bodies[side]))
       mg_pack(c->bodies.pose + 12 * bodies[side], 12, kept + 18 * side),
@@ -54,8 +56,8 @@ static int mg_jumps_on_its_way(mg_context *c, const mg_sensitivity *s, mg_real t
     const mg_real at = (from + to) / 2;
     mg_moved_load(c, s, t, load, at, middle);
     const int is_first = mg_wrench_difference(c, before, middle) > mg_wrench_difference(c, middle, after);
-    if (is_first) to = at, mg_pack(after, 12, middle);
-    else from = at, mg_pack(before, 12, middle);
+    if (is_first) to = at, mg_copy_reals(after, middle, 12);
+    else from = at, mg_copy_reals(before, middle, 12);
   }
   return mg_wrench_difference(c, before, after) > least;
 }
@@ -65,8 +67,7 @@ MG_INTERNAL int mg_has_load_jump(mg_context *c, mg_sensitivity *s, mg_real t, co
   mg_real wrench[12];
   int has_rates = 0;
   for (int i = 0; i < c->system->n_load; i++) {
-    mg_zero_reals(wrench, 12);
-    mg_load_wrench(c, t, i, wrench);
+    mg_wrench_of_load(c, t, i, wrench);
     const mg_real *before = s->load + 12 * i, change = mg_wrench_difference(c, wrench, before),
                   size = mg_max(mg_wrench_difference(c, wrench, 0), mg_wrench_difference(c, before, 0));
     if (!(change * c->system->time > MG_STEEP * h * size)) continue;

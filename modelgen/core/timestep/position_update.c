@@ -129,8 +129,7 @@ static void mg_mark_feature_exit(mg_context *c, int contact) {
   const mg_real *eta = mg_contact_eta(c, c->run->x, contact);
   if (!mg_may_leave_feature_pair(c, contact)) return;
   if (mg_is_off_feature_pair(c, contact, eta)) c->events.triggered[contact] = MG_LEAVES_FEATURE;
-  else if (mg_ends_line(c, feature_pair, -1) &&
-           mg_least_line_end_condition(c, feature_pair, -1, eta) < -c->settings->feature_border)
+  else if (mg_least_line_end_condition(c, feature_pair, -1, eta) < -c->settings->feature_border)
     c->run->moved_since_search[c->system->contact_pair[contact]] = MG_SEARCH_DUE;
 }
 

@@ -263,16 +263,20 @@ static int mg_rests_in_given_modes(const mg_held_contacts *s) {
   return 1;
 }
 
-/* Restricts L and F to motions at which the listed rows are zero. Returns the number of these motions, -1 where it is
-   not clear. */
-static int mg_restrict_motions(int rank, int n, const int *list, int n_vector, mg_held_vector *L, mg_real *F) {
+/* L and F of the problem, restricted to motions at which the listed rows are zero. Returns the number of these motions,
+   -1 where it is not clear. */
+static int mg_restrict_motions(const mg_held_contacts *s, int n, const int *list, mg_held_vector *L, mg_real *F) {
   mg_held_vector vector[MG_HELD_ROWS], held[MG_HELD_ROWS];
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < rank; ++j) vector[i][j] = L[list[i]][j];
-  n = mg_find_basis(rank, n, vector, held);
-  for (int i = 0; i < n_vector && n >= 0; ++i) mg_remove_components(rank, n, (const mg_held_vector *)held, L[i]);
-  if (n >= 0) mg_remove_components(rank, n, (const mg_held_vector *)held, F);
-  return n < 0 ? -1 : rank - n;
+  for (int i = 0; i < n; ++i) mg_copy_reals(vector[i], s->L[list[i]], s->rank);
+  n = mg_find_basis(s->rank, n, vector, held);
+  if (n < 0) return -1;
+  for (int i = 0; i < 3 * s->n; ++i) {
+    mg_copy_reals(L[i], s->L[i], s->rank);
+    mg_remove_components(s->rank, n, (const mg_held_vector *)held, L[i]);
+  }
+  mg_copy_reals(F, s->F, s->rank);
+  mg_remove_components(s->rank, n, (const mg_held_vector *)held, F);
+  return s->rank - n;
 }
 
 /* Adds a view of the present modes if it may exclude them. Contacts that stick in both solutions take part by their
@@ -281,23 +285,21 @@ static int mg_add_held_rows(mg_held_contacts *s, int has_cones, int has_forces) 
   mg_held_rows *v = s->view + s->n_view;
   mg_held_vector vector[MG_HELD_ROWS], F;
   int held[MG_HELD_ROWS], n_held = 0, left, n_image;
-  for (int i = 0; i < 3 * s->n; ++i)
-    for (int j = 0; j < s->rank; ++j) v->L[i][j] = s->L[i][j];
-  for (int j = 0; j < s->rank; ++j) F[j] = s->F[j];
   v->has_cones = has_cones, v->has_forces = v->is_loaded = has_forces, v->n_row = v->n_image = 0;
   for (int k = 0; k < s->n; ++k) {
     mg_add_rows_of_contact(s, k, v);
     for (int i = 0; i < 3 && v->first[k] < 0 && s->mode[k] == MG_STICKS; ++i) held[n_held++] = 3 * k + i;
   }
-  left = mg_restrict_motions(s->rank, n_held, held, 3 * s->n, v->L, F);
+  left = mg_restrict_motions(s, n_held, held, v->L, F);
+  if (left < 0) return left;
   for (int i = 0; i < v->n_row; ++i) {
     const int row = v->row[i];
     v->load[i] = s->w[row] - (has_forces ? mg_held_product(s->rank, v->L[row], F) : 0);
     v->is_loaded |= v->load[i] != 0;
     for (int j = 0; j < s->rank; ++j) vector[j][i] = v->L[row][j];
   }
-  if (left < 0 || has_forces) {
-    s->n_view += left >= 0;
+  if (has_forces) {
+    s->n_view++;
     return left;
   }
   n_image = mg_find_basis(v->n_row, s->rank, vector, v->image);
@@ -309,17 +311,15 @@ static int mg_add_held_rows(mg_held_contacts *s, int has_cones, int has_forces) 
 /* True if another solution in the modes of the given one has its accelerations: forces of contacts that slide do not
    change along the motions that those that stick leave. */
 static int mg_are_given_modes_unique(const mg_held_contacts *s) {
-  mg_held_vector L[MG_HELD_ROWS], F = {0};
+  mg_held_vector L[MG_HELD_ROWS], F;
   mg_real U[MG_MOTION_CONTACTS * MG_MOTION_CONTACTS];
   int held[MG_HELD_ROWS], slides[MG_MOTION_CONTACTS], swap[MG_MOTION_CONTACTS], n_held = 0, n = 0;
-  for (int i = 0; i < 3 * s->n; ++i)
-    for (int j = 0; j < s->rank; ++j) L[i][j] = s->L[i][j];
   for (int k = 0; k < s->n; ++k) {
     if (s->given[k] == MG_SLIDES) slides[n++] = k;
     for (int i = 0; i < 3 && s->given[k] == MG_STICKS; ++i) held[n_held++] = 3 * k + i;
   }
   if (n == 0) return 1;
-  if (mg_restrict_motions(s->rank, n_held, held, 3 * s->n, L, F) < 0) return 0;
+  if (mg_restrict_motions(s, n_held, held, L, F) < 0) return 0;
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < n; ++i) {
       const mg_held_vector *own = (const mg_held_vector *)L + 3 * slides[j];
@@ -332,15 +332,13 @@ static int mg_are_given_modes_unique(const mg_held_contacts *s) {
 
 /* True if no motion keeps closed what is closed in the present and in the given modes. */
 static int mg_is_no_motion_left(const mg_held_contacts *s) {
-  mg_held_vector L[MG_HELD_ROWS], F = {0};
+  mg_held_vector L[MG_HELD_ROWS], F;
   int held[MG_HELD_ROWS], n_held = 0;
   for (int k = 0; k < s->n; ++k) {
     const int rows = s->mode[k] == MG_OPENS || s->given[k] == MG_OPENS ? 0 : s->mode[k] == MG_STICKS ? 3 : 1;
     for (int i = 0; i < rows; ++i) held[n_held++] = 3 * k + i;
   }
-  for (int i = 0; i < 3 * s->n; ++i)
-    for (int j = 0; j < s->rank; ++j) L[i][j] = s->L[i][j];
-  return mg_restrict_motions(s->rank, n_held, held, 0, L, F) == 0;
+  return mg_restrict_motions(s, n_held, held, L, F) == 0;
 }
 
 /* True if another solution in the present modes has the accelerations of the given one. */
