@@ -219,8 +219,8 @@ FAULTS = (
     Fault(
         "derivatives of runs",
         "saltation is left out: the change of an event's time moves nothing",
-        r"dx\[i\] -= sign \* slope\[i\]",
-        "dx[i] -= 0 * sign * slope[i]",
+        r"dx\[i\] \+= sign \* slope\[i\] \* mg_event_time_dot",
+        "dx[i] += 0 * sign * slope[i] * mg_event_time_dot",
         DERIVATIVES,
     ),
     Fault(
