@@ -23,7 +23,6 @@ from modelgen.parameter_study.design import design_points, variations_of
 from modelgen.parameter_study.local_threads import chunks_of_threads
 from modelgen.parameter_study.pending_runs import PendingRuns, Span
 from modelgen.parameter_study.varied_numbers import varied_numbers
-from modelgen.runtime.settings import accuracy_of
 from modelgen.scene.read import read_text
 from tests.benchmarks.parameters import SCENES, text_of
 from tests.running import SCENES as SHIPPED
@@ -50,8 +49,7 @@ def measured(library: Library, name: str, runs: int, threads: int) -> tuple[floa
     until, vary = CASES[name]
     variations = variations_of(vary)
     _, values = design_points(variations, runs, "sobol", 0)
-    accuracy = accuracy_of(library.manifest.instance, None, {})
-    study = Study(varied_numbers(library, variations, {}), until, accuracy, True, 0, {}, {})
+    study = Study(varied_numbers(library, variations, {}), until, None, {}, True, 0, {}, {})
     spent: dict[int, float] = {}
 
     def run(span: Span) -> Chunk:
