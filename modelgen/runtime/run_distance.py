@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.runtime.tables.ctypes_structures import Array
-from modelgen.runtime.trajectory import Event, Trajectory
+from modelgen.runtime.trajectory import SEARCH_EVENTS, Event, Trajectory
 
 
 def distance_between(a: Array, b: Array, bodies: Sequence[int]) -> Array:
@@ -43,7 +43,7 @@ def forces_between(a: Array, b: Array) -> float | None:
 
 def events_between(found: Sequence[Event] | None, true: Sequence[Event] | None, end: float) -> dict[str, Any]:
     """Largest difference of event times up to `end`, each matched with its like in order, None without any,
-    and how many have none."""
+    and how many have none. SEARCH_EVENTS, whose times are those of steps, are left out."""
     if found is None or true is None or not (found or true):
         return {"events": None, "events_unmatched": None}
     times = [_by_kind(events, end) for events in (found, true)]
@@ -58,6 +58,6 @@ def events_between(found: Sequence[Event] | None, true: Sequence[Event] | None, 
 def _by_kind(events: Sequence[Event], end: float) -> Mapping[tuple[str, str], list[float]]:
     times: dict[tuple[str, str], list[float]] = defaultdict(list)
     for event in events:
-        if event.t <= end:
+        if event.t <= end and event.kind not in SEARCH_EVENTS:
             times[event.kind, event.contact].append(event.t)
     return times

@@ -53,6 +53,36 @@ def test_a_body_on_an_axis_of_symmetry_strikes_when_it_has_crossed_the_gap(name:
     assert struck[0] == pytest.approx(10 * gap, abs=1e-9)
 
 
+@pytest.mark.cases(9)
+@pytest.mark.parametrize("part", [0.0, 1e-14, 1e-10, 1e-6, 1e-3, 0.1])
+@pytest.mark.parametrize("clearance", [0.1, 1e-2, 1e-3, 1e-4])
+def test_a_ball_near_the_middle_of_a_ring_strikes_where_it_leaves_the_clearance(
+    clearance: float, part: float
+) -> None:
+    """It starts off the centre circle by a part of the clearance and moves straight on."""
+    draw = np.random.default_rng(round(1 / clearance))
+    azimuth, side, course = draw.uniform(0, 2 * np.pi, 3)
+    outwards, up = np.array([np.cos(azimuth), np.sin(azimuth), 0]), np.array([0, 0, 1.0])
+    offset = part * clearance * np.array([np.cos(side), np.sin(side)])
+    way = np.array([np.cos(course), np.sin(course)])
+    ball = make.dynamic(
+        "ball", make.sphere(0.5 - clearance), mass=1.0, inertia=[0.1, 0.1, 0.1],
+        position=list((2 + offset[0]) * outwards + offset[1] * up),
+        velocity=list(0.1 * (way[0] * outwards + way[1] * up)),
+    )  # fmt: skip
+    scene = make.scene(
+        "groove", [make.fixed("ring", make.torus(2.0, 0.5, cavity=True)), ball], gravity=[0, 0, 0],
+        contact=[{"between": ["ball", "ring"], "restitution": 0.5}],
+    )  # fmt: skip
+    along = float(offset @ way)
+    strike = 10 * (np.sqrt(along**2 + clearance**2 - offset @ offset) - along)
+    path = simulate(library_of(scene), until=1.5 * strike, samples=20)
+    assert path.outcome is Outcome.DONE
+    assert not path.doubts
+    struck = [event.t for event in path.events if event.kind == "impact"]
+    assert struck[0] == pytest.approx(strike, abs=1e-9)
+
+
 def test_a_ring_on_too_thick_a_post_is_refused() -> None:
     with pytest.raises(SimulationError):
         moved(make.cylinder(0.71), make.torus(1.0, 0.3), "x", {}, 0.1)

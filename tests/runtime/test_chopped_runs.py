@@ -13,7 +13,7 @@ import pytest
 
 from modelgen import Accuracy
 from modelgen.runtime.session import CONTINUE, FULL, Session
-from modelgen.runtime.trajectory import Event
+from modelgen.runtime.trajectory import SEARCH_EVENTS, Event
 from modelgen.scene.read import read_text
 from modelgen.scene.scene_types import Scene
 from tests.oracles import test_flat_places as flat_places
@@ -22,7 +22,6 @@ from tests.runtime.c_programs import needs_c, program_of
 
 BALANCED, TIGHT = Accuracy.balanced(), Accuracy.tight()
 LONGEST = 1.0  # s: how much of a run is compared
-SEARCHED = ("appear", "vanish")  # events at the end of the step after which a search found them
 SLIP = ("slip-stop", "slip-reversal")  # slip is stopped a little before, and told where it would have stopped
 
 
@@ -62,7 +61,7 @@ def whole(name: str, accuracy: Accuracy) -> Ran:
 
 
 def located(run: Ran) -> list[Event]:
-    return [event for event in run.events if event.kind not in SEARCHED]
+    return [event for event in run.events if event.kind not in SEARCH_EVENTS]
 
 
 def order(run: Ran) -> list[tuple[str, str]]:

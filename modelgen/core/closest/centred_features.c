@@ -43,6 +43,13 @@ MG_INTERNAL void mg_foot_on_centre_curve(const mg_centre_curve *curve, const mg_
   foot[2] = curve->kind == MG_CENTRE_LINE ? x[2] : 0;
 }
 
+MG_INTERNAL void mg_critical_point_on_centre_curve(const mg_centre_curve *curve, const mg_real *x, const mg_real *near,
+                                                   mg_real *point) {
+  mg_foot_on_centre_curve(curve, x, point);
+  if (curve->kind == MG_CENTRE_CIRCLE && mg_dot3(point, near) < 0)
+    for (int k = 0; k < 3; k++) point[k] = -point[k];
+}
+
 MG_INTERNAL void mg_sample_about_centre_curve(const mg_context *c, int feature_pair, int side,
                                               const mg_centre_curve *curve, const mg_real *local, mg_sample *sample) {
   const mg_real *x = local, azimuth = mg_atan2(x[1], x[0]);

@@ -100,6 +100,10 @@ MG_INTERNAL void mg_read_centre_curve(const mg_context *c, int feature_pair, int
 /* Point of a centre curve nearest to x, axes of the shape. */
 MG_INTERNAL void mg_foot_on_centre_curve(const mg_centre_curve *curve, const mg_real *x, mg_real *foot);
 
+/* Of the critical points of the distance to x on a centre curve the one nearest to `near`, axes of the shape. */
+MG_INTERNAL void mg_critical_point_on_centre_curve(const mg_centre_curve *curve, const mg_real *x, const mg_real *near,
+                                                   mg_real *point);
+
 /* Sample of a feature that has a centre curve at a point of it in the axes of the shape; without the world point. */
 MG_INTERNAL void mg_sample_about_centre_curve(const mg_context *c, int feature_pair, int side,
                                               const mg_centre_curve *curve, const mg_real *local, mg_sample *sample);

@@ -183,19 +183,20 @@ static void mg_sample_cell(const mg_critical_search *s, int side, int cell, cons
 static void mg_sample_about_centre(const mg_critical_search *s, int which, const mg_cell_view *at,
                                    const mg_cell_view *other, mg_sample *sample) {
   mg_context *c = s->c;
-  const int side = which ? 1 - s->first : s->first;
+  const int side = which ? 1 - s->first : s->first, along = s->centre[which].coordinate;
   const mg_real *box = at->cell->box, sign = at->tube < 0 || other->tube < 0 ? -1 : 1;
-  mg_real towards[3], x[3], in_body[3];
+  mg_real on_curve[3] = {at->centre[0], at->centre[1], at->centre[2]}, towards[3], x[3], in_body[3];
+  if (other->kind == MG_VIEW_POINT)
+    mg_critical_point_on_centre_curve(s->centre + which, other->centre, at->centre, on_curve);
   for (int k = 0; k < 3; k++)
     towards[k] = other->kind == MG_VIEW_SURFACE || other->kind == MG_VIEW_PLANE
                      ? -other->direction[k]
-                     : sign * (other->centre[k] - at->centre[k]);
+                     : sign * (other->centre[k] - on_curve[k]);
   mg_normalise3(towards);
-  for (int k = 0; k < 3; k++) x[k] = at->centre[k] + at->tube * towards[k] - (which ? s->origin[k] : 0);
+  for (int k = 0; k < 3; k++) x[k] = on_curve[k] + at->tube * towards[k] - (which ? s->origin[k] : 0);
   if (which) mg_rotate_back(s->rotation, x, x);
   mg_sample_about_centre_curve(c, s->feature_pair, side, s->centre + which, x, sample);
-  const int along = s->centre[which].coordinate;
-  sample->uv[along] = box[2 * along] + (box[2 * along + 1] - box[2 * along]) / 2;
+  if (other->kind != MG_VIEW_POINT) sample->uv[along] = box[2 * along] + (box[2 * along + 1] - box[2 * along]) / 2;
   mg_to_world(mg_feature_numbers(c, s->feature_pair, side) + MG_FEATURE_PLACEMENT, x, 1, in_body);
   mg_to_world(c->bodies.pose + 12 * mg_feature_body(c, s->feature_pair, side), in_body, 1, sample->point);
 }
@@ -316,6 +317,7 @@ static int mg_treat_cells(mg_critical_search *s, int a, int b, int count, int *i
     if (is_small) {
       const mg_real gap = mg_least_distance(&A, &B);
       if (gap >= -s->smallest) mg_note_open_gap(s->c, gap);
+      else *is_complete = 0;
       return count;
     }
   }
