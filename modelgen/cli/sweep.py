@@ -101,9 +101,9 @@ def sweep(
     as_json: AsJson = False,
 ) -> None:
     """Run a scene many times with other numbers; write a table. After an interruption the command goes on."""
-    from modelgen.parameter_study.folder import require_pyarrow
     from modelgen.parameter_study.outcome_plot import check_drawn, draw_sweep
     from modelgen.parameter_study.rows import columns_of
+    from modelgen.parameter_study.sweep_folder import require_pyarrow
     from modelgen.parameter_study.sweep_output import print_sweep, sweep_facts
 
     require_pyarrow()

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from modelgen.errors import ModelgenError, nearest, path_of
-from modelgen.parameter_study.folder import SweepFolder
 from modelgen.parameter_study.rows import TEXT
+from modelgen.parameter_study.sweep_folder import SweepFolder
 from modelgen.runtime.trajectory import Array
 
 DONE = "done"

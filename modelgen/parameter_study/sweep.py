@@ -17,11 +17,11 @@ from modelgen.errors import ModelgenError, expect, nearest, path_of
 from modelgen.parameter_study.chunks import Chunk, Study, run_chunk
 from modelgen.parameter_study.dask_workers import chunks_of_workers, connected, worker_threads
 from modelgen.parameter_study.design import Variation, design_points, variations_of
-from modelgen.parameter_study.folder import SweepFolder
 from modelgen.parameter_study.local_threads import chunks_of_threads
 from modelgen.parameter_study.outcome_table import Sweep, table_of
 from modelgen.parameter_study.pending_runs import PendingRuns, Span
 from modelgen.parameter_study.rows import Row, columns_of, sensor_columns, varied_columns
+from modelgen.parameter_study.sweep_folder import SweepFolder
 from modelgen.parameter_study.varied_numbers import varied_numbers
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_keywords, check_span, with_parameters

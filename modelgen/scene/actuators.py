@@ -7,12 +7,12 @@ from typing import Any
 
 from modelgen.errors import nearest
 from modelgen.scene.joint_format import NAME, SPRUNG_KINDS
-from modelgen.scene.list_types import Field, Several, Table
-from modelgen.scene.list_types import Sequence as ListOf
 from modelgen.scene.motions import TIME
 from modelgen.scene.scalar_types import LIMIT, NUMBER, ExpressionText
 from modelgen.scene.scene_types import Actuator, Joint
 from modelgen.scene.source_location import Place
+from modelgen.scene.table_types import Field, Several, Table
+from modelgen.scene.table_types import Sequence as ListOf
 
 COORDINATE, RATE = "coordinate", "rate"  # names that the expression may use
 _DOC = (

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 from modelgen.scene.expression import CONSTANTS, Expression
 from modelgen.scene.expression_functions import FUNCTIONS
-from modelgen.scene.list_types import NamedNumbers
 from modelgen.scene.scalar_types import NUMBER, ExpressionText, Text
 from modelgen.scene.source_location import Place
+from modelgen.scene.table_types import NamedNumbers
 
 VARIABLES = ("t", "u", "v", "x", "y", "z", "vx", "vy", "vz", "wx", "wy", "wz", "qw", "qx", "qy", "qz")
 RESERVED = (*VARIABLES, *CONSTANTS, *FUNCTIONS)

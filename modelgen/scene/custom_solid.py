@@ -13,11 +13,11 @@ from typing import Any
 
 from modelgen.errors import nearest
 from modelgen.scene.custom_solid_checks import check_places
-from modelgen.scene.list_types import Field, Sequence, Several, Table, Tagged
 from modelgen.scene.pose_input import VECTOR
 from modelgen.scene.scalar_types import NUMBER, Switch, Text, Type
 from modelgen.scene.scene_types import Composite, Condition, Feature, Shape
 from modelgen.scene.source_location import Place
+from modelgen.scene.table_types import Field, Sequence, Several, Table, Tagged
 
 UNIT = 1e-6  # departure of a direction's length from 1, as written in decimals
 

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from modelgen.scene.list_types import Field, Sequence, Table
 from modelgen.scene.pose_input import VECTOR
 from modelgen.scene.scalar_types import Real, Schema
 from modelgen.scene.scene_types import Friction
 from modelgen.scene.source_location import Place, describe
+from modelgen.scene.table_types import Field, Sequence, Table
 
 COEFFICIENT = Real(0.0, 1e6)
 _AXES = Sequence(COEFFICIENT, 2)

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modelgen.scene.list_types import Sequence
 from modelgen.scene.pose_input import VECTOR
 from modelgen.scene.scalar_types import Schema
 from modelgen.scene.scene_types import Matrix
 from modelgen.scene.source_location import Place, describe
+from modelgen.scene.table_types import Sequence
 
 ROUNDING = 1e-9  # relative, of moments written in decimals
 SINGULAR = 1e-12  # smallest moment against the largest

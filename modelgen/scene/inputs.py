@@ -7,10 +7,10 @@ from dataclasses import replace
 from typing import Any
 
 from modelgen.scene.constants import NAMED
-from modelgen.scene.list_types import Field, Several, Table
 from modelgen.scene.scalar_types import NUMBER, Choice, Text
 from modelgen.scene.scene_types import Input
 from modelgen.scene.source_location import Place
+from modelgen.scene.table_types import Field, Several, Table
 
 HOLDS = ("zero", "linear")
 

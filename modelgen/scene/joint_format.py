@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from modelgen.scene.list_types import Field, Sequence, Table, Tagged
 from modelgen.scene.pose_input import ORIENTATIONS, POSE_FIELDS
 from modelgen.scene.scalar_types import LIMIT, NUMBER, POSITIVE, ExpressionText, Real, Text, Whole
+from modelgen.scene.table_types import Field, Sequence, Table, Tagged
 
 NAME = Text(
     r"^[A-Za-z][A-Za-z0-9_]{0,63}$",

@@ -7,11 +7,11 @@ from math import atan2, hypot, pi
 from typing import Any
 
 from modelgen.scene.extrusion_profile import check_simple, signed_area
-from modelgen.scene.list_types import Field, Several, Table, Tagged
-from modelgen.scene.list_types import Sequence as ListOf
 from modelgen.scene.outline_pieces import Arc, Involute, Line, Outline, Piece, Point, Side, parts_of, rotated
 from modelgen.scene.scalar_types import NUMBER, POSITIVE, Switch, Text, Whole
 from modelgen.scene.source_location import Place
+from modelgen.scene.table_types import Field, Several, Table, Tagged
+from modelgen.scene.table_types import Sequence as ListOf
 
 CLOSURE = 1e-9  # distance of two ends that meet, against the size of the outline
 SAMPLES = 16  # of a piece

@@ -8,12 +8,12 @@ from math import cos, pi, sin
 from typing import Any
 
 from modelgen.errors import nearest
-from modelgen.scene.list_types import Field, Table
 from modelgen.scene.pose_input import VECTOR
 from modelgen.scene.quaternions import Quaternion, product, turned
 from modelgen.scene.scalar_types import Choice, Text, Whole
 from modelgen.scene.scene_types import Body, Pose, Shape, Vector
 from modelgen.scene.source_location import Place
+from modelgen.scene.table_types import Field, Table
 
 AXES: Mapping[str, Vector] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 

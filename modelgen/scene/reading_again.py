@@ -9,12 +9,12 @@ from typing import Any, NamedTuple
 
 from modelgen.errors import SimulationError
 from modelgen.scene.assemble import place_of, scene_from_bodies, with_form
-from modelgen.scene.list_types import Several
 from modelgen.scene.parameters import checked_values, parameters_of, with_uses
 from modelgen.scene.scene_format import SCENE
 from modelgen.scene.scene_types import Body, Input, Origin, Parameter, Scene
 from modelgen.scene.shapes_and_bodies import read_body
 from modelgen.scene.source_location import Place
+from modelgen.scene.table_types import Several
 
 
 def changed_scene() -> SimulationError:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from modelgen.scene.list_types import Field, Table
 from modelgen.scene.scalar_types import Choice, Real, Schema
 from modelgen.scene.scene_types import Restitution
 from modelgen.scene.source_location import Place
+from modelgen.scene.table_types import Field, Table
 
 LAWS = ("newton", "poisson", "stronge")
 VALUE = Real(0.0, 1.0)

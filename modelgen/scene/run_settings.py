@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from modelgen.scene.list_types import Field, Table
 from modelgen.scene.scalar_types import POSITIVE, Choice, Real, Switch, Whole
 from modelgen.scene.source_location import Place
+from modelgen.scene.table_types import Field, Table
 
 ACCURACIES = ("fast", "balanced", "tight")
 METHODS = ("dop853", "rk4", "time-stepping")

@@ -11,7 +11,6 @@ from modelgen.scene.friction import FRICTION_FIELDS
 from modelgen.scene.inertia import Inertia
 from modelgen.scene.inputs import INPUTS
 from modelgen.scene.joint_format import JOINT, NAME, NOT_NEGATIVE, ORIENTATION
-from modelgen.scene.list_types import Defined, Field, Sequence, Several, Table, Tagged
 from modelgen.scene.parameters import PARAMETERS
 from modelgen.scene.patterns import PATTERN
 from modelgen.scene.pose_input import ORIENTATIONS, POSE_FIELDS, VECTOR
@@ -23,6 +22,7 @@ from modelgen.scene.sensor_format import SENSORS
 from modelgen.scene.shape_catalogue import CHART_FIELDS, CURVE_FIELDS, SHAPES
 from modelgen.scene.shapes_beside_catalogue import FREE_SHAPES
 from modelgen.scene.solids_with_edges import SOLIDS
+from modelgen.scene.table_types import Defined, Field, Sequence, Several, Table, Tagged
 
 FRAMES = ("world", "body")
 QUANTITIES = ("position", "orientation", "velocity", "angular_velocity")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from modelgen.scene.constants import NAMED
 from modelgen.scene.joint_format import NAME
-from modelgen.scene.list_types import Field, Sequence, Several, Table
 from modelgen.scene.scalar_types import NUMBER, ExpressionText, Text
+from modelgen.scene.table_types import Field, Sequence, Several, Table
 
 SENSOR = Table(
     (

@@ -12,9 +12,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from modelgen.scene.list_types import Field, NamedNumbers, Sequence
 from modelgen.scene.scalar_types import NUMBER, POSITIVE, Choice, ExpressionText, Lead, Real, Switch
 from modelgen.scene.source_location import Place
+from modelgen.scene.table_types import Field, NamedNumbers, Sequence
 
 PARAMETER_NAMES = r"^(?!pi$|u$|v$)[A-Za-z](?!.*__)[A-Za-z0-9_]{0,31}$"
 CURVE_PARAMETER_NAMES = r"^(?!pi$|t$)[A-Za-z](?!.*__)[A-Za-z0-9_]{0,31}$"

@@ -9,7 +9,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from modelgen.scene.list_types import Field, Sequence
 from modelgen.scene.outline_format import OUTLINE_FIELDS, read_outline
 from modelgen.scene.profile_walls import read_profile_wall
 from modelgen.scene.revolution_profile import read_revolution
@@ -28,6 +27,7 @@ from modelgen.scene.spline_shapes import (
 )
 from modelgen.scene.splines import Spline
 from modelgen.scene.surface_lines import LINE_FIELDS, read_surface_line
+from modelgen.scene.table_types import Field, Sequence
 
 Reader = Callable[[Mapping[str, Any], Place], dict[str, Any]]
 

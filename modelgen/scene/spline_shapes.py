@@ -7,10 +7,10 @@ from itertools import pairwise
 from math import acos, dist, pi, tan
 from typing import Any
 
-from modelgen.scene.list_types import Field, Sequence
 from modelgen.scene.scalar_types import NUMBER, POSITIVE, Switch, Whole
 from modelgen.scene.source_location import Place
 from modelgen.scene.splines import ControlPolygon, HeightField, Knots, Net, Point, Polyline
+from modelgen.scene.table_types import Field, Sequence
 
 CUBIC = 3  # the lowest degree with continuous curvature
 MOST = 10_000  # points of one shape

@@ -12,11 +12,11 @@ from typing import Any
 
 from modelgen.scene.expression import Name, number, parse_expression
 from modelgen.scene.expression_building import expression_of, substitute
-from modelgen.scene.list_types import Field, Sequence, Table, Tagged
 from modelgen.scene.scalar_types import NUMBER
 from modelgen.scene.scene_types import Chart, Curve
 from modelgen.scene.shape_catalogue import CHART_FIELDS, SHAPES
 from modelgen.scene.source_location import Place
+from modelgen.scene.table_types import Field, Sequence, Table, Tagged
 from modelgen.scene.user_chart import check_curve, check_interval, read_chart
 
 Interval = tuple[float, float]

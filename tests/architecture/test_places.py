@@ -24,7 +24,7 @@ IO_PLACES = (
     "benchmark/extremes_table.py",
     "benchmark/measurement_table.py",
     "export/",
-    "parameter_study/folder.py",
+    "parameter_study/sweep_folder.py",
     "parameter_study/chunks.py",
     "parameter_study/dask_workers.py",
     "parameter_study/sweep_output.py",

@@ -16,7 +16,7 @@ import pytest
 from modelgen import load, load_sweep, simulate, sweep
 from modelgen.codegen.parameter_values import library_with
 from modelgen.errors import ModelgenError
-from modelgen.parameter_study import folder, pending_runs
+from modelgen.parameter_study import pending_runs, sweep_folder
 from modelgen.parameter_study.outcome_plot import draw_sweep
 from modelgen.parameter_study.outcome_table import Sweep
 from modelgen.parameter_study.pending_runs import PendingRuns, Span
@@ -273,7 +273,7 @@ def test_pending_runs_are_each_handed_out_once() -> None:
 
 def test_the_plan_says_what_was_done(tmp_path: Path) -> None:
     swept(tmp_path / "a", samples=8, seed=5)
-    plan = json.loads((tmp_path / "a" / folder.PLAN).read_text(encoding="utf-8"))
+    plan = json.loads((tmp_path / "a" / sweep_folder.PLAN).read_text(encoding="utf-8"))
     assert plan["design"] == {"design": "sobol", "samples": 8, "seed": 5}
     assert plan["vary"]["height"] == "0.02:0.3:4"
     assert plan["runs"] == 8

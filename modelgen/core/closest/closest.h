@@ -77,7 +77,7 @@ MG_INTERNAL void mg_start_eta(const mg_context *c, int feature_pair, const mg_sa
 /* Rotation of a feature's shape in world axes, 9 numbers by columns. */
 MG_INTERNAL void mg_shape_rotation(const mg_context *c, int feature_pair, int side, mg_real *R);
 
-/* centred_features.c */
+/* centre_curve_features.c */
 
 /* The line or circle at a constant distance from which a feature lies, in the axes of the shape: the third axis, or
    about it. */

@@ -128,7 +128,7 @@ static int mg_leave_far_pairs(mg_context *c) {
 /* Looks for near pairs anew, with margins for some steps of h. Returns how many pairs come near or are left out. */
 static int mg_update_near_pairs(mg_context *c, mg_real h, const mg_real *change, int is_step_given) {
   mg_set_margins(c, h, change, is_step_given);
-  mg_find_near_pairs(c);
+  mg_find_overlapping_balls(c);
   c->listed.n_found = mg_merge_found_pairs(c);
   const int left = mg_leave_far_pairs(c);
   for (int k = 0; k < c->listed.n_found; k++) c->run->is_far[c->listed.found[k]] = 0;

@@ -78,6 +78,8 @@ MG_INTERNAL mg_real mg_force_tolerance(const mg_context *c);
    number. */
 MG_INTERNAL int mg_activate_supports(mg_context *c);
 
+/* delassus_matrix.c */
+
 /* Entry J_row M^-1 J_column^T of the Delassus matrix. */
 MG_INTERNAL mg_real mg_delassus_entry(const mg_context *c, int row, int column);
 
@@ -111,7 +113,7 @@ MG_INTERNAL mg_real mg_patch_hull_margin(mg_context *c, int patch, const mg_real
    negative where it tells nothing. */
 MG_INTERNAL mg_real mg_hull_margin_lower_bound(const mg_context *c, int patch, const mg_real *world);
 
-/* event_margins.c */
+/* event_margin_memory.c */
 
 /* Number of event margins of one sample: contacts and friction constraints. */
 MG_INTERNAL int mg_event_margin_count(const mg_system *s);

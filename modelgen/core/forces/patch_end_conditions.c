@@ -1,6 +1,7 @@
-/* Planar contact (section 5): a face that rests on another is held by three bilateral supports. The patch ends
-   where the centre of pressure leaves the convex hull of the common area, or where the force between the faces
-   vanishes. Reads the forces; writes the event margins of the slots. */
+/* Whether a planar contact goes on (section 5 of Anitescu, Cremer and Potra, 1995): a face that rests on another is
+   held by three bilateral supports. The patch ends, and the face tips (patch/tipping.c) or lifts off, where the centre
+   of pressure leaves the convex hull of the common area, or where the force between the faces vanishes. Reads the
+   forces; writes the event margins of the slots. */
 #include "forces/forces.h"
 #include "region/region.h"
 #include "model/model.h"

@@ -1,5 +1,5 @@
-/* The convex hull of what the two faces of a patch share, and the centre of the pressure on it (section 5). Writes the
-   hull workspace. */
+/* The convex hull of what the two faces of a patch share, and the centre of the pressure on it (section 5 of
+   Anitescu, Cremer and Potra, 1995). Writes the hull workspace. */
 #include "forces/forces.h"
 #include "base/base.h"
 #include "region/region.h"

@@ -5,10 +5,12 @@
 
 #include "model/context.h"
 
-/* stages.c */
+/* interpolant.c */
 
 /* State at t + theta h on the interpolant. */
 MG_INTERNAL void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta, mg_real *out);
+
+/* event_watch.c */
 
 /* Sets c->step.sign_changed if an event function is negative at the present right-hand side, so that the step is
    searched for events. */

@@ -25,7 +25,7 @@ MG_INTERNAL mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_
 }
 
 MG_INTERNAL mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
-  c->step.sign_changed = c->step.left_margin = 0;
+  c->step.sign_changed = c->step.beyond_margin = 0;
   if (c->step.follower) c->step.follower->is_open = 1;
   const mg_real error = mg_take_step(c, t, x, h);
   if (c->step.follower) c->step.follower->is_open = 0;

@@ -22,7 +22,7 @@ MG_INTERNAL mg_real mg_ball_movement(const mg_context *c, int ball) {
   return sqrt(mg_dot3(span, span));
 }
 
-MG_INTERNAL int mg_has_left_margins(const mg_context *c) {
+MG_INTERNAL int mg_has_moved_beyond_margins(const mg_context *c) {
   for (int b = 0; b < c->system->n_ball && c->listed.has_candidates; b++)
     if (c->system->ball[4 * b + 3] >= 0 && !(mg_ball_movement(c, b) <= c->run->ball_at[4 * b + 3])) return 1;
   return 0;
@@ -139,7 +139,7 @@ static void mg_search_level(mg_context *c, int b, int level, int lowest) {
   }
 }
 
-MG_INTERNAL void mg_find_near_pairs(mg_context *c) {
+MG_INTERNAL void mg_find_overlapping_balls(mg_context *c) {
   unsigned long long levels;
   const int lowest = mg_place_balls(c, &levels);
   mg_fill_grid(c, lowest);

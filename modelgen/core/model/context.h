@@ -311,7 +311,7 @@ typedef struct {
   mg_real stop_time;     /* t_stop of mg_advance, s */
   int stiff_failures;    /* collocations of stiff slip that have failed at this state */
   int sign_changed;      /* 1: an event function had changed sign at a stage */
-  int left_margin;       /* 1: a pair of shapes that is left out could have met at a stage */
+  int beyond_margin;     /* 1: a pair of shapes that is left out could have met at a stage */
   mg_follower *follower; /* or null */
 } mg_step_workspace;
 

@@ -178,14 +178,14 @@ MG_INTERNAL void mg_ball_centre(const mg_context *c, int ball, mg_real *centre);
 MG_INTERNAL mg_real mg_ball_movement(const mg_context *c, int ball);
 
 /* True if the centre of a ball has moved by more than its margin. */
-MG_INTERNAL int mg_has_left_margins(const mg_context *c);
+MG_INTERNAL int mg_has_moved_beyond_margins(const mg_context *c);
 
 /* Cells of the grid. */
 MG_INTERNAL int mg_grid_size(const mg_system *s);
 
 /* Writes the pairs that may be far and are near to c->listed.found, ascending: those whose balls, enlarged by their
    margins and a half of the reach of searches each, overlap. Needs the poses. */
-MG_INTERNAL void mg_find_near_pairs(mg_context *c);
+MG_INTERNAL void mg_find_overlapping_balls(mg_context *c);
 
 /* contact_rows.c */
 
@@ -311,7 +311,7 @@ MG_INTERNAL mg_motion_bound mg_pair_motion_bound(const mg_context *c, int pair, 
 /* The speed alone. */
 MG_INTERNAL mg_real mg_pair_speed_bound(const mg_context *c, int pair);
 
-/* contact_placement.c */
+/* contact_features.c */
 
 /* True if the contact is a support point of a patch. */
 MG_INTERNAL int mg_is_support_contact(const mg_context *c, int contact);

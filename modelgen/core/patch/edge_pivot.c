@@ -1,7 +1,7 @@
 /* Edges about which a face tips: the first two supports of a slot hold the edge, the third measures the tilt. A
-   straight side of the hull that ends on curves is held until the tilt is large enough for the equations of the
-   curves. The imaginary edge (section 5.3), a tangent of a smooth rim fixed in the body, is held bilaterally in
-   place of the rim. Writes support points and modes of the slot. */
+   straight side of the hull that ends on curves is held until the tilt is large enough for the equations of the curves.
+   The imaginary edge (section 5.3 of Anitescu, Cremer and Potra, 1995), a tangent of a smooth rim fixed in the body, is
+   held bilaterally in place of the rim. Writes support points and modes of the slot. */
 #include "patch/patch.h"
 #include "base/base.h"
 #include "model/model.h"

@@ -1,5 +1,6 @@
 /* A face tips over the boundary of its hull: the patch ends, and the contacts or the edge on which the face tips begin.
-   Writes feature pairs and modes of contacts, the start of rolling and the next step length of the run. */
+   Whether it tips is decided in forces/patch_end_conditions.c. Writes feature pairs and modes of contacts, the start of
+   rolling and the next step length of the run. */
 #include "patch/patch.h"
 #include "base/base.h"
 #include "region/region.h"

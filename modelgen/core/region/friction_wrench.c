@@ -4,9 +4,9 @@
    and is smooth on curves except near the centre, towards which these are subdivided. Where the centre is far away,
    the direction is smooth over the region, and Gauss quadrature on rays from a point of the region converges fast.
 
-   The coefficient of friction that holds a given wrench: the minimum of the frictional power over all twists on
-   which the wrench has the same power, a smooth convex function of two unknowns, by the BFGS method (Nocedal and
-   Wright, Numerical Optimization, 2006, chapter 6). */
+   The coefficient of friction that holds a given wrench, which is how far it is from the limit surface: the minimum of
+   the frictional power over all twists on which the wrench has the same power, a smooth convex function of two
+   unknowns, by the BFGS method (Nocedal and Wright, Numerical Optimization, 2006, chapter 6). */
 #include "region/region.h"
 #include "base/base.h"
 

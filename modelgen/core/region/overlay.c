@@ -1,4 +1,5 @@
-/* Overlay of two regions: the parts of each boundary that lie in the other region. Divides the memory of a hull. */
+/* Overlay of two regions: the parts of each boundary that lie in the other region. Also divides the memory that an
+   overlay and its hull share. */
 #include "region/region.h"
 #include "base/base.h"
 

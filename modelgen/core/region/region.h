@@ -197,7 +197,7 @@ static const mg_real mg_node_weight[MG_NODES] = {
     (mg_real)0.134633359654998177545613,  (mg_real)0.109543181257991021997767,  (mg_real)0.0747256745752902965728882,
     (mg_real)0.0333356721543440687967844};
 
-/* arc_points.c */
+/* arc_points_and_zeros.c */
 
 /* Point and tangent (of any length) of an arc at parameter t. */
 MG_INTERNAL void mg_arc_point(const mg_placed_arc *k, mg_real t, mg_real *point, mg_real *tangent);

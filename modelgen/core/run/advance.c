@@ -36,32 +36,6 @@ static int mg_take_accurate_step(mg_context *c, mg_real *h) {
   }
 }
 
-/* Places the contacts at the end of the step h, in c->step.settled. Returns 0 if a closed contact is singular or
-   lost there and a shorter step may come nearer. */
-static int mg_place_step_end(mg_context *c, mg_real h) {
-  const mg_run *run = c->run;
-  mg_copy_states(c, c->step.end, c->step.settled);
-  mg_normalise_quaternions(c, c->step.settled);
-  int is_valid = mg_place_all_contacts(c, run->t + h, c->step.settled);
-  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
-    if (mg_is_contact_singular(c, i)) is_valid = 0;
-  return is_valid || c->settings->method == MG_RK4 || h <= c->settings->event_tolerance * c->system->time;
-}
-
-/* True if the gap rate of a loaded contact at the end of the step exceeds the error that a step may have: its
-   contact point has moved too far, as on a rim that passes flat. Needs the rates at the end. */
-static int mg_has_excessive_gap_rate(const mg_context *c, mg_real h) {
-  const mg_real least = c->system->length / c->system->time,
-                part = c->settings->separation_speed_factor * c->settings->tolerance;
-  if (c->settings->method == MG_RK4 || !c->settings->project || !c->settings->use_gamma) return 0;
-  if (mg_has_rolling_start(c) || h <= c->settings->event_tolerance * c->system->time) return 0;
-  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
-    if (!c->run->closed[i] || !c->run->active[i] || !(fabs(c->rows.d_dot[i]) > part * least)) continue;
-    if (fabs(c->rows.d_dot[i]) > part * mg_pair_speed_bound(c, c->system->contact_pair[i])) return 1;
-  }
-  return 0;
-}
-
 /* Makes c->step.settled the state of the run. */
 static void mg_accept_state(mg_context *c, mg_real h) {
   mg_copy_states(c, c->step.settled, c->run->x);
@@ -123,11 +97,6 @@ static mg_real mg_first_event_in_step(mg_context *c, mg_real h) {
   return mg_locate_first_event(c, h, passed);
 }
 
-/* True if a stage saw an event that is over before it could be located, because of a function of time. */
-static int mg_has_missed_event(const mg_context *c, mg_real h) {
-  return c->layout.n_timed && c->step.sign_changed && h > c->settings->time_resolution * c->system->time;
-}
-
 /* Ends a collocated step that is longer than `end`; returns whether it was. */
 static int mg_shorten_collocated_step(mg_context *c, mg_real *h, mg_real end) {
   if (*h <= end) return 0;
@@ -155,13 +124,6 @@ static int mg_finish_accepted_step(mg_context *c, mg_real h, int event, mg_recor
   return !outcome && mg_is_progress_too_slow(c) ? MG_STEP_TOO_SMALL : outcome;
 }
 
-/* Rejects the step; the next is half as long. Returns MG_DONE. */
-static int mg_reject_step(mg_context *c, mg_real h) {
-  c->run->rejected++, c->run->h = h / 2;
-  mg_evaluate_run_state(c);
-  return MG_DONE;
-}
-
 /* One accepted step of at most h, ended by the first event within it; or none, and a smaller run->h to try. A
    first step from flat is tried at the full length of run->h, because rounding spoils a short one, and is cut on
    its interpolant. Returns an outcome. */
@@ -186,8 +148,8 @@ static int mg_event_driven_step(mg_context *c, mg_real h, mg_record *record, mg_
   int outcome = mg_take_accurate_step(c, &h);
   if (outcome) return outcome;
   mg_finish_step(c, run->t, h);
-  if (c->step.left_margin || mg_has_left_margins(c)) mg_forget_margins(c), c->step.left_margin = 1;
-  if (c->step.left_margin || mg_has_unresolved_state_load(c, h)) return mg_reject_step(c, h);
+  if (c->step.beyond_margin || mg_has_moved_beyond_margins(c)) mg_forget_margins(c), c->step.beyond_margin = 1;
+  if (c->step.beyond_margin || mg_has_unresolved_state_load(c, h)) return mg_reject_step(c, h);
   const mg_real shorter = mg_first_event_in_step(c, h);
   int event = shorter > 0;
   if (event) h = shorter;
@@ -197,7 +159,7 @@ static int mg_event_driven_step(mg_context *c, mg_real h, mg_record *record, mg_
     if (outcome) return outcome;
   }
   event &= !mg_shorten_collocated_step(c, &h, end);
-  if (mg_has_excessive_gap_rate(c, h) || !mg_place_step_end(c, h)) return mg_reject_step(c, h);
+  if (mg_has_contact_point_leapt(c, h) || !mg_place_step_end(c, h)) return mg_reject_step(c, h);
   if (h > c->settings->event_tolerance * c->system->time && mg_has_new_penetration(c, h)) return mg_reject_step(c, h);
   return mg_finish_accepted_step(c, h, event, record, events);
 }
@@ -212,7 +174,7 @@ static int mg_advance_step(mg_context *c, mg_real h, mg_record *record, mg_event
     outcome = mg_time_step(c, h, record, events);
     if (!outcome) outcome = mg_count_fallback_step(c, events, first_event, c->run->t - t);
   } else {
-    outcome = mg_cross_integrable_peak(c, mg_event_driven_step(c, h, record, events), events);
+    outcome = mg_cross_infinite_load(c, mg_event_driven_step(c, h, record, events), events);
     if (!outcome && mg_has_costly_events(c, events, first_event, c->run->rhs_evals - evaluations)) outcome = MG_CHATTER;
   }
   outcome = mg_explain_failed_outcome(c, outcome);

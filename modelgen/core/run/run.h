@@ -19,6 +19,22 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
 MG_INTERNAL void mg_store_run(const mg_system *system, const mg_run *run, unsigned char *bytes);
 MG_INTERNAL void mg_restore_run(const mg_system *system, mg_run *run, const unsigned char *bytes);
 
+/* step_acceptance.c */
+
+/* Places the contacts at the end of the step h, in c->step.settled. Returns 0 if a closed contact is singular or
+   lost there and a shorter step may come nearer. */
+MG_INTERNAL int mg_place_step_end(mg_context *c, mg_real h);
+
+/* True if the gap rate of a loaded contact at the end of the step exceeds the error that a step may have: its
+   contact point has moved too far, as on a rim that passes flat. Needs the rates at the end. */
+MG_INTERNAL int mg_has_contact_point_leapt(const mg_context *c, mg_real h);
+
+/* True if a stage saw an event that is over before it could be located, because of a function of time. */
+MG_INTERNAL int mg_has_missed_event(const mg_context *c, mg_real h);
+
+/* Rejects the step; the next is half as long. Returns MG_DONE. */
+MG_INTERNAL int mg_reject_step(mg_context *c, mg_real h);
+
 /* advance.c */
 
 /* mg_advance, its steps followed, or 0. */
@@ -52,11 +68,11 @@ MG_INTERNAL int mg_has_pole_at(const mg_context *c, int function, mg_real t);
 /* Outcome of a run that cannot go on: MG_NOT_FINITE if a function of time is unbounded, else the given one. */
 MG_INTERNAL int mg_explain_failed_outcome(mg_context *c, int outcome);
 
-/* integrable_peaks.c */
+/* infinite_loads.c */
 
 /* Outcome of a step that failed: MG_DONE if a function of time that is infinite but integrable at an instant near the
    present time was the cause, and the run has crossed that instant; else the given one. */
-MG_INTERNAL int mg_cross_integrable_peak(mg_context *c, int outcome, mg_events *events);
+MG_INTERNAL int mg_cross_infinite_load(mg_context *c, int outcome, mg_events *events);
 
 /* batch.c */
 

@@ -118,7 +118,7 @@ MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events)
    run is event-driven again, unless many events are still to come. Returns an outcome. */
 MG_INTERNAL int mg_count_fallback_step(mg_context *c, mg_events *events, int first_event, mg_real h);
 
-/* event_work.c */
+/* event_cost.c */
 
 /* Begins to count the work of events. */
 MG_INTERNAL void mg_reset_event_work(mg_run *run);

@@ -91,7 +91,7 @@ static int mg_cross_peak(mg_context *c, const mg_peak *peak, mg_events *events) 
   return MG_DONE;
 }
 
-MG_INTERNAL int mg_cross_integrable_peak(mg_context *c, int outcome, mg_events *events) {
+MG_INTERNAL int mg_cross_infinite_load(mg_context *c, int outcome, mg_events *events) {
   const int functions = c->system->n_load + c->system->n_body + c->system->n_joint;
   if (outcome != MG_STEP_TOO_SMALL && outcome != MG_NOT_FINITE) return outcome;
   if (c->settings->method != MG_DOP853 || mg_has_rolling_start(c) || !mg_are_states_finite(c, c->run->x))

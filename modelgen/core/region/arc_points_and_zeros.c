@@ -1,4 +1,5 @@
-/* Points of a placed arc, and zeros of functions along it. */
+/* Points and tangents of a placed arc of a boundary, and zeros of functions along it: of curvature, of the support in a
+   direction, of the distance to a point. */
 #include "region/region.h"
 #include "base/base.h"
 

@@ -1,6 +1,6 @@
-/* The work of events: what it costs to locate the events of a run and to change its modes there, against what
-   time-stepping over the same time would cost. Where contacts close and open without end, as in a heap that settles,
-   the run goes on by time-stepping.
+/* The cost of events: how much computing it takes to locate the events of a run and to change its modes there, against
+   what time-stepping over the same time would cost. Where contacts close and open without end, as in a heap that
+   settles, the run goes on by time-stepping.
 
    Work is counted in evaluations of one contact. Promise: between any two times of event-driven integration, the work
    of steps in which contacts close or open is at most chatter_work, plus MG_WORK_RATIO times that of time-stepping over
