@@ -141,7 +141,7 @@ MG_INTERNAL void mg_update_rolling_starts(mg_context *c);
    tolerance, MG_MAX where there is no solution. */
 MG_INTERNAL mg_real mg_take_rolling_start_step(mg_context *c, mg_real t, mg_real *x, mg_real h);
 
-/* slip_start.c */
+/* stiff_slip.c */
 
 /* True if slip starts at a friction bound in the next step. */
 MG_INTERNAL int mg_has_slip_onset(const mg_context *c);
