@@ -17,7 +17,7 @@ typedef struct {
 /* All gaps. */
 static const mg_search_limits mg_all_gaps = {MG_MAX, MG_MAX, MG_EFFORT, MG_MAX};
 
-/* convex_separation.c */
+/* convex_closest_points.c */
 
 /* Ascends from v->normal, and if that ends below `floor`, from other normals too. v then is the first maximum
    above floor; else the highest, or the first if `keep`. Returns 0 if rounding left it inexact. */
@@ -140,7 +140,7 @@ MG_INTERNAL void mg_limit_feature(const mg_context *c, int feature_pair, int sid
 /* True if all of a cell lies beyond the limits. */
 MG_INTERNAL int mg_is_cell_beyond(const mg_context *c, int cell, const mg_feature_limits *limits);
 
-/* centre_curves.c */
+/* centre_curve_search.c */
 
 /* The centre curve of a feature, with its place. */
 typedef struct {
@@ -156,7 +156,7 @@ MG_INTERNAL int mg_has_one_minimum(const mg_context *c, int feature_pair, mg_rea
 MG_INTERNAL void mg_search_centre_curves(mg_context *c, int feature_pair, const mg_search_limits *limits, mg_real least,
                                          mg_minima *kept);
 
-/* centre_curve_places.c */
+/* centre_curve_stationary_points.c */
 
 enum { MG_STATIONARY = 64 }; /* most places of two centre curves */
 
@@ -195,7 +195,7 @@ MG_INTERNAL int mg_stationary_places(const mg_centred_feature *of, mg_real gap, 
 /* Distance of a line from a line or circle where it is constant, m. */
 MG_INTERNAL mg_real mg_constant_distance(const mg_centred_feature *of);
 
-/* circle_minima.c */
+/* circle_single_minimum.c */
 
 /* True if the gap of two circles, or of features outside of them at constant distances, is known to have one minimum at
    most with a value up to `gap`. */

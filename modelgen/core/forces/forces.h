@@ -113,7 +113,7 @@ MG_INTERNAL mg_real mg_patch_hull_margin(mg_context *c, int patch, const mg_real
    negative where it tells nothing. */
 MG_INTERNAL mg_real mg_hull_margin_lower_bound(const mg_context *c, int patch, const mg_real *world);
 
-/* event_margin_memory.c */
+/* event_margin_storage.c */
 
 /* Number of event margins of one sample: contacts and friction constraints. */
 MG_INTERNAL int mg_event_margin_count(const mg_system *s);

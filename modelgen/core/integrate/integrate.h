@@ -128,7 +128,7 @@ MG_INTERNAL int mg_find_rolling_point(mg_context *c, mg_real t, int contact, con
 /* Bring eta of a contact to the extremum at the present poses, up to rounding; returns 0 if it fails. */
 MG_INTERNAL int mg_converge_contact_point(mg_context *c, int contact, mg_real *eta);
 
-/* rolling_start.c */
+/* rim_rolling_start.c */
 
 /* True if a contact starts to roll from flat. */
 MG_INTERNAL int mg_has_rolling_start(const mg_context *c);
@@ -141,7 +141,7 @@ MG_INTERNAL void mg_update_rolling_starts(mg_context *c);
    tolerance, MG_MAX where there is no solution. */
 MG_INTERNAL mg_real mg_take_rolling_start_step(mg_context *c, mg_real t, mg_real *x, mg_real h);
 
-/* stiff_slip.c */
+/* stiff_slip_step.c */
 
 /* True if slip starts at a friction bound in the next step. */
 MG_INTERNAL int mg_has_slip_onset(const mg_context *c);

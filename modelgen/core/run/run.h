@@ -19,7 +19,7 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
 MG_INTERNAL void mg_store_run(const mg_system *system, const mg_run *run, unsigned char *bytes);
 MG_INTERNAL void mg_restore_run(const mg_system *system, mg_run *run, const unsigned char *bytes);
 
-/* step_acceptance.c */
+/* step_end_checks.c */
 
 /* Places the contacts at the end of the step h, in c->step.settled. Returns 0 if a closed contact is singular or
    lost there and a shorter step may come nearer. */
@@ -68,7 +68,7 @@ MG_INTERNAL int mg_has_pole_at(const mg_context *c, int function, mg_real t);
 /* Outcome of a run that cannot go on: MG_NOT_FINITE if a function of time is unbounded, else the given one. */
 MG_INTERNAL int mg_explain_failed_outcome(mg_context *c, int outcome);
 
-/* infinite_loads.c */
+/* infinite_load_crossing.c */
 
 /* Outcome of a step that failed: MG_DONE if a function of time that is infinite but integrable at an instant near the
    present time was the cause, and the run has crossed that instant; else the given one. */

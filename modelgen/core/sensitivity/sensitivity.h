@@ -328,7 +328,7 @@ MG_INTERNAL int mg_cross_event(mg_context *c, mg_sensitivity *s, const mg_crossi
    relative to what it may be. */
 MG_INTERNAL mg_real mg_followed_error(mg_context *c, void *of, mg_real h);
 
-/* undifferentiable_loads.c */
+/* load_jump_detection.c */
 
 /* Notes the loads at the start of a step. */
 MG_INTERNAL void mg_note_loads(const mg_context *c, mg_sensitivity *s, mg_real t);
