@@ -68,7 +68,7 @@ enum {
 
 /* When a pair of shapes is searched for closest points during a run. */
 enum {
-  MG_SEARCH_NEVER = 0,  /* never: its contacts never end */
+  MG_SEARCH_NEVER = 0,  /* not as long as it has a contact, which does not end */
   MG_SEARCH_MOVED = 1,  /* after it has moved by search_movement * length */
   MG_SEARCH_ALWAYS = 2, /* after every accepted step */
   MG_SEARCH_AHEAD = 3, /* after every accepted step; its contacts do not show all minima, so steps are kept short enough

@@ -53,29 +53,42 @@ def test_a_body_on_an_axis_of_symmetry_strikes_when_it_has_crossed_the_gap(name:
     assert struck[0] == pytest.approx(10 * gap, abs=1e-9)
 
 
-@pytest.mark.cases(9)
+HOLLOWS: dict[
+    str, tuple[Shape, float]
+] = {  # of half a metre about a point or a curve, and the radius of that (m)
+    "ball": (make.sphere(0.5, cavity=True), 0.0),
+    "bore": (make.cylinder(0.5, cavity=True), 0.0),
+    "ring": (make.torus(2.0, 0.5, cavity=True), 2.0),
+}
+
+
+@pytest.mark.cases(12)
 @pytest.mark.parametrize("part", [0.0, 1e-14, 1e-10, 1e-6, 1e-3, 0.1])
 @pytest.mark.parametrize("clearance", [0.1, 1e-2, 1e-3, 1e-4])
-def test_a_ball_near_the_middle_of_a_ring_strikes_where_it_leaves_the_clearance(
-    clearance: float, part: float
+@pytest.mark.parametrize("hollow", HOLLOWS)
+def test_a_ball_near_the_middle_of_a_hollow_strikes_where_it_has_crossed_the_clearance(
+    hollow: str, clearance: float, part: float
 ) -> None:
-    """It starts off the centre circle by a part of the clearance and moves straight on."""
+    """It starts off the middle by a part of the clearance and moves straight on, across the curve there."""
+    shape, radius = HOLLOWS[hollow]
     draw = np.random.default_rng(round(1 / clearance))
     azimuth, side, course = draw.uniform(0, 2 * np.pi, 3)
-    outwards, up = np.array([np.cos(azimuth), np.sin(azimuth), 0]), np.array([0, 0, 1.0])
+    outwards, across = np.array([np.cos(azimuth), np.sin(azimuth), 0]), np.array([0, 0, 1.0])
+    if hollow == "bore":
+        across = np.cross(across, outwards)
     offset = part * clearance * np.array([np.cos(side), np.sin(side)])
     way = np.array([np.cos(course), np.sin(course)])
     ball = make.dynamic(
-        "ball", make.sphere(0.5 - clearance), mass=1.0, inertia=[0.1, 0.1, 0.1],
-        position=list((2 + offset[0]) * outwards + offset[1] * up),
-        velocity=list(0.1 * (way[0] * outwards + way[1] * up)),
+        "body", make.sphere(0.5 - clearance), mass=1.0, inertia=[0.1, 0.1, 0.1],
+        position=list((radius + offset[0]) * outwards + offset[1] * across),
+        velocity=list(0.1 * (way[0] * outwards + way[1] * across)),
     )  # fmt: skip
     scene = make.scene(
-        "groove", [make.fixed("ring", make.torus(2.0, 0.5, cavity=True)), ball], gravity=[0, 0, 0],
-        contact=[{"between": ["ball", "ring"], "restitution": 0.5}],
+        "hollow", [make.fixed("world", shape), ball], gravity=[0, 0, 0],
+        contact=[{"between": ["body", "world"], "restitution": 0.5}],
     )  # fmt: skip
     along = float(offset @ way)
-    strike = 10 * (np.sqrt(along**2 + clearance**2 - offset @ offset) - along)
+    strike = 10 * float(np.sqrt(along**2 + clearance**2 - offset @ offset) - along)
     path = simulate(library_of(scene), until=1.5 * strike, samples=20)
     assert path.outcome is Outcome.DONE
     assert not path.doubts

@@ -275,6 +275,9 @@ MG_INTERNAL void mg_insert_minimum(const mg_context *c, mg_minima *kept, const m
 /* Notes a gap in m above which the features may be at many places at once, none of which is a minimum by itself. */
 MG_INTERNAL void mg_note_open_gap(mg_context *c, mg_real gap);
 
+/* Notes the gap of the critical point evaluated last if to rounding it is one of a curve or a surface of them. */
+MG_INTERNAL void mg_note_singular_point(mg_context *c, int feature_pair);
+
 /* Adds the critical point at eta to the minima kept, if it is one and not below `least`. */
 MG_INTERNAL void mg_keep_minimum_at(mg_context *c, int feature_pair, mg_real *eta, mg_real least, mg_minima *kept);
 

@@ -208,14 +208,6 @@ static void mg_leave_out_farther_gaps(mg_critical_search *s) {
   s->limits.gap = mg_min(s->limits.gap, most), s->limits.depth = mg_min(s->limits.depth, most);
 }
 
-/* Notes the gap of the critical point evaluated last if it is one of a curve of them to rounding. */
-static void mg_note_singular_point(mg_critical_search *s) {
-  mg_context *c = s->c;
-  const mg_real d = c->search.placement[0];
-  if (fabs(mg_placement_margin(c, c->system->n_contact)) > c->settings->search_margin) return;
-  if (d >= 0 || !mg_is_between_far_sides(c, s->feature_pair)) mg_note_open_gap(c, d);
-}
-
 /* Converges from the middles of two cells and keeps what it finds. Returns 0 if it does not converge. */
 static int mg_converge_from_cells(mg_critical_search *s, int a, int b) {
   mg_context *c = s->c;
@@ -229,7 +221,7 @@ static int mg_converge_from_cells(mg_critical_search *s, int a, int b) {
   else mg_sample_cell(s, 1 - s->first, b, at + s->first, at + 1 - s->first);
   mg_start_eta(c, s->feature_pair, at, at + 1, eta);
   if (mg_converge_from_any_start(c, s->feature_pair, eta) < 0) return 0;
-  mg_note_singular_point(s);
+  mg_note_singular_point(c, s->feature_pair);
   mg_add_known_point(s, eta);
   mg_keep_minimum_at(c, s->feature_pair, eta, s->least, s->kept);
   mg_leave_out_farther_gaps(s);

@@ -48,7 +48,9 @@ MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, const m
     return;
   }
   mg_real eta[6] = {turn ? 0 : 1, 0, 0, 0, 0, 0};
-  if (mg_converge_from_any_start(c, feature_pair, eta) >= 0) mg_keep_minimum_at(c, feature_pair, eta, least, kept);
+  if (mg_converge_from_any_start(c, feature_pair, eta) < 0) return;
+  mg_note_singular_point(c, feature_pair);
+  mg_keep_minimum_at(c, feature_pair, eta, least, kept);
 }
 
 /* True if the gap is not below -start_gap. */
@@ -86,6 +88,11 @@ static void mg_search_at_start(mg_context *c, int first, int end, mg_real least,
   if (found->count) c->run->incomplete_searches = before + incomplete;
 }
 
+/* True if closest points form a curve or a surface, and the pair does not penetrate there. */
+static int mg_is_open_gap_allowed(const mg_context *c) {
+  return c->search.open_gap < MG_MAX && mg_is_start_gap_allowed(c, c->search.open_gap);
+}
+
 /* Start of a pair whose contacts have feature pairs of their own. Returns an outcome. */
 static int mg_start_own_feature_pairs(mg_context *c, int pair) {
   const mg_system *s = c->system;
@@ -94,7 +101,8 @@ static int mg_start_own_feature_pairs(mg_context *c, int pair) {
     mg_minima found = {0};
     mg_search_at_start(c, feature_pair, feature_pair + 1, -MG_MAX, &found);
     c->run->failed_contact = i;
-    if (!found.count && mg_is_unconditional_feature_pair(c, feature_pair)) return mg_refuse_start(c);
+    if (!found.count && !mg_is_open_gap_allowed(c) && mg_is_unconditional_feature_pair(c, feature_pair))
+      return mg_refuse_start(c);
     if (found.count && found.list[0].undecided) return MG_NO_OUTSIDE;
     mg_set_feature_pair(c, i, found.count ? feature_pair : -1, found.list[0].eta);
   }
@@ -111,8 +119,7 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
   mg_search_at_start(c, s->pair_feature_pair[pair], s->pair_feature_pair[pair + 1], least, &found);
   c->run->failed_contact = first;
   const int feature_pair = s->pair_feature_pair[pair];
-  const int is_gap_known = c->search.open_gap < MG_MAX && mg_is_start_gap_allowed(c, c->search.open_gap);
-  if (!found.count && !is_gap_known && mg_is_unconditional_feature_pair(c, feature_pair) &&
+  if (!found.count && !mg_is_open_gap_allowed(c) && mg_is_unconditional_feature_pair(c, feature_pair) &&
       s->pair_feature_pair[pair + 1] - feature_pair == 1)
     return mg_refuse_start(c);
   int k = 0;

@@ -412,11 +412,18 @@ static int mg_find_unfollowed_minimum(mg_context *c, int pair, mg_real moved) {
   return kind;
 }
 
-/* True if the pair is never searched, or not as long as one of its contacts is closed, unless time-stepping holds that
-   at the end of a line. */
+/* True if no contact or held patch of the pair limits the step. */
+static int mg_is_pair_without_contacts(const mg_context *c, int pair) {
+  for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
+    if (mg_is_on_feature_pair(c, i)) return 0;
+  return !mg_has_held_patch(c, pair);
+}
+
+/* True if the pair is not searched as long as it has a contact, and has one; or not as long as one of its contacts is
+   closed, unless time-stepping holds that at the end of a line. */
 static int mg_is_search_needless(const mg_context *c, int pair) {
   const int search = c->system->pair_search[pair];
-  if (search != MG_SEARCH_APART) return search == MG_SEARCH_NEVER;
+  if (search != MG_SEARCH_APART) return search == MG_SEARCH_NEVER && !mg_is_pair_without_contacts(c, pair);
   if (c->run->moved_since_search[pair] >= MG_SEARCH_DUE && mg_is_time_stepping(c)) return 0;
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
     if (c->run->closed[i]) return 1;
@@ -452,8 +459,8 @@ MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
   for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) c->search.is_searched[pair] = 0;
   for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) {
     const mg_real moved = c->run->moved_since_search[pair] + h * mg_pair_speed_bound(c, pair);
-    if (mg_has_own_feature_pairs(c, pair) || !mg_is_search_due(c, pair, moved) || mg_pair_clearance(c, pair) > 0)
-      continue;
+    const int guided = mg_has_own_feature_pairs(c, pair) && s->pair_search[pair] != MG_SEARCH_NEVER;
+    if (guided || !mg_is_search_due(c, pair, moved) || mg_pair_clearance(c, pair) > 0) continue;
     c->run->x = c->step.settled;
     const int found = mg_find_unfollowed_minimum(c, pair, moved);
     c->run->x = start;
@@ -467,13 +474,6 @@ MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
     return 1;
   }
   return 0;
-}
-
-/* True if no contact or held patch of the pair limits the step. */
-static int mg_is_pair_without_contacts(const mg_context *c, int pair) {
-  for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
-    if (mg_is_on_feature_pair(c, i)) return 0;
-  return !mg_has_held_patch(c, pair);
 }
 
 /* Gap in m up to which the last search of a pair is still valid after its movement since. */
@@ -531,7 +531,7 @@ MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h)
   int count = mg_release_folded_contacts(c, events);
   mg_release_distant_rim_points(c);
   for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) {
-    if (s->pair_search[pair] == MG_SEARCH_NEVER) continue;
+    if (s->pair_search[pair] == MG_SEARCH_NEVER && mg_is_search_needless(c, pair)) continue;
     c->run->moved_since_search[pair] += h * mg_pair_speed_bound(c, pair);
     if (!mg_is_search_due(c, pair, c->run->moved_since_search[pair])) continue;
     const mg_real moved = c->run->moved_since_search[pair];
