@@ -30,15 +30,15 @@ if TYPE_CHECKING:
     from modelgen.derivation import derive as derive
     from modelgen.errors import ModelgenError as ModelgenError
     from modelgen.identification.fit import fit as fit
-    from modelgen.importing.importing import import_scene as import_scene
+    from modelgen.importing.import_formats import import_scene as import_scene
     from modelgen.linearisation.equilibrium_and_modes import linearise as linearise
     from modelgen.linearisation.stability import stability as stability
     from modelgen.linearisation.steady_modes import linearise_steady as linearise_steady
     from modelgen.parameter_study.outcome_table import load_sweep as load_sweep
     from modelgen.parameter_study.sweep import sweep as sweep
-    from modelgen.report.export import load as load
-    from modelgen.report.export import save as save
     from modelgen.report.normal_rates import normal_rates as normal_rates
+    from modelgen.report.run_files import load as load
+    from modelgen.report.run_files import save as save
     from modelgen.report.run_plot import draw as draw
     from modelgen.report.run_record import record_of as record_of
     from modelgen.runtime.accuracy import Accuracy as Accuracy
@@ -48,8 +48,8 @@ if TYPE_CHECKING:
     from modelgen.runtime.gradient import gradient as gradient
     from modelgen.runtime.sensitivity import sensitivity as sensitivity
     from modelgen.runtime.simulate import simulate as simulate
-    from modelgen.runtime.simulation import start as start
-    from modelgen.runtime.simulations import start_many as start_many
+    from modelgen.runtime.stepped_simulation import start as start
+    from modelgen.runtime.stepped_simulations import start_many as start_many
     from modelgen.scene.read import read as read
 
 __version__ = "0.1.0"
@@ -93,8 +93,8 @@ _HOMES = {
     "emit": "modelgen.codegen.emit",
     "build": "modelgen.codegen.build",
     "simulate": "modelgen.runtime.simulate",
-    "start": "modelgen.runtime.simulation",
-    "start_many": "modelgen.runtime.simulations",
+    "start": "modelgen.runtime.stepped_simulation",
+    "start_many": "modelgen.runtime.stepped_simulations",
     "closest_points": "modelgen.runtime.closest_points",
     "distance_minima": "modelgen.runtime.distance_minima",
     "gradient": "modelgen.runtime.gradient",
@@ -102,7 +102,7 @@ _HOMES = {
     "simulate_batch": "modelgen.runtime.batch",
     "as_casadi": "modelgen.casadi_functions.as_casadi",
     "fit": "modelgen.identification.fit",
-    "import_scene": "modelgen.importing.importing",
+    "import_scene": "modelgen.importing.import_formats",
     "linearise": "modelgen.linearisation.equilibrium_and_modes",
     "linearise_steady": "modelgen.linearisation.steady_modes",
     "stability": "modelgen.linearisation.stability",
@@ -111,8 +111,8 @@ _HOMES = {
     "sweep": "modelgen.parameter_study.sweep",
     "load_sweep": "modelgen.parameter_study.outcome_table",
     "record_of": "modelgen.report.run_record",
-    "save": "modelgen.report.export",
-    "load": "modelgen.report.export",
+    "save": "modelgen.report.run_files",
+    "load": "modelgen.report.run_files",
     "draw": "modelgen.report.run_plot",
     "normal_rates": "modelgen.report.normal_rates",
     "Accuracy": "modelgen.runtime.accuracy",

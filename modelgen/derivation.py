@@ -8,7 +8,7 @@ from typing import Literal
 
 import casadi as ca
 
-from modelgen.composition.closed_form import closed_right_hand_side, why_not_closed
+from modelgen.composition.all_sticking_dynamics import closed_right_hand_side, why_not_closed
 from modelgen.composition.contact_mode import ContactMode, own_feature_pairs
 from modelgen.composition.right_hand_side import (
     SLIP_SPEED,
@@ -19,7 +19,7 @@ from modelgen.composition.right_hand_side import (
     slip_speeds,
 )
 from modelgen.contact.form_table import FORMS, contact_kernels, eta_layout
-from modelgen.contact.separation import aim_kernel, has_separation, seek_kernel
+from modelgen.contact.separation_function import aim_kernel, has_separation, seek_kernel
 from modelgen.dynamics import loads
 from modelgen.dynamics.bodies import body_kernels
 from modelgen.dynamics.sensors import sensor_kernel

@@ -14,7 +14,7 @@ from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError, nearest
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_span
-from modelgen.runtime.simulations import Simulations, start_many
+from modelgen.runtime.stepped_simulations import Simulations, start_many
 from modelgen.scene.scene_types import Scene
 
 try:

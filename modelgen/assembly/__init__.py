@@ -12,9 +12,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
 
+from modelgen.assembly.body_motions import bodies_of, check_observed, motion_of, pairs_by_body, watched
 from modelgen.assembly.characteristic_scales import scales_of
 from modelgen.assembly.contact_form_choice import Owner, contact_names, find_body, find_shape
-from modelgen.assembly.contact_inputs import have_same_contacts, with_coefficients
 from modelgen.assembly.contact_warnings import soundness
 from modelgen.assembly.coplanar_faces import Shown, Unions
 from modelgen.assembly.feature_pairs import Whole
@@ -34,7 +34,7 @@ from modelgen.assembly.masses import (
 from modelgen.assembly.observed_influence import influencing
 from modelgen.assembly.pair_content import PairContent, PairContents
 from modelgen.assembly.patches import Faces, patches_of
-from modelgen.assembly.pruning import bodies_of, check_observed, motion_of, pairs_by_body, watched
+from modelgen.assembly.same_contacts import have_same_contacts, with_coefficients
 from modelgen.errors import SceneError, expect
 from modelgen.model import (
     BodyEntry,

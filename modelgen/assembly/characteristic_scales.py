@@ -7,9 +7,9 @@ from math import hypot, inf, sqrt
 
 import numpy as np
 
+from modelgen.assembly.body_motions import contacting_shapes, pairs_by_body
+from modelgen.assembly.loading_rate import started_rate
 from modelgen.assembly.masses import Mass
-from modelgen.assembly.pruning import contacting_shapes, pairs_by_body
-from modelgen.assembly.rate_from_rest import started_rate
 from modelgen.geometry.extent import bounding_radius
 from modelgen.model import Scales
 from modelgen.scene.scene_types import Body, ContactPair, Scene, SpringLoad

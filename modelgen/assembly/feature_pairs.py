@@ -15,7 +15,7 @@ from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.support_points import is_support_point, lies_flat, support_points_of, tilted
 from modelgen.contact.form_table import eta_layout, regular_forms
 from modelgen.errors import SceneError, nearest
-from modelgen.geometry.composites.feature_conditions import vertex
+from modelgen.geometry.composites.feature_constructors import vertex
 from modelgen.geometry.extent import bounding_ball
 from modelgen.geometry.features import features_of, is_convex
 from modelgen.model import ENDS, WATCHED, ContactKind, FeatureCondition, FeaturePairEntry, ShapeKind

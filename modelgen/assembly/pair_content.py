@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from modelgen.assembly.contact_count import Following, confined, following
+from modelgen.assembly.contact_following import Following, confined, following
 from modelgen.assembly.feature_pairs import Whole, feature_pairs_of, repeated
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.patches import PlanarPair, planar_pairs_of

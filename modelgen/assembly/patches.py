@@ -13,7 +13,7 @@ from modelgen.assembly.feature_pairs import Whole, is_allowed
 from modelgen.assembly.friction_constraints import has_friction
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.support_points import SUPPORT_POINTS, rim_of
-from modelgen.geometry.planar_regions import Region, regions_of
+from modelgen.geometry.face_regions import Region, regions_of
 from modelgen.model import BoundaryEntry, ContactKind, FaceEntry, FeaturePairEntry, PatchEntry, ShapeKind
 from modelgen.scene.pose_arithmetic import compose, to_outer
 from modelgen.scene.scene_types import ContactPair, Pose, Shape

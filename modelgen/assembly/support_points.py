@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.geometry.coordinate_domains import domain_of
-from modelgen.geometry.planar_regions import JOINED, point_of
+from modelgen.geometry.face_regions import JOINED, point_of
 from modelgen.rotations import rotation_of
 from modelgen.scene.expression import Number
 from modelgen.scene.pose_arithmetic import to_outer

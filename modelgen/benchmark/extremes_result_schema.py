@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from modelgen.report.json_schema import NUMBER, TEXTS, entry, record
+from modelgen.report.schema_parts import NUMBER, TEXTS, entry, record
 
 _VERDICT = {"enum": ["safe", "warned", "refused"]}
 _VALUE = record(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from modelgen.benchmark.extreme_events import EVENTS
+from modelgen.benchmark.extreme_contacts import EVENTS
 from modelgen.benchmark.extreme_motions import MOTIONS
 from modelgen.benchmark.extreme_shapes import SHAPES
 from modelgen.benchmark.extremes import Extreme, Found, tried

@@ -8,7 +8,7 @@ from typing import Any
 
 from modelgen.benchmark.measurement import Measurement
 from modelgen.benchmark.work_precision_front import Point, is_measured, place
-from modelgen.report.export import check_suffix
+from modelgen.report.run_files import check_suffix
 from modelgen.report.run_plot import FORMATS, require_matplotlib
 
 

@@ -17,7 +17,7 @@ from modelgen.benchmark.scene_under_measurement import Subject
 from modelgen.benchmark.setting_evaluation import Bench, counted, point_of, scaled
 from modelgen.benchmark.work_precision_front import Point, front, place, spaced
 from modelgen.errors import ModelgenError, expect, nearest
-from modelgen.scene.reading_again import scene_with
+from modelgen.scene.parameter_rereading import scene_with
 from modelgen.scene.scene_types import Scene
 
 INTERRUPTED, TIME_UP = "interrupted", "the time was up"  # why a measurement stopped early

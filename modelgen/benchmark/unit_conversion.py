@@ -25,7 +25,7 @@ from modelgen.scene.scene_types import (
     TorqueLoad,
     Vector,
 )
-from modelgen.scene.splines import ControlPolygon, HeightField, Net, Polyline, Spline
+from modelgen.scene.spline_values import ControlPolygon, HeightField, Net, Polyline, Spline
 
 PURE = {"half_angle", "p", "q"}  # parameters of the catalogue that are no lengths
 FREE = ("chart", "curve", "revolution", "extrusion")  # whose named parameters mean what their formulas say

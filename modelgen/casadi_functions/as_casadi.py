@@ -13,6 +13,7 @@ from modelgen.assembly import require
 from modelgen.casadi_functions.run_mode import run_mode
 from modelgen.codegen.library import Library
 from modelgen.composition.contact_mode import ContactMode, named_feature_pairs
+from modelgen.composition.explicit_runge_kutta import TABLEAUS, Method, step_function
 from modelgen.composition.right_hand_side import (
     SLIP_SPEED,
     SolvedScene,
@@ -21,12 +22,11 @@ from modelgen.composition.right_hand_side import (
     slip_speeds,
 )
 from modelgen.composition.scene_symbols import parameter_values
-from modelgen.composition.step import TABLEAUS, Method, step_function
 from modelgen.derivation import Derivation, derive
 from modelgen.errors import ModelgenError, nearest
 from modelgen.model import Model
-from modelgen.runtime.simulation import Simulation
-from modelgen.scene.reading_again import SceneReader
+from modelgen.runtime.stepped_simulation import Simulation
+from modelgen.scene.parameter_rereading import SceneReader
 from modelgen.scene.scene_types import Origin
 
 DEPENDENT = 1e-9  # of the largest singular value of the rows: smaller ones count as zero

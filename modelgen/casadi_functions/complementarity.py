@@ -8,7 +8,7 @@ from typing import Any
 import casadi as ca
 
 from modelgen.casadi_functions.as_casadi import Source, derivation_of
-from modelgen.composition.complementarity import complementarity_system
+from modelgen.composition.complementarity_system import complementarity_system
 from modelgen.composition.contact_mode import friction_of_contacts, named_feature_pairs
 from modelgen.composition.scene_symbols import parameter_values
 

@@ -12,7 +12,7 @@ INTERRUPTED = 130  # 128 and the number of the signal, as shells have it
 def main() -> None:
     """Run the command line. Ctrl-C ends it without a traceback, also while modules are imported."""
     try:
-        from modelgen.cli.commands import app
+        from modelgen.cli.basic_commands import app
 
         app()
     except KeyboardInterrupt:

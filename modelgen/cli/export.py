@@ -57,7 +57,7 @@ def export(
     as_json: AsJson = False,
 ) -> None:
     """Write a scene for use elsewhere: C, FMU, CasADi or JAX functions, MJCF, URDF, a page that runs it."""
-    from modelgen.export.exporting import PAGES, Choices, check_format, export
+    from modelgen.export.export_formats import PAGES, Choices, check_format, export
 
     choices = Choices(
         real=read_option("real", real),

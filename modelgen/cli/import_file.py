@@ -83,7 +83,7 @@ def import_file(
     as_json: AsJson = False,
 ) -> None:
     """Write the scene of a file of another program: MJCF, URDF, or a measured profile."""
-    from modelgen.importing.importing import import_scene
+    from modelgen.importing.import_formats import import_scene
 
     if out is not None:
         check_file(out)

@@ -49,13 +49,13 @@ def check_outputs(run: Path | None, picture: Path | None) -> None:
     """Raise ModelgenError for output files that cannot be written, before anything is computed."""
     if run is None and picture is None:
         return
-    from modelgen.report import export
+    from modelgen.report import run_files
     from modelgen.report.run_plot import FORMATS, require_matplotlib
 
-    for path, formats in ((run, export.FORMATS), (picture, FORMATS)):
+    for path, formats in ((run, run_files.FORMATS), (picture, FORMATS)):
         if path is None:
             continue
-        export.check_suffix(path, formats)
+        run_files.check_suffix(path, formats)
         check_file(path)
     if picture is not None:
         require_matplotlib()
@@ -98,7 +98,7 @@ def write_run(
     written = {"out": None if run is None else str(run), "plot": None if picture is None else str(picture)}
     if run is None and picture is None:
         return written
-    from modelgen.report.export import save
+    from modelgen.report.run_files import save
     from modelgen.report.run_record import record_of
 
     record = record_of(trajectory, library, scene)

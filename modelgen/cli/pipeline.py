@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import modelgen
-from modelgen.cli.known_scene import recall, remember, scene_key
+from modelgen.cli.built_scene_lookup import recall, remember, scene_key
 from modelgen.cli.options import read_option
 from modelgen.cli.progress import activity, progress
 from modelgen.errors import ModelgenError
@@ -33,7 +33,7 @@ def read_scene(path: Path, form: str | None) -> Scene:
     name = read_option("form", form)
     if name is None:
         return scene
-    from modelgen.scene.assemble import with_form  # a scene that was built before is not assembled
+    from modelgen.scene.scene_from_tables import with_form  # a scene that was built before is not assembled
 
     return with_form(scene, name)
 

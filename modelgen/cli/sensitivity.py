@@ -64,7 +64,7 @@ def sensitivity(
         found = modelgen.sensitivity(library, times, **settings)
     differences = None
     if check:
-        from modelgen.runtime.run_differences import run_differences
+        from modelgen.runtime.finite_differences import run_differences
 
         differences = run_differences(library, times, **settings)
     facts = sensitivity_facts(found, differences)

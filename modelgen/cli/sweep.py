@@ -150,7 +150,7 @@ def check_picture(plot: Path | None) -> None:
     if plot is None:
         return
     from modelgen.parameter_study.outcome_plot import PICTURES
-    from modelgen.report.export import check_suffix
+    from modelgen.report.run_files import check_suffix
 
     check_suffix(plot, PICTURES)
     check_outputs(None, plot)

@@ -68,7 +68,7 @@ def view(
 
 def check_page(out: Path) -> None:
     """Raise ModelgenError for a page that cannot be written, before anything is computed."""
-    from modelgen.report.export import check_suffix
+    from modelgen.report.run_files import check_suffix
 
     check_suffix(out, SUFFIXES)
     check_file(out)
@@ -88,7 +88,7 @@ def given_settings(
 def recorded(source: Path, settings: dict[str, Any]) -> tuple[Record, Trajectory | None]:
     """The record of a file of a run; or of a scene that is run now, with its trajectory. Raises ModelgenError
     for settings of a run that is over."""
-    from modelgen.report.export import FORMATS, load
+    from modelgen.report.run_files import FORMATS, load
     from modelgen.report.run_record import record_of
 
     if source.suffix in FORMATS:
@@ -107,7 +107,7 @@ def _over(source: Path, settings: dict[str, Any]) -> ModelgenError:
 
 def _run_live(source: Path, settings: dict[str, Any], port: int) -> None:
     """Run a scene in the browser until Ctrl-C."""
-    from modelgen.report.export import FORMATS
+    from modelgen.report.run_files import FORMATS
 
     if source.suffix in FORMATS:
         raise ModelgenError(str(source), "a run that is over", "", "write a page of it: --out page.html")

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from modelgen.geometry.shape_bounds import shape_bounds
+from modelgen.geometry.cell_bound_expressions import shape_bounds
 from modelgen.model import ShapeKind
 
 OPERATIONS = {  # operation of CasADi: MG_OP_ ..

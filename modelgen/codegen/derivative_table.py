@@ -7,7 +7,7 @@ from typing import Any
 
 import casadi as ca
 
-from modelgen.codegen.external_entries import internal_functions
+from modelgen.codegen.casadi_external_entries import internal_functions
 from modelgen.differentiation import TASKS, PackedFormula
 
 PREFIX = "mg_derivatives"

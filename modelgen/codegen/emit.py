@@ -9,8 +9,8 @@ from typing import Any
 import casadi as ca
 
 from modelgen.codegen.amalgamation import HEADER, abi, header_text
+from modelgen.codegen.casadi_external_entries import entries_text, internal_functions
 from modelgen.codegen.derivative_table import NO_DERIVATIVES, derivatives_text
-from modelgen.codegen.external_entries import entries_text, internal_functions
 from modelgen.codegen.kernel_table import table_text
 from modelgen.codegen.manifest import Json, Manifest
 from modelgen.codegen.manifest_instance import instance_of, kinds_of, parameters_of

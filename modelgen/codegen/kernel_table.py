@@ -12,8 +12,8 @@ from modelgen.assembly.pair_content import eta_size
 from modelgen.codegen.bounds_programs import programs_text
 from modelgen.codegen.manifest import CENTRE_CURVES, FEET, have_centre_curves
 from modelgen.codegen.manifest_instance import J_SIZE
+from modelgen.codegen.polynomial_degree import hides
 from modelgen.codegen.scene_step import scene_step_text
-from modelgen.codegen.time_dependence import hides
 from modelgen.contact.form_table import eta_layout
 from modelgen.derivation import Derivation, Formula
 from modelgen.dynamics.sensors import need_rates

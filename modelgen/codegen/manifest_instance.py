@@ -7,13 +7,13 @@ from math import isfinite
 from typing import Any
 
 from modelgen.assembly import Q_SIZE, U_SIZE
-from modelgen.assembly.contact_inputs import models_have_same_contacts
 from modelgen.assembly.masses import pose_numbers
+from modelgen.assembly.same_contacts import models_have_same_contacts
 from modelgen.codegen.manifest_planar_contacts import face_table, patch_table
-from modelgen.codegen.manifest_unlisted import unlisted_of
+from modelgen.codegen.manifest_unlisted_shapes import unlisted_of
 from modelgen.codegen.repeated_pairs import repeated
 from modelgen.contact.form_table import FORMS, eta_layout
-from modelgen.contact.separation import has_separation
+from modelgen.contact.separation_function import has_separation
 from modelgen.dynamics.sensors import sensor_parameters
 from modelgen.geometry.coordinate_domains import domain_of
 from modelgen.geometry.curves import curve_of, is_curve
@@ -38,7 +38,7 @@ from modelgen.model import (
     Side,
 )
 from modelgen.notation import ETA_SIZE
-from modelgen.scene.reading_again import SceneReader
+from modelgen.scene.parameter_rereading import SceneReader
 from modelgen.scene.scene_types import Scene, Shape
 from modelgen.scene.sensors import sensor_sizes
 

@@ -18,7 +18,7 @@ from modelgen.contact.curve_extremal_form import (
     curves_differentiated_place,
     curves_differentiated_rates,
 )
-from modelgen.contact.edge_pair import edge_edge_place, edge_edge_rates
+from modelgen.contact.edge_edge import edge_edge_place, edge_edge_rates
 from modelgen.contact.extremal_form import differentiated_place, differentiated_rates
 from modelgen.contact.kernels import ContactKernels, Placement, Rates
 from modelgen.contact.paper_curves import (

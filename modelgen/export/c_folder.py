@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from modelgen.codegen.amalgamation import HEADER, SOURCE, header_text, runtime_text
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import REAL_FLAGS, Library
-from modelgen.export.figures import Figures, figures_of
-from modelgen.export.scene_text import scene_files, source
-from modelgen.export.vectors import Vectors, vectors_of
+from modelgen.export.embedded_resources import Figures, figures_of
+from modelgen.export.reference_vectors import Vectors, vectors_of
+from modelgen.export.scene_c_files import scene_files, source
 from modelgen.runtime.session import Session
 from modelgen.runtime.settings import accuracy_of
 

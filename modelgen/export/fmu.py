@@ -24,7 +24,7 @@ from modelgen.export.fmu_description import (
     identifier,
     variables_of,
 )
-from modelgen.export.scene_text import source
+from modelgen.export.scene_c_files import source
 from modelgen.export.shared_library import shared_library
 from modelgen.runtime.session import Session
 from modelgen.runtime.settings import accuracy_of

@@ -16,7 +16,7 @@ from modelgen.geometry.features import features_of
 from modelgen.geometry.frames import cross
 from modelgen.geometry.surface_catalogue import surface_of
 from modelgen.scene.scene_types import Chart, Shape
-from modelgen.scene.splines import ControlPolygon, Net
+from modelgen.scene.spline_values import ControlPolygon, Net
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 Area = Callable[[Array], tuple[Array, Array]]

@@ -11,7 +11,7 @@ from modelgen.geometry.composites import revolutions as rounds
 from modelgen.geometry.composites import splines
 from modelgen.geometry.composites.charts_with_poles import atlas, ends_of, has_poles
 from modelgen.geometry.composites.extrusions import extrusion
-from modelgen.geometry.composites.feature_conditions import at_least, at_most
+from modelgen.geometry.composites.feature_constructors import at_least, at_most
 from modelgen.geometry.composites.outlines import outline, outline_wall
 from modelgen.geometry.composites.polyhedra import box, polyhedron
 from modelgen.geometry.composites.polylines import polyline

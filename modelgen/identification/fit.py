@@ -12,16 +12,16 @@ import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
-from modelgen.identification.columns import comparison_of
+from modelgen.identification.compared_columns import comparison_of
 from modelgen.identification.confidence import Confidence, confidence_of, lag_correlation, repetition
-from modelgen.identification.recorded_runs import Counts, RecordedRun, RecordedRuns
+from modelgen.identification.least_squares import LOSSES, Attempt, Solution, solve
+from modelgen.identification.measurement_noise import noise_of
 from modelgen.identification.recording_files import read_recording
+from modelgen.identification.recording_residuals import Counts, RecordedRun, RecordedRuns
 from modelgen.identification.recordings import Array, Recording, recording_of
-from modelgen.identification.solve import LOSSES, Attempt, Solution, solve
 from modelgen.identification.starts import start_of
+from modelgen.identification.unidentifiable_directions import in_words
 from modelgen.identification.unknowns import Unknown, unknowns_of
-from modelgen.identification.unseen import in_words
-from modelgen.identification.weights import noise_of
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_keywords, check_name, with_parameters
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of

@@ -13,8 +13,8 @@ from modelgen.errors import SimulationError, nearest
 from modelgen.identification.recordings import Array, Recording
 from modelgen.identification.unknowns import Unknown
 from modelgen.notation import component_names
-from modelgen.runtime.directions import QUANTITIES, body_entry, turned
 from modelgen.runtime.sensitivity import outputs_of
+from modelgen.runtime.sensitivity_directions import QUANTITIES, body_entry, turned
 from modelgen.runtime.tables.library_tables import library_tables
 
 ROWS = 5  # of a recording, from which its start is guessed

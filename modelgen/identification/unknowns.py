@@ -11,7 +11,7 @@ from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError
 from modelgen.notation import component_names
 from modelgen.runtime.arguments import input_range
-from modelgen.runtime.directions import Direction, directions_of
+from modelgen.runtime.sensitivity_directions import Direction, directions_of
 
 ALL = -1  # recordings
 

@@ -6,9 +6,9 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from itertools import product
 
-from modelgen.importing.model_contacts import Touch, Touches
-from modelgen.importing.model_joints import ModelJoint
-from modelgen.importing.model_shapes import Shapes
+from modelgen.importing.mujoco_contacts import Touch, Touches
+from modelgen.importing.mujoco_joints import ModelJoint
+from modelgen.importing.mujoco_shapes import Shapes
 from modelgen.importing.scene_writing import Section
 
 Partner = tuple[str, str]  # body and shape

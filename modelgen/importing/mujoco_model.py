@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from modelgen.errors import ModelgenError, nearest
-from modelgen.importing.notes import Notes
+from modelgen.importing.import_losses import Notes
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 START_KEYS = ("start", "home")  # keyframes that a run begins with, unless one is named

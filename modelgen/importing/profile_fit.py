@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.errors import ModelgenError
-from modelgen.scene.point_splines import MOST
+from modelgen.scene.interpolating_splines import MOST
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 Mask = np.ndarray[Any, np.dtype[np.bool_]]
@@ -238,7 +238,7 @@ def _across(x: Array, u: Array, knots: Array, nodes: Array, closed: bool) -> Arr
 
 
 def _interpolated(nodes: Array, closed: bool) -> Any:
-    """The spline of the scene through nodes (scene/point_splines.py), over the length of its chords."""
+    """The spline of the scene (scene/interpolating_splines.py) through nodes, over the length of chords."""
     from scipy.interpolate import CubicSpline  # slow to import
 
     if closed:

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from modelgen.errors import ModelgenError, nearest
-from modelgen.importing.names import Names
-from modelgen.importing.notes import Notes
+from modelgen.importing.import_losses import Notes
+from modelgen.importing.name_conversion import Names
 from modelgen.importing.profile_file import read_points
 from modelgen.importing.profile_fit import Array, Fitted, fit_profile
 from modelgen.importing.scene_writing import Section, scene_text

@@ -10,18 +10,18 @@ from typing import Any
 import numpy as np
 
 from modelgen.errors import ModelgenError
+from modelgen.importing.admissible_start import within_limits, without_overlaps
 from modelgen.importing.contact_tables import contact_tables
-from modelgen.importing.model_actuators import actuated
-from modelgen.importing.model_contacts import touches
-from modelgen.importing.model_joints import ModelJoint, jointed
-from modelgen.importing.model_loads import constraints, other_loads, tendons
-from modelgen.importing.model_sensors import sensors
-from modelgen.importing.model_shapes import Shapes, pose_keys, shapes
+from modelgen.importing.import_losses import Notes
+from modelgen.importing.mujoco_actuators import actuated
+from modelgen.importing.mujoco_contacts import touches
+from modelgen.importing.mujoco_joints import ModelJoint, jointed
+from modelgen.importing.mujoco_loads import constraints, other_loads, tendons
 from modelgen.importing.mujoco_model import Compiled, compiled
-from modelgen.importing.notes import Notes
-from modelgen.importing.rigid_bodies import RigidBody, rigid_bodies
-from modelgen.importing.rigid_start import within_limits, without_overlaps
+from modelgen.importing.mujoco_sensors import sensors
+from modelgen.importing.mujoco_shapes import Shapes, pose_keys, shapes
 from modelgen.importing.scene_writing import Section, moments, scene_text, vector
+from modelgen.importing.welded_bodies import RigidBody, rigid_bodies
 
 DIAGONAL = 1e-12  # an inertia whose other entries are zero, against its largest
 

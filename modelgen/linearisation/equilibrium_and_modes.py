@@ -17,13 +17,13 @@ from modelgen.assembly import require
 from modelgen.codegen.library import Library
 from modelgen.derivation import Derivation
 from modelgen.errors import SimulationError, expect
+from modelgen.linearisation.admissible_contact_forces import Friction, resting_forces
 from modelgen.linearisation.contact_at_rest import Array
 from modelgen.linearisation.eigenmodes import Mode, small_motions
-from modelgen.linearisation.rest_forces import Friction, resting_forces
 from modelgen.linearisation.rest_state import DEPENDENT, NoPlaceError, Place, Touching, moved, size_of
 from modelgen.model import Scales
 from modelgen.runtime.arguments import with_parameters
-from modelgen.scene.reading_again import scene_with
+from modelgen.scene.parameter_rereading import scene_with
 
 STEPS = 100  # of Newton's method towards the equilibrium
 FARTHEST = 0.2  # of one step, rad or characteristic lengths

@@ -25,7 +25,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from modelgen.codegen.library import Library
-from modelgen.composition.closed_form import pushed
+from modelgen.composition.all_sticking_dynamics import pushed
 from modelgen.composition.contact_mode import held_mode
 from modelgen.composition.scene_symbols import parameter_values
 from modelgen.derivation import Derivation

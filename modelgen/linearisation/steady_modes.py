@@ -12,14 +12,14 @@ from modelgen.assembly import require
 from modelgen.codegen.library import Library
 from modelgen.derivation import Derivation
 from modelgen.errors import expect
+from modelgen.linearisation.admissible_contact_forces import Friction, resting_forces
 from modelgen.linearisation.contact_at_rest import Array
 from modelgen.linearisation.eigenmodes import Mode
 from modelgen.linearisation.equilibrium_and_modes import NEUTRAL
-from modelgen.linearisation.rest_forces import Friction, resting_forces
 from modelgen.linearisation.rest_state import Touching, size_of
 from modelgen.linearisation.steady_motion import SteadyMotion, SteadySearch
 from modelgen.runtime.arguments import with_parameters
-from modelgen.scene.reading_again import scene_with
+from modelgen.scene.parameter_rereading import scene_with
 
 Spectrum = np.ndarray[Any, np.dtype[np.complex128]]
 RESISTANCES = ("spin", "roll")  # that hold a contact: it cannot turn in a steady motion

@@ -16,7 +16,7 @@ from modelgen.derivation import Derivation
 from modelgen.errors import ModelgenError
 from modelgen.runtime.session import Session
 from modelgen.runtime.settings import accuracy_of
-from modelgen.runtime.simulation import Simulation
+from modelgen.runtime.stepped_simulation import Simulation
 
 Array = np.ndarray[Any, Any]
 

@@ -18,7 +18,7 @@ import casadi as ca
 import numpy as np
 
 from modelgen.codegen.library import Library
-from modelgen.composition.complementarity import ComplementaritySystem, complementarity_system
+from modelgen.composition.complementarity_system import ComplementaritySystem, complementarity_system
 from modelgen.composition.contact_mode import friction_of_contacts, named_feature_pairs
 from modelgen.composition.scene_symbols import parameter_values
 from modelgen.derivation import Derivation

@@ -15,7 +15,7 @@ from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError, SimulationError
 from modelgen.parameter_study.rows import Row, refused_row, row_of, varied_columns
 from modelgen.parameter_study.varied_numbers import VariedNumber
-from modelgen.report.export import save
+from modelgen.report.run_files import save
 from modelgen.report.run_record import record_of
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import with_parameters

@@ -15,7 +15,7 @@ import numpy as np
 from modelgen.errors import ModelgenError, expect, path_of
 from modelgen.parameter_study.outcome_table import DONE, Sweep, check_column
 from modelgen.parameter_study.rows import TEXT
-from modelgen.report.export import check_suffix
+from modelgen.report.run_files import check_suffix
 from modelgen.report.run_plot import require_matplotlib
 from modelgen.runtime.trajectory import Array
 

@@ -10,7 +10,7 @@ from rich.console import Console
 from modelgen.parameter_study.outcome_table import Sweep
 from modelgen.parameter_study.rows import ERRORS
 from modelgen.parameter_study.sweep_folder import RUNS, TABLE
-from modelgen.report.json_schema import NUMBER, TEXTS, entry, record
+from modelgen.report.schema_parts import NUMBER, TEXTS, entry, record
 
 FIRST = 5  # failed runs that are told
 

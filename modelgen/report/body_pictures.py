@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from modelgen.report.displayed_bodies import Actor, Stage, pose_at
 from modelgen.report.run_record import Record
-from modelgen.report.stage import Actor, Stage, pose_at
 
 Array = np.ndarray[Any, Any]
 

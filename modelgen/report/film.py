@@ -9,8 +9,8 @@ import numpy as np
 
 from modelgen.errors import ModelgenError
 from modelgen.report.body_pictures import draw_bodies
+from modelgen.report.displayed_bodies import Stage
 from modelgen.report.run_record import Record
-from modelgen.report.stage import Stage
 
 RATE = 20  # pictures per s
 LONGEST, SHORTEST = 6.0, 2.0  # s, of a film

@@ -8,8 +8,8 @@ from rich.console import Console
 
 from modelgen.identification.confidence import LEVEL
 from modelgen.identification.fit import Fit
-from modelgen.identification.solve import SAME
-from modelgen.report.json_schema import NUMBER, TEXTS, entry, record
+from modelgen.identification.least_squares import SAME
+from modelgen.report.schema_parts import NUMBER, TEXTS, entry, record
 
 
 def fit_facts(found: Fit) -> dict[str, Any]:

@@ -10,7 +10,7 @@ import numpy as np
 from modelgen.errors import expect, path_of
 from modelgen.identification.fit import Fit
 from modelgen.identification.recordings import Array
-from modelgen.report.export import check_suffix
+from modelgen.report.run_files import check_suffix
 from modelgen.report.run_plot import ENTRIES, FORMATS, require_matplotlib
 
 WIDE = 1.96  # standard deviations on each side, which 95 % of normal deviations do not exceed

@@ -23,7 +23,7 @@ from modelgen.joint.joint_table import FORMS as FORMS_OF_JOINTS
 from modelgen.model import Model
 from modelgen.notation import notation
 from modelgen.report import mathml
-from modelgen.report.closest_inputs import ClosestInputs
+from modelgen.report.closest_point_inputs import ClosestInputs
 from modelgen.report.formula_text import symbol_latex
 from modelgen.verification.formula_inputs import Numbers, inputs_at, own_inputs, substituted
 from modelgen.verification.sympy_translation import LONGEST, Line, definition, leading_to

@@ -6,11 +6,11 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from modelgen.derivation import Derivation
-from modelgen.report.closest_inputs import ClosestInputs
+from modelgen.report.closest_point_inputs import ClosestInputs
 from modelgen.report.formula_list import OF_A_JOINT, OF_A_PAIR, Format, View, formula_facts
+from modelgen.report.formula_page import page
+from modelgen.report.formula_page_notes import errata_facts, shape_facts, singularity_facts
 from modelgen.report.formula_text import STYLES
-from modelgen.report.html_page import page
-from modelgen.report.html_page_notes import errata_facts, shape_facts, singularity_facts
 from modelgen.report.kind_scenes import kind_scene
 from modelgen.scene.scene_types import Scene
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from modelgen.assembly import require
 from modelgen.codegen.emit import emit
-from modelgen.composition.closed_form import why_not_closed
+from modelgen.composition.all_sticking_dynamics import why_not_closed
 from modelgen.contact.form_table import instructions, regular_forms
 from modelgen.derivation import Derivation, derive
 from modelgen.dynamics.planar_motion import in_a_plane

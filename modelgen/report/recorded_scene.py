@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from modelgen.errors import ModelgenError
-from modelgen.scene.reading_again import SceneReader
+from modelgen.scene.parameter_rereading import SceneReader
 from modelgen.scene.scene_types import Origin, Scene
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from modelgen.runtime.planar_regions import Arc, overlap
+from modelgen.runtime.region_overlap import Arc, overlap
 
 if TYPE_CHECKING:
     from modelgen.codegen.library import Library

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rich.console import Console
 
-from modelgen.geometry.planar_regions import in_one_plane
+from modelgen.geometry.face_regions import in_one_plane
 from modelgen.model import Model, PatchEntry
 from modelgen.scene.pose_arithmetic import UPSIDE_DOWN, compose
 from modelgen.scene.scene_types import Pose

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from modelgen.errors import ModelgenError, expect, path_of
-from modelgen.report.export import check_suffix
+from modelgen.report.run_files import check_suffix
 from modelgen.report.run_record import Array, Record
 from modelgen.report.snapshots import draw_frames, frame_samples
 
 if TYPE_CHECKING:
-    from modelgen.report.stage import Stage
+    from modelgen.report.displayed_bodies import Stage
 
 FORMATS = (".png", ".svg", ".gif", ".mp4")  # the last two are films
 FILMS = FORMATS[2:]
@@ -112,7 +112,7 @@ def _figure(record: Record, frames: int | None) -> Any:
 def _stage(record: Record, what: str) -> Stage:
     """The bodies of the scene that a record holds."""
     from modelgen.assembly import require
-    from modelgen.report.stage import stage_of
+    from modelgen.report.displayed_bodies import stage_of
 
     return stage_of(record, require(record.scene_again(what)), COARSE)
 

@@ -7,7 +7,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from modelgen.report.json_schema import NUMBER, entry, record
+from modelgen.report.schema_parts import NUMBER, entry, record
 from modelgen.runtime.sensitivity import REASONS, VERDICTS, Sensitivity
 from modelgen.runtime.tables.ctypes_structures import Array
 

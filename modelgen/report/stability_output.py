@@ -10,7 +10,7 @@ from rich.console import Console
 
 from modelgen.linearisation.contact_at_rest import Array
 from modelgen.linearisation.stability import Stability
-from modelgen.report.export import check_suffix
+from modelgen.report.run_files import check_suffix
 from modelgen.report.run_plot import FORMATS, require_matplotlib
 
 

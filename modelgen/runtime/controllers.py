@@ -65,7 +65,10 @@ class Controller:
     def _entry(self, session: Session, function: ControlFunction) -> tuple[Any, int]:
         """What must be kept alive, and the address of a function of type mg_control."""
         if isinstance(function, Mapping) or _is_casadi_function(function):
-            from modelgen.codegen.controllers import ENTRY, compiled_controller  # needs CasADi and a compiler
+            from modelgen.codegen.casadi_controllers import (  # needs CasADi and a compiler
+                ENTRY,
+                compiled_controller,
+            )
 
             sensors = session.instance["sensors"]["names"]
             given: Any = function

@@ -27,7 +27,7 @@ from modelgen.runtime.trajectory_of_run import Ending, trajectory_of
 from modelgen.runtime.trust import doubts
 from modelgen.runtime.warnings import warnings
 from modelgen.runtime.warnings.nonfinite import unbounded
-from modelgen.runtime.warnings.passages import passage_warnings
+from modelgen.runtime.warnings.overlap_warnings import passage_warnings
 
 KEYWORDS = (
     "until",
@@ -101,7 +101,9 @@ def simulate(
 
 def _with_passages(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) -> Trajectory:
     """The run with the pairs that passed through each other because no contact lists them."""
-    from modelgen.runtime.undeclared.passages import passages  # scenes that list all pairs do not need it
+    from modelgen.runtime.undeclared.undeclared_overlaps import (
+        passages,  # scenes that list all pairs do not need it
+    )
 
     found = passages(path, instance, accuracy.overlap_depth)
     told = passage_warnings(found, path.t[0]) if found else ()

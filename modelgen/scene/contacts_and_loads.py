@@ -10,11 +10,11 @@ from typing import Any
 
 from modelgen.errors import nearest
 from modelgen.scene.checked_expressions import triple
+from modelgen.scene.free_shapes import FREE_SHAPES
 from modelgen.scene.quaternions import conjugate, turned
 from modelgen.scene.scene_format import LOAD_NAMES, QUANTITIES
 from modelgen.scene.scene_types import Body, ContactPair, ForceLoad, Load, Shape, SpringLoad, TorqueLoad
 from modelgen.scene.shape_catalogue import SHAPES
-from modelgen.scene.shapes_beside_catalogue import FREE_SHAPES
 from modelgen.scene.source_location import Place
 
 Bodies = Mapping[str, Body]

@@ -9,7 +9,7 @@ from typing import Any
 from modelgen.scene.checked_expressions import finite
 from modelgen.scene.expression import Expression, Name, number
 from modelgen.scene.expression_building import expression_of, minus, substitute
-from modelgen.scene.point_splines import Parameters, check_points, check_reached, closed_spline
+from modelgen.scene.interpolating_splines import Parameters, check_points, check_reached, closed_spline
 from modelgen.scene.scene_types import Profile
 from modelgen.scene.source_location import Place
 

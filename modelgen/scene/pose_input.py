@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from math import cos, hypot, sin
 from typing import Any
 
-from modelgen.scene.remarks import remark_on_orientation
+from modelgen.scene.plausibility_remarks import remark_on_orientation
 from modelgen.scene.scalar_types import NUMBER
 from modelgen.scene.scene_types import IDENTITY_QUATERNION, Matrix, Pose, Vector
 from modelgen.scene.source_location import Place

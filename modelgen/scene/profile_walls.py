@@ -11,7 +11,7 @@ from typing import Any
 
 from modelgen.scene.expression import Name
 from modelgen.scene.expression_building import expression_of, substitute
-from modelgen.scene.point_splines import Parameters, check_points, check_reached, open_spline
+from modelgen.scene.interpolating_splines import Parameters, check_points, check_reached, open_spline
 from modelgen.scene.scene_types import Chart
 from modelgen.scene.source_location import Place
 from modelgen.scene.user_chart import check_chart

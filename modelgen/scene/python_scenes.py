@@ -13,8 +13,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from modelgen.scene.assemble import place_of, scene_from_bodies, scene_from_tables
 from modelgen.scene.scene_format import BODY, SCENE, SCENE_NAME, SHAPE
+from modelgen.scene.scene_from_tables import place_of, scene_from_bodies, scene_from_tables
 from modelgen.scene.scene_types import Body, Scene, Shape
 from modelgen.scene.shapes_and_bodies import body_of, read_body, read_shape
 from modelgen.scene.source_location import Place

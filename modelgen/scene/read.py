@@ -8,7 +8,7 @@ from os import strerror
 from pathlib import Path
 
 from modelgen.errors import path_of
-from modelgen.scene.assemble import scene_from_tables
+from modelgen.scene.scene_from_tables import scene_from_tables
 from modelgen.scene.scene_name import scene_name
 from modelgen.scene.scene_types import Scene
 from modelgen.scene.source_location import Place

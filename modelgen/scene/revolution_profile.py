@@ -16,7 +16,7 @@ from typing import Any
 from modelgen.scene.checked_expressions import finite
 from modelgen.scene.expression import Expression, Name, Unary
 from modelgen.scene.expression_building import cos, expression_of, sin, substitute, times
-from modelgen.scene.point_splines import Parameters, check_points, check_reached, open_spline
+from modelgen.scene.interpolating_splines import Parameters, check_points, check_reached, open_spline
 from modelgen.scene.scene_types import Chart
 from modelgen.scene.source_location import Place
 from modelgen.scene.user_chart import check_chart, check_interval

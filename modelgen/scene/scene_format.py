@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from modelgen.scene.actuators import ACTUATORS
 from modelgen.scene.constants import NAMED
 from modelgen.scene.custom_solid import own_fields
+from modelgen.scene.free_shapes import FREE_SHAPES
 from modelgen.scene.friction import FRICTION_FIELDS
 from modelgen.scene.inertia import Inertia
 from modelgen.scene.inputs import INPUTS
@@ -20,7 +21,6 @@ from modelgen.scene.scalar_types import NUMBER, POSITIVE, Choice, ExpressionText
 from modelgen.scene.scene_types import Restitution
 from modelgen.scene.sensor_format import SENSORS
 from modelgen.scene.shape_catalogue import CHART_FIELDS, CURVE_FIELDS, SHAPES
-from modelgen.scene.shapes_beside_catalogue import FREE_SHAPES
 from modelgen.scene.solids_with_edges import SOLIDS
 from modelgen.scene.table_types import Defined, Field, Sequence, Several, Table, Tagged
 

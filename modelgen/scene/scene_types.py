@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from modelgen.scene.expression import Expression
 from modelgen.scene.outline_pieces import Outline
-from modelgen.scene.splines import Spline
+from modelgen.scene.spline_values import Spline
 
 Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]

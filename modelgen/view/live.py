@@ -13,12 +13,12 @@ from modelgen.assembly import require
 from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError
 from modelgen.model import Model
+from modelgen.report.displayed_bodies import stage_at_start
 from modelgen.report.recorded_scene import kept_scene, read_again
-from modelgen.report.stage import stage_at_start
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import input_range
 from modelgen.runtime.contacts import columns_now
-from modelgen.runtime.simulation import Simulation, start
+from modelgen.runtime.stepped_simulation import Simulation, start
 from modelgen.view.arrows import arrows_of
 from modelgen.view.slider_range import slider_range
 

@@ -12,7 +12,7 @@ from typing import Any
 from modelgen.assembly import require
 from modelgen.model import Model
 from modelgen.report.run_record import Record
-from modelgen.view.frames import page_data
+from modelgen.view.page_data import page_data
 
 TOLERANCE = 4e-3  # of the meshes, as a part of the size of a shape
 PLACE, RUN_PLACE = "/*DATA*/null", "/*RUN*/"

@@ -22,7 +22,7 @@ async function startRun() {
     for (let k = 0; k < rows; k++) column.t[k] = k * (ends / (rows - 1));
     column.t[rows - 1] = ends;
   }
-  // which set of values of the parameters is chosen (export/parameter_numbers.py)
+  // which set of values of the parameters is chosen (export/slider_tables.py)
   const row = () => live.parameters.reduce((found, each) => found * each.values.length + chosen[each.name], 0);
   function writeNumbers() {
     if (!live.numbers) return;

@@ -39,8 +39,8 @@ NUMERIC_SIDE = (
     "modelgen.codegen.manifest",
     "modelgen.codegen.library",
     "modelgen.codegen.amalgamation",
-    "modelgen.codegen.controllers",  # compiles what a run calls, loaded where one asks for it
-    "modelgen.codegen.parameter_values",  # reads a scene again, loaded where a run asks for it
+    "modelgen.codegen.casadi_controllers",  # compiles what a run calls, loaded where one asks for it
+    "modelgen.codegen.library_variants",  # reads a scene again, loaded where a run asks for it
 )
 
 ENTRY = "modelgen.__main__"

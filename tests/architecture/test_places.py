@@ -16,7 +16,7 @@ IO_PLACES = (
     "codegen/library.py",
     "codegen/core_cache.py",
     "identification/recording_files.py",
-    "casadi_functions/external.py",
+    "casadi_functions/compiled_function.py",
     "report/",
     "benchmark/instruction_counts.py",
     "benchmark/peers/",
@@ -51,7 +51,7 @@ SMALL = {
     },
     ("painleve.py", 1e-10): "what counts as zero when the signs of a small problem are read",
     ("qp_reference.py", 1e-7): "row classification of the slow reference answer",
-    ("run_differences.py", 2e-4): "step of differences between runs",
+    ("finite_differences.py", 2e-4): "step of differences between runs",
     ("simulate.py", 1e-6): "keeps a measured wall time from being zero",
 }
 C_HEADERS = {"math.h", "tgmath.h", "float.h", "stddef.h", "string.h"}

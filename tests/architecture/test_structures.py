@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from modelgen.runtime import patch_friction, planar_regions
+from modelgen.runtime import area_friction, region_overlap
 from modelgen.runtime.tables.ctypes_structures import Tables
 from tests.core.compiling import CORE
 
@@ -21,7 +21,7 @@ SCALARS = {
     "mg_digest": ctypes.c_ulonglong,
 }
 TABLES = Tables(np.dtype(float))
-OUTLINE, REGIONS = planar_regions._structures(np.dtype(float))
+OUTLINE, REGIONS = region_overlap._structures(np.dtype(float))
 STRUCTURES = {
     "mg_system": TABLES.System,
     "mg_settings": TABLES.Settings,
@@ -32,7 +32,7 @@ STRUCTURES = {
     "mg_minima_queries": TABLES.MinimaQueries,
     "mg_outline": OUTLINE,
     "mg_region_query": REGIONS,
-    "mg_patch_friction_query": patch_friction._structure(),
+    "mg_patch_friction_query": area_friction._structure(),
 }
 
 

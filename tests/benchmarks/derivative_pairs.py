@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.errors import ModelgenError
-from modelgen.runtime.directions import QUANTITIES, directions_of
+from modelgen.runtime.sensitivity_directions import QUANTITIES, directions_of
 from tests.running import NAMES
 from tests.sensitivity.pairs import Pair, Pairs, library_with_factors, opened, scales_of, shown
 

@@ -16,9 +16,9 @@ from matplotlib.figure import Figure
 from modelgen import read, record_of, require, simulate
 from modelgen.model import Model
 from modelgen.report.body_pictures import draw_bodies, on_picture
+from modelgen.report.displayed_bodies import Stage, stage_of
 from modelgen.report.run_record import Record
 from modelgen.report.snapshots import frame_samples
-from modelgen.report.stage import Stage, stage_of
 from modelgen.view.arrows import arrows_of
 from tests.running import SCENES, library_of
 

@@ -21,8 +21,8 @@ from pathlib import Path
 
 from modelgen import derive, emit, read, require
 from modelgen.export.c_folder import program_files
-from modelgen.export.scene_text import source
-from modelgen.export.vectors import vectors_of
+from modelgen.export.reference_vectors import vectors_of
+from modelgen.export.scene_c_files import source
 from modelgen.runtime.session import Session
 from modelgen.runtime.settings import accuracy_of
 from tests.export.folders import ZIG, runner

@@ -15,7 +15,7 @@ import pytest
 
 from modelgen import as_casadi, derive, emit, read, require, start
 from modelgen.casadi_functions.as_casadi import mode_of, rhs_arguments, step_arguments
-from modelgen.casadi_functions.external import save_external
+from modelgen.casadi_functions.compiled_function import save_external
 from modelgen.composition.contact_mode import (
     ContactMode,
     FrictionMode,
@@ -26,7 +26,7 @@ from modelgen.composition.contact_mode import (
 )
 from modelgen.derivation import Derivation
 from modelgen.errors import ModelgenError
-from modelgen.runtime.simulation import Simulation
+from modelgen.runtime.stepped_simulation import Simulation
 from modelgen.scene.read import read_text
 from tests.registry import REGISTRY
 from tests.running import SCENES, compiled, scene_of

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from modelgen.runtime.planar_regions import Arc
+from modelgen.runtime.region_overlap import Arc
 
 Array = np.ndarray[Any, Any]
 EDGE, CIRCLE, ELLIPSE, WAVE, CUBIC = range(5)

@@ -11,7 +11,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from modelgen.errors import SimulationError
-from modelgen.runtime.planar_regions import Arc, overlap
+from modelgen.runtime.region_overlap import Arc, overlap
 from tests.core.conftest import CoreBuild
 from tests.core.planar import (
     FRAME,

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from modelgen.runtime.planar_regions import Arc, Overlap, overlap
+from modelgen.runtime.region_overlap import Arc, Overlap, overlap
 from tests.core.conftest import CoreBuild
 from tests.core.planar import (
     CUBIC,

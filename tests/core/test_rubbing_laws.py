@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from scipy.integrate import dblquad
 from scipy.special import ellipe, ellipk
 
-from modelgen.runtime.patch_friction import AreaFriction, area_friction
-from modelgen.runtime.planar_regions import Arc, overlap
+from modelgen.runtime.area_friction import AreaFriction, area_friction
+from modelgen.runtime.region_overlap import Arc, overlap
 from tests.core.conftest import CoreBuild
 from tests.core.planar import (
     FRAME,

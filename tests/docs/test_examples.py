@@ -13,7 +13,7 @@ import pytest
 from typer.testing import CliRunner
 
 from modelgen import require
-from modelgen.cli.commands import app
+from modelgen.cli.basic_commands import app
 from modelgen.cli.manual import page, script_of
 from modelgen.scene.read import read_text
 from tests.docs.pages import EXAMPLES, MANUAL, PAGES, ROOT, blocks

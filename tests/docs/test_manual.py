@@ -12,7 +12,7 @@ from rich.console import Console
 from typer.testing import CliRunner
 
 from modelgen.cli import manual
-from modelgen.cli.commands import app
+from modelgen.cli.basic_commands import app
 from modelgen.cli.manual import FOLDER, TOPICS, page
 from modelgen.report.keys_page import keys_page, page_of, sections, sections_of
 from modelgen.scene.joint_format import JOINT

@@ -14,7 +14,7 @@ import pytest
 
 from modelgen import derive, read, require
 from modelgen.codegen.library import REAL_FLAGS
-from modelgen.export.exporting import Choices, export
+from modelgen.export.export_formats import Choices, export
 from tests.running import SCENES
 
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-ffp-contract=off", "-fno-math-errno")

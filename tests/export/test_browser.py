@@ -11,12 +11,12 @@ import pytest
 from typer.testing import CliRunner
 
 from modelgen import derive, require, simulate
-from modelgen.cli.commands import app
+from modelgen.cli.basic_commands import app
 from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError
 from modelgen.export import browser_page
-from modelgen.export.exporting import Choices, export
-from modelgen.export.parameter_numbers import arrays_of, numbers_of, sliders_of
+from modelgen.export.export_formats import Choices, export
+from modelgen.export.slider_tables import arrays_of, numbers_of, sliders_of
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import with_parameters
 from modelgen.runtime.session import Session

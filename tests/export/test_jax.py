@@ -17,7 +17,7 @@ import pytest
 
 from modelgen import ModelgenError, build, derive, emit, gradient, read, require
 from modelgen.codegen.library import Library
-from modelgen.runtime.directions import turned
+from modelgen.runtime.sensitivity_directions import turned
 from tests.docs.pages import MANUAL, blocks
 from tests.export.folders import exported, needs_gcc
 from tests.export.test_casadi import BARRED

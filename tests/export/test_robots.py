@@ -10,7 +10,7 @@ import pytest
 
 from modelgen import derive, require, simulate
 from modelgen.errors import ModelgenError
-from modelgen.export.exporting import Choices, export
+from modelgen.export.export_formats import Choices, export
 from modelgen.export.urdf_file import rpy_of
 from modelgen.rotations import rotation_of
 from modelgen.scene.pose_input import _from_rpy

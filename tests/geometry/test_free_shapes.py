@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from modelgen.errors import SceneError
 from modelgen.scene import python_scenes as build
+from modelgen.scene.free_shapes import FREE_SHAPES
 from modelgen.scene.read import read_text
-from modelgen.scene.shapes_beside_catalogue import FREE_SHAPES
 
 NET = [[[i, j, 0] for j in range(4)] for i in range(5)]
 WIRE = [[i, 0, 0] for i in range(5)]

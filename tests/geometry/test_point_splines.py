@@ -15,7 +15,7 @@ from modelgen.geometry.surface_catalogue import surface_of
 from modelgen.scene import python_scenes as make
 from modelgen.scene.expression import evaluate
 from modelgen.scene.expression_building import derivatives
-from modelgen.scene.point_splines import PointSpline, closed_spline, open_spline
+from modelgen.scene.interpolating_splines import PointSpline, closed_spline, open_spline
 
 Array = np.ndarray
 

@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from modelgen import read
-from modelgen.cli.commands import app
+from modelgen.cli.basic_commands import app
 from tests.importing.profiles import rail_head
 
 BALL = '<mujoco><worldbody><body name="b"><freejoint/><geom size="0.1"/></body></worldbody></mujoco>'

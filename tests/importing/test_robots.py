@@ -10,8 +10,8 @@ import pytest
 
 from modelgen import import_scene, read, simulate
 from modelgen.errors import ModelgenError
-from modelgen.importing.importing import Imported
-from modelgen.importing.model_shapes import hull_corners
+from modelgen.importing.import_formats import Imported
+from modelgen.importing.mujoco_shapes import hull_corners
 from modelgen.scene.scene_types import Scene
 from tests.export.folders import exported
 from tests.export.test_robots import ARM, folder_of

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from modelgen import derive, read, require
-from modelgen.composition.closed_form import why_not_closed
+from modelgen.composition.all_sticking_dynamics import why_not_closed
 from modelgen.composition.constraint_forces import eliminated
 from modelgen.derivation import Derivation
 from modelgen.scene.read import read_text

@@ -11,7 +11,7 @@ import pytest
 
 from modelgen import derive, read, require, start
 from modelgen.casadi_functions.complementarity import mpcc
-from modelgen.composition.complementarity import complementarity_system
+from modelgen.composition.complementarity_system import complementarity_system
 from modelgen.composition.contact_mode import named_feature_pairs
 from modelgen.errors import ModelgenError
 from modelgen.optimal_control.motion_guess import followed

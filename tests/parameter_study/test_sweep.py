@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from modelgen import load, load_sweep, simulate, sweep
-from modelgen.codegen.parameter_values import library_with
+from modelgen.codegen.library_variants import library_with
 from modelgen.errors import ModelgenError
 from modelgen.parameter_study import pending_runs, sweep_folder
 from modelgen.parameter_study.outcome_plot import draw_sweep

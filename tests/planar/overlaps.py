@@ -9,7 +9,7 @@ import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.report.resting_face_outlines import arcs_of
-from modelgen.runtime.planar_regions import Overlap, overlap
+from modelgen.runtime.region_overlap import Overlap, overlap
 from modelgen.runtime.trajectory import Trajectory
 
 Array = np.ndarray[Any, Any]

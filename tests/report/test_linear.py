@@ -10,8 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from modelgen import Accuracy, derive, linearise, read, require, simulate
 from modelgen.errors import ModelgenError, SimulationError
+from modelgen.linearisation.admissible_contact_forces import least_pressing
 from modelgen.linearisation.equilibrium_and_modes import Linearised
-from modelgen.linearisation.rest_forces import least_pressing
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Scene
 from tests.oracles.pieces import TABLE, G, ball

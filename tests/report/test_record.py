@@ -11,7 +11,7 @@ import pytest
 
 from modelgen import draw, record_of, simulate
 from modelgen.errors import ModelgenError
-from modelgen.report.export import load, save
+from modelgen.report.run_files import load, save
 from modelgen.report.run_record import COLUMNS, rotate_inverse
 from modelgen.scene.python_scenes import dynamic, fixed, plane, scene, sphere
 from tests.running import library_of

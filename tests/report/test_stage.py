@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from modelgen import read, require
-from modelgen.report.stage import body_shape
+from modelgen.report.displayed_bodies import body_shape
 from modelgen.scene.read import read_text
 from tests.running import FILES
 

@@ -21,7 +21,7 @@ from modelgen.codegen.compiler import find_compiler
 from modelgen.codegen.library import Library
 from modelgen.errors import SceneError
 from modelgen.runtime.session import Session
-from modelgen.runtime.simulation import Simulation
+from modelgen.runtime.stepped_simulation import Simulation
 from modelgen.scene.read import read_text
 from tests.running import library_of, scene_of
 

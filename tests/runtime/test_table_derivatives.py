@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from modelgen.runtime.directions import LEVELS, Array, extrapolated
+from modelgen.runtime.sensitivity_directions import LEVELS, Array, extrapolated
 
 
 def counted(function: Callable[[float], list[float]]) -> tuple[list[float], Callable[[float], Array]]:

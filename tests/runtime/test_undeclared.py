@@ -11,10 +11,10 @@ import pytest
 from modelgen import Accuracy, closest_points, read, simulate
 from modelgen.assembly import require
 from modelgen.codegen.library import Library
-from modelgen.codegen.manifest_unlisted import unlisted_of
+from modelgen.codegen.manifest_unlisted_shapes import unlisted_of
 from modelgen.rotations import rotation_of
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.runtime.undeclared.passages import passages
+from modelgen.runtime.undeclared.undeclared_overlaps import passages
 from modelgen.scene.read import read_text
 from tests.running import NAMES, SCENES, library_of
 

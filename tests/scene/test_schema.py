@@ -12,10 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from modelgen.errors import SceneError
-from modelgen.scene.assemble import scene_from_tables
 from modelgen.scene.json_schema import scene_schema
 from modelgen.scene.read import read
 from modelgen.scene.scene_format import SCENE, SHAPE_KINDS
+from modelgen.scene.scene_from_tables import scene_from_tables
 
 from .broken_structure import SOUND, STRUCTURAL
 

@@ -13,15 +13,15 @@ import numpy as np
 from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError
 from modelgen.runtime.arguments import with_parameters
-from modelgen.runtime.directions import Direction, direction_arrays
 from modelgen.runtime.error_estimate import nudge
 from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.sensitivity import Outputs, TangentRun, Verdict
+from modelgen.runtime.sensitivity_directions import Direction, direction_arrays
 from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.start import begin
 from modelgen.runtime.tables.ctypes_structures import Array
-from modelgen.scene.assemble import scene_from_tables
+from modelgen.scene.scene_from_tables import scene_from_tables
 from tests.running import SCENES
 from tests.sensitivity.differences import MANY, differentiable
 

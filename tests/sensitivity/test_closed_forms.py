@@ -9,7 +9,7 @@ import pytest
 
 from modelgen import sensitivity
 from modelgen.codegen.library import Library
-from modelgen.runtime.run_differences import run_differences
+from modelgen.runtime.finite_differences import run_differences
 from modelgen.scene.read import read_text
 from tests.sensitivity.differences import differentiable
 

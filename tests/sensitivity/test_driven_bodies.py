@@ -8,7 +8,7 @@ import pytest
 
 from modelgen import gradient
 from modelgen.codegen.library import Library
-from modelgen.runtime.directions import directions_of
+from modelgen.runtime.sensitivity_directions import directions_of
 from modelgen.scene.read import read_text
 from tests.sensitivity.differences import differentiable
 from tests.sensitivity.pairs import Pairs

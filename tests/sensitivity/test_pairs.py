@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from modelgen.runtime.directions import directions_of
+from modelgen.runtime.sensitivity_directions import directions_of
 from tests.benchmarks.derivative_pairs import study
 from tests.running import NAMES
 from tests.sensitivity.pairs import Pairs, library_with_factors

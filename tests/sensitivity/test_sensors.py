@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from modelgen import sensitivity
-from modelgen.runtime.run_differences import run_differences
+from modelgen.runtime.finite_differences import run_differences
 from tests.sensitivity.test_closed_forms import built
 
 SCENE = """

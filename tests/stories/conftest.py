@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from modelgen.cli.commands import app
+from modelgen.cli.basic_commands import app
 from modelgen.codegen.compiler import find_compiler
 from modelgen.codegen.core_cache import runtime_object
 from tests.running import LEVEL

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
-from modelgen.report.export import load
+from modelgen.report.run_files import load
 
 BOX = "scenes/box_dropped.toml"
 CORNERS = {

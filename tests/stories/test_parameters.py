@@ -25,14 +25,14 @@ from modelgen import (
 )
 from modelgen.benchmark.unit_conversion import Units, in_units
 from modelgen.codegen.library import Library
-from modelgen.codegen.parameter_values import library_with
+from modelgen.codegen.library_variants import library_with
 from modelgen.errors import ModelgenError, SceneError, SimulationError
-from modelgen.runtime.simulation import start
+from modelgen.runtime.stepped_simulation import start
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.scene.assemble import with_form
 from modelgen.scene.python_scenes import dynamic, fixed, plane, sphere
 from modelgen.scene.python_scenes import scene as python_scene
 from modelgen.scene.read import read_text
+from modelgen.scene.scene_from_tables import with_form
 from tests.running import library_of, scene_of
 
 GROUND = """

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from modelgen.report.export import load
+from modelgen.report.run_files import load
 from modelgen.runtime.session import Session
 
 EGG = "scenes/ellipsoid_on_plane.toml"
@@ -260,7 +260,7 @@ main()
 """
 
 
-@pytest.mark.parametrize("module", ["modelgen.cli.commands", "typer", "rich.console"])
+@pytest.mark.parametrize("module", ["modelgen.cli.basic_commands", "typer", "rich.console"])
 def test_an_interrupt_while_the_verbs_load_is_no_traceback(module: str) -> None:
     ended = subprocess.run([sys.executable, "-c", STOP_AT, module], capture_output=True, text=True)
     assert (ended.returncode, ended.stdout, ended.stderr) == (130, "", "interrupted\n")

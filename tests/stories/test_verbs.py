@@ -13,7 +13,7 @@ from jsonschema import Draft202012Validator
 from rich.console import Console
 
 from modelgen import __version__
-from modelgen.report.export import load
+from modelgen.report.run_files import load
 from modelgen.report.summary import print_contacts
 from tests.running import FILES
 

@@ -7,8 +7,8 @@ import sympy as sp
 
 from modelgen.model import ShapeKind
 from modelgen.scene.shape_catalogue import SHAPES
-from modelgen.verification.closed_forms import closed_forms
-from modelgen.verification.closed_forms_check import check_forms
+from modelgen.verification.fundamental_forms import closed_forms
+from modelgen.verification.fundamental_forms_check import check_forms
 
 NUMBERS = {
     "plane": (), "sphere": (0.7,), "ellipsoid": (1.0, 0.8, 0.6), "torus": (1.0, 0.4), "cylinder": (0.5,),

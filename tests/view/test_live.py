@@ -11,7 +11,7 @@ import pytest
 
 from modelgen import read, require
 from modelgen.errors import ModelgenError
-from modelgen.runtime.simulation import start
+from modelgen.runtime.stepped_simulation import start
 from tests.running import SCENES, library_of, scene_of
 from tests.view.browser import browser, needs_browser
 

@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from modelgen import load, read, record_of, save, simulate
-from modelgen.cli.commands import app
+from modelgen.cli.basic_commands import app
 from modelgen.errors import ModelgenError
 from modelgen.view.page import page_text
 from tests.running import SCENES, scene_of

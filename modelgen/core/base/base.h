@@ -109,7 +109,7 @@ MG_INTERNAL void mg_sort_ints(int count, int *list);
 /* to = from, n numbers. */
 MG_INTERNAL void mg_copy_reals(mg_real *to, const mg_real *from, int n);
 
-/* bernstein.c */
+/* polynomial_roots.c */
 
 enum {
   MG_BERNSTEIN_DEGREE = 8, /* most of a polynomial in Bernstein form */

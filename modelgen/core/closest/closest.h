@@ -44,7 +44,7 @@ MG_INTERNAL int mg_use_spare_contact(mg_context *c, int feature_pair);
    c->search.placement holds the placement. */
 MG_INTERNAL int mg_converge_from_any_start(mg_context *c, int feature_pair, mg_real *eta);
 
-/* sampling.c */
+/* feature_samples.c */
 
 /* Dimension of a feature: 2 surface, 1 curve, 0 point. */
 MG_INTERNAL int mg_feature_dimension(const mg_context *c, int feature_pair, int side);
@@ -207,7 +207,7 @@ MG_INTERNAL int mg_have_circles_one_minimum(const mg_centred_feature *of, mg_rea
    away from each other: no penetration. */
 MG_INTERNAL int mg_is_between_far_sides(mg_context *c, int feature_pair);
 
-/* cell_pairs.c */
+/* cell_pair_exclusion.c */
 
 /* What a pair of cells may hold. */
 enum {
@@ -238,14 +238,14 @@ typedef struct {
 /* Whether two cells can hold critical pairs of points: MG_CELLS_APART .. . A plane or a point is b. */
 MG_INTERNAL int mg_judge_cells(const mg_cell_view *a, const mg_cell_view *b, const mg_search_limits *limits);
 
-/* critical_points.c */
+/* critical_point_search.c */
 
 /* Adds the minima of a feature pair with gaps within the limits and not below `least` to those kept. Returns 0 if
    there may be more; where these are farther than a positive gap, notes it and returns 1. */
 MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const mg_search_limits *limits,
                                           mg_real least, mg_minima *kept);
 
-/* found_minima.c */
+/* minima_acceptance.c */
 
 /* Reverses N of two curves, by the signs in eta. */
 MG_INTERNAL void mg_reverse_normal(const mg_context *c, int feature_pair, mg_real *eta);

@@ -44,7 +44,7 @@ double mg_sinh(double x);
 double mg_cosh(double x);
 double mg_tanh(double x);
 
-/* logarithm.c */
+/* logarithm_and_power.c */
 double mg_log(double x);
 double mg_asinh(double x);
 double mg_pow(double x, double y);

@@ -3,7 +3,7 @@
 #define MG_EXPONENTIAL_H
 
 #include "elementary/elementary_constants.h"
-#include "elementary/pairs.h"
+#include "elementary/double_double.h"
 
 #define MG_EXP_SATURATED 800.0 /* beyond this, e^x and e^x/2 are infinite, and e^-x is zero */
 

@@ -3,7 +3,7 @@
 
 #if !defined(MG_REAL_FLOAT) && !defined(MG_REAL_LONG)
 
-#include "elementary/pairs.h"
+#include "elementary/double_double.h"
 
 #define MG_NEGLIGIBLE 0x1p-54 /* of the longer side: the shorter changes nothing */
 

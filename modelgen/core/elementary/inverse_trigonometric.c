@@ -7,7 +7,7 @@
 #if !defined(MG_REAL_FLOAT) && !defined(MG_REAL_LONG)
 
 #include "elementary/elementary_constants.h"
-#include "elementary/pairs.h"
+#include "elementary/double_double.h"
 
 #define MG_SLOPES 32
 #define MG_FLAT 62        /* binary digits: an angle whose slope is smaller is its slope */

@@ -8,7 +8,7 @@
 #if !defined(MG_REAL_FLOAT) && !defined(MG_REAL_LONG)
 
 #include "elementary/elementary_constants.h"
-#include "elementary/pairs.h"
+#include "elementary/double_double.h"
 
 #define MG_QUARTER_PI 0x1.921fb54442d18p-1
 #define MG_ROUNDING_SHIFT 0x1.8p52

@@ -11,7 +11,7 @@ enum {
   MG_GAP_OSCILLATES = 2 /* the gap has more than one extremum inside the step */
 };
 
-/* step_limits.c */
+/* gap_minima.c */
 
 /* Longest step in s after which no open gap, at its present acceleration, is deeper than the characteristic
    length. */
@@ -63,7 +63,7 @@ MG_INTERNAL int mg_has_possible_hidden_event(mg_context *c);
    none. */
 MG_INTERNAL mg_real mg_first_hidden_event(mg_context *c, mg_real h, int end, int n, mg_real part, mg_real *low);
 
-/* mode_changes.c */
+/* event_processing.c */
 
 /* Choose which closed contacts carry force and which friction sticks, open the contacts that separate and report
    the events. Contacts whose event has triggered are tried open first. */

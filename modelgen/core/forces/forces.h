@@ -5,8 +5,8 @@
 
 #include "model/context.h"
 #include "region/region.h"
-#include "solve/friction/solvers.h"
-#include "solve/lcp/solvers.h"
+#include "solve/friction/friction_solvers.h"
+#include "solve/lcp/lcp_solvers.h"
 
 enum { MG_MARGIN_SAMPLES = 7 }; /* samples of event margins in a step */
 
@@ -78,7 +78,7 @@ MG_INTERNAL mg_real mg_force_tolerance(const mg_context *c);
    number. */
 MG_INTERNAL int mg_activate_supports(mg_context *c);
 
-/* delassus_matrix.c */
+/* delassus_entry.c */
 
 /* Entry J_row M^-1 J_column^T of the Delassus matrix. */
 MG_INTERNAL mg_real mg_delassus_entry(const mg_context *c, int row, int column);
@@ -187,7 +187,7 @@ MG_INTERNAL int mg_rank_joints(mg_context *c, int *rank);
 /* Updates rank, margin and dead centres of the joints. Needs the rows at run->x. */
 MG_INTERNAL void mg_monitor_joint_rank(mg_context *c);
 
-/* patch_elimination.c */
+/* unsymmetric_elimination.c */
 
 /* Solve the friction problem; where patches slip, eliminate the bilateral rows first, because the friction solver
    eliminates symmetric rows only. Needs the listed rows, those of contacts first. */
@@ -221,7 +221,7 @@ MG_INTERNAL void mg_solve_unsymmetric_rows(mg_context *c, const int *list, int n
    at the run's state. */
 MG_INTERNAL void mg_monitor_redundant_friction(mg_context *c);
 
-/* sliding_friction.c */
+/* tangential_friction_rows.c */
 
 /* Contact that a friction constraint belongs to. */
 MG_INTERNAL int mg_contact_of_friction(const mg_context *c, int constraint);
@@ -367,7 +367,7 @@ MG_INTERNAL void mg_set_friction_cone(const mg_context *c, int contact, mg_real 
 /* Append the rows of a contact to the row list, as contact k of the friction problem; returns the new length. */
 MG_INTERNAL int mg_append_friction_contact(mg_context *c, int contact, int k, int size);
 
-/* contact_modes.c */
+/* frictionless_active_set.c */
 
 /* Choose the active set among the closed contacts that `skip` does not mark, from the complementarity problem of
    accelerations; returns MG_DONE or the outcome that ends the run. */

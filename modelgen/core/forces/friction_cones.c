@@ -3,7 +3,7 @@
    workspace, and sets the mode of groups that had none. */
 #include "forces/forces.h"
 #include "model/model.h"
-#include "solve/friction/solvers.h"
+#include "solve/friction/friction_solvers.h"
 
 MG_INTERNAL void mg_set_friction_bound_kinds(mg_context *c) {
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))

@@ -9,7 +9,7 @@
    modes. */
 #include "forces/forces.h"
 #include "base/base.h"
-#include "solve/friction/solvers.h"
+#include "solve/friction/friction_solvers.h"
 #include "model/model.h"
 
 #define MG_SLIP_ROUNDING (mg_real)1e4 /* rounding of slip velocities, in units of eps and of their scale */

@@ -3,7 +3,7 @@
    solved. Reads the listed rows and their values; writes the complementarity workspace. */
 #include "forces/forces.h"
 #include "base/base.h"
-#include "solve/lcp/solvers.h"
+#include "solve/lcp/lcp_solvers.h"
 #include "model/model.h"
 
 /* Solve y = -A_jj^+ right over the joint rows, of minimum norm; the first n entries of y are 0. */

@@ -2,7 +2,7 @@
    forces of the run at its state; writes its statistics. */
 #include "forces/forces.h"
 #include "model/model.h"
-#include "solve/friction/solvers.h"
+#include "solve/friction/friction_solvers.h"
 
 /* Contacts of a friction problem whose slip is under way, and their friction in parts of N. */
 typedef struct {

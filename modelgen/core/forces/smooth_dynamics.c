@@ -4,7 +4,7 @@
    accelerations of the context, and counts the evaluations. It does not change modes. */
 #include "forces/forces.h"
 #include "base/base.h"
-#include "solve/lcp/solvers.h"
+#include "solve/lcp/lcp_solvers.h"
 #include "model/model.h"
 
 static int mg_root(int *parent, int body) {

@@ -2,7 +2,7 @@
    (Moreau; Glocker and Pfeiffer, Nonlinear Dynamics 7 (1995), 471-497, with Newton's law in place of Poisson's).
    Writes the impulses. */
 #include "impact/impact.h"
-#include "solve/friction/solvers.h"
+#include "solve/friction/friction_solvers.h"
 #include "model/model.h"
 #include "forces/forces.h"
 

@@ -22,7 +22,7 @@ typedef struct {
    end. */
 MG_INTERNAL int mg_integrate_impact_path(mg_impact_path *b, int law, mg_real e);
 
-/* impulses.c */
+/* impact_impulses.c */
 
 /* True if the gap closes faster than rest_speed, so that the contact may bounce. */
 MG_INTERNAL int mg_is_approaching(const mg_context *c, int contact);

@@ -2,7 +2,7 @@
    enough. Restitution follows Newton, Poisson or Stronge. Writes the velocities of the run's state, the closed set and
    events. */
 #include "impact/impact.h"
-#include "solve/lcp/solvers.h"
+#include "solve/lcp/lcp_solvers.h"
 #include "model/model.h"
 
 enum { MG_SINGLE_IMPACTS_MAX = 1000 }; /* most impacts at one time */

@@ -2,7 +2,7 @@
    velocities, 0 <= P, 0 <= v_after + e v_before, complementary. Faces that land flat are struck as one. Writes
    the velocities and the work of the run's state, the closed set and the event list. */
 #include "impact/impact.h"
-#include "solve/lcp/solvers.h"
+#include "solve/lcp/lcp_solvers.h"
 #include "model/model.h"
 #include "forces/forces.h"
 #include "patch/patch.h"

@@ -10,7 +10,7 @@
 /* State at t + theta h on the interpolant. */
 MG_INTERNAL void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta, mg_real *out);
 
-/* event_watch.c */
+/* event_sign_check.c */
 
 /* Sets c->step.sign_changed if an event function is negative at the present right-hand side, so that the step is
    searched for events. */
@@ -194,7 +194,7 @@ MG_INTERNAL mg_real mg_step_growth(mg_real error, mg_real most);
 /* Length of the first step, s. */
 MG_INTERNAL mg_real mg_first_step(const mg_context *c);
 
-/* sensors.c */
+/* sensor_readings.c */
 
 /* Writes the wrench of a joint on its second body, from the forces on its rows, into wrench [6]. */
 MG_INTERNAL void mg_joint_wrench(const mg_context *c, int joint, mg_real *wrench);
@@ -205,7 +205,7 @@ MG_INTERNAL void mg_joint_wrench(const mg_context *c, int joint, mg_real *wrench
 MG_INTERNAL void mg_read_sensors(mg_context *c, mg_real t, const mg_real *eta, const mg_real *force, int solved,
                                  mg_real *sensors);
 
-/* samples.c */
+/* run_samples.c */
 
 /* Appends the sample of the state x. Needs poses, rows and forces at x. */
 MG_INTERNAL void mg_record_sample(mg_context *c, mg_record *record, mg_real *x);
@@ -220,7 +220,7 @@ MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h, in
 /* Appends the samples that are due at run->t. Needs the rows there. */
 MG_INTERNAL void mg_record_now(mg_context *c, mg_record *record);
 
-/* time_dependence.c */
+/* time_function_sampling.c */
 
 /* Number of functions of time, components of loads that depend on the state included. */
 MG_INTERNAL int mg_time_function_count(const mg_system *s);

@@ -1,6 +1,6 @@
 /* Transition table of a contact: for each cause the state after it (closed, open or unchanged) and the event that
    is reported. Which closed contacts carry force is decided by the complementarity problem of accelerations
-   (forces/contact_modes.c). Writes the closed and active sets of the run, the event list and the time. */
+   (forces/frictionless_active_set.c). Writes the closed and active sets of the run, the event list and the time. */
 #include "model/model.h"
 
 enum {

@@ -14,7 +14,7 @@
 #include "base/base.h"
 #include "solve/friction/friction.h"
 #include "kernels.h"
-#include "solve/lcp/solvers.h"
+#include "solve/lcp/lcp_solvers.h"
 #include "modelgen.h"
 #include "region/region.h"
 

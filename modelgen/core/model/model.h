@@ -128,7 +128,7 @@ MG_INTERNAL int mg_has_normal_sign(const mg_context *c, int feature_pair);
 /* True if no condition on the normal determines which side of the curves is outside. */
 MG_INTERNAL int mg_has_no_outside(const mg_context *c, int feature_pair);
 
-/* listing.c */
+/* participating_contacts.c */
 
 /* Contact or row after `row` (-1: the first) of those that take part; beyond contacts the spare one, beyond rows the
    number of all. */

@@ -52,7 +52,7 @@ MG_INTERNAL void mg_accept_inputs(const mg_context *c);
 /* Lets inputs that the caller has changed take effect at the run's time. Needs the poses. Returns an outcome. */
 MG_INTERNAL int mg_apply_inputs(mg_context *c, mg_events *events);
 
-/* nonfinite_inputs.c */
+/* nonfinite_time_functions.c */
 
 /* Largest value of a function of time at t, MG_MAX if one is not finite; loads, bodies and joints are numbered in
    this order. Of loads at the present poses. */

@@ -2,8 +2,8 @@
    mg_work_size and mg_iwork_size must count what mg_set_arrays and mg_set_friction_arrays take. */
 #include "run/run.h"
 #include "base/base.h"
-#include "solve/lcp/solvers.h"
-#include "solve/friction/solvers.h"
+#include "solve/lcp/lcp_solvers.h"
+#include "solve/friction/friction_solvers.h"
 #include "region/region.h"
 #include "model/model.h"
 #include "closest/closest.h"

@@ -1,4 +1,4 @@
-/* Calls of the generated adjoints, as derivative_kernels.c calls the tangents: cotangents of results are packed into
+/* Calls of the generated adjoints, as tangent_kernels.c calls the tangents: cotangents of results are packed into
    s->y_dot, those of arguments come back in s->x_dot and are added to s->at and to the numbers of the mg_adjoint. */
 #include "sensitivity/sensitivity.h"
 #include "base/base.h"

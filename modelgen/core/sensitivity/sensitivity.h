@@ -146,7 +146,7 @@ typedef struct {
   mg_followed_step step;
 } mg_sensitivity;
 
-/* derivative_kernels.c: results in s->y_dot */
+/* tangent_kernels.c: results in s->y_dot */
 
 /* Number of the direction, or none while s->is_time. */
 MG_INTERNAL void mg_contact_tangent(mg_context *c, mg_sensitivity *s, int direction, int contact, const mg_real *eta,

@@ -1,9 +1,9 @@
 /* Complementarity problem of a step of time-stepping: impulses that make the velocities at its end admissible,
-   without friction (a convex program) or with Coulomb's law. Reads the geometry of the step (velocity_rows.c);
+   without friction (a convex program) or with Coulomb's law. Reads the geometry of the step (step_setup.c);
    writes c->solution.force, c->bodies.wrench, modes and statistics of the run. */
 #include "timestep/timestep.h"
-#include "solve/lcp/solvers.h"
-#include "solve/friction/solvers.h"
+#include "solve/lcp/lcp_solvers.h"
+#include "solve/friction/friction_solvers.h"
 #include "model/model.h"
 #include "forces/forces.h"
 #include "features/features.h"

@@ -5,7 +5,7 @@
 
 #include "model/context.h"
 
-/* velocity_rows.c */
+/* step_setup.c */
 
 /* Updates poses, rows, gaps and their rates at (t, x), without forces. */
 MG_INTERNAL void mg_update_rows_at(mg_context *c, mg_real t, const mg_real *x);
@@ -61,14 +61,14 @@ MG_INTERNAL mg_real mg_spring_work(const mg_context *c, mg_real h);
    c->bodies.wrench. Needs the geometry of the step. Returns an outcome. */
 MG_INTERNAL int mg_step_impulses(mg_context *c, mg_real h);
 
-/* many_contacts.c */
+/* large_step_lcp.c */
 
 /* Solves the complementarity problem of mg_solve_contact_lcp for the n contacts of c->lcp.rows; guess [per row]:
    amounts near the solution, or 0. Returns its outcome. */
 MG_INTERNAL int mg_solve_step_lcp(mg_context *c, int n, const mg_real *value, const mg_real *guess,
                                   mg_lcp_report *report);
 
-/* position_update.c */
+/* step_completion.c */
 
 /* Writes the velocities at the end of the step, and the work of loads and impulses, into run->x. */
 MG_INTERNAL void mg_apply_step_impulses(mg_context *c, mg_real h);
@@ -85,12 +85,12 @@ MG_INTERNAL void mg_converge_all_contacts(mg_context *c, mg_events *events);
    run->x. Returns the number of corrections. */
 MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events);
 
-/* modes.c */
+/* step_events.c */
 
 /* Sets modes and appends events. Needs the impulses of the step in c->solution.force. */
 MG_INTERNAL void mg_report_step_modes(mg_context *c, mg_events *events, mg_real h);
 
-/* step.c */
+/* time_step.c */
 
 /* Takes one step of h, or shorter where a pair could move past what the next search finds. Returns an outcome. */
 MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_events *events);

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from modelgen.geometry.composites.feature_conditions import at_least, at_most, face, smooth
+from modelgen.geometry.composites.feature_constructors import at_least, at_most, face, smooth
 from modelgen.geometry.pole_caps import Pole, cap_at, poles_of
 from modelgen.scene.scene_types import NO_POLES, Chart, Composite, Condition, Pose, Shape
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from modelgen.geometry.composites.convex_pieces import convex_pieces, is_convex_polygon
 from modelgen.geometry.composites.facets import Facets, facet_features
-from modelgen.geometry.composites.feature_conditions import at_least, at_most, edge, face, smooth, wing
+from modelgen.geometry.composites.feature_constructors import at_least, at_most, edge, face, smooth, wing
 from modelgen.scene.expression import Expression, Name, Node, constant_expression, evaluate, number
 from modelgen.scene.expression_building import expression_of, minus, plus, substitute, times
 from modelgen.scene.pose_arithmetic import UPSIDE_DOWN

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.geometry.composites.feature_conditions import (
+from modelgen.geometry.composites.feature_constructors import (
     at_least,
     at_most,
     edge,

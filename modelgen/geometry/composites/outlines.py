@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modelgen.geometry.composites.feature_conditions import (
+from modelgen.geometry.composites.feature_constructors import (
     at_least,
     at_most,
     edge,

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 from math import atan2, hypot, sqrt
 
-from modelgen.geometry.composites.feature_conditions import (
+from modelgen.geometry.composites.feature_constructors import (
     above,
     below,
     beyond_circle,

@@ -1,6 +1,6 @@
 /* The solver of friction problems: Gauss-Seidel sweeps and semismooth Newton steps in turn; where these fail,
    other starting points; then the certificate. */
-#include "solve/friction/solvers.h"
+#include "solve/friction/friction_solvers.h"
 #include "base/base.h"
 
 enum {

@@ -1,7 +1,7 @@
 /* Projected block Gauss-Seidel over the contacts (Jourdan, Alart and Jean, Comput. Methods Appl. Mech. Eng. 155
    (1998), 31-47). The problem of one contact, with the others fixed, is solved exactly for N and slip, then for
    spin and rolling with N given. For the relaxed law a projected gradient step of the contact takes its place. */
-#include "solve/friction/solvers.h"
+#include "solve/friction/friction_solvers.h"
 #include "base/base.h"
 
 enum {

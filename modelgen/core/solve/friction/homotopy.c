@@ -1,6 +1,6 @@
 /* Starting points for friction problems on which direct attempts fail: fixed points of the convex program, and
    continuation from regularised problems. */
-#include "solve/friction/solvers.h"
+#include "solve/friction/friction_solvers.h"
 
 enum {
   MG_FIXED_POINT_STEPS = 12,     /* steps of the fixed-point iteration */

@@ -1,7 +1,7 @@
 /* The convex program min y'S y/2 + (c + shift)'y over the cones by an interior-point method with Nesterov and
    Todd's scaling and Mehrotra's corrector (Vandenberghe, The CVXOPT linear and quadratic cone program solvers,
    2010). It gives starting points where the Newton method fails; its accuracy is moderate. */
-#include "solve/friction/solvers.h"
+#include "solve/friction/friction_solvers.h"
 #include "base/base.h"
 
 enum {

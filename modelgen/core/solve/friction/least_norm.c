@@ -1,5 +1,5 @@
 /* Forces that rank deficiency leaves free: of all forces with the same w those of least norm. */
-#include "solve/friction/solvers.h"
+#include "solve/friction/friction_solvers.h"
 #include "base/base.h"
 
 enum { MG_LEAST_NORM_HALVINGS = 8 }; /* most halvings of the step towards the least norm */

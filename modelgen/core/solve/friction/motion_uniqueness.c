@@ -13,7 +13,7 @@
    y is sought as the nearest point to the origin of the convex hull of these vectors (Wolfe, Math. Program. 11 (1976),
    128-149). Arcs are halved until it is found. Contacts that stick in both solutions take part by their rows and cones,
    or else their rows restrict d, and their forces are any. */
-#include "solve/friction/solvers.h"
+#include "solve/friction/friction_solvers.h"
 #include "base/base.h"
 
 enum {

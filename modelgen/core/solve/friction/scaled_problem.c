@@ -1,8 +1,8 @@
 /* The scaled form of a friction problem: rows that may carry force, bilateral rows eliminated by the Schur
    complement S_cc - S_cb S_bb^-1 S_bc, S_nn = 1; and the way back to the given problem. */
-#include "solve/friction/solvers.h"
+#include "solve/friction/friction_solvers.h"
 #include "base/base.h"
-#include "solve/lcp/solvers.h"
+#include "solve/lcp/lcp_solvers.h"
 
 /* Memory: matrices, vectors and integer vectors of the size of the problem. */
 enum { MG_FRICTION_SQUARES = 9, MG_FRICTION_VECTORS = 48, MG_FRICTION_INTS = 14 };

@@ -1,7 +1,7 @@
 /* Residual of a friction problem in the scaled form: the natural map of Signorini's condition and Coulomb's law. */
-#include "solve/friction/solvers.h"
+#include "solve/friction/friction_solvers.h"
 #include "base/base.h"
-#include "solve/lcp/solvers.h"
+#include "solve/lcp/lcp_solvers.h"
 
 MG_INTERNAL mg_real mg_friction_norm(int k, const mg_real *x) {
   if (k == 1) return (mg_real)fabs(x[0]);

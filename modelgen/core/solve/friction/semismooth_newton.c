@@ -2,7 +2,7 @@
    Appl. Mech. Eng. 92 (1991), 353-375); the forces of the others are set to zero. The matrix is that of S +
    tikhonov I, which keeps forces that rank deficiency leaves free near where they are; the residual is that of S.
    A step that the nonmonotone line search rejects is replaced by a step of regularised least squares. */
-#include "solve/friction/solvers.h"
+#include "solve/friction/friction_solvers.h"
 #include "base/base.h"
 
 enum {

@@ -1,6 +1,6 @@
 /* Forces on a known active set of a linear complementarity problem: A_BB z_B = -b_B, of least norm where the rows
    of the active set are dependent. */
-#include "solve/lcp/solvers.h"
+#include "solve/lcp/lcp_solvers.h"
 #include "base/base.h"
 
 MG_API int mg_lcp_work_size(int n) { return 8 * n * n + 24 * n + 16; }

@@ -6,7 +6,7 @@
    INFEASIBLE is returned only if each of the 2^n cones was excluded beyond rounding; RAY if one could be neither
    excluded nor used. This proof is one of floating-point arithmetic: a problem that becomes solvable by a change of
    the data within rounding may be called infeasible. */
-#include "solve/lcp/solvers.h"
+#include "solve/lcp/lcp_solvers.h"
 #include "base/base.h"
 
 enum { MG_ENUMERATE_MAX = 20 }; /* largest size */

@@ -5,7 +5,7 @@
    23-43): conjugate gradients on the unknowns that are not zero, a projected step of fixed length where these would
    become negative, and a step along the gradient of the zero unknowns where that gradient is the larger one. Started
    from a guess, as from the impulses of the step before. The result is certified as that of mg_qp. */
-#include "solve/lcp/solvers.h"
+#include "solve/lcp/lcp_solvers.h"
 #include "base/base.h"
 
 enum {

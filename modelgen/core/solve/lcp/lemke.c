@@ -1,7 +1,7 @@
 /* Lemke's complementary pivoting on w - A z - h z0 = b with lexicographic ties (Cottle, Pang and Stone, algorithm
    4.4.5 and section 4.9). If the path of one covering vector h ends on a ray or becomes long, another h is tried.
    The last basis is solved anew from the data, and certified. */
-#include "solve/lcp/solvers.h"
+#include "solve/lcp/lcp_solvers.h"
 #include "base/base.h"
 
 enum {

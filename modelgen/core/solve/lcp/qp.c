@@ -9,7 +9,7 @@
    them only up to rounding, a proximal step moves y by c's misfit over tikhonov, many times the same way; each is
    therefore prolonged to the minimum along it or to the first bound. The result is certified, or the problem is
    proved to have no solution. Problems of one and two unknowns are solved in closed form. */
-#include "solve/lcp/solvers.h"
+#include "solve/lcp/lcp_solvers.h"
 #include "base/base.h"
 
 enum { MG_QP_ROUNDS = 20 }; /* most proximal steps */

@@ -1,0 +1,213 @@
+/* Contact modes: which closed contacts carry force, from the linear complementarity problem of accelerations
+   (2.6), (2.7): 0 <= force, 0 <= gap acceleration, complementary; and the order in which the events of one time
+   are processed. Writes the closed and active sets of the run, its state through impacts, and the event list. */
+#include "events/events.h"
+#include "solve/lcp/lcp_solvers.h"
+#include "model/model.h"
+#include "closest/closest.h"
+#include "forces/forces.h"
+#include "features/features.h"
+#include "patch/patch.h"
+#include "impact/impact.h"
+
+#define MG_JUST_CLOSED 2 /* mark in c->events.triggered: the contact has just closed */
+
+/* True if the rows of the active contacts, joints and sticking friction already hold this contact's gap: what its
+   row keeps of its own entry of J M^-1 J^T is below the tolerance. */
+static int mg_is_contact_redundant(mg_context *c, int contact) {
+  int n = 0;
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
+    if (c->run->active[i]) c->lcp.rows[n++] = i;
+  n = mg_append_joint_rows(c, c->lcp.rows, n);
+  if (c->system->n_friction) n = mg_append_sticking_rows(c, c->lcp.rows, n);
+  c->lcp.rows[n++] = contact;
+  mg_assemble_delassus(c, c->lcp.rows, n);
+  const mg_real *column = c->lcp.A + (long)n * (n - 1);
+  mg_real own = column[n - 1];
+  for (int r = 0; r < n; r++) c->lcp.b[r] = column[r], c->lcp.mask[r] = r < n - 1;
+  mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask, c->system->n_joint_row ? c->settings->joint_rank_tolerance : 0,
+                  c->lcp.z, c->lcp.work, c->lcp.iwork);
+  for (int r = 0; r < n - 1; r++) own += column[r] * c->lcp.z[r];
+  return own <= c->settings->contact_rank_tolerance * column[n - 1];
+}
+
+/* Deactivate redundant contacts whose least-norm force is tensile, the most tensile first, until none is left. */
+static void mg_drop_tensile_contacts(mg_context *c) {
+  for (;;) {
+    const mg_real slack = mg_acceleration_tolerance(c) * c->system->mass;
+    int worst = -1;
+    for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
+      if (c->run->active[i] && c->solution.force[i] < -slack &&
+          (worst < 0 || c->solution.force[i] < c->solution.force[worst]))
+        worst = i;
+    if (worst < 0) return;
+    c->run->active[worst] = 0;
+    if (!mg_is_contact_redundant(c, worst)) {
+      c->run->active[worst] = 1;
+      return;
+    }
+    mg_evaluate_run_state(c);
+  }
+}
+
+/* True if a closed contact without force opens: its gap accelerates, or its force has just reached zero and no
+   other row holds the gap. */
+static int mg_is_contact_opening(mg_context *c, int contact) {
+  if (!c->run->closed[contact] || c->run->active[contact]) return 0;
+  if (mg_row_acceleration(c, contact) > mg_acceleration_tolerance(c)) return 1;
+  return c->events.triggered[contact] && !mg_is_contact_redundant(c, contact);
+}
+
+MG_INTERNAL int mg_solve_contact_modes(mg_context *c, mg_events *events) {
+  const int m = c->system->n_contact;
+  int held = 0;
+  mg_begin_flat_patches(c, events, c->settings->start_gap * c->system->length);
+  int outcome = mg_solve_active_set(c, c->events.triggered);
+  if (outcome) return outcome;
+  for (int i = 0; i < m; i++)
+    if (c->events.triggered[i] && c->run->closed[i]) held += mg_row_acceleration(c, i) < -mg_acceleration_tolerance(c);
+  if (held) {
+    mg_clear_triggered_events(c);
+    outcome = mg_solve_active_set(c, c->events.triggered);
+    if (outcome) return outcome;
+  }
+  if (!c->system->n_friction) mg_drop_tensile_contacts(c);
+  for (int i = 0; i < m; i++)
+    if (mg_is_contact_opening(c, i)) mg_apply_contact_transition(c, events, i, MG_LIFTS_OFF, c->run->t, 0);
+  if (c->system->n_friction) mg_report_friction_events(c, events), mg_report_patch_friction_events(c, events);
+  return MG_DONE;
+}
+
+MG_INTERNAL int mg_is_active_set_outdated(mg_context *c) {
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
+    if (c->run->closed[i] && !c->run->active[i] && fabs(mg_row_acceleration(c, i)) > mg_acceleration_tolerance(c))
+      return 1;
+  return 0;
+}
+
+/* Count the events within one event tolerance of time; true if there are more than allowed. */
+static int mg_has_too_many_events(mg_context *c) {
+  mg_run *run = c->run;
+  if (run->t - run->t_event > c->settings->event_tolerance * c->system->time) run->events_at_t = 0;
+  run->t_event = run->t;
+  return ++run->events_at_t > c->settings->events_at_once_max;
+}
+
+MG_INTERNAL int mg_has_closed_contact_capacity(const mg_context *c) {
+  int n = 0;
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) n += c->run->closed[i] != 0;
+  return n <= c->system->closed_capacity;
+}
+
+MG_INTERNAL void mg_open_separated_contacts(mg_context *c, mg_events *events) {
+  const mg_real far = c->settings->start_gap * c->system->length,
+                rest = c->settings->rest_speed * c->system->length / c->system->time;
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
+    if (c->run->closed[i] && (c->rows.d[i] > far || c->rows.d_dot[i] > rest))
+      mg_apply_contact_transition(c, events, i, MG_LIFTS_OFF, c->run->t, 0);
+}
+
+/* True if the contact will pass a border of its feature pair before its gap is deeper than start_gap, so that it does
+   not strike there; writes the condition of that border. Needs the slope at the run's state. */
+static int mg_is_about_to_leave_feature_pair(mg_context *c, int contact) {
+  const int feature_pair = c->run->feature_pair[contact];
+  const mg_real soon = sqrt(sqrt(c->settings->event_tolerance)) * c->system->time,
+                moment = sqrt(c->settings->event_tolerance) * c->system->time;
+  const mg_real deep = c->settings->start_gap * c->system->length;
+  mg_real *x = c->step.stage, next[6];
+  if (mg_is_unconditional_feature_pair(c, feature_pair)) return 0;
+  mg_place_contact(c, contact, mg_contact_eta(c, c->run->x, contact), next);
+  const mg_real now = mg_most_violated_condition(c, feature_pair, mg_contact_eta(c, c->run->x, contact),
+                                                 c->events.broken_condition + contact);
+  mg_extrapolate_poses(c);
+  mg_place_contact(c, contact, mg_contact_eta(c, x, contact), next);
+  const mg_real then =
+      mg_most_violated_condition(c, feature_pair, mg_contact_eta(c, x, contact), c->events.broken_condition + contact);
+  mg_update_poses(c, c->run->t, c->run->x);
+  if (now <= c->settings->search_merge_distance) return then < -c->settings->feature_border;
+  const mg_real left = then < now ? moment * now / (now - then) : MG_MAX;
+  return left < soon && left * fabs(c->rows.d_dot[contact]) < deep;
+}
+
+/* Clear the mark of contacts that seemed to leave their feature pair only by the integration error of eta or pose: on
+   the extremum they are well within it. */
+static void mg_cancel_spurious_feature_pair_exits(mg_context *c) {
+  mg_real eta[6];
+  int which;
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
+    if (c->events.triggered[i] != MG_LEAVES_FEATURE) continue;
+    for (int k = 0; k < c->contacts.n_eta[i]; k++) eta[k] = mg_contact_eta(c, c->run->x, i)[k];
+    if (mg_newton_on_feature_pair(c, i, eta) >= 0 &&
+        mg_most_violated_condition(c, c->run->feature_pair[i], eta, &which) > c->settings->feature_border)
+      c->events.triggered[i] = 0;
+  }
+}
+
+/* True for an open contact whose gap has just closed, or is within tolerance and approaching. */
+static int mg_is_gap_closing(const mg_context *c, int contact) {
+  if (c->run->closed[contact]) return 0;
+  return c->events.triggered[contact] ||
+         (fabs(c->rows.d[contact]) <= c->settings->contact_gap * c->system->length && mg_is_approaching(c, contact));
+}
+
+/* True if another feature pair lies behind the border that a contact is about to pass. */
+static int mg_has_feature_pair_behind(const mg_context *c, int contact) {
+  return c->system->condition_feature_pair[c->events.broken_condition[contact]] >= 0;
+}
+
+/* Mark open contacts whose gap closes while they leave their feature pair: they change feature instead of striking. At
+   a concave edge no feature pair follows, and they strike. */
+static void mg_mark_exits_before_impact(mg_context *c) {
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
+    if (c->events.triggered[i] <= 1 && mg_is_on_feature_pair(c, i) && mg_is_gap_closing(c, i) &&
+        mg_is_about_to_leave_feature_pair(c, i) && mg_has_feature_pair_behind(c, i))
+      c->events.triggered[i] = MG_LEAVES_FEATURE;
+}
+
+/* Process all triggered events at the run's state: end patches, change features, close gaps, resolve impacts and
+   choose new contact modes. Needs the rows at the run's state. */
+static int mg_process_contact_events(mg_context *c, mg_events *events) {
+  if (mg_has_too_many_events(c)) return MG_TOO_MANY_EVENTS;
+  if (mg_end_patches(c, events)) mg_evaluate_run_state(c);
+  mg_cancel_spurious_feature_pair_exits(c);
+  mg_mark_exits_before_impact(c);
+  if (mg_change_marked_features(c, events)) {
+    mg_evaluate_run_state(c);
+    mg_open_separated_contacts(c, events);
+  }
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
+    if (mg_is_gap_closing(c, i)) {
+      mg_apply_contact_transition(c, events, i, MG_IMPACT_INELASTIC, c->run->t, 0);
+      c->events.triggered[i] = MG_JUST_CLOSED;
+    }
+  if (!mg_has_closed_contact_capacity(c)) return MG_TOO_MANY_CLOSED;
+  const int outcome = mg_resolve_impacts(c, events);
+  if (outcome) return outcome;
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
+    if (c->events.triggered[i] != MG_JUST_CLOSED) continue;
+    c->events.triggered[i] = 0;
+    if (c->run->closed[i])
+      mg_apply_contact_transition(c, events, i, MG_TOUCHES_DOWN, c->run->t + mg_remaining_bounce_time(c, i),
+                                  mg_max(0, -c->rows.d_dot[i]));
+  }
+  const int settled = mg_solve_contact_modes(c, events);
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++) c->patches.barred[slot] = -1;
+  return settled;
+}
+
+MG_INTERNAL void mg_open_separating(mg_context *c) {
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
+    if (c->run->closed[i] && c->rows.d_dot[i] > c->settings->rest_speed * c->system->length / c->system->time)
+      c->run->closed[i] = 0;
+}
+
+MG_INTERNAL int mg_change_mode(mg_context *c, mg_events *events) {
+  const int outcome = mg_process_contact_events(c, events);
+  if (outcome || !c->settings->project) return outcome;
+  const int lifts = mg_largest_held_violation(c, c->rows.d) > c->settings->feature_border * c->system->length;
+  mg_real kinetic;
+  const mg_real before = lifts ? mg_energy(c, &kinetic) : 0;
+  if (!mg_project_drift(c)) return MG_NOT_FINITE;
+  if (lifts) c->run->x[c->layout.work_state] += mg_energy(c, &kinetic) - before;
+  return MG_DONE;
+}

@@ -1,0 +1,31 @@
+/* The active set of closed contacts without friction: which of them carry force, by a complementarity problem in the
+   gap accelerations. Writes run->active, forces and slopes. */
+#include "forces/forces.h"
+#include "model/model.h"
+#include "solve/lcp/lcp_solvers.h"
+
+MG_INTERNAL int mg_solve_active_set(mg_context *c, const int *skip) {
+  const int m = c->system->n_contact;
+  if (c->system->n_friction) return mg_solve_patch_friction_modes(c, skip);
+  mg_lcp_report report;
+  int n = 0, carrying = 0;
+  for (int i = 0; i < m; i++) c->run->active[i] = 0;
+  mg_evaluate_run_state(c);
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
+    if (c->run->closed[i] && !skip[i]) c->lcp.rows[n++] = i;
+  const int supports = mg_activate_supports(c);
+  if (n == 0) {
+    if (supports) mg_evaluate_run_state(c);
+    return MG_DONE;
+  }
+  for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
+    c->rows.row_rate[i] = mg_row_acceleration(c, i);
+  for (int r = 0; r < n; r++)
+    c->rows.row_rate[c->lcp.rows[r]] = mg_row_acceleration(c, c->lcp.rows[r]), c->lcp.mask[r] = 1;
+  if (mg_solve_contact_lcp(c, n, c->rows.row_rate, &report) != MG_LCP_SOLVED) return MG_COMPLEMENTARITY;
+  if (report.residual > c->run->lcp_residual_max) c->run->lcp_residual_max = report.residual;
+  for (int r = 0; r < n; r++) c->run->active[c->lcp.rows[r]] = c->lcp.mask[r] != 0, carrying += c->lcp.mask[r] != 0;
+  if (carrying - report.rank > c->run->redundant_max) c->run->redundant_max = carrying - report.rank;
+  mg_evaluate_run_state(c);
+  return MG_DONE;
+}

@@ -1,0 +1,280 @@
+/* Friction problems with slipping patches: the friction of a patch makes the columns of its supports unsymmetric,
+   so the bilateral rows (supports, joints) are eliminated here by a QR factorisation; the friction solver
+   eliminates symmetric rows only. Reads the assembled problem; writes its solution.
+
+   Linear systems that may be unsymmetric and singular: A P = Q R by Householder reflections with column pivoting
+   (Golub and Van Loan, Matrix Computations, 2013, algorithms 5.4.1 and 5.4.2); least norm where the rank is not
+   full. Writes only its arguments and the complementarity workspace. */
+#include "forces/forces.h"
+#include "base/base.h"
+#include "solve/lcp/lcp_solvers.h"
+#include "solve/friction/friction_solvers.h"
+
+/* True if a patch with friction slips. */
+static int mg_has_slipping_patch(const mg_context *c) {
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++)
+    if (c->patches.friction[slot].slips) return 1;
+  return 0;
+}
+
+/* Solve A_bb x = -y of least norm over the bilateral rows, those from m on, by a rank-revealing QR factorisation
+   in the scale of the rows. */
+static void mg_solve_bilateral_forces(mg_context *c, const mg_friction_problem *p, int m, const mg_real *y,
+                                      mg_real *x) {
+  const int k = p->n - m;
+  mg_real *R = c->lcp.work, *b = R + k * k, *d = b + k, *scaled = d + k, *beta = scaled + k;
+  for (int i = 0; i < k; i++) {
+    const int row = c->lcp.rows[m + i];
+    d[i] = 1 / mg_diagonal_scale(mg_delassus_entry(c, row, row)), b[i] = -y[i] * d[i];
+  }
+  for (int j = 0; j < k; j++)
+    for (int i = 0; i < k; i++) R[i + k * j] = p->A[m + i + p->n * (m + j)] * d[i] * d[j];
+  const int rank = mg_factor_pivoted_qr(k, R, b, c->lcp.iwork, MG_LCP_RANK(k));
+  mg_solve_least_norm_qr(k, rank, R, b, scaled, beta);
+  for (int i = 0; i < k; i++) x[c->lcp.iwork[i]] = scaled[i] * d[c->lcp.iwork[i]];
+}
+
+/* True if bilateral rows hold the slip of the contact k of a problem along one of its tangents, and forces of least
+   norm have no friction along it: the block of its rows, less what bilateral rows do and with the gap closed, is
+   singular in that direction, not in its normal row, and the bilateral forces that friction there might replace are
+   zero. */
+static int mg_is_slip_held(mg_context *c, const mg_friction_problem *p, int m, int k, const mg_real *z) {
+  const int first = p->first[k], n = p->n, bilateral = n - m;
+  const mg_real part = c->settings->contact_rank_tolerance;
+  mg_real S[9], *x = c->lcp.work + bilateral * (bilateral + 4); /* behind the scratch of the bilateral forces */
+  for (int j = 0; j < 3; j++, x += bilateral) {
+    mg_solve_bilateral_forces(c, p, m, p->A + (long)n * (first + j) + m, x);
+    for (int i = 0; i < 3; i++) {
+      S[i + 3 * j] = p->A[first + i + (long)n * (first + j)];
+      for (int r = 0; r < bilateral; r++) S[i + 3 * j] += p->A[first + i + (long)n * (m + r)] * x[r];
+    }
+  }
+  if (!(S[0] > part * p->A[first + (long)n * first])) return 0;
+  const mg_real xx = S[4] - S[1] * S[3] / S[0], yy = S[8] - S[2] * S[6] / S[0],
+                xy = (S[5] - S[2] * S[3] / S[0] + S[7] - S[1] * S[6] / S[0]) / 2,
+                size = p->A[first + 1 + (long)n * (first + 1)] + p->A[first + 2 + (long)n * (first + 2)],
+                least = (xx + yy) / 2 - mg_hypot((xx - yy) / 2, xy);
+  if (!(least <= part * size)) return 0;
+  const mg_real angle = mg_atan2(2 * xy, xx - yy) / 2; /* of the direction that is free; across it slip is held */
+  const mg_real across[2] = {-mg_sin(angle), mg_cos(angle)}, *second = x - bilateral, *one = second - bilateral;
+  mg_real replaced = 0;
+  for (int r = 0; r < bilateral; r++)
+    replaced += (across[0] * one[r] + across[1] * second[r]) * (c->solution.force[c->lcp.rows[m + r]] + z[m + r]);
+  return fabs(across[0] * z[first + 1] + across[1] * z[first + 2]) + fabs(replaced) <=
+         c->settings->friction_bound_margin * fabs(z[first]);
+}
+
+MG_INTERNAL int mg_count_held_slip(mg_context *c, const mg_friction_problem *p, const mg_real *z) {
+  int m = 0, count = 0;
+  for (int k = 0; k < p->n_contact; k++) m += p->rows[k];
+  for (int k = 0; m < p->n && k < p->n_contact; k++) {
+    const int g = c->system->contact_friction[c->friction.cone_contact[k]];
+    const int sticks = p->rows[k] >= 3 && c->system->friction_kind[g] == MG_FRICTION_SLIP &&
+                       c->friction.bound[g] != MG_BOUND_SLIP && (c->friction.marks[k] & MG_MARK_FORCE) &&
+                       !(c->friction.marks[k] & MG_MARK_SLIP);
+    count += sticks && mg_is_slip_held(c, p, m, k, z);
+  }
+  return count;
+}
+
+MG_INTERNAL int mg_solve_friction_with_bilaterals(mg_context *c, const mg_friction_problem *p, mg_real *z,
+                                                  mg_friction_report *report) {
+  int m = 0;
+  for (int k = 0; k < p->n_contact; k++) m += p->rows[k];
+  if (!mg_has_slipping_patch(c) || m == p->n)
+    return mg_friction(p, z, c->friction.marks, report, c->friction.work, c->friction.iwork);
+  const int k = p->n - m;
+  mg_real *A = c->patches.reduced_problem, *b = A + m * m, *x = b + m;
+  for (int j = 0; j <= m; j++) {
+    const mg_real *column = j < m ? p->A + p->n * j : p->b;
+    mg_real *out = j < m ? A + m * j : b;
+    mg_solve_bilateral_forces(c, p, m, column + m, x);
+    for (int i = 0; i < m; i++) {
+      out[i] = column[i];
+      for (int r = 0; r < k; r++) out[i] += p->A[i + p->n * (m + r)] * x[r];
+    }
+  }
+  mg_friction_problem own = *p;
+  own.n = m, own.A = A, own.b = b;
+  const int outcome = mg_friction(&own, z, c->friction.marks, report, c->friction.work, c->friction.iwork);
+  for (int r = 0; r < k; r++) {
+    b[r] = p->b[m + r];
+    for (int j = 0; j < m; j++) b[r] += p->A[m + r + p->n * j] * z[j];
+  }
+  mg_solve_bilateral_forces(c, p, m, b, z + m);
+  return outcome;
+}
+
+/* Compute the reflection 1 - beta (1, v)(1, v)^T that takes (head, tail) to its head; leaves v in the tail and
+   returns beta. */
+static mg_real mg_make_householder_reflector(mg_real *head, int n, mg_real *tail, int step) {
+  mg_real sum = 0;
+  for (int i = 0; i < n; i++) sum += tail[i * step] * tail[i * step];
+  if (sum == 0) return 0;
+  const mg_real size = sqrt(*head * *head + sum), first = *head > 0 ? -size : size, v = *head - first;
+  for (int i = 0; i < n; i++) tail[i * step] /= v;
+  *head = first;
+  return -v / first;
+}
+
+/* Apply a Householder reflection to one vector (head, tail). */
+static void mg_apply_householder_reflector(mg_real beta, int n, const mg_real *v, int step, mg_real *head,
+                                           mg_real *tail, int stride) {
+  mg_real sum = *head;
+  for (int i = 0; i < n; i++) sum += v[i * step] * tail[i * stride];
+  sum *= beta;
+  *head -= sum;
+  for (int i = 0; i < n; i++) tail[i * stride] -= sum * v[i * step];
+}
+
+/* Swap columns a and b of A and their entries in the order. */
+static void mg_swap_columns(int n, mg_real *A, int *order, int a, int b) {
+  const int kept = order[a];
+  order[a] = order[b], order[b] = kept;
+  for (int i = 0; i < n; i++) {
+    const mg_real value = A[i + n * a];
+    A[i + n * a] = A[i + n * b], A[i + n * b] = value;
+  }
+}
+
+/* Column from j on with the largest norm below row j, and that norm. */
+static int mg_find_pivot_column(int n, const mg_real *A, int j, mg_real *size) {
+  int best = j;
+  *size = -1;
+  for (int k = j; k < n; k++) {
+    mg_real sum = 0;
+    for (int i = j; i < n; i++) sum += A[i + n * k] * A[i + n * k];
+    if (sqrt(sum) > *size) *size = sqrt(sum), best = k;
+  }
+  return best;
+}
+
+MG_INTERNAL int mg_factor_pivoted_qr(int n, mg_real *A, mg_real *y, int *order, mg_real floor) {
+  for (int j = 0; j < n; j++) order[j] = j;
+  for (int j = 0; j < n; j++) {
+    mg_real size, *pivot = A + j + n * j;
+    const int best = mg_find_pivot_column(n, A, j, &size);
+    if (!(size > floor)) return j;
+    mg_swap_columns(n, A, order, j, best);
+    const int below = n - j - 1;
+    const mg_real beta = mg_make_householder_reflector(pivot, below, pivot + 1, 1);
+    for (int k = j + 1; k < n; k++)
+      mg_apply_householder_reflector(beta, below, pivot + 1, 1, A + j + n * k, A + j + 1 + n * k, 1);
+    mg_apply_householder_reflector(beta, below, pivot + 1, 1, y + j, y + j + 1, 1);
+  }
+  return n;
+}
+
+MG_INTERNAL void mg_solve_least_norm_qr(int n, int rank, mg_real *R, const mg_real *y, mg_real *z, mg_real *beta) {
+  const int spacing = n - rank;
+  mg_real *beyond = R + n * rank;
+  for (int i = rank - 1; i >= 0; i--) {
+    beta[i] = mg_make_householder_reflector(R + i + n * i, spacing, beyond + i, n);
+    for (int k = 0; k < i; k++)
+      mg_apply_householder_reflector(beta[i], spacing, beyond + i, n, R + k + n * i, beyond + k, n);
+  }
+  for (int i = 0; i < n; i++) z[i] = i < rank ? y[i] : 0;
+  for (int i = rank - 1; i >= 0; i--) {
+    for (int k = i + 1; k < rank; k++) z[i] -= R[i + n * k] * z[k];
+    z[i] /= R[i + n * i];
+  }
+  for (int i = 0; i < rank; i++) mg_apply_householder_reflector(beta[i], spacing, beyond + i, n, z + i, z + rank, 1);
+}
+
+/* Factor the assembled matrix over listed rows, scaled by the square roots d of the diagonal of J M^-1 J^T;
+   returns the rank. */
+static int mg_factor_scaled_rows(mg_context *c, const int *list, int n, mg_real *R, mg_real *y, mg_real *d) {
+  for (int i = 0; i < n; i++)
+    d[i] = 1 / mg_diagonal_scale(mg_delassus_entry(c, list[i], list[i])), y[i] = -c->lcp.b[i] * d[i];
+  for (int j = 0; j < n; j++)
+    for (int i = 0; i < n; i++) R[i + n * j] = c->lcp.A[i + n * j] * d[i] * d[j];
+  return mg_factor_pivoted_qr(n, R, y, c->lcp.iwork, MG_LCP_RANK(n));
+}
+
+MG_INTERNAL int mg_unsymmetric_rank(mg_context *c, const int *list, int n) {
+  return mg_factor_scaled_rows(c, list, n, c->lcp.work, c->lcp.work + n * n, c->lcp.work + n * n + n);
+}
+
+enum { MG_FEW_ROWS = 24 }; /* rows up to which the orthogonal factorisation, which is more accurate, costs little */
+
+/* Memory of the solution by changed columns, in c->lcp.work: each n by n. */
+enum { MG_SYMMETRIC_PART, MG_SYMMETRIC_FACTOR, MG_COLUMN_CHANGES, MG_COLUMN_SYSTEM };
+
+static mg_real *mg_column_memory(const mg_context *c, int part, int n) { return c->lcp.work + (long)part * n * n; }
+
+MG_INTERNAL void mg_keep_symmetric_rows(mg_context *c, int n) {
+  mg_real *S = mg_column_memory(c, MG_SYMMETRIC_PART, n);
+  for (int k = 0; n > MG_FEW_ROWS && k < n * n; k++) S[k] = c->lcp.A[k];
+}
+
+/* Factors the symmetric part scaled by d. Returns 0 if it is too near to singular. */
+static int mg_factor_symmetric_part(mg_context *c, int n, mg_real *d) {
+  const mg_real *S = mg_column_memory(c, MG_SYMMETRIC_PART, n);
+  mg_real *L = mg_column_memory(c, MG_SYMMETRIC_FACTOR, n);
+  for (int i = 0; i < n; i++) d[i] = 1 / mg_diagonal_scale(S[i + n * i]);
+  for (int j = 0; j < n; j++)
+    for (int i = 0; i < n; i++) L[i + n * j] = S[i + n * j] * d[i] * d[j];
+  return mg_cholesky(n, L) > MG_LCP_REGULAR;
+}
+
+/* Lists the columns in which the matrix differs from its symmetric part S, and writes S^-1 times the differences, all
+   scaled by d. Returns their number. */
+static int mg_list_changed_columns(mg_context *c, int n, const mg_real *d, int *column) {
+  const mg_real *S = mg_column_memory(c, MG_SYMMETRIC_PART, n), *L = mg_column_memory(c, MG_SYMMETRIC_FACTOR, n);
+  int k = 0;
+  for (int j = 0; j < n; j++) {
+    mg_real *change = mg_column_memory(c, MG_COLUMN_CHANGES, n) + (long)n * k, most = 0;
+    for (int i = 0; i < n; i++) {
+      change[i] = (c->lcp.A[i + n * j] - S[i + n * j]) * d[i] * d[j];
+      if (fabs(change[i]) > most) most = fabs(change[i]);
+    }
+    if (most == 0) continue;
+    mg_cholesky_solve(n, L, change);
+    column[k++] = j;
+  }
+  return k;
+}
+
+/* x = A^-1 x in the scale of d: with y = S^-1 x, entries x_k of the changed columns are (1 + E^T S^-1 D)^-1 y_k. */
+static void mg_solve_changed_columns(mg_context *c, int n, int k, const int *column, const int *swap, mg_real *x,
+                                     mg_real *changed) {
+  const mg_real *change = mg_column_memory(c, MG_COLUMN_CHANGES, n);
+  mg_cholesky_solve(n, mg_column_memory(c, MG_SYMMETRIC_FACTOR, n), x);
+  for (int r = 0; r < k; r++) changed[r] = x[column[r]];
+  mg_lu_solve(k, mg_column_memory(c, MG_COLUMN_SYSTEM, n), swap, changed);
+  for (int r = 0; r < k; r++)
+    for (int i = 0; i < n; i++) x[i] -= change[i + (long)n * r] * changed[r];
+}
+
+/* Solves A z = -b where the symmetric part S that mg_keep_symmetric_rows has kept is regular and A = S + D E^T differs
+   from it in few columns, by the Woodbury formula (Golub and Van Loan, Matrix Computations, section 2.1.4) with one
+   step of iterative refinement. Returns 0 if S or A is too near to singular. */
+static int mg_solve_by_changed_columns(mg_context *c, int n, mg_real *z) {
+  mg_real *d = mg_column_memory(c, MG_COLUMN_SYSTEM + 1, n), *x = d + n, *changed = x + n;
+  int *column = c->lcp.iwork, *swap = column + n;
+  if (!mg_factor_symmetric_part(c, n, d)) return 0;
+  const int k = mg_list_changed_columns(c, n, d, column);
+  const mg_real *change = mg_column_memory(c, MG_COLUMN_CHANGES, n);
+  mg_real *system = mg_column_memory(c, MG_COLUMN_SYSTEM, n);
+  for (int q = 0; q < k; q++)
+    for (int r = 0; r < k; r++) system[r + k * q] = change[column[r] + (long)n * q] + (r == q);
+  if (!(mg_lu(k, system, swap) > MG_LCP_DEFINITE)) return 0;
+  for (int i = 0; i < n; i++) z[i] = 0;
+  for (int pass = 0; pass < 2; pass++) {
+    for (int i = 0; i < n; i++) x[i] = -c->lcp.b[i];
+    for (int j = 0; j < n && pass; j++)
+      for (int i = 0; i < n; i++) x[i] -= c->lcp.A[i + n * j] * z[j];
+    for (int i = 0; i < n; i++) x[i] *= d[i];
+    mg_solve_changed_columns(c, n, k, column, swap, x, changed);
+    for (int i = 0; i < n; i++) z[i] += x[i] * d[i];
+  }
+  return 1;
+}
+
+MG_INTERNAL void mg_solve_unsymmetric_rows(mg_context *c, const int *list, int n, mg_real *z) {
+  if (n > MG_FEW_ROWS && mg_solve_by_changed_columns(c, n, z)) return;
+  mg_real *R = c->lcp.work, *y = R + n * n, *d = y + n, *x = d + n, *beta = x + n;
+  const int rank = mg_factor_scaled_rows(c, list, n, R, y, d);
+  mg_solve_least_norm_qr(n, rank, R, y, x, beta);
+  for (int i = 0; i < n; i++) z[c->lcp.iwork[i]] = x[i] * d[c->lcp.iwork[i]];
+}

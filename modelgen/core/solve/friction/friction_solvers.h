@@ -1,0 +1,130 @@
+/* What the solvers of friction problems share: the scaled form and its residual. Bilateral rows are eliminated. The
+   solvers work on y = z / (e scale) and v = S y + c, with e_n = 1 / sqrt(A_nn) and e_t = mu e_n, so that every cone is
+   |y_t| <= y_n and S_nn = 1. A part of a contact is a disc of forces: slip (2 rows), spin (1) or rolling (2). Rows with
+   mu = 0 carry no force and are left out. May use: base, solve/lcp. */
+#ifndef MG_SOLVE_FRICTION_SOLVERS_H
+#define MG_SOLVE_FRICTION_SOLVERS_H
+
+#include "base/base.h"
+#include "solve/friction/friction.h"
+
+typedef struct {
+  const mg_friction_problem *given; /* the problem */
+  int n;                            /* contacts */
+  int m;                            /* rows kept: those of contacts that may carry force */
+  int n_part;                       /* parts of all contacts */
+  int n_bilateral;                  /* bilateral rows */
+  int rank;                         /* rank of the bilateral rows */
+  int *row;                         /* [m] row of the problem */
+  int *normal;                      /* [n] kept row of N */
+  int *part;                        /* [n + 1] range of parts */
+  int *part_row;                    /* [n_part] first kept row */
+  int *part_dim;                    /* [n_part] rows */
+  int *part_mark;                   /* [n_part] MG_MARK_SLIP, MG_MARK_SPIN or MG_MARK_ROLL */
+  int *bilateral;                   /* [n_bilateral] row of the problem */
+  int *order;                       /* [n_bilateral] order of pivots */
+  int *iwork;                       /* scratch */
+  mg_real *e;                       /* [m] scale of a row */
+  mg_real *rho;                     /* [n_part] mean of S_tt */
+  mg_real *S, *c;                   /* [m m], [m] the scaled problem */
+  mg_real *y, *v;                   /* [m] candidate and its motion v = S y + c */
+  mg_real *best;                    /* [m] candidate with the least residual so far */
+  mg_real *e_b;                     /* [n_bilateral] scale of a bilateral row */
+  mg_real *L;                       /* [n_bilateral n_bilateral] Cholesky factor of A_bb */
+  mg_real *X;                       /* A_bb^-1 (A_bc, b_b) */
+  mg_real *spare;                   /* [5 m] rows that a start keeps */
+  mg_real *work;                    /* scratch of one step */
+  mg_real scale;                    /* size of c, by which it is divided */
+  mg_real theta;                    /* v_n counts as v_n - theta sum |v_t|: 0 Coulomb's law, 1 relaxed */
+  mg_real residual;                 /* residual of best */
+  int sweeps, newton;               /* sweeps and Newton steps so far */
+} mg_scaled_friction;
+
+enum { MG_FRICTION_STARTS = 20 }; /* starting points that mg_friction_try_start knows */
+
+/* scaled_residual.c */
+
+/* Euclidean norm of k = 1 or 2 components. */
+MG_INTERNAL mg_real mg_friction_norm(int k, const mg_real *x);
+
+/* |f - P_radius(f - w / rho)| sqrt(rho) of a disc of k rows: natural map of Coulomb's law. */
+MG_INTERNAL mg_real mg_friction_disc_error(int k, const mg_real *f, const mg_real *w, mg_real rho, mg_real radius);
+
+/* v_n of a contact; of the relaxed law less theta sum |v_t|. */
+MG_INTERNAL mg_real mg_friction_slack(const mg_scaled_friction *s, int contact);
+
+/* Residual of y and v. */
+MG_INTERNAL mg_real mg_friction_error(const mg_scaled_friction *s);
+
+/* v = S y + c. */
+MG_INTERNAL void mg_friction_update_motion(mg_scaled_friction *s);
+
+/* Largest residual of a solution y, which rounding determines: that of S y grows with y. A quarter of MG_LCP_CAP
+   is kept in reserve for the return to the given problem. */
+MG_INTERNAL mg_real mg_friction_tolerance(const mg_scaled_friction *s, const mg_real *y);
+
+/* Copies y to best if its residual is the least so far. Returns whether best is a solution. */
+MG_INTERNAL int mg_friction_update_best(mg_scaled_friction *s);
+
+/* friction_certificate.c */
+
+/* Residual of z for the given problem; *growth = largest force over largest right-hand side. */
+MG_INTERNAL mg_real mg_friction_certify(const mg_friction_problem *p, const mg_real *z, mg_real *growth);
+
+/* True if no solution exists, proved on the normal rows alone: if u >= 0 on them has u'S u = 0 and u'c < 0, then S
+   u = 0 on all rows, and forces along t1, t2 change nothing. An S that is not symmetric (contacts that slide in a
+   given direction) is decided only if there are no other rows. */
+MG_INTERNAL int mg_friction_is_infeasible(mg_scaled_friction *s);
+
+/* Sets report->unique. `strict`: every force is strictly inside its cone, so that a rank deficiency means that
+   there are other forces. */
+MG_INTERNAL void mg_friction_report_uniqueness(mg_scaled_friction *s, int strict, mg_friction_report *report);
+
+/* scaled_problem.c */
+
+/* Kept row after the last of a contact. */
+MG_INTERNAL int mg_friction_row_end(const mg_scaled_friction *s, int contact);
+
+/* Divides the memory and chooses the rows. Returns 0 if the data are not finite or a coefficient is negative. */
+MG_INTERNAL int mg_friction_layout(mg_scaled_friction *s, const mg_friction_problem *problem, mg_real *work,
+                                   int *iwork);
+
+/* Computes S and c. Returns 0 if the scaled data are not finite. */
+MG_INTERNAL int mg_friction_scale(mg_scaled_friction *s);
+
+/* y from the forces z of the given problem. */
+MG_INTERNAL void mg_friction_scale_guess(mg_scaled_friction *s, const mg_real *z);
+
+/* z of the given problem from y; the bilateral forces are of least norm. */
+MG_INTERNAL void mg_friction_unscale(const mg_scaled_friction *s, const mg_real *y, mg_real *z);
+
+/* gauss_seidel.c */
+
+/* Sweeps over the contacts forwards and backwards from y, at most `sweeps`. Returns whether y is a solution. */
+MG_INTERNAL int mg_friction_sweep(mg_scaled_friction *s, int sweeps);
+
+/* semismooth_newton.c */
+
+/* At most `limit` Newton steps from y; `augmented`: the radius of a disc is y_n - slack instead of y_n. Returns
+   whether a solution was found. */
+MG_INTERNAL int mg_friction_newton(mg_scaled_friction *s, int limit, int augmented);
+
+/* interior_point.c */
+
+/* Sets y near the optimum of the program, with complementarity `gap` per cone, or to the last point that rounding
+   permits. */
+MG_INTERNAL void mg_friction_interior(mg_scaled_friction *s, const mg_real *shift, mg_real gap);
+
+/* homotopy.c */
+
+/* Tries starting point number `which`, 0 .. MG_FRICTION_STARTS - 1, the likeliest first. Returns whether a
+   solution was found. */
+MG_INTERNAL int mg_friction_try_start(mg_scaled_friction *s, int which);
+
+/* least_norm.c */
+
+/* Reports rank and active, and replaces best by the solution of least norm. Returns whether all forces were
+   strictly inside their cones. */
+MG_INTERNAL int mg_friction_least_norm(mg_scaled_friction *s, const int *marks, mg_friction_report *report);
+
+#endif

@@ -1,0 +1,196 @@
+/* End of a step of time-stepping: velocities, work, positions, contact points, and the correction of penetration
+   (post-stabilisation: Anitescu and Hart, Int. J. Numer. Methods Eng. 60 (2004), 2335-2371). Writes the state and
+   statistics of the run. */
+#include "timestep/timestep.h"
+#include "solve/lcp/lcp_solvers.h"
+#include "model/model.h"
+#include "closest/closest.h"
+#include "forces/forces.h"
+#include "features/features.h"
+#include "events/events.h"
+
+/* Rounds of the correction of penetration: a body that lies almost flat on a rim tips from one side of it to the other,
+   and loses about two fifths of its penetration in a round. It ends where a number of rounds do not halve it. */
+enum { MG_CORRECTIONS = 64, MG_SLOW_CORRECTIONS = 6 };
+
+/* Work of the impulse of a row against the mean of its rates before and after, without the part that prescribed
+   motions do. */
+static mg_real mg_row_impulse_work(const mg_context *c, int row, mg_real h) {
+  if (c->solution.force[row] == 0) return 0;
+  const mg_real after = mg_free_end_rate(c, row, h) + mg_row_times(c, row, c->bodies.wrench);
+  return c->solution.force[row] * ((mg_start_rate(c, row, h) + after) / 2 - mg_prescribed_gap_rate(c, row));
+}
+
+/* Adds the work of all impulses; notes the impact that adds most energy, which Newton's law with friction permits. */
+static void mg_add_impulse_work(mg_context *c, mg_real h) {
+  mg_run *run = c->run;
+  for (int i = mg_next_row(c, -1); i < c->layout.friction_row_end; i = mg_next_row(c, i))
+    run->x[c->layout.work_state] += mg_row_impulse_work(c, i, h);
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
+    const int first =
+        c->layout.friction_row_begin + (mg_tangential_row_count(c, i) ? c->system->contact_friction_row[i] : 0);
+    mg_real gain = mg_row_impulse_work(c, i, h);
+    for (int row = first; row < first + mg_tangential_row_count(c, i); row++) gain += mg_row_impulse_work(c, row, h);
+    if (!mg_is_rebounding(c, i, h) || !(gain > run->impact_gain_max)) continue;
+    run->impact_gain_max = gain, run->impact_gain_t = run->t + h, run->impact_gain_contact = i;
+  }
+}
+
+/* Work of the loads: the wrench of a body over the step, times the mean of its twists at both ends. */
+static mg_real mg_load_work(const mg_context *c, mg_real h) {
+  mg_real work = 0;
+  for (int b = 0; b < c->system->n_body; b++)
+    for (int k = 6 * b; k < 6 * b + 6 && mg_is_moved_by_forces(c, b); k++) {
+      const mg_real change = h * c->bodies.acceleration[k] + c->bodies.wrench[k];
+      work += h * c->step.load_wrench[k] * (c->bodies.twist[k] + change / 2);
+    }
+  return work;
+}
+
+MG_INTERNAL void mg_apply_step_impulses(mg_context *c, mg_real h) {
+  const mg_system *s = c->system;
+  mg_add_impulse_work(c, h);
+  if (s->n_load) c->run->x[c->layout.work_state] += mg_load_work(c, h) + mg_spring_work(c, h);
+  for (int b = 0; b < s->n_body; b++)
+    for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_u && mg_is_moved_by_forces(c, b); k++)
+      c->run->x[s->n_q + s->body_u[b] + k] += h * c->bodies.acceleration[6 * b + k] + c->bodies.wrench[6 * b + k];
+  for (int i = 0; i < 6 * s->n_body; i++) c->bodies.wrench[i] = 0;
+}
+
+/* Marks in c->islands.head the bodies that a contact holds in this step, and those joined to one of them. Contacts that
+   rebound hold none: their impact is anywhere in the step. */
+static void mg_mark_held_bodies(mg_context *c, mg_real h) {
+  const mg_system *s = c->system;
+  int *is_held = c->islands.head, changed = 1;
+  for (int b = 0; b < s->n_body; b++) is_held[b] = 0;
+  for (int i = mg_next_row(c, -1); i < s->n_contact; i = mg_next_row(c, i))
+    if (c->solution.force[i] > 0 && !mg_is_rebounding(c, i, h))
+      is_held[c->contacts.o[i]] = is_held[c->contacts.f[i]] = 1;
+  while (changed) {
+    changed = 0;
+    for (int j = 0; j < s->n_joint; j++) {
+      const int a = s->joint_a[j], b = s->joint_b[j];
+      if (is_held[a] == is_held[b] || !mg_is_moved_by_forces(c, a) || !mg_is_moved_by_forces(c, b)) continue;
+      is_held[a] = is_held[b] = changed = 1;
+    }
+  }
+}
+
+/* Velocities of a body that move it over the rest of the step: those at the end of the step; in a scheme that takes
+   the rows at the start, the mean of those at both ends where no contact holds the body, which is of order 2. `mean` is
+   room for them. */
+static const mg_real *mg_moving_velocities(const mg_context *c, int body, mg_real *mean) {
+  const int first = c->system->n_q + c->system->body_u[body];
+  const mg_real *start = c->step.end + first, *end = c->run->x + first;
+  if (c->settings->stepping_scheme == MG_MOREAU || c->islands.head[body]) return end;
+  for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, body)].n_u; k++) mean[k] = (start[k] + end[k]) / 2;
+  return mean;
+}
+
+MG_INTERNAL void mg_integrate_positions(mg_context *c, mg_real h) {
+  const mg_system *s = c->system;
+  const mg_real left = mg_scheme_theta(c) * h, none[6] = {0};
+  mg_real mean[6], unused[6];
+  if (c->settings->stepping_scheme != MG_MOREAU) mg_mark_held_bodies(c, h);
+  for (int b = 0; b < s->n_body; b++) {
+    if (!mg_is_moved_by_forces(c, b)) continue;
+    mg_real *q = c->run->x + s->body_q[b], slope[7];
+    const mg_real *from = c->step.settled + s->body_q[b];
+    c->kernels->body_motion(mg_body_kind_of(c, b), from, mg_moving_velocities(c, b, mean), none, s->gravity,
+                            s->parameters + s->body_parameters[b], slope, unused);
+    for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_q; k++) q[k] = from[k] + left * slope[k];
+  }
+  for (int i = mg_next_row(c, -1); i < s->n_contact; i = mg_next_row(c, i))
+    for (int k = 0; k < c->contacts.n_eta[i]; k++)
+      mg_contact_eta(c, c->run->x, i)[k] =
+          mg_contact_eta(c, c->step.settled, i)[k] + left * c->rows.eta_dot[s->contact_eta[i] + k];
+  mg_normalise_quaternions(c, c->run->x);
+}
+
+/* Converges eta of a contact from where the step has led it, else from where it began. Returns 0 if both fail. */
+static int mg_converge_contact(mg_context *c, int contact) {
+  mg_real *eta = mg_contact_eta(c, c->run->x, contact), found[MG_MAX_ETA];
+  const mg_real *before = mg_contact_eta(c, c->step.settled, contact);
+  const int n = c->contacts.n_eta[contact];
+  for (int k = 0; k < n; k++) found[k] = eta[k];
+  int steps = mg_newton_on_feature_pair(c, contact, found);
+  if (steps < 0) {
+    for (int k = 0; k < n; k++) found[k] = before[k];
+    steps = mg_converge_from_any_start(c, c->run->feature_pair[contact], found);
+  }
+  for (int k = 0; k < n; k++) eta[k] = steps < 0 ? before[k] : found[k];
+  return steps >= 0;
+}
+
+/* Marks a contact that is off its feature pair, and requests a search where it is held at the end of a line that may be
+   nearer elsewhere. Needs its placement. */
+static void mg_mark_feature_exit(mg_context *c, int contact) {
+  const int feature_pair = c->run->feature_pair[contact];
+  const mg_real *eta = mg_contact_eta(c, c->run->x, contact);
+  if (!mg_may_leave_feature_pair(c, contact)) return;
+  if (mg_is_off_feature_pair(c, contact, eta)) c->events.triggered[contact] = MG_LEAVES_FEATURE;
+  else if (mg_least_line_end_condition(c, feature_pair, -1, eta) < -c->settings->feature_border)
+    c->run->moved_since_search[c->system->contact_pair[contact]] = MG_SEARCH_DUE;
+}
+
+MG_INTERNAL void mg_converge_all_contacts(mg_context *c, mg_events *events) {
+  mg_update_poses(c, c->run->t, c->run->x);
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
+    c->events.triggered[i] = c->events.within_border[i] = 0;
+    if (!mg_is_on_feature_pair(c, i)) continue;
+    if (mg_converge_contact(c, i)) {
+      c->rows.d[i] = c->search.placement[0], c->run->margin[i] = mg_placement_margin(c, i);
+      mg_mark_feature_exit(c, i);
+    } else mg_release_contact(c, events, i);
+  }
+}
+
+/* Largest penetration or joint error. */
+static mg_real mg_largest_violation(const mg_context *c) {
+  mg_real worst = 0;
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
+    if (-c->rows.d[i] > worst) worst = -c->rows.d[i];
+  for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
+    if (fabs(c->rows.d[i]) > worst) worst = fabs(c->rows.d[i]);
+  return worst;
+}
+
+/* Least movement in the metric of the kinetic energy that removes penetration and joint errors, to first order.
+   Returns 0 if it fails. */
+static int mg_correct_positions(mg_context *c, mg_real worst) {
+  mg_lcp_report report;
+  int n = 0;
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
+    if (mg_is_on_feature_pair(c, i) && c->rows.d[i] <= worst && n < c->system->closed_capacity)
+      c->lcp.rows[n] = i, c->lcp.mask[n++] = 1;
+  if (mg_solve_step_lcp(c, n, c->rows.d, 0, &report) != MG_LCP_SOLVED) return 0;
+  for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
+  for (int r = 0; r < n + c->system->n_joint_row; r++)
+    mg_add_row_response(c, c->lcp.rows[r], c->lcp.z[r], c->bodies.wrench);
+  mg_apply_pose_correction(c);
+  return 1;
+}
+
+MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events) {
+  mg_real kinetic, before = 0, halved = MG_MAX;
+  int moved = 0, slow_rounds = 0;
+  mg_update_rows_at(c, c->run->t, c->run->x);
+  for (int round = 0; round < MG_CORRECTIONS && slow_rounds < MG_SLOW_CORRECTIONS && c->settings->project; round++) {
+    const mg_real worst = mg_largest_violation(c);
+    if (!(worst > c->settings->contact_gap * c->system->length)) break;
+    slow_rounds = worst < halved / 2 ? 0 : slow_rounds + 1;
+    if (!slow_rounds) halved = worst;
+    if (!moved++) before = mg_energy(c, &kinetic);
+    mg_copy_states(c, c->run->x, c->step.stage);
+    if (!mg_correct_positions(c, worst)) break;
+    mg_converge_all_contacts(c, events);
+    mg_update_rows_at(c, c->run->t, c->run->x);
+    if (mg_largest_violation(c) < 2 * worst) continue;
+    mg_copy_states(c, c->step.stage, c->run->x);
+    mg_converge_all_contacts(c, events);
+    mg_update_rows_at(c, c->run->t, c->run->x);
+    break;
+  }
+  if (moved) c->run->x[c->layout.work_state] += mg_energy(c, &kinetic) - before;
+  return moved;
+}

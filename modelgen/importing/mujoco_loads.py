@@ -1,0 +1,202 @@
+"""Tendons, equality constraints and other loads of a MuJoCo model as springs, joints and forces."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from modelgen.importing.import_losses import Notes
+from modelgen.importing.mujoco_actuators import site_in
+from modelgen.importing.mujoco_joints import ModelJoint
+from modelgen.importing.mujoco_model import Compiled
+from modelgen.importing.mujoco_shapes import pose_keys
+from modelgen.importing.name_conversion import Names
+from modelgen.importing.scene_writing import Section, rounded, vector
+from modelgen.importing.welded_bodies import WORLD, RigidBody, attached, pose_at, pose_in
+from modelgen.scene.pose_arithmetic import compose
+from modelgen.scene.scene_types import Pose
+
+Bodies = Mapping[int, RigidBody]
+
+
+def tendons(source: Compiled, bodies: Bodies, notes: Notes) -> list[Section]:
+    """Springs and ropes between two points each."""
+    names = Names()
+    found: list[Section] = []
+    for number in range(source.model.ntendon):
+        told, ends = source.told("tendon", number), _straight(source, number, bodies)
+        if ends is None:
+            if _acts(source, number):
+                notes.refuse("tendons", f"{told} is not straight between two sites")
+            continue
+        if source.model.tendon_frictionloss[number]:
+            notes.omit(f"dry friction of {told}")
+        found += _tendon(
+            source, number, ends, names.of(source.name("tendon", number), f"tendon{number}"), notes
+        )
+    return found
+
+
+Ends = tuple[tuple[str, Pose], tuple[str, Pose]]
+
+
+def _straight(source: Compiled, number: int, bodies: Bodies) -> Ends | None:
+    """Body and frame of both sites of a tendon; None where it has others, or bends."""
+    mj, model = source.mj, source.model
+    first, count = int(model.tendon_adr[number]), int(model.tendon_num[number])
+    wraps = range(first, first + count)
+    if count != 2 or any(int(model.wrap_type[k]) != mj.mjtWrap.mjWRAP_SITE for k in wraps):
+        return None
+    one, other = (site_end(source, int(model.wrap_objid[k]), bodies) for k in wraps)
+    return one, other
+
+
+def site_end(source: Compiled, site: int, bodies: Bodies) -> tuple[str, Pose]:
+    """The body of a site, and its frame there; in the world where the body is at rest."""
+    body = bodies[int(source.model.site_bodyid[site])]
+    placed = site_in(source, site, body)
+    return (WORLD, compose(body.pose, placed)) if body.fixed else (body.name, placed)
+
+
+def _acts(source: Compiled, number: int) -> bool:
+    """Whether a tendon does anything by itself; what pulls at it is an actuator."""
+    model = source.model
+    values = (
+        "tendon_stiffness",
+        "tendon_damping",
+        "tendon_limited",
+        "tendon_frictionloss",
+        "tendon_armature",
+    )
+    return any(np.any(getattr(model, name)[number]) for name in values if hasattr(model, name))
+
+
+def _tendon(source: Compiled, number: int, ends: Ends, name: str, notes: Notes) -> Iterator[Section]:
+    model, told = source.model, source.told("tendon", number)
+    (one, here), (other, there) = ends
+    if one == other:
+        return
+    stiffness, damping = (
+        float(np.atleast_1d(values[number])[0]) for values in (model.tendon_stiffness, model.tendon_damping)
+    )
+    low, high = (float(each) for each in model.tendon_lengthspring[number])
+    if stiffness and low != high:
+        notes.refuse("tendons", f"{told} has a spring without force from {low:g} m to {high:g} m")
+    elif stiffness or damping:
+        values = {
+            "between": [one, other],
+            "anchors": [vector(here.position), vector(there.position)],
+            "stiffness": stiffness,
+            **({"damping": damping} if damping else {}),
+            "rest_length": high,
+        }
+        yield Section("spring", values)
+    if model.tendon_limited[number] and not source.is_disabled("LIMIT"):
+        least, largest = (float(each) for each in model.tendon_range[number])
+        values = {
+            "kind": "rope", "name": name, "between": [one, other],
+            "frames": [pose_keys(here), pose_keys(there)],
+            "limits": ["none" if least <= 0 else least, largest],
+        }  # fmt: skip
+        yield Section("joint", values)
+
+
+def constraints(source: Compiled, bodies: Bodies, notes: Notes) -> list[Section]:
+    """Equality constraints that are active at the start: welds and points."""
+    mj, model, names, found = source.mj, source.model, Names(), []
+    if source.is_disabled("EQUALITY"):
+        return []
+    for number in range(model.neq):
+        if not model.eq_active0[number]:
+            notes.omit(f"{source.told('equality', number)}, which is not active")
+            continue
+        kind = int(model.eq_type[number])
+        if kind not in (mj.mjtEq.mjEQ_CONNECT, mj.mjtEq.mjEQ_WELD):
+            notes.refuse("constraints", f"{source.told('equality', number)} is neither a weld nor a point")
+            continue
+        (one, here), (other, there) = _held(source, number, bodies)
+        if one == other:
+            continue
+        notes.approximate("equality constraints are rigid; in MuJoCo they give way")
+        values = {
+            "kind": "weld" if kind == mj.mjtEq.mjEQ_WELD else "spherical",
+            "name": names.of(source.name("equality", number), f"constraint{number}"),
+            "between": [one, other],
+            "frames": [pose_keys(here), pose_keys(there)],
+        }
+        found.append(Section("joint", values))
+    return found
+
+
+def _held(source: Compiled, number: int, bodies: Bodies) -> Ends:
+    """Body and frame of both sides of a weld or point."""
+    mj, model = source.mj, source.model
+    objects = int(model.eq_obj1id[number]), int(model.eq_obj2id[number])
+    if int(model.eq_objtype[number]) == mj.mjtObj.mjOBJ_SITE:
+        one, other = (site_end(source, site, bodies) for site in objects)
+        return one, other
+    data = model.eq_data[number]
+    if int(model.eq_type[number]) == mj.mjtEq.mjEQ_WELD:
+        frames = attached(data[3:6], data[6:10]), Pose()
+    else:
+        still = np.array([1.0, 0.0, 0.0, 0.0])
+        frames = attached(data[:3], still), attached(data[3:6], still)
+    one, other = (_end(source, body, frame, bodies) for body, frame in zip(objects, frames, strict=True))
+    return one, other
+
+
+def _end(source: Compiled, member: int, frame: Pose, bodies: Bodies) -> tuple[str, Pose]:
+    body = bodies[member]
+    if body.fixed:
+        return WORLD, compose(pose_at(source, member), frame)
+    return body.name, compose(pose_in(source, member, body.members[0]), frame)
+
+
+def other_loads(
+    source: Compiled, bodies: Bodies, joints: Mapping[int, ModelJoint], notes: Notes
+) -> list[Section]:
+    """Compensated gravity, and the damping of balls on the world; notes on media, flexes and plugins."""
+    model = source.model
+    if model.opt.density or model.opt.viscosity:
+        notes.refuse(
+            "fluid", f"a medium of density {model.opt.density:g} and viscosity {model.opt.viscosity:g}"
+        )
+    if model.nflex:
+        notes.refuse("deformables", f"{model.nflex} flexes")
+    if model.nplugin:
+        notes.refuse("plugins", f"{model.nplugin} plugins")
+    return [*_compensations(source, bodies), *_ball_dampings(source, joints)]
+
+
+def _compensations(source: Compiled, bodies: Bodies) -> Iterator[Section]:
+    model = source.model
+    if source.is_disabled("GRAVITY"):
+        return
+    for member, body in bodies.items():
+        share = float(model.body_gravcomp[member])
+        if share and not body.fixed:
+            placed = compose(
+                pose_in(source, member, body.members[0]),
+                attached(model.body_ipos[member], model.body_iquat[member]),
+            )
+            pull = -share * float(model.body_mass[member]) * np.array(model.opt.gravity)
+            values: dict[str, Any] = {"body": body.name, "force": vector(pull)}
+            if any(vector(placed.position)):
+                values["point"] = vector(placed.position)
+            yield Section("force", values, "compensates gravity")
+
+
+def _ball_dampings(source: Compiled, joints: Mapping[int, ModelJoint]) -> Iterator[Section]:
+    model = source.model
+    for number, joint in joints.items():
+        damping = float(np.atleast_1d(model.dof_damping[model.jnt_dofadr[number]])[0])
+        if (
+            joint.kind == "spherical"
+            and joint.between[0] == WORLD
+            and damping
+            and not source.is_disabled("DAMPER")
+        ):
+            torque = [f"{-rounded(damping)!r}*w{axis}" for axis in "xyz"]
+            yield Section("torque", {"body": joint.between[1], "torque": torque}, f"damping of {joint.name}")

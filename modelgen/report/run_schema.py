@@ -1,0 +1,316 @@
+"""The JSON Schemas of what `simulate` and `linearise` print with `--json`: every entry's meaning and unit."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from modelgen.report.schema_parts import NUMBER, entry, numbers, record
+from modelgen.runtime.trajectory import EVENT_KINDS
+
+_EVENT = record(
+    "a change of mode",
+    {
+        "t": entry(NUMBER, "s"),
+        "kind": entry("string", "kind of the event, as in the glossary", enum=list(EVENT_KINDS)),
+        "contact": entry("string", "name of the contact"),
+        "speed": entry(NUMBER, "approach speed, m/s; 0 where it has no meaning"),
+        "features": entry("string", "that touch after the event, where the shapes have several"),
+    },
+)
+_UNKNOWN = "nulls where `observe` leaves the turning out"
+_STATE = record(
+    "a body at t_end, world axes",
+    {
+        "p": numbers(3, "centre of mass, m"),
+        "quaternion": numbers(4, f"orientation of the body axes (w, x, y, z), unit; {_UNKNOWN}"),
+        "v": numbers(3, "velocity of the centre of mass, m/s"),
+        "w": numbers(3, f"angular velocity, rad/s; {_UNKNOWN}"),
+    },
+)
+_JOINT = record(
+    "a joint at t_end, world axes",
+    {
+        "force": numbers(3, "on its second body, N"),
+        "torque": numbers(3, "on its second body about the origin of the joint's frame in it, N m"),
+        "coordinates": entry(
+            "object", "angles (rad, whole turns counted) and displacements (m) by name",
+            additionalProperties={"type": NUMBER},
+        ),
+    },
+)  # fmt: skip
+_PATCH = record(
+    "a face that rests on another at t_end",
+    {
+        "force": entry(NUMBER, "that presses them together, N"),
+        "centre_of_pressure": numbers(3, "where it acts, m, world axes"),
+        "friction": numbers(3, "on the second face, N, world axes"),
+        "torque": entry(NUMBER, "of friction on it about the normal through the centre of pressure, N m"),
+        "slip": numbers(3, "of the second face past the first there, m/s, world axes"),
+        "spin": entry(NUMBER, "of it past the first about the normal from the first to it, rad/s"),
+    },
+)
+_ESTIMATE = record(
+    "the estimated global error of the run, by a second, finer run; null where none was asked for",
+    {
+        "status": entry(
+            "string",
+            "or uncertified: something may be wrong that a second run cannot show",
+            enum=["estimated", "beyond predictable horizon", "uncertified"],
+        ),
+        "statement": entry("string", "all of it in words"),
+        "position": entry(NUMBER, "of a body's centre up to the last sample that is predicted, m"),
+        "rotation": entry(NUMBER, "of a body's rotation, rad"),
+        "velocity": entry(NUMBER, "of the velocity of a body's centre, m/s"),
+        "spin": entry(NUMBER, "of a body's angular velocity, rad/s"),
+        "gap": entry(NUMBER, "m"),
+        "force": entry(NUMBER, "root mean square over that of the forces"),
+        "events": entry(NUMBER, "of event times, s; of those after the horizon if none comes before"),
+        "events_unmatched": entry(["integer", "null"], "events that one of the two runs has alone"),
+        "horizon": entry(NUMBER, "the last sample that is predicted, s; null: all are"),
+        "uncertified": {
+            "type": "array",
+            "items": {"type": "string"},
+            "description": "reasons, such as closest points that no contact could follow",
+        },
+        "rhs_evals": entry("integer", "evaluations of the right-hand side that it took", minimum=0),
+    },
+) | {"type": ["object", "null"]}
+_SHAPE = entry(
+    "object",
+    "each dynamic body's part, the largest entry 1",
+    additionalProperties=record(
+        "of a body", {"v": numbers(3, "world axes"), "w": numbers(3, "body axes, rad")}
+    ),
+)
+_HELD = {
+    "force": entry(
+        "object", "of each contact that touches, along its normal, N", additionalProperties={"type": NUMBER}
+    ),
+    "friction": entry(
+        "object",
+        "of each contact that touches and has friction",
+        additionalProperties=record(
+            "of a contact that sticks",
+            {
+                "force": numbers(3, "along the surfaces on the second body of the pair, N, world axes"),
+                "share": entry(
+                    NUMBER, "of its static friction, or of the resistance that is taken up most; at most 1"
+                ),
+            },
+        ),
+    ),
+    "redundant": entry(
+        "integer",
+        "rows of the contacts that touch beyond their rank; above 0 the forces are not unique: those of "
+        "minimum norm, or others where friction holds no such",
+    ),
+}
+
+
+def _bodies(when: str, *keys: str) -> dict[str, Any]:
+    """Of each dynamic body, parts of its state."""
+    states = record(when, {key: _STATE["properties"][key] for key in keys})
+    return entry("object", f"each dynamic body {when}", additionalProperties=states)
+
+
+_RATES = {
+    "kind": entry("string", "oscillation, growth, decay, or neutral (it may be moved along)"),
+    "frequency": entry(NUMBER, "rad/s"),
+    "hertz": entry(NUMBER, "frequency / 2 pi, Hz"),
+    "growth": entry(NUMBER, "1/s; negative where it dies out"),
+}
+_LINEARISED = {
+    "scene": entry("string", "name of the scene"),
+    "bodies": _bodies("at rest", "p", "quaternion"),
+    **_HELD,
+    "modes": entry(
+        "array",
+        "small motions exp(growth t) (shape cos(frequency t) - quadrature sin(frequency t)), by frequency; "
+        "none where contacts hold all bodies",
+        items=record(
+            "a small motion",
+            {
+                **_RATES,
+                "shape": _SHAPE,
+                "quadrature": _SHAPE,
+            },
+        ),
+    ),
+}
+_STEADY = {
+    "scene": entry("string", "name of the scene"),
+    "bodies": _bodies("in the steady motion", "p", "quaternion", "v", "w"),
+    **_HELD,
+    "symmetries": entry("integer", "independent directions along which the scene does not change"),
+    "modes": entry(
+        "array",
+        "small motions exp(growth t) (shape cos(frequency t) - quadrature sin(frequency t)) of places, and "
+        "with rate of velocities, seen by axes that the steady motion carries along; by frequency",
+        items=record(
+            "a small motion",
+            {
+                **_RATES,
+                "shape": _SHAPE,
+                "quadrature": _SHAPE,
+                "rate": _SHAPE,
+                "rate_quadrature": _SHAPE,
+            },
+        ),
+    ),
+}
+_STABILITY = {
+    "scene": entry("string", "name of the scene"),
+    "parameter": entry("string", "the parameter that varies"),
+    "stable": entry("array", "ranges of it in which no small motion grows", items=numbers(2, "from, to")),
+    "values": entry("array", "of the parameter, ascending", items={"type": NUMBER}),
+    "refused": entry(
+        "array",
+        "values without such a motion, and why",
+        items={"type": "array", "prefixItems": [{"type": NUMBER}, {"type": "string"}]},
+    ),
+    "eigenvalues": entry(
+        "array",
+        "at each value those of the small motions, 1/s, in the order of the value before",
+        items={"type": "array", "items": numbers(2, "real part, imaginary part")},
+    ),
+    "plot": entry(["string", "null"], "the file that holds the picture, or null"),
+}
+_CONTACT = record(
+    "what a contact carries",
+    {
+        "force": entry(NUMBER, "along its normal, N"),
+        "friction": numbers(3, "N, world axes, on the second body of its kind"),
+    },
+)
+_PROPERTIES = {
+    "scene": entry("string", "name of the scene"),
+    "parameters": entry(
+        "object", "the scene's parameters, their values in this run", additionalProperties={"type": NUMBER}
+    ),
+    "inputs": entry(
+        "object", "the scene's inputs, their values in this run", additionalProperties={"type": NUMBER}
+    ),
+    "t_end": entry(NUMBER, "time that the run reached, s"),
+    "outcome": entry("string", "done, interrupted, or what stopped the run"),
+    "advice": entry("string", "what the outcome means and what to do about it"),
+    "outcome_contact": entry("string", "the contact that the outcome speaks of, or empty"),
+    "outcome_function": entry(
+        "string", "the load, path or motion that is not finite where the run ends, or empty"
+    ),
+    "accuracy": entry("string", "the Accuracy that was used"),
+    "warnings": {
+        "type": "array",
+        "items": {"type": "string"},
+        "description": "what the user should know of the run, such as a margin that fell low",
+    },
+    "estimate": _ESTIMATE,
+    "trusted": entry("boolean", "whether nothing speaks against the run"),
+    "doubts": {
+        "type": "array",
+        "items": {"type": "string"},
+        "description": "reasons why the run cannot be trusted; empty if it can",
+    },
+    "steps": entry("integer", "accepted integration steps", minimum=0),
+    "rejected": entry("integer", "steps repeated with a smaller size", minimum=0),
+    "rhs_evals": entry("integer", "evaluations of the right-hand side", minimum=0),
+    "wall_s": entry(NUMBER, "wall-clock time of the run, s"),
+    "energy_drift": entry(
+        NUMBER,
+        "max |E - E0 - work| / max kinetic energy; if nothing moved, over the characteristic energy",
+    ),
+    "gap_max": entry(NUMBER, "largest |d| of a closed contact at an accepted step, m"),
+    "penetration_max": entry(
+        NUMBER, "deepest penetration of a pair of bodies with a contact, at an accepted step, m"
+    ),
+    "penetration_t": entry(NUMBER, "time of the deepest penetration, s"),
+    "penetration_pair": entry("string", "the pair that penetrates deepest, or empty"),
+    "joint_error_max": entry(
+        NUMBER, "largest deviation from the equations of the joints at the start and at accepted steps, m"
+    ),
+    "complementarity_max": entry(
+        NUMBER,
+        "largest |min(gap / L, force / (M L / T^2))| at an accepted step; L, M, T: model scales",
+    ),
+    "margin_min": entry(
+        NUMBER, "smallest dimensionless distance of a closed contact to singularity, at most 1"
+    ),
+    "redundant_max": entry(
+        "integer",
+        "most force-carrying contacts beyond the rank of their rows; their forces are those of minimum norm, "
+        "each weighted by the square root of its diagonal entry of J M^-1 J^T",
+    ),
+    "indeterminate_t": entry(
+        ["number", "null"],
+        "s, first time at which forces of contacts with friction were not unique and the motion was not "
+        "proved to be, or null",
+    ),
+    "unfollowed_minima": entry(
+        "integer",
+        "how often a search found closest points of a pair within reach that no contact of it was free to "
+        "follow; above 0 the pair may penetrate there, see `points` of [[contact]]",
+    ),
+    "incomplete_searches": entry(
+        "integer",
+        "searches for the closest points of two features that were given up before all were found, as where "
+        "surfaces conform; above 0 a contact may be missed",
+    ),
+    "undeclared": entry(
+        "array",
+        "pairs of shapes that no contact lists and that passed through each other, in order of time",
+        items=record(
+            "a pair of shapes",
+            {
+                "between": {
+                    "type": "array",
+                    "items": {"type": "string"},
+                    "minItems": 2,
+                    "maxItems": 2,
+                    "description": "as `between` of [[contact]] names them",
+                },
+                "t": entry(NUMBER, "when an overlap was first seen, s"),
+            },
+        ),
+    ),
+    "events": entry("array", "changes of mode in order of time", items=_EVENT),
+    "contacts": entry(
+        "object",
+        "each contact that presses at the last sample, and limit struck",
+        additionalProperties=_CONTACT,
+    ),
+    "joints": entry("object", "each joint at the last sample", additionalProperties=_JOINT),
+    "patches": entry("object", "each pair of faces that rest on each other", additionalProperties=_PATCH),
+    "sensors": entry(
+        "object",
+        "each component of a sensor at the last sample, null where it is not known",
+        additionalProperties={"type": ["number", "null"]},
+    ),
+    "final": entry("object", "each body at the last sample", additionalProperties=_STATE),
+    "kinds": entry("array", "names of the kinds the model uses", items={"type": "string"}),
+    "instructions": entry(
+        "object", "instructions of each generated function", additionalProperties={"type": "integer"}
+    ),
+    "out": entry(["string", "null"], "the file that holds the run, or null"),
+    "plot": entry(["string", "null"], "the file that holds its picture, or null"),
+}
+
+
+def result_schema() -> dict[str, Any]:
+    """JSON Schema (draft 2020-12) of the object that `simulate --json` prints."""
+    return record("The object that `modelgen simulate --json` prints. SI units, world axes.", _PROPERTIES)
+
+
+def linearised_schema() -> dict[str, Any]:
+    """JSON Schema (draft 2020-12) of the object that `linearise --json` prints."""
+    return record("The object that `modelgen linearise --json` prints. SI units, world axes.", _LINEARISED)
+
+
+def steady_schema() -> dict[str, Any]:
+    """JSON Schema (draft 2020-12) of the object that `linearise --steady --json` prints."""
+    return record(
+        "The object that `modelgen linearise --steady --json` prints. SI units, world axes.", _STEADY
+    )
+
+
+def stability_schema() -> dict[str, Any]:
+    """JSON Schema (draft 2020-12) of the object that `linearise --vary --json` prints."""
+    return record("The object that `modelgen linearise --vary --json` prints. SI units.", _STABILITY)
