@@ -12,6 +12,7 @@
 
 #include "model/context.h"
 #include "forces/forces.h"
+#include "integrate/integrate.h"
 
 enum {
   MG_ROWS_OF_ONE = 6, /* rows of a contact or joint in the packed formulas */
@@ -39,14 +40,6 @@ typedef struct {
   mg_real *ratio;    /* [per friction row] of the force ratio of slip; of a patch: of the ratios, times the forces */
   mg_real *tangents; /* [6 per slot] of t1 and t2 of its patch */
 } mg_direction_view;
-
-/* An explicit Runge-Kutta method: stage i adds value[k] * slope[column[k]], row[i] <= k < row[i + 1]; the last row
-   gives the end. */
-typedef struct {
-  int stages;
-  const int *row, *column;
-  const mg_real *value, *time;
-} mg_explicit_method;
 
 /* What a blow does to a row: it strikes, is held at zero velocity, or slips. */
 enum { MG_BLOW_STRUCK = 0, MG_BLOW_HELD = 1, MG_BLOW_SLIPS = 2 };
@@ -269,7 +262,7 @@ MG_INTERNAL void mg_restore_step(mg_context *c, mg_sensitivity *s, mg_real h, co
 
 MG_INTERNAL mg_explicit_method mg_explicit_method_of(const mg_settings *settings);
 
-/* out = from + h sum of value * slopes for one row; slopes of stages are `stride` apart. */
+/* mg_combine_ranges of the first n states; `from` and `out` do not overlap. */
 MG_INTERNAL void mg_combine_stages(const mg_explicit_method *m, int row, int n, long stride, mg_real h,
                                    const mg_real *from, const mg_real *slopes, mg_real *out);
 

@@ -21,22 +21,8 @@ MG_INTERNAL mg_explicit_method mg_explicit_method_of(const mg_settings *settings
 
 MG_INTERNAL void mg_combine_stages(const mg_explicit_method *m, int row, int n, long stride, mg_real h,
                                    const mg_real *from, const mg_real *slopes, mg_real *out) {
-  const int first = m->row[row], end = m->row[row + 1];
-  int i = 0;
-  for (; i + 4 <= n; i += 4) {
-    mg_real sum[4] = {0, 0, 0, 0};
-    for (int k = first; k < end; k++) {
-      const mg_real weight = m->value[k], *slope = slopes + m->column[k] * stride + i;
-      sum[0] += weight * slope[0], sum[1] += weight * slope[1];
-      sum[2] += weight * slope[2], sum[3] += weight * slope[3];
-    }
-    for (int j = 0; j < 4; j++) out[i + j] = from[i + j] + h * sum[j];
-  }
-  for (; i < n; i++) {
-    mg_real sum = 0;
-    for (int k = first; k < end; k++) sum += m->value[k] * slopes[m->column[k] * stride + i];
-    out[i] = from[i] + h * sum;
-  }
+  const int all[2] = {0, n};
+  mg_combine_ranges(m, row, slopes, stride, 1, all, from, h, out);
 }
 
 MG_INTERNAL void mg_normalise_tangent(const mg_context *c, const mg_real *x, mg_real *dx) {
