@@ -44,7 +44,7 @@ class PackedFormula:
     task: str
     kind: int
     name: str
-    tangent: ca.Function  # (w, x, x_dot) -> y_dot; of the scene (t, x, gravity, parameters, x_dot, ..) -> y_dot
+    tangent: ca.Function  # (w, x, x_dot) -> y_dot; of the scene (x, gravity, parameters, x_dot, ..) -> y_dot
     adjoint: ca.Function  # (w, x, y_bar) -> x_bar
 
 
@@ -89,7 +89,8 @@ def _function(name: str, result: str, arguments: Mapping[str, ca.SX], value: ca.
 def _differentiated_scene(derivation: Derivation, formula: Formula) -> PackedFormula:
     """The derivatives of the composed right-hand side."""
     function, equations = formula.function, equations_of_forces(derivation.model, derivation.functions())
-    x, values = _arguments(function)
+    moved, values = _arguments_of_scene(function)
+    x = ca.vertcat(*moved.values())
     solved = dict(zip(function.name_out(), function.call(values), strict=True))
     force, accel = ca.SX.sym("force", solved["force"].numel()), ca.SX.sym("accel", solved["udot"].numel())
     given = dict(zip(equations.name_out(), equations.call([*values, force, accel]), strict=True))
@@ -111,12 +112,20 @@ def _differentiated_scene(derivation: Derivation, formula: Formula) -> PackedFor
     r_bar = -solution(ca.mtimes(response.T, u_bar))
     part_bar = ca.vertcat(q_bar, u_bar + ca.mtimes(J.T, r_bar), eta_bar, r_bar)
     back = at_solution(ca.jtimes(ca.vertcat(*parts), x, part_bar, True))
-    none = ca.SX(0, 1)
+    parts_dot = ca.vertsplit(x_dot, [0, *accumulate(int(part.numel()) for part in moved.values())])
+    rates = {f"{name}_dot": part for name, part in zip(moved, parts_dot, strict=True)}
     return _packed_formula(
-        formula,
-        ({"w": none, "x": x, "x_dot": x_dot}, along),
-        ({"w": none, "x": x, "y_bar": y_bar}, back),
+        formula, (moved | rates, along), ({"w": ca.SX(0, 1), "x": x, "y_bar": y_bar}, back)
     )
+
+
+def _arguments_of_scene(function: ca.Function) -> tuple[dict[str, ca.SX], list[ca.SX]]:
+    """x = [q, u, eta], gravity and parameters; what of them each argument of the composed right-hand side is,
+    which does not depend on time."""
+    symbols = {name: ca.SX.sym(name, function.numel_in(name)) for name in function.name_in()}
+    state = ca.vertcat(*(symbols[name] for name in ("q", "u", "eta")))
+    moved = {"x": state, "gravity": symbols["gravity"], "parameters": symbols["parameters"]}
+    return moved, list(symbols.values())
 
 
 def _packed(derivation: Derivation, formula: Formula) -> tuple[ca.SX, ca.SX, ca.SX]:

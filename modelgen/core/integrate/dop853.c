@@ -37,8 +37,7 @@ static inline mg_real mg_add_slopes_of_state(const mg_weighted_slopes *of, int i
 
 /* The last block of a range overlaps the one before it. */
 MG_INTERNAL void mg_combine_ranges(const mg_explicit_method *m, int row, const mg_real *slopes, long stride,
-                                   int n_range, const int *ranges, const mg_real *x, mg_real h,
-                                   mg_real *restrict out) {
+                                   int n_range, const int *ranges, const mg_real *x, mg_real h, mg_real *restrict out) {
   const int first = m->row[row];
   mg_weighted_slopes of;
   mg_weigh_slopes(slopes, stride, m->row[row + 1] - first, m->value + first, m->column + first, &of);

@@ -35,8 +35,7 @@ typedef struct {
 /* out = x + h sum of value * slopes for one row, of the states from ranges[2 k] to ranges[2 k + 1]; slopes of stages
    are `stride` apart. */
 MG_INTERNAL void mg_combine_ranges(const mg_explicit_method *m, int row, const mg_real *slopes, long stride,
-                                   int n_range, const int *ranges, const mg_real *x, mg_real h,
-                                   mg_real *restrict out);
+                                   int n_range, const int *ranges, const mg_real *x, mg_real h, mg_real *restrict out);
 
 /* Takes a step h from (t, x) to c->step.end. Needs the slope at (t, x) in row 0 of c->step.slopes. Returns the
    error relative to the tolerance. */

@@ -110,6 +110,7 @@ typedef struct {
   mg_direction_view at;  /* derivatives, or in the adjoint cotangents */
   mg_real *wrench;       /* [6 per body] of all forces, at the state evaluated last */
   mg_real *slopes;       /* [12 n n_states] derivatives of the stages */
+  mg_real *end;          /* [n n_states] at the end of a step, before quaternions are normalised */
   mg_real *stage;        /* [n_states] */
   mg_real *x;            /* packed arguments */
   mg_real *x_dot;        /* their derivative */
@@ -117,6 +118,7 @@ typedef struct {
   mg_real *weights;      /* [18] */
   mg_real *before;       /* [n_states] state before an event */
   mg_real *slope_before; /* [n_states] right-hand side before an event */
+  mg_real *size;         /* [n] of the directions (mg_direction_size) */
   mg_real *event_rate;   /* [n + 1] derivative of the event function along each direction, and its rate */
   mg_real *pair;         /* [2 n_pair] of gap and force of each pair, as sensors show them */
   mg_real *joint;        /* [6 n_joint] of the wrenches of joints */
@@ -155,7 +157,7 @@ MG_INTERNAL void mg_place_bodies_tangent(const mg_context *c, mg_sensitivity *s,
                                          const mg_real *x, const mg_real *dx);
 
 /* Derivative of the right-hand side of the whole scene (scene_rhs) along a direction, in its mode. */
-MG_INTERNAL void mg_scene_tangent(const mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
+MG_INTERNAL void mg_scene_tangent(const mg_context *c, mg_sensitivity *s, int direction, const mg_real *x,
                                   const mg_real *dx, mg_real *slope);
 
 /* Of what the sensors show. Needs s->pair and s->joint. */
@@ -371,8 +373,8 @@ MG_INTERNAL void mg_place_bodies_adjoint(const mg_context *c, mg_sensitivity *s,
                                          mg_real *x_bar);
 
 /* From the cotangents of the right-hand side of the whole scene (scene_rhs). */
-MG_INTERNAL void mg_scene_adjoint(const mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x,
-                                  const mg_real *slope_bar, mg_real *x_bar);
+MG_INTERNAL void mg_scene_adjoint(const mg_context *c, mg_sensitivity *s, const mg_real *x, const mg_real *slope_bar,
+                                  mg_real *x_bar);
 
 /* From the cotangents of what the sensors show to s->at.pose, s->at.twist, s->pair and s->joint. */
 MG_INTERNAL void mg_sensors_adjoint(const mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *sensors_bar);

@@ -62,7 +62,6 @@ static void mg_row_correction_adjoint(mg_context *c, mg_sensitivity *s, const in
 MG_INTERNAL void mg_project_adjoint(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x, mg_real *x_bar) {
   if (!c->settings->project) return;
   mg_settle_eta_adjoint(c, s, t, x, x_bar);
-  mg_gather_wrenches(c, s, t);
   mg_zero_reals(s->stage, c->layout.n_states);
   mg_clear_cotangents(c, s);
   mg_take_correction_cotangents(c, s, 0, x, x_bar);
@@ -78,7 +77,6 @@ MG_INTERNAL void mg_project_gaps_adjoint(mg_context *c, mg_sensitivity *s, const
   const mg_real t = c->run->t, *x = c->run->x;
   if (!c->settings->project) return;
   mg_settle_eta_adjoint(c, s, t, x, x_bar);
-  mg_gather_wrenches(c, s, t);
   mg_zero_reals(s->stage, c->layout.n_states);
   mg_clear_cotangents(c, s);
   mg_take_correction_cotangents(c, s, 0, x, x_bar);
@@ -104,7 +102,7 @@ MG_INTERNAL void mg_step_adjoint(mg_context *c, mg_sensitivity *s, mg_real h, mg
     mg_combine_stages(&method, stage, states, states, h, x, c->step.slopes, c->step.stage);
     if (c->settings->newton > 1) mg_place_all_contacts(c, time, c->step.stage);
     mg_zero_reals(at_stage, states);
-    if (is_composed) mg_scene_adjoint(c, s, time, c->step.stage, k_bar + (long)stage * states, at_stage);
+    if (is_composed) mg_scene_adjoint(c, s, c->step.stage, k_bar + (long)stage * states, at_stage);
     else {
       mg_right_hand_side(c, time, c->step.stage, c->step.interpolant);
       mg_gather_wrenches(c, s, time);
