@@ -262,7 +262,7 @@ MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h);
 /* The same without directions, from the slopes of the stages. */
 MG_INTERNAL void mg_restore_step(mg_context *c, mg_sensitivity *s, mg_real h, const mg_real *slopes);
 
-MG_INTERNAL mg_explicit_method mg_explicit_method_of(const mg_settings *settings);
+MG_INTERNAL const mg_explicit_method *mg_explicit_method_of(const mg_settings *settings);
 
 /* mg_combine_ranges of the first n states; `from` and `out` do not overlap. */
 MG_INTERNAL void mg_combine_stages(const mg_explicit_method *m, int row, int n, long stride, mg_real h,

@@ -86,20 +86,20 @@ MG_INTERNAL void mg_project_gaps_adjoint(mg_context *c, mg_sensitivity *s, const
 }
 
 MG_INTERNAL void mg_step_adjoint(mg_context *c, mg_sensitivity *s, mg_real h, mg_real *x_bar) {
-  const mg_explicit_method method = mg_explicit_method_of(c->settings);
+  const mg_explicit_method *method = mg_explicit_method_of(c->settings);
   const int states = c->layout.n_states;
   const mg_real t = c->run->t, *x = c->run->x;
   const int is_composed = mg_is_in_mode_of_scene_rhs(c);
   mg_real *k_bar = s->slopes, *at_stage = s->stage;
   mg_settle_eta_adjoint(c, s, t + h, c->step.end, x_bar);
-  mg_combine_stages(&method, method.stages, states, states, h, x, c->step.slopes, c->step.stage);
+  mg_combine_stages(method, method->stages, states, states, h, x, c->step.slopes, c->step.stage);
   mg_normalise_tangent(c, c->step.stage, x_bar); /* a symmetric projection */
-  mg_zero_reals(k_bar, (long)method.stages * states);
-  for (int k = method.row[method.stages]; k < method.row[method.stages + 1]; k++)
-    mg_add_multiple(states, h * method.value[k], x_bar, k_bar + (long)method.column[k] * states);
-  for (int stage = method.stages - 1; stage >= 0; stage--) {
-    const mg_real time = t + method.time[stage] * h;
-    mg_combine_stages(&method, stage, states, states, h, x, c->step.slopes, c->step.stage);
+  mg_zero_reals(k_bar, (long)method->stages * states);
+  for (int k = method->row[method->stages]; k < method->row[method->stages + 1]; k++)
+    mg_add_multiple(states, h * method->value[k], x_bar, k_bar + (long)method->column[k] * states);
+  for (int stage = method->stages - 1; stage >= 0; stage--) {
+    const mg_real time = t + method->time[stage] * h;
+    mg_combine_stages(method, stage, states, states, h, x, c->step.slopes, c->step.stage);
     if (c->settings->newton > 1) mg_place_all_contacts(c, time, c->step.stage);
     mg_zero_reals(at_stage, states);
     if (is_composed) mg_scene_adjoint(c, s, c->step.stage, k_bar + (long)stage * states, at_stage);
@@ -110,7 +110,7 @@ MG_INTERNAL void mg_step_adjoint(mg_context *c, mg_sensitivity *s, mg_real h, mg
       mg_rhs_adjoint(c, s, time, c->step.stage, k_bar + (long)stage * states, at_stage);
     }
     mg_add_multiple(states, 1, at_stage, x_bar);
-    for (int k = method.row[stage]; k < method.row[stage + 1]; k++)
-      mg_add_multiple(states, h * method.value[k], at_stage, k_bar + (long)method.column[k] * states);
+    for (int k = method->row[stage]; k < method->row[stage + 1]; k++)
+      mg_add_multiple(states, h * method->value[k], at_stage, k_bar + (long)method->column[k] * states);
   }
 }

@@ -13,10 +13,10 @@ static const mg_real mg_rk4_value[] = {(mg_real)0.5,   (mg_real)0.5,  1, (mg_rea
                                        (mg_real)1 / 3, (mg_real)1 / 6},
                      mg_rk4_time[] = {0, (mg_real)0.5, (mg_real)0.5, 1};
 
-MG_INTERNAL mg_explicit_method mg_explicit_method_of(const mg_settings *settings) {
-  const mg_explicit_method rk4 = {4, mg_rk4_row, mg_rk4_column, mg_rk4_value, mg_rk4_time},
-                           dop853 = {12, mg_dop_row, mg_dop_column, mg_dop_value, mg_dop_time};
-  return settings->method == MG_RK4 ? rk4 : dop853;
+MG_INTERNAL const mg_explicit_method *mg_explicit_method_of(const mg_settings *settings) {
+  static const mg_explicit_method rk4 = {4, mg_rk4_row, mg_rk4_column, mg_rk4_value, mg_rk4_time},
+                                  dop853 = {12, mg_dop_row, mg_dop_column, mg_dop_value, mg_dop_time};
+  return settings->method == MG_RK4 ? &rk4 : &dop853;
 }
 
 MG_INTERNAL void mg_combine_stages(const mg_explicit_method *m, int row, int n, long stride, mg_real h,
@@ -202,10 +202,10 @@ static void mg_settle_step_end(mg_context *c, mg_sensitivity *s, mg_real t) {
 }
 
 MG_INTERNAL void mg_restore_step(mg_context *c, mg_sensitivity *s, mg_real h, const mg_real *slopes) {
-  const mg_explicit_method method = mg_explicit_method_of(c->settings);
+  const mg_explicit_method *method = mg_explicit_method_of(c->settings);
   mg_begin_step_again(c);
-  for (long i = 0; i < (long)method.stages * c->layout.n_states; i++) c->step.slopes[i] = slopes[i];
-  mg_end_step_again(c, &method, h);
+  for (long i = 0; i < (long)method->stages * c->layout.n_states; i++) c->step.slopes[i] = slopes[i];
+  mg_end_step_again(c, method, h);
   mg_settle_step_end(c, s, c->run->t + h);
 }
 
@@ -252,9 +252,9 @@ static void mg_evaluate_first_stage(mg_context *c, mg_real *slope) {
 
 MG_INTERNAL void mg_follow_stage(mg_context *c, void *of, int is_composed, int stage, mg_real t, mg_real h) {
   mg_sensitivity *s = of;
-  const mg_explicit_method method = mg_explicit_method_of(c->settings);
-  if (stage == method.stages) {
-    mg_copy_states(c, c->step.end, s->before), mg_end_stages(c, s, &method, h);
+  const mg_explicit_method *method = mg_explicit_method_of(c->settings);
+  if (stage == method->stages) {
+    mg_copy_states(c, c->step.end, s->before), mg_end_stages(c, s, method, h);
     return;
   }
   if (!stage) {
@@ -262,7 +262,7 @@ MG_INTERNAL void mg_follow_stage(mg_context *c, void *of, int is_composed, int s
     if (!is_composed) mg_evaluate_first_stage(c, s->slope_before);
     s->step.is_uncertain = mg_uncertain_modes(c, s) || mg_mark_beginning_slip(c, s);
   }
-  mg_stage_tangent(c, s, &method, is_composed, stage, t, h);
+  mg_stage_tangent(c, s, method, is_composed, stage, t, h);
 }
 
 /* Takes the stages of a step again. */
@@ -312,7 +312,7 @@ MG_INTERNAL int mg_settle_followed_step(mg_context *c, mg_sensitivity *s, mg_rea
 }
 
 MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h) {
-  const mg_explicit_method method = mg_explicit_method_of(c->settings);
+  const mg_explicit_method *method = mg_explicit_method_of(c->settings);
   const int n = s->directions->n, states = c->layout.n_states;
   const mg_real t = c->run->t;
   const int is_followed = mg_is_followed(s, t, h);
@@ -320,7 +320,7 @@ MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h) {
   int reason = mg_uncertain_step(c, s, h);
   const int slip_begins = mg_mark_beginning_slip(c, s);
   if (is_followed) mg_copy_states(c, s->before, c->step.end);
-  else mg_step_tangent_again(c, s, &method, h);
+  else mg_step_tangent_again(c, s, method, h);
   mg_take_end_tangents(c, s, c->step.end);
   mg_settle_step_end(c, s, t + h);
   mg_note_falling_slip(c, s, h);
@@ -361,14 +361,17 @@ static int mg_has_held_bodies(const mg_context *c) {
 MG_INTERNAL void mg_project_tangents(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x) {
   if (!c->settings->project) return;
   const int n = mg_has_held_bodies(c) ? s->directions->n : 0;
+  c->lcp.n_assembled = 0;
   for (int j = 0; j < n; j++) {
     mg_real *dx = s->tangent->x + (long)j * c->layout.n_states;
     mg_rows_tangent(c, s, j, t, x, dx, c->run->closed, s->stage);
     mg_solve_row_correction(c, c->run->closed, s->at.value);
+    c->lcp.keeps_matrix = c->lcp.n_assembled == 1;
     mg_add_correction(c, x, 0, dx);
     mg_solve_row_correction(c, c->run->closed, s->at.rate);
     mg_add_correction(c, x, 1, dx);
   }
+  c->lcp.keeps_matrix = 0;
   mg_zero_reals(c->bodies.wrench, 6L * c->system->n_body);
   mg_settle_eta_tangents(c, s, t, x);
 }
