@@ -5,15 +5,24 @@ contacts and joints, w holds the forces of their rows and the accelerations of t
 J^T f, the rates J u and the accelerations J a + gamma, so that no derivative of J by itself is needed
 (section 3 of Anitescu, Cremer and Potra, 1995, differentiated at fixed forces and accelerations). A tangent
 is (w, x, x_dot) -> y_dot = dy/dx x_dot, an adjoint (w, x, y_bar) -> x_bar = (dy/dx)^T y_bar.
+
+The composed right-hand side solves (J M^-1 J^T) f = -(J a + gamma) for its forces. Differentiated at fixed
+forces and accelerations, these equations leave a residual r_dot and accelerations a_dot; then
+  (J M^-1 J^T) f_dot = -(r_dot + J a_dot),    u_ddot = a_dot + M^-1 J^T f_dot,
+which takes fewer operations than the derivative of the elimination.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import accumulate
 
 import casadi as ca
 
+from modelgen.composition.closed_form import equations_of_forces
+from modelgen.composition.constraint_forces import eliminated
+from modelgen.composition.shared_reciprocals import with_shared_reciprocals
 from modelgen.derivation import Derivation, Formula
 from modelgen.dynamics.bodies import body_kernels
 from modelgen.geometry.frames import zeros
@@ -25,6 +34,7 @@ TASKS: Mapping[str, str] = {
     "rates": "contact", "place": "placement", "rows": "joint", "sensors": "sensors", "rhs": "scene",
 }  # fmt: skip
 """The task of core/sensitivity that a role serves."""
+Computed = tuple[Mapping[str, ca.SX], ca.SX]  # arguments by name, and what is computed of them
 
 
 @dataclass(frozen=True)
@@ -34,33 +44,88 @@ class PackedFormula:
     task: str
     kind: int
     name: str
-    tangent: ca.Function  # (w, x, x_dot) -> y_dot
+    tangent: ca.Function  # (w, x, x_dot) -> y_dot; of the scene (x, gravity, parameters, x_dot, ..) -> y_dot
     adjoint: ca.Function  # (w, x, y_bar) -> x_bar
 
 
 def packed_formulas(derivation: Derivation, formulas: Iterable[Formula]) -> tuple[PackedFormula, ...]:
     """Those of the formulas of a model that its runs are differentiated by, with their derivatives."""
     return tuple(
-        _differentiated(TASKS[formula.role], formula.kind, formula.name, *_packed(derivation, formula))
+        _differentiated_scene(derivation, formula)
+        if formula.role == "rhs"
+        else _differentiated(formula, *_packed(derivation, formula))
         for formula in formulas
         if formula.role in TASKS
     )
 
 
-def _differentiated(task: str, kind: int, name: str, w: ca.SX, x: ca.SX, y: ca.SX) -> PackedFormula:
+def _differentiated(formula: Formula, w: ca.SX, x: ca.SX, y: ca.SX) -> PackedFormula:
     x_dot, y_bar = ca.SX.sym("x_dot", x.numel()), ca.SX.sym("y_bar", y.numel())
     along, back = ca.jtimes(y, x, x_dot), ca.jtimes(y, x, y_bar, True)
-    return PackedFormula(
-        task,
-        kind,
-        name,
-        ca.Function(f"{name}_tangent", [w, x, x_dot], [_shared(along)], ["w", "x", "x_dot"], ["y_dot"]),
-        ca.Function(f"{name}_adjoint", [w, x, y_bar], [_shared(back)], ["w", "x", "y_bar"], ["x_bar"]),
+    return _packed_formula(
+        formula,
+        ({"w": w, "x": x, "x_dot": x_dot}, along),
+        ({"w": w, "x": x, "y_bar": y_bar}, back),
     )
 
 
-def _shared(value: ca.SX) -> ca.SX:
-    return ca.cse(ca.densify(value))
+def _packed_formula(formula: Formula, tangent: Computed, adjoint: Computed) -> PackedFormula:
+    return PackedFormula(
+        TASKS[formula.role],
+        formula.kind,
+        formula.name,
+        _function(f"{formula.name}_tangent", "y_dot", *tangent),
+        _function(f"{formula.name}_adjoint", "x_bar", *adjoint),
+    )
+
+
+def _function(name: str, result: str, arguments: Mapping[str, ca.SX], value: ca.SX) -> ca.Function:
+    shared = ca.cse(ca.densify(value))
+    return with_shared_reciprocals(
+        ca.Function(name, list(arguments.values()), [shared], list(arguments), [result])
+    )
+
+
+def _differentiated_scene(derivation: Derivation, formula: Formula) -> PackedFormula:
+    """The derivatives of the composed right-hand side."""
+    function, equations = formula.function, equations_of_forces(derivation.model, derivation.functions())
+    moved, values = _arguments_of_scene(function)
+    x = ca.vertcat(*moved.values())
+    solved = dict(zip(function.name_out(), function.call(values), strict=True))
+    force, accel = ca.SX.sym("force", solved["force"].numel()), ca.SX.sym("accel", solved["udot"].numel())
+    given = dict(zip(equations.name_out(), equations.call([*values, force, accel]), strict=True))
+    J, response = given["J"], given["response"]
+    parts = [given[name] for name in ("qdot", "udot", "eta_dot", "residual")]
+    ends = [0, *accumulate(int(part.numel()) for part in parts)]
+
+    def at_solution(value: ca.SX) -> ca.SX:
+        return ca.substitute(value, ca.vertcat(force, accel), ca.vertcat(solved["force"], solved["udot"]))
+
+    def solution(right: ca.SX) -> ca.SX:
+        return eliminated(ca.mtimes(J, response), right) if right.numel() else right
+
+    x_dot, y_bar = ca.SX.sym("x_dot", x.numel()), ca.SX.sym("y_bar", ends[3])
+    q_dot, a_dot, eta_dot, r_dot = ca.vertsplit(at_solution(ca.jtimes(ca.vertcat(*parts), x, x_dot)), ends)
+    f_dot = solution(-(r_dot + ca.mtimes(J, a_dot)))
+    along = ca.vertcat(q_dot, a_dot + ca.mtimes(response, f_dot), eta_dot)
+    q_bar, u_bar, eta_bar = ca.vertsplit(y_bar, ends[:4])
+    r_bar = -solution(ca.mtimes(response.T, u_bar))
+    part_bar = ca.vertcat(q_bar, u_bar + ca.mtimes(J.T, r_bar), eta_bar, r_bar)
+    back = at_solution(ca.jtimes(ca.vertcat(*parts), x, part_bar, True))
+    parts_dot = ca.vertsplit(x_dot, [0, *accumulate(int(part.numel()) for part in moved.values())])
+    rates = {f"{name}_dot": part for name, part in zip(moved, parts_dot, strict=True)}
+    return _packed_formula(
+        formula, (moved | rates, along), ({"w": ca.SX(0, 1), "x": x, "y_bar": y_bar}, back)
+    )
+
+
+def _arguments_of_scene(function: ca.Function) -> tuple[dict[str, ca.SX], list[ca.SX]]:
+    """x = [q, u, eta], gravity and parameters; what of them each argument of the composed right-hand side is,
+    which does not depend on time."""
+    symbols = {name: ca.SX.sym(name, function.numel_in(name)) for name in function.name_in()}
+    state = ca.vertcat(*(symbols[name] for name in ("q", "u", "eta")))
+    moved = {"x": state, "gravity": symbols["gravity"], "parameters": symbols["parameters"]}
+    return moved, list(symbols.values())
 
 
 def _packed(derivation: Derivation, formula: Formula) -> tuple[ca.SX, ca.SX, ca.SX]:
@@ -72,8 +137,6 @@ def _packed(derivation: Derivation, formula: Formula) -> tuple[ca.SX, ca.SX, ca.
     results = dict(zip(function.name_out(), function.call(values), strict=True))
     if formula.role == "place":
         return ca.SX(0, 1), x, ca.vertcat(results["d"], results["eta_next"])
-    if formula.role == "rhs":
-        return ca.SX(0, 1), x, ca.vertcat(results["qdot"], results["udot"], results["eta_dot"])
     padded = [_padded(value, SIZES.get(_base(name))) for name, value in results.items()]
     return ca.SX(0, 1), x, ca.vertcat(*padded)
 

@@ -12,7 +12,17 @@ from modelgen.differentiation import TASKS, PackedFormula
 
 PREFIX = "mg_derivatives"
 NO_DERIVATIVES = "#define MG_DERIVATIVES 0"
-TABLE = """static const mg_derivatives mg_derivative_table = {mg_formula_tangent, mg_formula_adjoint};
+SCENE_TANGENT = """static void mg_scene_rhs_tangent(const mg_real *x, const mg_real *gravity,
+                                 const mg_real *parameters, const mg_real *x_dot,
+                                 const mg_real *gravity_dot, const mg_real *parameters_dot,
+                                 mg_real *slope_dot) {{
+  const mg_real *arg[] = {{x, gravity, parameters, x_dot, gravity_dot, parameters_dot}};
+  mg_real *res[] = {{slope_dot}};
+  {internal}(arg, res, 0, 0, 0);
+}}
+"""
+TABLE = """static const mg_derivatives mg_derivative_table = {{
+    mg_formula_tangent, {scene}, mg_formula_adjoint}};
 
 #define MG_DERIVATIVES &mg_derivative_table
 """
@@ -26,15 +36,20 @@ def derivatives_text(formulas: tuple[PackedFormula, ...]) -> str:
     for function in functions:
         generator.add(function)
     internal = {function.name(): f"{PREFIX}_f{index}" for index, function in enumerate(functions)}
+    scene = [internal[each.tangent.name()] for each in formulas if each.task == "scene"]
     parts = [
         internal_functions(str(generator.dump()), functions),
         _dispatcher(
-            "mg_formula_tangent", "x_dot", "y_dot", [(f, internal[f.tangent.name()]) for f in formulas]
+            "mg_formula_tangent",
+            "x_dot",
+            "y_dot",
+            [(f, internal[f.tangent.name()]) for f in formulas if f.task != "scene"],
         ),
+        *(SCENE_TANGENT.format(internal=name) for name in scene),
         _dispatcher(
             "mg_formula_adjoint", "y_bar", "x_bar", [(f, internal[f.adjoint.name()]) for f in formulas]
         ),
-        TABLE,
+        TABLE.format(scene="mg_scene_rhs_tangent" if scene else "0"),
     ]
     return "\n".join(parts)
 

@@ -10,7 +10,7 @@ import casadi as ca
 
 from modelgen.composition.contact_mode import ContactMode, friction_of_contacts, held_mode
 from modelgen.composition.moving_bodies import Functions
-from modelgen.composition.right_hand_side import in_mode, slip_speeds, written_scene
+from modelgen.composition.right_hand_side import WrittenScene, in_mode, slip_speeds, written_scene
 from modelgen.composition.shared_reciprocals import with_shared_reciprocals
 from modelgen.dynamics.bodies import kernel
 from modelgen.model import Model
@@ -44,16 +44,43 @@ def closed_right_hand_side(model: Model, functions: Functions) -> ca.Function:
     """
     solved = in_mode(model, functions, held_mode(model), slip_speeds(model), ca.SX)
     scene, found = solved.scene, solved.found
-    friction = friction_of_contacts(model)
-    firsts = [pair.contacts[0] for pair in model.pairs]
-    rows = enumerate(scene.rows.rows)
-    below = [k for k, row in rows if row.kind == "friction" and friction[row.owner][0] in firsts]
-    force = ca.vertcat(ca.SX(0, 1), *(found.forces[k] for k in [*firsts, *below]))
+    force = ca.vertcat(ca.SX(0, 1), *(found.forces[k] for k in _held_rows(scene)))
     outputs = {"qdot": scene.qdot, "udot": found.udot, "eta_dot": scene.eta_dot, "force": force}
+    return with_shared_reciprocals(kernel("mg_rhs", _arguments(scene), outputs))
+
+
+def equations_of_forces(model: Model, functions: Functions) -> ca.Function:
+    """(t, q, u, eta, gravity, parameters, force, accel) -> (qdot, udot, eta_dot, residual, J, response): what
+    `mg_rhs` solves. `udot` under given forces along its rows, N or N m; `residual` J a + gamma at given
+    accelerations; J (rows, n_u) and `response` M^-1 J^T."""
+    scene = written_scene(model, functions, held_mode(model), ca.SX)
+    rows = [scene.rows.rows[k] for k in _held_rows(scene)]
+    J = ca.vertcat(ca.SX(0, model.n_u), *(row.J for row in rows))
+    force, accel = ca.SX.sym("force", len(rows)), ca.SX.sym("accel", model.n_u)
+    outputs = {
+        "qdot": scene.qdot,
+        "udot": scene.free + scene.times_inverse_mass(ca.mtimes(J.T, force)),
+        "eta_dot": scene.eta_dot,
+        "residual": ca.mtimes(J, accel) + ca.vertcat(ca.SX(0, 1), *(row.gamma for row in rows)),
+        "J": J,
+        "response": scene.times_inverse_mass(J.T),
+    }
+    return kernel("equations_of_forces", {**_arguments(scene), "force": force, "accel": accel}, outputs)
+
+
+def _held_rows(scene: WrittenScene) -> list[int]:
+    """The normal row of the first contact of each pair, then the friction rows of these contacts."""
+    friction = friction_of_contacts(scene.model)
+    firsts = [pair.contacts[0] for pair in scene.model.pairs]
+    rows = enumerate(scene.rows.rows)
+    return firsts + [k for k, row in rows if row.kind == "friction" and friction[row.owner][0] in firsts]
+
+
+def _arguments(scene: WrittenScene) -> dict[str, ca.SX]:
+    """Those of a scene, `parameters` without coefficients of friction."""
     arguments = scene.symbols.arguments
-    used = int(arguments["parameters"].numel()) - 2 * len(friction)
-    arguments["parameters"] = arguments["parameters"][:used]
-    return with_shared_reciprocals(kernel("mg_rhs", arguments, outputs))
+    used = int(arguments["parameters"].numel()) - 2 * len(friction_of_contacts(scene.model))
+    return arguments | {"parameters": arguments["parameters"][:used]}
 
 
 def pushed(model: Model, functions: Functions, mode: ContactMode) -> ca.Function:

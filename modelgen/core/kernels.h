@@ -98,13 +98,18 @@ enum {
                             y = [J^T force 12, value_ddot 6, value_dot 6, value 6] */
   MG_TASK_SENSORS = 7,   /* x = [t, pose, twist, accel, pairs, joints, gravity, parameters, inputs] of `sense`, y =
                             [sensors] */
-  MG_TASK_SCENE = 8      /* x = [t, q, u, eta, gravity, parameters], y = [q_dot, u_dot, eta_dot] of `scene_rhs` */
+  MG_TASK_SCENE = 8      /* x = [q, u, eta, gravity, parameters], y = [q_dot, u_dot, eta_dot] of `scene_rhs`, which
+                            does not depend on time; adjoint alone */
 };
 
 /* Derivatives of the formulas of a scene. */
 typedef struct {
   /* y_dot = dy/dx x_dot */
   void (*tangent)(int task, int kind, const mg_real *w, const mg_real *x, const mg_real *x_dot, mg_real *y_dot);
+
+  /* Of `scene_rhs`, x = [q, u, eta]; 0: not generated. */
+  void (*scene_tangent)(const mg_real *x, const mg_real *gravity, const mg_real *parameters, const mg_real *x_dot,
+                        const mg_real *gravity_dot, const mg_real *parameters_dot, mg_real *slope_dot);
 
   /* x_bar = (dy/dx)^T y_bar */
   void (*adjoint)(int task, int kind, const mg_real *w, const mg_real *x, const mg_real *y_bar, mg_real *x_bar);

@@ -35,15 +35,14 @@ static inline mg_real mg_add_slopes_of_state(const mg_weighted_slopes *of, int i
   return sum;
 }
 
-/* Stage or end of a step: out = x + h sum a_k K_k by one row of the tableau. The last block of a range overlaps the one
-   before it. */
-static void mg_dop853_combine(const mg_context *c, int row, const mg_real *x, mg_real h, mg_real *restrict out) {
-  const int first = mg_dop_row[row];
+/* The last block of a range overlaps the one before it. */
+MG_INTERNAL void mg_combine_ranges(const mg_explicit_method *m, int row, const mg_real *slopes, long stride,
+                                   int n_range, const int *ranges, const mg_real *x, mg_real h, mg_real *restrict out) {
+  const int first = m->row[row];
   mg_weighted_slopes of;
-  mg_weigh_slopes(c->step.slopes, c->layout.n_states, mg_dop_row[row + 1] - first, mg_dop_value + first,
-                  mg_dop_column + first, &of);
-  for (int range = 0; range < c->listed.n_range; range++) {
-    const int begin = mg_range_begin(c, range), end = mg_range_end(c, range), last = end - MG_BLOCK;
+  mg_weigh_slopes(slopes, stride, m->row[row + 1] - first, m->value + first, m->column + first, &of);
+  for (int range = 0; range < n_range; range++) {
+    const int begin = ranges[2 * range], end = ranges[2 * range + 1], last = end - MG_BLOCK;
     for (int i = begin; i < end && last >= begin; i += MG_BLOCK) {
       const int at = i < last ? i : last;
       mg_real sum[MG_BLOCK] = {0};
@@ -52,6 +51,14 @@ static void mg_dop853_combine(const mg_context *c, int row, const mg_real *x, mg
     }
     for (int i = begin; i < end && last < begin; i++) out[i] = x[i] + h * mg_add_slopes_of_state(&of, i, 0);
   }
+}
+
+static const mg_explicit_method mg_dop853_method = {12, mg_dop_row, mg_dop_column, mg_dop_value, mg_dop_time};
+
+/* Stage or end of a step. */
+static void mg_dop853_combine(const mg_context *c, int row, const mg_real *x, mg_real h, mg_real *restrict out) {
+  mg_combine_ranges(&mg_dop853_method, row, c->step.slopes, c->layout.n_states, c->listed.n_range, c->listed.range, x,
+                    h, out);
 }
 
 /* Evaluates the right-hand side of a stage. */

@@ -26,6 +26,19 @@ MG_INTERNAL void mg_scene_rk4(mg_context *c, mg_real t, const mg_real *x, mg_rea
 
 /* dop853.c */
 
+/* An explicit Runge-Kutta method: stage i adds value[k] * slope[column[k]], row[i] <= k < row[i + 1]; the last row
+   gives the end. */
+typedef struct {
+  int stages;
+  const int *row, *column;
+  const mg_real *value, *time;
+} mg_explicit_method;
+
+/* out = x + h sum of value * slopes for one row, of the states from ranges[2 k] to ranges[2 k + 1]; slopes of stages
+   are `stride` apart. */
+MG_INTERNAL void mg_combine_ranges(const mg_explicit_method *m, int row, const mg_real *slopes, long stride,
+                                   int n_range, const int *ranges, const mg_real *x, mg_real h, mg_real *restrict out);
+
 /* Takes a step h from (t, x) to c->step.end. Needs the slope at (t, x) in row 0 of c->step.slopes. Returns the
    error relative to the tolerance. */
 MG_INTERNAL mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h);

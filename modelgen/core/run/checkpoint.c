@@ -32,8 +32,9 @@ typedef struct {
 
 /* Moves n bytes at `data` to the stream, or from it. */
 static void mg_move(mg_stream *s, void *data, size_t n) {
-  if (s->written && n) memcpy(s->written + s->length, data, n);
-  if (s->read && n) memcpy(data, s->read + s->length, n);
+  if (!n) return;
+  if (s->written) memcpy(s->written + s->length, data, n);
+  if (s->read) memcpy(data, s->read + s->length, n);
   s->length += (long)n;
 }
 

@@ -145,14 +145,13 @@ MG_INTERNAL void mg_place_bodies_adjoint(const mg_context *c, mg_sensitivity *s,
   }
 }
 
-MG_INTERNAL void mg_scene_adjoint(const mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x,
-                                  const mg_real *slope_bar, mg_real *x_bar) {
+MG_INTERNAL void mg_scene_adjoint(const mg_context *c, mg_sensitivity *s, const mg_real *x, const mg_real *slope_bar,
+                                  mg_real *x_bar) {
   const int n = c->layout.work_state, parameters = c->system->n_parameters;
-  s->x[0] = t;
-  mg_pack(mg_pack(mg_pack(s->x + 1, n, x), 3, c->system->gravity), parameters, c->system->parameters);
-  mg_zero_reals(s->x_dot, 4L + n + parameters); /* not all parameters need be arguments */
+  mg_pack(mg_pack(mg_pack(s->x, n, x), 3, c->system->gravity), parameters, c->system->parameters);
+  mg_zero_reals(s->x_dot, 3L + n + parameters); /* not all parameters need be arguments */
   c->kernels->derivatives->adjoint(MG_TASK_SCENE, 0, s->weights, s->x, slope_bar, s->x_dot);
-  const mg_real *part = mg_add_part(s->adjoint->gravity, 3, mg_add_part(x_bar, n, s->x_dot + 1));
+  const mg_real *part = mg_add_part(s->adjoint->gravity, 3, mg_add_part(x_bar, n, s->x_dot));
   mg_add_part(s->adjoint->parameters, parameters, part);
 }
 

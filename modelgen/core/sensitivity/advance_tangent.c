@@ -22,9 +22,9 @@ static long mg_sensitivity_rows(const mg_system *s) { return s->n_contact + 1L +
 MG_API long mg_sensitivity_size(const mg_system *s, int n) {
   const long states = (long)s->n_q + s->n_u + s->n_eta + 1;
   return 2 * mg_count_reals(mg_save_size(s), 1) + mg_count_reals(1, sizeof(mg_blow)) + 36L * s->n_body +
-         4 * mg_sensitivity_rows(s) + s->n_friction_row + (12L * (n ? n : 1) + n + 3) * states + 3 * mg_packed_size(s) +
-         18 + n + 1 + s->n_friction + s->n_patch_slot + 2L * s->n_pair + 6L * s->n_joint + 12L * s->n_load +
-         6L * s->n_patch_slot;
+         4 * mg_sensitivity_rows(s) + s->n_friction_row + (12L * (n ? n : 1) + 2 * n + 3) * states +
+         3 * mg_packed_size(s) + 18 + 2 * n + 1 + s->n_friction + s->n_patch_slot + 2L * s->n_pair + 6L * s->n_joint +
+         12L * s->n_load + 6L * s->n_patch_slot;
 }
 
 MG_API long mg_sensitivity_int_size(const mg_system *s) { return (long)s->n_contact + s->n_friction + s->n_patch_slot; }
@@ -111,7 +111,8 @@ MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int
   s->slope_before = mg_take_reals(&work, states);
   s->x = mg_take_reals(&work, mg_packed_size(system)), s->x_dot = mg_take_reals(&work, mg_packed_size(system));
   s->y_dot = mg_take_reals(&work, mg_packed_size(system)), s->weights = mg_take_reals(&work, 18);
-  s->event_rate = mg_take_reals(&work, n + 1),
+  s->end = mg_take_reals(&work, n * states), s->size = mg_take_reals(&work, n);
+  s->event_rate = mg_take_reals(&work, n + 1);
   s->slip = mg_take_reals(&work, system->n_friction + system->n_patch_slot);
   s->pair = mg_take_reals(&work, 2L * system->n_pair), s->joint = mg_take_reals(&work, 6L * system->n_joint);
   s->load = mg_take_reals(&work, 12L * system->n_load);
@@ -129,6 +130,7 @@ static void mg_open_tangent(const mg_context *c, mg_sensitivity *s, const mg_dir
   s->directions = directions, s->tangent = tangent, s->adjoint = 0;
   s->start = mg_take_reals(&work, (long)directions->n * c->layout.n_states);
   mg_open_sensitivity(c, s, directions->n, work, tangent->iwork);
+  for (int j = 0; j < directions->n; j++) s->size[j] = mg_direction_size(c, s, j);
 }
 
 /* Notes the first reason why the derivatives are not certain. */

@@ -224,7 +224,7 @@ static int mg_is_gap_held_already(mg_context *c, mg_sensitivity *s, int contact)
   mg_gather_wrenches(c, s, c->run->t);
   for (int j = 0; j < s->directions->n; j++) {
     mg_rhs_tangent(c, s, j, c->run->t, c->run->x, s->tangent->x + (long)j * c->layout.n_states, s->stage);
-    const mg_real rounding = MG_ROUNDED_TANGENT * mg_direction_size(c, s, j) * c->system->length;
+    const mg_real rounding = MG_ROUNDED_TANGENT * s->size[j] * c->system->length;
     if (fabs(s->event_rate[j]) > part * mg_gap_tangent_size(c, s, contact) + rounding) return 0;
     if (fabs(s->at.rate[contact]) > part * mg_rate_tangent_size(c, s, contact) + rounding / c->system->time) return 0;
   }

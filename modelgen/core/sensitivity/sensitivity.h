@@ -12,6 +12,7 @@
 
 #include "model/context.h"
 #include "forces/forces.h"
+#include "integrate/integrate.h"
 
 enum {
   MG_ROWS_OF_ONE = 6, /* rows of a contact or joint in the packed formulas */
@@ -39,14 +40,6 @@ typedef struct {
   mg_real *ratio;    /* [per friction row] of the force ratio of slip; of a patch: of the ratios, times the forces */
   mg_real *tangents; /* [6 per slot] of t1 and t2 of its patch */
 } mg_direction_view;
-
-/* An explicit Runge-Kutta method: stage i adds value[k] * slope[column[k]], row[i] <= k < row[i + 1]; the last row
-   gives the end. */
-typedef struct {
-  int stages;
-  const int *row, *column;
-  const mg_real *value, *time;
-} mg_explicit_method;
 
 /* What a blow does to a row: it strikes, is held at zero velocity, or slips. */
 enum { MG_BLOW_STRUCK = 0, MG_BLOW_HELD = 1, MG_BLOW_SLIPS = 2 };
@@ -117,6 +110,7 @@ typedef struct {
   mg_direction_view at;  /* derivatives, or in the adjoint cotangents */
   mg_real *wrench;       /* [6 per body] of all forces, at the state evaluated last */
   mg_real *slopes;       /* [12 n n_states] derivatives of the stages */
+  mg_real *end;          /* [n n_states] at the end of a step, before quaternions are normalised */
   mg_real *stage;        /* [n_states] */
   mg_real *x;            /* packed arguments */
   mg_real *x_dot;        /* their derivative */
@@ -124,6 +118,7 @@ typedef struct {
   mg_real *weights;      /* [18] */
   mg_real *before;       /* [n_states] state before an event */
   mg_real *slope_before; /* [n_states] right-hand side before an event */
+  mg_real *size;         /* [n] of the directions (mg_direction_size) */
   mg_real *event_rate;   /* [n + 1] derivative of the event function along each direction, and its rate */
   mg_real *pair;         /* [2 n_pair] of gap and force of each pair, as sensors show them */
   mg_real *joint;        /* [6 n_joint] of the wrenches of joints */
@@ -162,7 +157,7 @@ MG_INTERNAL void mg_place_bodies_tangent(const mg_context *c, mg_sensitivity *s,
                                          const mg_real *x, const mg_real *dx);
 
 /* Derivative of the right-hand side of the whole scene (scene_rhs) along a direction, in its mode. */
-MG_INTERNAL void mg_scene_tangent(const mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
+MG_INTERNAL void mg_scene_tangent(const mg_context *c, mg_sensitivity *s, int direction, const mg_real *x,
                                   const mg_real *dx, mg_real *slope);
 
 /* Of what the sensors show. Needs s->pair and s->joint. */
@@ -267,9 +262,9 @@ MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h);
 /* The same without directions, from the slopes of the stages. */
 MG_INTERNAL void mg_restore_step(mg_context *c, mg_sensitivity *s, mg_real h, const mg_real *slopes);
 
-MG_INTERNAL mg_explicit_method mg_explicit_method_of(const mg_settings *settings);
+MG_INTERNAL const mg_explicit_method *mg_explicit_method_of(const mg_settings *settings);
 
-/* out = from + h sum of value * slopes for one row; slopes of stages are `stride` apart. */
+/* mg_combine_ranges of the first n states; `from` and `out` do not overlap. */
 MG_INTERNAL void mg_combine_stages(const mg_explicit_method *m, int row, int n, long stride, mg_real h,
                                    const mg_real *from, const mg_real *slopes, mg_real *out);
 
@@ -378,8 +373,8 @@ MG_INTERNAL void mg_place_bodies_adjoint(const mg_context *c, mg_sensitivity *s,
                                          mg_real *x_bar);
 
 /* From the cotangents of the right-hand side of the whole scene (scene_rhs). */
-MG_INTERNAL void mg_scene_adjoint(const mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x,
-                                  const mg_real *slope_bar, mg_real *x_bar);
+MG_INTERNAL void mg_scene_adjoint(const mg_context *c, mg_sensitivity *s, const mg_real *x, const mg_real *slope_bar,
+                                  mg_real *x_bar);
 
 /* From the cotangents of what the sensors show to s->at.pose, s->at.twist, s->pair and s->joint. */
 MG_INTERNAL void mg_sensors_adjoint(const mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *sensors_bar);

@@ -74,7 +74,6 @@ static void mg_project_gap_tangents(mg_context *c, mg_sensitivity *s, const int 
   const mg_real t = c->run->t, *x = c->run->x;
   mg_settle_eta_tangents(c, s, t, x);
   if (!c->settings->project) return;
-  mg_gather_wrenches(c, s, t);
   for (int j = 0; j < s->directions->n; j++) {
     mg_real *dx = s->tangent->x + (long)j * c->layout.n_states;
     mg_rows_tangent(c, s, j, t, x, dx, marked, s->stage);

@@ -62,7 +62,6 @@ static void mg_row_correction_adjoint(mg_context *c, mg_sensitivity *s, const in
 MG_INTERNAL void mg_project_adjoint(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x, mg_real *x_bar) {
   if (!c->settings->project) return;
   mg_settle_eta_adjoint(c, s, t, x, x_bar);
-  mg_gather_wrenches(c, s, t);
   mg_zero_reals(s->stage, c->layout.n_states);
   mg_clear_cotangents(c, s);
   mg_take_correction_cotangents(c, s, 0, x, x_bar);
@@ -78,7 +77,6 @@ MG_INTERNAL void mg_project_gaps_adjoint(mg_context *c, mg_sensitivity *s, const
   const mg_real t = c->run->t, *x = c->run->x;
   if (!c->settings->project) return;
   mg_settle_eta_adjoint(c, s, t, x, x_bar);
-  mg_gather_wrenches(c, s, t);
   mg_zero_reals(s->stage, c->layout.n_states);
   mg_clear_cotangents(c, s);
   mg_take_correction_cotangents(c, s, 0, x, x_bar);
@@ -88,23 +86,23 @@ MG_INTERNAL void mg_project_gaps_adjoint(mg_context *c, mg_sensitivity *s, const
 }
 
 MG_INTERNAL void mg_step_adjoint(mg_context *c, mg_sensitivity *s, mg_real h, mg_real *x_bar) {
-  const mg_explicit_method method = mg_explicit_method_of(c->settings);
+  const mg_explicit_method *method = mg_explicit_method_of(c->settings);
   const int states = c->layout.n_states;
   const mg_real t = c->run->t, *x = c->run->x;
   const int is_composed = mg_is_in_mode_of_scene_rhs(c);
   mg_real *k_bar = s->slopes, *at_stage = s->stage;
   mg_settle_eta_adjoint(c, s, t + h, c->step.end, x_bar);
-  mg_combine_stages(&method, method.stages, states, states, h, x, c->step.slopes, c->step.stage);
+  mg_combine_stages(method, method->stages, states, states, h, x, c->step.slopes, c->step.stage);
   mg_normalise_tangent(c, c->step.stage, x_bar); /* a symmetric projection */
-  mg_zero_reals(k_bar, (long)method.stages * states);
-  for (int k = method.row[method.stages]; k < method.row[method.stages + 1]; k++)
-    mg_add_multiple(states, h * method.value[k], x_bar, k_bar + (long)method.column[k] * states);
-  for (int stage = method.stages - 1; stage >= 0; stage--) {
-    const mg_real time = t + method.time[stage] * h;
-    mg_combine_stages(&method, stage, states, states, h, x, c->step.slopes, c->step.stage);
+  mg_zero_reals(k_bar, (long)method->stages * states);
+  for (int k = method->row[method->stages]; k < method->row[method->stages + 1]; k++)
+    mg_add_multiple(states, h * method->value[k], x_bar, k_bar + (long)method->column[k] * states);
+  for (int stage = method->stages - 1; stage >= 0; stage--) {
+    const mg_real time = t + method->time[stage] * h;
+    mg_combine_stages(method, stage, states, states, h, x, c->step.slopes, c->step.stage);
     if (c->settings->newton > 1) mg_place_all_contacts(c, time, c->step.stage);
     mg_zero_reals(at_stage, states);
-    if (is_composed) mg_scene_adjoint(c, s, time, c->step.stage, k_bar + (long)stage * states, at_stage);
+    if (is_composed) mg_scene_adjoint(c, s, c->step.stage, k_bar + (long)stage * states, at_stage);
     else {
       mg_right_hand_side(c, time, c->step.stage, c->step.interpolant);
       mg_gather_wrenches(c, s, time);
@@ -112,7 +110,7 @@ MG_INTERNAL void mg_step_adjoint(mg_context *c, mg_sensitivity *s, mg_real h, mg
       mg_rhs_adjoint(c, s, time, c->step.stage, k_bar + (long)stage * states, at_stage);
     }
     mg_add_multiple(states, 1, at_stage, x_bar);
-    for (int k = method.row[stage]; k < method.row[stage + 1]; k++)
-      mg_add_multiple(states, h * method.value[k], at_stage, k_bar + (long)method.column[k] * states);
+    for (int k = method->row[stage]; k < method->row[stage + 1]; k++)
+      mg_add_multiple(states, h * method->value[k], at_stage, k_bar + (long)method->column[k] * states);
   }
 }

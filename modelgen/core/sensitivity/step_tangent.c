@@ -13,30 +13,16 @@ static const mg_real mg_rk4_value[] = {(mg_real)0.5,   (mg_real)0.5,  1, (mg_rea
                                        (mg_real)1 / 3, (mg_real)1 / 6},
                      mg_rk4_time[] = {0, (mg_real)0.5, (mg_real)0.5, 1};
 
-MG_INTERNAL mg_explicit_method mg_explicit_method_of(const mg_settings *settings) {
-  const mg_explicit_method rk4 = {4, mg_rk4_row, mg_rk4_column, mg_rk4_value, mg_rk4_time},
-                           dop853 = {12, mg_dop_row, mg_dop_column, mg_dop_value, mg_dop_time};
-  return settings->method == MG_RK4 ? rk4 : dop853;
+MG_INTERNAL const mg_explicit_method *mg_explicit_method_of(const mg_settings *settings) {
+  static const mg_explicit_method rk4 = {4, mg_rk4_row, mg_rk4_column, mg_rk4_value, mg_rk4_time},
+                                  dop853 = {12, mg_dop_row, mg_dop_column, mg_dop_value, mg_dop_time};
+  return settings->method == MG_RK4 ? &rk4 : &dop853;
 }
 
 MG_INTERNAL void mg_combine_stages(const mg_explicit_method *m, int row, int n, long stride, mg_real h,
                                    const mg_real *from, const mg_real *slopes, mg_real *out) {
-  const int first = m->row[row], end = m->row[row + 1];
-  int i = 0;
-  for (; i + 4 <= n; i += 4) {
-    mg_real sum[4] = {0, 0, 0, 0};
-    for (int k = first; k < end; k++) {
-      const mg_real weight = m->value[k], *slope = slopes + m->column[k] * stride + i;
-      sum[0] += weight * slope[0], sum[1] += weight * slope[1];
-      sum[2] += weight * slope[2], sum[3] += weight * slope[3];
-    }
-    for (int j = 0; j < 4; j++) out[i + j] = from[i + j] + h * sum[j];
-  }
-  for (; i < n; i++) {
-    mg_real sum = 0;
-    for (int k = first; k < end; k++) sum += m->value[k] * slopes[m->column[k] * stride + i];
-    out[i] = from[i] + h * sum;
-  }
+  const int all[2] = {0, n};
+  mg_combine_ranges(m, row, slopes, stride, 1, all, from, h, out);
 }
 
 MG_INTERNAL void mg_normalise_tangent(const mg_context *c, const mg_real *x, mg_real *dx) {
@@ -216,11 +202,19 @@ static void mg_settle_step_end(mg_context *c, mg_sensitivity *s, mg_real t) {
 }
 
 MG_INTERNAL void mg_restore_step(mg_context *c, mg_sensitivity *s, mg_real h, const mg_real *slopes) {
-  const mg_explicit_method method = mg_explicit_method_of(c->settings);
+  const mg_explicit_method *method = mg_explicit_method_of(c->settings);
   mg_begin_step_again(c);
-  for (long i = 0; i < (long)method.stages * c->layout.n_states; i++) c->step.slopes[i] = slopes[i];
-  mg_end_step_again(c, &method, h);
+  for (long i = 0; i < (long)method->stages * c->layout.n_states; i++) c->step.slopes[i] = slopes[i];
+  mg_end_step_again(c, method, h);
   mg_settle_step_end(c, s, c->run->t + h);
+}
+
+/* Derivatives of the state of a stage, or of the end before its quaternions are normalised. */
+static void mg_combine_tangents(const mg_context *c, const mg_sensitivity *s, const mg_explicit_method *method,
+                                int stage, int direction, mg_real h, mg_real *out) {
+  const long states = c->layout.n_states, n = s->directions->n;
+  mg_combine_stages(method, stage, (int)states, n * states, h, s->tangent->x + direction * states,
+                    s->slopes + direction * states, out);
 }
 
 /* Derivatives of the slope of the stage of which mg_stage_right_hand_side has been evaluated. */
@@ -230,19 +224,21 @@ static void mg_stage_tangent(mg_context *c, mg_sensitivity *s, const mg_explicit
   if (!is_composed) mg_gather_wrenches(c, s, t);
   c->lcp.keeps_matrix = c->lcp.n_assembled == 1 && !c->friction.slips;
   for (int j = 0; j < n; j++) {
-    mg_combine_stages(method, stage, states, (long)n * states, h, s->tangent->x + (long)j * states,
-                      s->slopes + (long)j * states, s->stage);
+    mg_combine_tangents(c, s, method, stage, j, h, s->stage);
     mg_real *slope = s->slopes + ((long)stage * n + j) * states;
-    if (is_composed) mg_scene_tangent(c, s, j, t, c->step.stage, s->stage, slope);
+    if (is_composed) mg_scene_tangent(c, s, j, c->step.stage, s->stage, slope);
     else mg_slope_tangent(c, s, j, t, c->step.stage, s->stage, slope);
   }
   c->lcp.keeps_matrix = 0;
 }
 
-/* Writes the slopes of the stages of a step to the tape, if there is one. */
-static void mg_store_slopes(const mg_context *c, const mg_sensitivity *s) {
+/* Derivatives of the end of the step from those of its stages; writes the slopes of these to the tape, if there is one.
+ */
+static void mg_end_stages(const mg_context *c, mg_sensitivity *s, const mg_explicit_method *method, mg_real h) {
   const mg_tape *tape = s->tangent->tape;
   const long n = MG_SLOPES_KEPT * (long)c->layout.n_states;
+  for (int j = 0; j < s->directions->n; j++)
+    mg_combine_tangents(c, s, method, method->stages, j, h, s->end + (long)j * c->layout.n_states);
   if (tape) memcpy(tape->slopes + n * tape->count, c->step.slopes, (size_t)n * sizeof(mg_real));
 }
 
@@ -256,9 +252,9 @@ static void mg_evaluate_first_stage(mg_context *c, mg_real *slope) {
 
 MG_INTERNAL void mg_follow_stage(mg_context *c, void *of, int is_composed, int stage, mg_real t, mg_real h) {
   mg_sensitivity *s = of;
-  const mg_explicit_method method = mg_explicit_method_of(c->settings);
-  if (stage == method.stages) {
-    mg_copy_states(c, c->step.end, s->before), mg_store_slopes(c, s);
+  const mg_explicit_method *method = mg_explicit_method_of(c->settings);
+  if (stage == method->stages) {
+    mg_copy_states(c, c->step.end, s->before), mg_end_stages(c, s, method, h);
     return;
   }
   if (!stage) {
@@ -266,7 +262,7 @@ MG_INTERNAL void mg_follow_stage(mg_context *c, void *of, int is_composed, int s
     if (!is_composed) mg_evaluate_first_stage(c, s->slope_before);
     s->step.is_uncertain = mg_uncertain_modes(c, s) || mg_mark_beginning_slip(c, s);
   }
-  mg_stage_tangent(c, s, &method, is_composed, stage, t, h);
+  mg_stage_tangent(c, s, method, is_composed, stage, t, h);
 }
 
 /* Takes the stages of a step again. */
@@ -280,7 +276,7 @@ static void mg_step_tangent_again(mg_context *c, mg_sensitivity *s, const mg_exp
     mg_stage_tangent(c, s, method, is_composed, stage, t, h);
   }
   mg_end_step_again(c, method, h);
-  mg_store_slopes(c, s);
+  mg_end_stages(c, s, method, h);
 }
 
 /* True if a friction constraint or patch slips, or begins to. */
@@ -297,32 +293,26 @@ static int mg_is_followed(const mg_sensitivity *s, mg_real t, mg_real h) {
   return fabs(s->follower.h - h) <= 8 * MG_EPS * (fabs(t) + h);
 }
 
-/* Derivatives at the end of the step, of which `end` has the quaternions before they are normalised. */
-static void mg_combine_end_tangents(const mg_context *c, mg_sensitivity *s, const mg_explicit_method *method, mg_real h,
-                                    const mg_real *end) {
-  const int n = s->directions->n, states = c->layout.n_states;
-  for (int j = 0; j < n; j++) {
-    mg_real *dx = s->tangent->x + (long)j * states;
-    mg_combine_stages(method, method->stages, states, (long)n * states, h, dx, s->slopes + (long)j * states, s->stage);
-    mg_copy_states(c, s->stage, dx);
-    mg_normalise_tangent(c, end, dx);
-  }
+/* Takes the derivatives at the end of the step, of which `end` has the quaternions before they are normalised. */
+static void mg_take_end_tangents(const mg_context *c, mg_sensitivity *s, const mg_real *end) {
+  const long states = c->layout.n_states, n = s->directions->n;
+  memcpy(s->tangent->x, s->end, (size_t)(n * states) * sizeof(mg_real));
+  for (int j = 0; j < n; j++) mg_normalise_tangent(c, end, s->tangent->x + j * states);
 }
 
 MG_INTERNAL int mg_settle_followed_step(mg_context *c, mg_sensitivity *s, mg_real h) {
-  const mg_explicit_method method = mg_explicit_method_of(c->settings);
   if (!mg_is_followed(s, c->run->t, h) || s->step.is_uncertain || mg_has_unknown_patch_slip(c)) return 0;
   mg_note_falling_slip(c, s, h);
   if (s->slip_end > 0) return 0;
   if (mg_has_load_jump(c, s, c->run->t, c->run->x, c->step.slopes, h)) return 0;
-  mg_combine_end_tangents(c, s, &method, h, s->before);
+  mg_take_end_tangents(c, s, s->before);
   mg_settle_eta_tangents(c, s, c->run->t, c->run->x);
   mg_project_tangents(c, s, c->run->t, c->run->x);
   return 1;
 }
 
 MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h) {
-  const mg_explicit_method method = mg_explicit_method_of(c->settings);
+  const mg_explicit_method *method = mg_explicit_method_of(c->settings);
   const int n = s->directions->n, states = c->layout.n_states;
   const mg_real t = c->run->t;
   const int is_followed = mg_is_followed(s, t, h);
@@ -330,15 +320,15 @@ MG_INTERNAL int mg_step_tangent(mg_context *c, mg_sensitivity *s, mg_real h) {
   int reason = mg_uncertain_step(c, s, h);
   const int slip_begins = mg_mark_beginning_slip(c, s);
   if (is_followed) mg_copy_states(c, s->before, c->step.end);
-  else mg_step_tangent_again(c, s, &method, h);
-  mg_combine_end_tangents(c, s, &method, h, c->step.end);
+  else mg_step_tangent_again(c, s, method, h);
+  mg_take_end_tangents(c, s, c->step.end);
   mg_settle_step_end(c, s, t + h);
   mg_note_falling_slip(c, s, h);
   if (!reason && mg_has_load_jump(c, s, t + h, c->step.end, s->slope_before, h)) reason = MG_BY_LOAD;
   if (!reason && mg_has_unknown_patch_slip(c)) reason = MG_BY_FACES, s->doubtful = mg_first_closed_support(c);
   for (int j = 0; j < n && !reason && slip_begins; j++) {
     mg_rhs_tangent(c, s, j, t + h, c->step.end, s->tangent->x + (long)j * states, s->stage);
-    const mg_real least = MG_ROUNDED_TANGENT * mg_direction_size(c, s, j) * c->system->length / c->system->time;
+    const mg_real least = MG_ROUNDED_TANGENT * s->size[j] * c->system->length / c->system->time;
     if (mg_turns_slip_onset(c, s, least) || mg_turns_patch_slip_onset(c, s, least)) reason = MG_BY_SLIP_ONSET;
   }
   return reason;
@@ -371,15 +361,17 @@ static int mg_has_held_bodies(const mg_context *c) {
 MG_INTERNAL void mg_project_tangents(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x) {
   if (!c->settings->project) return;
   const int n = mg_has_held_bodies(c) ? s->directions->n : 0;
-  if (n) mg_gather_wrenches(c, s, t);
+  c->lcp.n_assembled = 0;
   for (int j = 0; j < n; j++) {
     mg_real *dx = s->tangent->x + (long)j * c->layout.n_states;
     mg_rows_tangent(c, s, j, t, x, dx, c->run->closed, s->stage);
     mg_solve_row_correction(c, c->run->closed, s->at.value);
+    c->lcp.keeps_matrix = c->lcp.n_assembled == 1;
     mg_add_correction(c, x, 0, dx);
     mg_solve_row_correction(c, c->run->closed, s->at.rate);
     mg_add_correction(c, x, 1, dx);
   }
+  c->lcp.keeps_matrix = 0;
   mg_zero_reals(c->bodies.wrench, 6L * c->system->n_body);
   mg_settle_eta_tangents(c, s, t, x);
 }

@@ -1,6 +1,6 @@
 /* Local error of derivatives in a step that is tried. The error of the run tells nothing of derivatives of the
    right-hand side that jump within the step, as at the kink of a load or at a knot of a surface: the run then takes
-   shorter steps over such an instant. Reads the derivatives of the stages. */
+   shorter steps over such an instant. Reads the derivatives of the stages and of the end. */
 #include "sensitivity/sensitivity.h"
 #include "model/model.h"
 #include "forces/forces.h"
@@ -40,17 +40,14 @@ static int mg_may_lose_slip(mg_context *c, const mg_sensitivity *s) {
 /* Error of the derivatives along a direction at the end of a step that is tried, of what it may be: of their size, or
    of their rounding where they are hardly larger. */
 static mg_real mg_tangent_error(const mg_context *c, mg_sensitivity *s, int direction, mg_real h) {
-  const mg_explicit_method method = mg_explicit_method_of(c->settings);
   const int states = c->layout.n_states;
   const long stride = (long)s->directions->n * states;
-  const mg_real *dx = s->tangent->x + (long)direction * states, *slopes = s->slopes + (long)direction * states,
+  const mg_real *dx = s->tangent->x + (long)direction * states, *end = s->end + (long)direction * states,
+                *slopes = s->slopes + (long)direction * states,
                 part = c->settings->derivative_error_factor * c->settings->tolerance,
-                rounding = 16 * MG_EPS * mg_direction_size(c, s, direction);
-  mg_combine_stages(&method, method.stages, states, stride, h, dx, slopes, s->stage);
-  const mg_real size = mg_max(mg_tangent_size(c, dx), mg_tangent_size(c, s->stage)),
-                least = mg_max(size, rounding / part);
-  return least > 0 ? mg_dop853_error(c, dx, s->stage, slopes, stride, least, h) / c->settings->derivative_error_factor
-                   : 0;
+                rounding = 16 * MG_EPS * s->size[direction];
+  const mg_real size = mg_max(mg_tangent_size(c, dx), mg_tangent_size(c, end)), least = mg_max(size, rounding / part);
+  return least > 0 ? mg_dop853_error(c, dx, end, slopes, stride, least, h) / c->settings->derivative_error_factor : 0;
 }
 
 MG_INTERNAL mg_real mg_followed_error(mg_context *c, void *of, mg_real h) {

@@ -199,18 +199,16 @@ MG_INTERNAL void mg_place_bodies_tangent(const mg_context *c, mg_sensitivity *s,
   }
 }
 
-MG_INTERNAL void mg_scene_tangent(const mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
+MG_INTERNAL void mg_scene_tangent(const mg_context *c, mg_sensitivity *s, int direction, const mg_real *x,
                                   const mg_real *dx, mg_real *slope) {
-  const int n = c->layout.work_state, parameters = c->system->n_parameters;
-  mg_real *all = s->x, *all_dot = s->x_dot;
-  *all++ = t, *all_dot++ = mg_time_dot(s, direction);
-  all = mg_pack(all, n, x), all_dot = mg_pack(all_dot, n, dx);
-  all = mg_pack(all, 3, c->system->gravity);
-  all_dot = mg_pack(all_dot, 3, mg_row_of_direction(s, s->directions->gravity, 3, direction));
-  mg_pack(all, parameters, c->system->parameters);
-  mg_pack(all_dot, parameters, mg_parameters_dot(c, s, direction, 0));
-  c->kernels->derivatives->tangent(MG_TASK_SCENE, 0, s->weights, s->x, s->x_dot, slope);
-  slope[n] = 0;
+  const mg_system *system = c->system;
+  const mg_real *gravity_dot = mg_row_of_direction(s, s->directions->gravity, 3, direction),
+                *parameters_dot = mg_parameters_dot(c, s, direction, 0);
+  if (!gravity_dot || !parameters_dot) mg_zero_reals(s->x_dot, 3L + system->n_parameters);
+  c->kernels->derivatives->scene_tangent(x, system->gravity, system->parameters, dx,
+                                         gravity_dot ? gravity_dot : s->x_dot,
+                                         parameters_dot ? parameters_dot : s->x_dot, slope);
+  slope[c->layout.work_state] = 0;
 }
 
 MG_INTERNAL void mg_sensors_tangent(const mg_context *c, mg_sensitivity *s, int direction, mg_real t) {
