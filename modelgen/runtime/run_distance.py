@@ -11,6 +11,26 @@ import numpy as np
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import Event, Trajectory
 
+APART = ("position", "rotation", "velocity", "spin")
+
+
+def motions_compared(a: Mapping[str, Array], b: Mapping[str, Array], instance: Mapping[str, Any]) -> Array:
+    """Two runs by their columns p, quaternion, v and w at n samples: (7, n), the largest difference of a body
+    in each of APART, then the largest components of p, v and w of the first run."""
+    free = [k for k, body in enumerate(instance["bodies"]) if body["motion"] == "free"]
+    moving = [k for k, body in enumerate(instance["bodies"]) if body["motion"] in ("point", "free")]
+    sizes = (("p", moving), ("v", moving), ("w", free))
+    return np.array(
+        [
+            distance_between(a["p"], b["p"], moving),
+            angle_between(a["quaternion"][:, free], b["quaternion"][:, free]),
+            distance_between(a["v"], b["v"], moving),
+            distance_between(a["w"], b["w"], free),
+            *(np.abs(a[key][:, bodies]).max(axis=(1, 2), initial=0.0) for key, bodies in sizes),
+        ],
+        dtype=float,
+    )
+
 
 def distance_between(a: Array, b: Array, bodies: Sequence[int]) -> Array:
     """(n,): the largest distance of the vectors (.., nb, 3) of some bodies at the samples that both have."""

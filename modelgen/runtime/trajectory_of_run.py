@@ -95,5 +95,5 @@ def in_order(events: Sequence[Event]) -> list[Event]:
     for event in events:
         pair = event.contact.partition("#")[0]
         latest[pair] = max(event.t, latest.get(pair, event.t))
-        told.append(replace(event, t=latest[pair]))
+        told.append(event if event.t == latest[pair] else replace(event, t=latest[pair]))
     return sorted(told, key=lambda event: event.t)
