@@ -14,16 +14,6 @@ Array = np.ndarray[Any, Any]
 TURN = 2 * np.pi
 
 
-def coordinate_names(session: Session) -> tuple[str, ...]:
-    """`elbow.angle`: every coordinate of every joint."""
-    kinds = session.library.manifest.kinds["joint"]
-    return tuple(
-        f"{joint['name']}.{each['name']}"
-        for joint in session.instance["joints"]
-        for each in kinds[joint["kind"]]["coordinates"]
-    )
-
-
 def joint_columns(
     session: Session, kept: Mapping[str, Array], rotation: Array, runs: int
 ) -> dict[str, Array]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -57,8 +58,8 @@ def forces_between(a: Array, b: Array) -> float | None:
     """Root mean square of the difference over that of b; None without forces."""
     if a.shape != b.shape or b.size == 0:
         return None
-    size = float(np.sqrt((b.astype(float) ** 2).mean())) or 1.0
-    return float(np.sqrt(((a - b).astype(float) ** 2).mean())) / size
+    size, apart = (sqrt(float((each.astype(float) ** 2).sum()) / b.size) for each in (b, a - b))
+    return apart / (size or 1.0)
 
 
 def events_between(found: Sequence[Event] | None, true: Sequence[Event] | None, end: float) -> dict[str, Any]:
