@@ -10,7 +10,7 @@ FIRST = 1  # runs of a chunk, until it is known how long a run takes
 CHUNK_S = 2.0  # time that a chunk shall take, s: what an interruption loses
 MOST = 512  # runs of a chunk
 LEAST_S = 0.02  # shorter chunks, s, cost more than workers that end at different times
-LAST = 4  # chunks of each worker into which the rest is divided, but for such
+LAST = 2  # chunks of each worker into which the rest is divided, but for such
 
 
 class Span(NamedTuple):

@@ -112,16 +112,14 @@ def _errors(path: Trajectory, compared: Array, safe: float, instance: Mapping[st
     """
     epsilon, scales, n = float(np.finfo(path.p.dtype).eps), instance["scales"], compared.shape[1]
     far, speed, spin = compared[len(APART) :].max(axis=1, initial=0.0).tolist()
-    is_turning = float(any(body["motion"] == "free" for body in instance["bodies"]))
-    tiny = ROUNDED * epsilon
+    turns = float(any(body["motion"] == "free" for body in instance["bodies"]))
     size, fast = max(scales["length"], far), max(scales["length"] / scales["time"], speed)
+    once = size, turns, fast, turns * max(1 / scales["time"], spin)
+    at_start, growth = (far, turns, speed, turns * spin), (speed, turns * spin, 0.0, 0.0)
+    tiny, start, rate = np.array([once, at_start, growth])[..., None]
     walk = epsilon / 2 * np.sqrt(path.steps * path.t[:n] / (path.t_end or 1.0))
-    moved = path.t[:n] / np.sqrt(3)
-    found: Array = safe * np.maximum.accumulate(compared[: len(APART)], axis=1)
-    found[0] += tiny * size + walk * (far + speed * moved)
-    found[1] += is_turning * (tiny + walk * (1 + spin * moved))
-    found[2] += tiny * fast + walk * speed
-    found[3] += is_turning * (tiny * max(1 / scales["time"], spin) + walk * spin)
+    rounding = ROUNDED * epsilon * tiny + walk * (start + rate * (path.t[:n] / np.sqrt(3)))
+    found: Array = safe * np.maximum.accumulate(compared[: len(APART)], axis=1) + rounding
     return found
 
 

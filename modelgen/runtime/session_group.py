@@ -235,7 +235,7 @@ class SessionGroup:
 def group_of(library: Library, libraries: Sequence[Library], accuracies: Sequence[Accuracy]) -> SessionGroup:
     """The lanes of a library with other numbers, one of `libraries` each (`library_with`), which the caller
     keeps: each with the numbers, start and inputs of its own, and with its record."""
-    tables = [library_tables(each) for each in libraries]
+    tables = each_once(library_tables, libraries)
     systems = [each.system for each in tables]
     group = SessionGroup(library, n=len(libraries), systems=systems, accuracies=accuracies)
     group.x[:] = [each.start for each in tables]
