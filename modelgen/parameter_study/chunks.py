@@ -5,6 +5,8 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby
+from operator import itemgetter
 from pathlib import Path
 from threading import Lock
 from typing import Any, NamedTuple
@@ -98,13 +100,20 @@ def _ended(study: Study, libraries: Sequence[Library], values: Array) -> list[En
     return runs_to_the_end(
         libraries,
         until=study.until,
-        accuracies=[
-            accuracy_of(each.manifest.instance, study.accuracy, study.stepping) for each in libraries
-        ],
+        accuracies=_accuracies(study, libraries),
         estimate=study.estimate,
         inputs=inputs,
         starts={each.place: column for each, column in columns if each.kind == "start"},
     )
+
+
+def _accuracies(study: Study, libraries: Sequence[Library]) -> list[Accuracy]:
+    """The record of each run; one of runs in a row that have the same [run]."""
+    found: list[Accuracy] = []
+    for _, group in groupby((each.manifest.instance for each in libraries), key=itemgetter("run")):
+        alike = list(group)
+        found += [accuracy_of(alike[0], study.accuracy, study.stepping)] * len(alike)
+    return found
 
 
 def _of_kind(study: Study, kind: str, row: Sequence[float]) -> list[tuple[VariedNumber, float]]:

@@ -9,7 +9,8 @@ from typing import NamedTuple
 FIRST = 1  # runs of a chunk, until it is known how long a run takes
 CHUNK_S = 2.0  # time that a chunk shall take, s: what an interruption loses
 MOST = 512  # runs of a chunk
-LAST = 4  # chunks of each worker into which the rest is divided at least
+LEAST_S = 0.02  # shorter chunks, s, cost more than workers that end at different times
+LAST = 2  # chunks of each worker into which the rest is divided, but for such
 
 
 class Span(NamedTuple):
@@ -53,7 +54,8 @@ class PendingRuns:
             return FIRST
         left = sum(count for _, count in self._spans)
         even = left // (LAST * self._workers)
-        return max(1, min(int(CHUNK_S / max(self._seconds, CHUNK_S / MOST)), even, MOST))
+        least, most = (int(min(span / self._seconds, MOST)) for span in (LEAST_S, CHUNK_S))
+        return max(1, min(max(even, least), most))
 
 
 def _gaps(runs: int, done: Iterable[Span]) -> list[Span]:

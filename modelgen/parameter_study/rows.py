@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -55,7 +54,7 @@ def sensor_columns(instance: Mapping[str, Any]) -> list[str]:
 def row_of(path: Trajectory, instance: Mapping[str, Any]) -> Row:
     """The row of a run, without its number and the numbers that vary."""
     last, estimate = len(path.t) - 1, path.estimate
-    counts = Counter(event.kind for event in path.events)
+    kinds = [event.kind for event in path.events]
     row: Row = {
         "outcome": path.outcome.name.lower(),
         "message": "" if path.outcome is Outcome.DONE else _message(path),
@@ -63,7 +62,7 @@ def row_of(path: Trajectory, instance: Mapping[str, Any]) -> Row:
         "doubts": "; ".join(path.doubts),
         "t_end": path.t_end,
         "events": len(path.events),
-        **{f"events.{kind}": counts[kind] for kind in EVENT_KINDS},
+        **{f"events.{kind}": kinds.count(kind) for kind in EVENT_KINDS},
         "energy_drift": path.energy_drift,
         **{name: float(getattr(path, name)) for name in LEDGER},
         **{name: getattr(path, name) for name in COST},
@@ -75,11 +74,11 @@ def row_of(path: Trajectory, instance: Mapping[str, Any]) -> Row:
         row |= {f"error.{name}": value for name, value in {**end, **others}.items()}
         row |= {name: getattr(estimate, name.partition(".")[2]) for name in COMPANION}
     if last >= 0:
-        row |= dict(zip(sensor_columns(instance), map(float, path.sensors[last]), strict=True))
+        row |= dict(zip(sensor_columns(instance), map(float, path.sensors[last].tolist()), strict=True))
         row |= {"energy": float(path.energy[last]), "work": float(path.work[last])}
         for body in _shown(instance):
             index = path.body_names.index(body)
-            values = [float(value) for key, _ in STATES for value in getattr(path, key)[last, index]]
+            values = [float(value) for key, _ in STATES for value in getattr(path, key)[last, index].tolist()]
             row |= dict(zip(_state_names(body), values, strict=True))
     return row
 

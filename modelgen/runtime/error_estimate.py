@@ -15,11 +15,11 @@ import numpy as np
 from modelgen.runtime.accuracy import TENTH, Accuracy
 from modelgen.runtime.error_statement import Estimate
 from modelgen.runtime.run_distance import (
-    angle_between,
-    distance_between,
+    APART,
     events_between,
     forces_between,
     gaps_between,
+    motions_compared,
 )
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import Outcome, Trajectory
@@ -30,6 +30,7 @@ SAFE = 2.0  # times the error that the difference shows: for what the companion 
 ORDERS = {"rk4": 4, "time-stepping": 1}  # of methods whose companion has a finer step, not a finer tolerance
 ROUNDED = 8.0  # roundings of lengths, and of 1: no error below is claimed
 BOUNCE = 10.0  # times the bound of rest: slower bounces end in one run and not in the other
+MOTION = ("p", "quaternion", "v", "w")  # columns
 NUDGE = 2.0  # roundings by which each number of the start differs, at most
 
 
@@ -46,6 +47,7 @@ def estimate_of(
     accuracy: Accuracy,
     instance: Mapping[str, Any],
     missing: str = "",
+    compared: Array | None = None,
 ) -> Estimate:
     """The error of `path` from its companion's run `twin` at the same times.
 
@@ -53,15 +55,18 @@ def estimate_of(
         path, accuracy: the run, and its record.
         twin: None where there is none; `missing` says why.
         instance: of the manifest.
+        compared: what `motions_compared` gives of the two at the samples of `path`, where it is known.
     """
     length, last = instance["scales"]["length"], len(path.t)
-    errors = {key: np.full(last, np.inf) for key in ("position", "rotation", "velocity", "spin")}
+    errors = np.full((len(APART), last), np.inf)
     n, safe = 0 if twin is None else _common(path, twin), _safe(path, accuracy)
     if twin is not None:
-        for key, (apart, tiny) in _errors(path, twin, n, instance).items():
-            errors[key][:n] = safe * apart + tiny
-    position = errors["position"]
-    predicted = _predicted(position / length, errors["rotation"], n, accuracy.prediction_error_max)
+        if compared is None:
+            mine, theirs = ({key: getattr(run, key)[:n] for key in MOTION} for run in (path, twin))
+            compared = motions_compared(mine, theirs, instance)
+        errors[:, :n] = _errors(path, compared[:, :n], safe, instance)
+    position, rotation, velocity, spin = errors
+    predicted = _predicted(position / length, rotation, n, accuracy.prediction_error_max)
     slow = BOUNCE * accuracy.rest_speed * length / instance["scales"]["time"]
     other = _other(path, twin, predicted, slow, safe, _resolution(path, accuracy))
     reasons = [*_reasons(path, twin, accuracy, instance, missing)]
@@ -71,9 +76,9 @@ def estimate_of(
         reasons += _order(path, twin, float(position[predicted - 1]), float(path.t[predicted - 1]), instance)
     return Estimate(
         position=position,
-        rotation=errors["rotation"],
-        velocity=errors["velocity"],
-        spin=errors["spin"],
+        rotation=rotation,
+        velocity=velocity,
+        spin=spin,
         **other,
         predicted=predicted,
         horizon=float(path.t[predicted - 1]) if predicted < n else None,
@@ -96,41 +101,26 @@ def _safe(path: Trajectory, accuracy: Accuracy) -> float:
     return SAFE if order is None else SAFE / (1 - TENTH**order)
 
 
-def _errors(
-    path: Trajectory, twin: Trajectory, n: int, instance: Mapping[str, Any]
-) -> dict[str, tuple[Array, Array]]:
-    """(n,) m, rad, m/s and rad/s: the largest differences up to each sample, and what rounding alone makes.
+def _errors(path: Trajectory, compared: Array, safe: float, instance: Mapping[str, Any]) -> Array:
+    """(4, n) m, rad, m/s and rad/s: `safe` times the largest differences up to each sample, and what rounding
+    alone makes.
 
     A step rounds each number by up to half a unit in its last place. As independent errors, N of them have
     walked sqrt(N) times as far, and that of a velocity has moved the body by its integral, t / sqrt(3) times
     as much (statistical theory of rounding: P. Henrici, Discrete Variable Methods, 1962). How far they grow
     by the motion is in the difference of the two runs.
     """
-    bodies = list(enumerate(instance["bodies"]))
-    moving = [k for k, body in bodies if body["motion"] in ("point", "free")]
-    turning = [k for k, body in bodies if body["motion"] == "free"]
-    tiny, scales = ROUNDED * float(np.finfo(path.p.dtype).eps), instance["scales"]
-    far, speed = (float(np.abs(each[:n, moving]).max(initial=0.0)) for each in (path.p, path.v))
-    spin = float(np.abs(path.w[:n, turning]).max(initial=0.0))
+    epsilon, scales, n = float(np.finfo(path.p.dtype).eps), instance["scales"], compared.shape[1]
+    far, speed, spin = compared[len(APART) :].max(axis=1, initial=0.0).tolist()
+    turns = float(any(body["motion"] == "free" for body in instance["bodies"]))
     size, fast = max(scales["length"], far), max(scales["length"] / scales["time"], speed)
-    walk = float(np.finfo(path.p.dtype).eps) / 2 * np.sqrt(path.steps * path.t[:n] / (path.t_end or 1.0))
-    moved, is_turning = path.t[:n] / np.sqrt(3), float(bool(turning))
-    found = {
-        "position": (
-            distance_between(path.p, twin.p, moving)[:n],
-            tiny * size + walk * (far + speed * moved),
-        ),
-        "rotation": (
-            angle_between(path.quaternion[:n, turning], twin.quaternion[:n, turning]),
-            is_turning * (tiny + walk * (1 + spin * moved)),
-        ),
-        "velocity": (distance_between(path.v, twin.v, moving)[:n], tiny * fast + walk * speed),
-        "spin": (
-            distance_between(path.w, twin.w, turning)[:n],
-            is_turning * (tiny * max(1 / scales["time"], spin) + walk * spin),
-        ),
-    }
-    return {key: (np.maximum.accumulate(apart), least) for key, (apart, least) in found.items()}
+    once = size, turns, fast, turns * max(1 / scales["time"], spin)
+    at_start, growth = (far, turns, speed, turns * spin), (speed, turns * spin, 0.0, 0.0)
+    tiny, start, rate = np.array([once, at_start, growth])[..., None]
+    walk = epsilon / 2 * np.sqrt(path.steps * path.t[:n] / (path.t_end or 1.0))
+    rounding = ROUNDED * epsilon * tiny + walk * (start + rate * (path.t[:n] / np.sqrt(3)))
+    found: Array = safe * np.maximum.accumulate(compared[: len(APART)], axis=1) + rounding
+    return found
 
 
 def _resolution(path: Trajectory, accuracy: Accuracy) -> float:

@@ -14,21 +14,15 @@ Array = np.ndarray[Any, Any]
 TURN = 2 * np.pi
 
 
-def coordinate_names(session: Session) -> tuple[str, ...]:
-    """`elbow.angle`: every coordinate of every joint."""
-    kinds = session.library.manifest.kinds["joint"]
-    return tuple(
-        f"{joint['name']}.{each['name']}"
-        for joint in session.instance["joints"]
-        for each in kinds[joint["kind"]]["coordinates"]
-    )
-
-
-def joint_columns(session: Session, kept: Mapping[str, Array], rotation: Array) -> dict[str, Array]:
+def joint_columns(
+    session: Session, kept: Mapping[str, Array], rotation: Array, runs: int
+) -> dict[str, Array]:
     """`joint_force`, `joint_torque` (n, nj, 3), world, on the second body at the origin of its frame, and
     `coordinates` (n, number of them).
 
-    `rotation`: (n, nb, 3, 3) body -> world.
+    Args:
+        rotation: (n, nb, 3, 3) body -> world.
+        runs: how many runs the samples are of, of each as many, one run after the other.
     """
     joints, wrench = session.instance["joints"], kept["joint_wrench"]
     force, torque = wrench[..., :3].copy(), np.zeros_like(wrench[..., :3])
@@ -37,28 +31,30 @@ def joint_columns(session: Session, kept: Mapping[str, Array], rotation: Array) 
         turned = rotation[:, joint["b"]]
         lever = turned @ np.array(joint["anchor"])
         torque[:, k] = np.einsum("nij,nj->ni", turned, wrench[:, k, 3:]) - np.cross(lever, force[:, k])
-        columns.append(_coordinates(session, k, kept, rotation))
+        columns.append(_coordinates(session, k, kept, rotation, runs))
     return {"joint_force": force, "joint_torque": torque, "coordinates": np.concatenate(columns, axis=1)}
 
 
-def _coordinates(session: Session, k: int, kept: Mapping[str, Array], rotation: Array) -> Array:
+def _coordinates(session: Session, k: int, kept: Mapping[str, Array], rotation: Array, runs: int) -> Array:
     joint = session.instance["joints"][k]
     listed = session.library.manifest.kinds["joint"][joint["kind"]]["coordinates"]
     values: Array = kept["coordinate"][:, k, : len(listed)].copy()
     axis = rotation[:, joint["b"]] @ np.array(joint["parameters"][21:24])  # z of the frame in b
     spins = [np.einsum("nij,nj->ni", rotation[:, joint[s]], kept["twist"][:, joint[s], 3:]) for s in "ab"]
     rate = np.einsum("ni,ni->n", axis, spins[1] - spins[0])
+    t, rate = (each.reshape(runs, -1).T for each in (kept["t"], rate))
     for column, each in enumerate(listed):
+        angle = values[:, column].reshape(runs, -1).T
         if each["name"] == "angle":
-            values[:, column] = counted(kept["t"], values[:, column], rate)
+            values[:, column] = counted(t, angle, rate).T.ravel()
         elif each["measure"] == "angle":
-            values[:, column] = np.unwrap(values[:, column])
+            values[:, column] = np.unwrap(angle, axis=0).T.ravel()
     return values
 
 
 def counted(t: Array, angle: Array, rate: Array) -> Array:
-    """Angles (n,) with whole turns counted; the rates tell how far each turned since the sample before."""
-    turns = np.zeros(len(angle), dtype=angle.dtype)
+    """Angles (n, ...) with whole turns counted; the rates tell how far each turned since a sample before."""
+    turns = np.zeros_like(angle)
     for i in range(1, len(angle)):
         foretold = angle[i - 1] + turns[i - 1] + (rate[i - 1] + rate[i]) / 2 * (t[i] - t[i - 1])
         turns[i] = TURN * np.round((foretold - angle[i]) / TURN)

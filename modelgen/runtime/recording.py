@@ -56,10 +56,13 @@ class Recording:
             self.record.capacity = count + 1
             self.session.advance(float(t[count]), 0, self.record)
 
-    def columns(self, rows: slice | None = None) -> dict[str, Any]:
-        """The samples in some rows, those taken so far unless given, as the fields of a Trajectory."""
-        taken = slice(self.record.count) if rows is None else rows
-        kept = {name: array[taken] for name, array in self.arrays.items()}
+    def columns(self, count: int | None = None, runs: int = 1) -> dict[str, Any]:
+        """The first samples, those taken so far unless given, as the fields of a Trajectory; of several runs
+        one run after the other, as many of each."""
+        kept = {
+            name: array[: self.record.count if count is None else count]
+            for name, array in self.arrays.items()
+        }
         rotation = np.swapaxes(kept["pose"][..., 3:].reshape(*kept["pose"].shape[:2], 3, 3), -1, -2)
         turning = {
             "quaternion": quaternions_of(rotation),
@@ -80,7 +83,7 @@ class Recording:
             "patch_torque": kept["patch_friction"][..., 3],
             "patch_slip": kept["patch_friction"][..., 4:7],
             "patch_spin": kept["patch_friction"][..., 7],
-            **joint_columns(self.session, kept, rotation),
+            **joint_columns(self.session, kept, rotation, runs),
             "points_o": kept["point_o"][:, : self.session.n_shown],
             "points_f": kept["point_f"][:, : self.session.n_shown],
             "normals": kept["normal"][:, : self.session.n_shown],

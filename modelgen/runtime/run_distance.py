@@ -4,12 +4,33 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from math import sqrt
 from typing import Any
 
 import numpy as np
 
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import SEARCH_EVENTS, Event, Trajectory
+
+APART = ("position", "rotation", "velocity", "spin")
+
+
+def motions_compared(a: Mapping[str, Array], b: Mapping[str, Array], instance: Mapping[str, Any]) -> Array:
+    """Two runs by their columns p, quaternion, v and w at n samples: (7, n), the largest difference of a body
+    in each of APART, then the largest components of p, v and w of the first run."""
+    free = [k for k, body in enumerate(instance["bodies"]) if body["motion"] == "free"]
+    moving = [k for k, body in enumerate(instance["bodies"]) if body["motion"] in ("point", "free")]
+    sizes = (("p", moving), ("v", moving), ("w", free))
+    return np.array(
+        [
+            distance_between(a["p"], b["p"], moving),
+            angle_between(a["quaternion"][:, free], b["quaternion"][:, free]),
+            distance_between(a["v"], b["v"], moving),
+            distance_between(a["w"], b["w"], free),
+            *(np.abs(a[key][:, bodies]).max(axis=(1, 2), initial=0.0) for key, bodies in sizes),
+        ],
+        dtype=float,
+    )
 
 
 def distance_between(a: Array, b: Array, bodies: Sequence[int]) -> Array:
@@ -37,8 +58,8 @@ def forces_between(a: Array, b: Array) -> float | None:
     """Root mean square of the difference over that of b; None without forces."""
     if a.shape != b.shape or b.size == 0:
         return None
-    size = float(np.sqrt((b.astype(float) ** 2).mean())) or 1.0
-    return float(np.sqrt(((a - b).astype(float) ** 2).mean())) / size
+    size, apart = (sqrt(float((each.astype(float) ** 2).sum()) / b.size) for each in (b, a - b))
+    return apart / (size or 1.0)
 
 
 def events_between(found: Sequence[Event] | None, true: Sequence[Event] | None, end: float) -> dict[str, Any]:

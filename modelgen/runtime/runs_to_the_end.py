@@ -8,7 +8,8 @@ are made, and pairs that no contact lists are not looked at.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -17,13 +18,16 @@ from modelgen.errors import SimulationError
 from modelgen.notation import SETTING_SIZE
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.error_estimate import estimate_of, nudge
+from modelgen.runtime.error_statement import Estimate
 from modelgen.runtime.inputs_by_lane import InputsByLane
+from modelgen.runtime.lanes import each_once
 from modelgen.runtime.recording import Recording
+from modelgen.runtime.run_distance import motions_compared
 from modelgen.runtime.session_group import group_of
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Trajectory
 from modelgen.runtime.trajectory_of_run import Ending, trajectory_of
-from modelgen.runtime.trust import doubts
+from modelgen.runtime.trust import with_trust
 
 FAILED = 10  # outcomes of the core from here on end a run
 Ended = Trajectory | SimulationError  # the error of a run that cannot start
@@ -54,11 +58,12 @@ def runs_to_the_end(
     refused = lanes.begin()
     lanes.advance(until)
     found = [refused[lane] if lane in refused else lanes.trajectory(lane) for lane in range(lanes.n)]
-    if estimate:
-        found = _with_estimates(found, lanes)
+    stated = _estimates(found, lanes) if estimate else [None] * lanes.n
     return [
-        path if isinstance(path, SimulationError) else replace(path, doubts=doubts(path, accuracy, instance))
-        for path, accuracy, instance in zip(found, accuracies, lanes.instances, strict=True)
+        path if isinstance(path, SimulationError) else with_trust(path, estimated, accuracy, instance)
+        for path, estimated, accuracy, instance in zip(
+            found, stated, accuracies, lanes.instances, strict=True
+        )
     ]
 
 
@@ -89,7 +94,7 @@ class _Lanes:
         """The companions of these runs, before their start."""
         libraries, inputs, starts = self._given
         epsilon = float(np.finfo(libraries[0].dtype).eps)
-        finer = [each.companion(epsilon) for each in self.accuracies]
+        finer = each_once(lambda own: own.companion(epsilon), self.accuracies)
         twins = _Lanes(libraries, finer, inputs, starts)
         nudge(twins.group.x, self.instances[0])
         return twins
@@ -107,14 +112,24 @@ class _Lanes:
         for lane in np.flatnonzero(moved).tolist():
             self._sample(lane)
 
+    @cached_property
+    def columns(self) -> Mapping[str, Any]:
+        """The samples of all lanes, two of each, as the fields of a Trajectory; for lanes that have come to
+        their ends."""
+        return self._recording.columns(2 * self.n, self.n)
+
+    def rows(self, lane: int) -> slice:
+        """Those that a lane has taken."""
+        return slice(2 * lane, 2 * lane + int(self._taken[lane]))
+
     def trajectory(self, lane: int) -> Trajectory:
-        rows = slice(2 * lane, 2 * lane + int(self._taken[lane]))
+        rows = self.rows(lane)
         values = self.group.arrays["input"][lane, :-1:SETTING_SIZE].tolist()
         names = (each["name"] for each in self.instances[lane]["inputs"])
         return trajectory_of(
             self.group.like,
             self.group.runs[lane],
-            {name: column.copy() for name, column in self._recording.columns(rows).items()},
+            {name: column[rows] for name, column in self.columns.items()},
             Ending(OUTCOME_OF_CODE[int(self.group.codes[lane])], self.group.drain_events(lane)),
             inputs=dict(zip(names, values, strict=True)),
             instance=self.instances[lane],
@@ -130,22 +145,21 @@ class _Lanes:
         self._taken[lane] += 1
 
 
-def _with_estimates(found: Sequence[Ended], lanes: _Lanes) -> list[Ended]:
-    """The runs with the estimates of their errors, by their companions."""
+def _estimates(found: Sequence[Ended], lanes: _Lanes) -> list[Estimate | None]:
+    """The estimates of the errors of runs, by their companions; None where a run has no sample."""
     twins = lanes.companions()
     refused = twins.begin()
     twins.advance(lanes.group.t)
+    compared = motions_compared(lanes.columns, twins.columns, lanes.instances[0])
+
+    def stated(path: Trajectory, lane: int) -> Estimate:
+        of_run = lanes.accuracies[lane], lanes.instances[lane]
+        if lane in refused:
+            missing = f"the companion run did not start: {refused[lane]}"
+            return estimate_of(path, None, *of_run, missing)
+        return estimate_of(path, twins.trajectory(lane), *of_run, compared=compared[:, lanes.rows(lane)])
+
     return [
-        _estimated(path, twins, lane, refused.get(lane), lanes.accuracies[lane])
-        if isinstance(path, Trajectory) and len(path.t)
-        else path
+        stated(path, lane) if isinstance(path, Trajectory) and len(path.t) else None
         for lane, path in enumerate(found)
     ]
-
-
-def _estimated(
-    path: Trajectory, twins: _Lanes, lane: int, refused: SimulationError | None, accuracy: Accuracy
-) -> Trajectory:
-    twin = None if refused else twins.trajectory(lane)
-    missing = f"the companion run did not start: {refused}" if refused else ""
-    return replace(path, estimate=estimate_of(path, twin, accuracy, twins.instances[lane], missing))

@@ -15,10 +15,9 @@ from modelgen.notation import SETTING_SIZE
 from modelgen.runtime import checkpoint
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import is_number
-from modelgen.runtime.lanes import lanes_of, times_of
+from modelgen.runtime.lanes import each_once, field_of, lanes_of, rows_of_lanes
 from modelgen.runtime.session import FULL, Session
 from modelgen.runtime.start import REFUSED, refusal
-from modelgen.runtime.tables.array_block import ArrayBlock
 from modelgen.runtime.tables.ctypes_structures import EVENT_ARRAYS, INTEGER, Array, address, settings_of
 from modelgen.runtime.tables.library_tables import library_tables
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome
@@ -75,13 +74,13 @@ class SessionGroup:
         self.like = Session(library, self.accuracies[0])
         self._system_of = [self.like.system] * self.n if systems is None else list(systems)
         self._check_count("systems", self._system_of)
-        self._settings_of = [
-            settings_of(self.like.tables, each, library.manifest.instance) for each in self.accuracies
-        ]
+        self._settings_of = each_once(
+            lambda own: settings_of(self.like.tables, own, library.manifest.instance), self.accuracies
+        )
         self.runs, self.arrays = lanes_of(self.like, self.n)
         self.x = self.arrays["x"]
         self.x[:] = self.like.x
-        self.t = times_of(self.like, self.runs)
+        self.t = field_of(self.runs, "t", self.like.tables.dtype)[:, 0]
         self.codes = np.zeros(self.n, dtype=INTEGER)
         self._ends = np.zeros(self.n, dtype=self.like.tables.dtype)
         self._systems = (ctypes.c_void_p * self.n)(*map(ctypes.addressof, self._system_of))
@@ -181,17 +180,12 @@ class SessionGroup:
 
     def _event_lists(self) -> tuple[list[Array], Any]:
         """The columns of the lists of events, (n, capacity) each, and the n mg_events."""
-        tables, shape = self.like.tables, (self.n, self.like.shared.n_event)
-        reals, real_at = ArrayBlock(dict.fromkeys(("t", "speed"), shape)).zeros(tables.dtype)
-        whole = ArrayBlock(dict.fromkeys(("kind", "contact", "feature_pair"), shape))
-        integers, integer_at = whole.zeros(INTEGER)
-        arrays, at = reals | integers, real_at | integer_at
-        lists = (tables.Events * self.n)()
-        for lane, events in enumerate(lists):
-            events.capacity = shape[1]
-            for name in EVENT_ARRAYS:
-                setattr(events, name, at[name] + lane * arrays[name].strides[0])
-        return [arrays[name] for name in EVENT_ARRAYS], lists
+        capacity, real = self.like.shared.n_event, self.like.tables.dtype
+        lists = (self.like.tables.Events * self.n)()
+        field_of(lists, "capacity", INTEGER)[:] = capacity
+        kinds = {"t": real, "speed": real}
+        arrays = rows_of_lanes(lists, {name: (capacity, kinds.get(name, INTEGER)) for name in EVENT_ARRAYS})
+        return list(arrays.values()), lists
 
     def _share(self, name: str, by_lane: tuple[int, ...], threads: int) -> None:
         """Call a function of the core once in each thread, which share the lanes; its arguments `by_lane` are
@@ -241,7 +235,7 @@ class SessionGroup:
 def group_of(library: Library, libraries: Sequence[Library], accuracies: Sequence[Accuracy]) -> SessionGroup:
     """The lanes of a library with other numbers, one of `libraries` each (`library_with`), which the caller
     keeps: each with the numbers, start and inputs of its own, and with its record."""
-    tables = [library_tables(each) for each in libraries]
+    tables = each_once(library_tables, libraries)
     systems = [each.system for each in tables]
     group = SessionGroup(library, n=len(libraries), systems=systems, accuracies=accuracies)
     group.x[:] = [each.start for each in tables]

@@ -24,7 +24,7 @@ from modelgen.runtime.start import begin
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome, Trajectory
 from modelgen.runtime.trajectory_of_run import Ending, trajectory_of
-from modelgen.runtime.trust import doubts
+from modelgen.runtime.trust import with_trust
 from modelgen.runtime.warnings import warnings
 from modelgen.runtime.warnings.nonfinite import unbounded
 from modelgen.runtime.warnings.overlap_warnings import passage_warnings
@@ -93,10 +93,9 @@ def simulate(
     path = _path(session, schedule, np.linspace(0.0, end, intervals + 1), half)
     if instance["unlisted"]["shapes"]:
         path = _with_passages(path, chosen, instance)
-    if doubled and len(path.t):
-        told = _part(on_progress, 0.5, 1.0)
-        path = replace(path, estimate=_estimate(library, chosen, schedule, path, told))
-    return replace(path, doubts=doubts(path, chosen, instance))
+    told = _part(on_progress, 0.5, 1.0)
+    stated = _estimate(library, chosen, schedule, path, told) if doubled and len(path.t) else None
+    return with_trust(path, stated, chosen, instance)
 
 
 def _with_passages(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) -> Trajectory:

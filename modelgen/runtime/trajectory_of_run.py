@@ -6,9 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from modelgen.notation import component_names
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.joint_results import coordinate_names
 from modelgen.runtime.session import Session
 from modelgen.runtime.trajectory import Event, Outcome, Trajectory
 from modelgen.runtime.warnings.time_stepping import fallback_step
@@ -49,13 +47,13 @@ def trajectory_of(
     return Trajectory(
         scene=own["name"],
         **columns,
-        body_names=tuple(b["name"] for b in own["bodies"]),
+        body_names=shared.body_names,
         contact_names=session.contacts,
         feature_pair_names=session.feature_pair_names,
-        patch_names=tuple(patch["name"] for patch in own["patches"]),
+        patch_names=shared.patch_names,
         joint_names=session.joints,
-        coordinate_names=coordinate_names(session),
-        sensor_names=component_names(own["sensors"]["names"]),
+        coordinate_names=shared.coordinate_names,
+        sensor_names=shared.sensor_names,
         events=tuple(in_order(ending.events)),
         outcome=ending.outcome,
         outcome_contact=session.contacts[failed] if failed >= 0 else "",
@@ -95,5 +93,5 @@ def in_order(events: Sequence[Event]) -> list[Event]:
     for event in events:
         pair = event.contact.partition("#")[0]
         latest[pair] = max(event.t, latest.get(pair, event.t))
-        told.append(replace(event, t=latest[pair]))
+        told.append(event if event.t == latest[pair] else replace(event, t=latest[pair]))
     return sorted(told, key=lambda event: event.t)

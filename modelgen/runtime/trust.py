@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.error_statement import Estimate
 from modelgen.runtime.trajectory import Outcome, Trajectory
 
 DYING = ("slip-stop", "spin-stop", "roll-stop")  # events at which slip has died
@@ -16,11 +18,20 @@ UNBALANCED = (
 )
 
 
-def doubts(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) -> tuple[str, ...]:
+def with_trust(
+    path: Trajectory, estimate: Estimate | None, accuracy: Accuracy, instance: Mapping[str, Any]
+) -> Trajectory:
+    """The run with its estimate and the doubts that follow."""
+    return replace(path, estimate=estimate, doubts=doubts(path, estimate, accuracy, instance))
+
+
+def doubts(
+    path: Trajectory, estimate: Estimate | None, accuracy: Accuracy, instance: Mapping[str, Any]
+) -> tuple[str, ...]:
     """Reasons why a run cannot be trusted; none if it can.
 
     Args:
-        path: the run, with its estimate if there is one.
+        path, estimate: the run, and its estimate if there is one.
         accuracy: its record; `gap_error_max`, `start_joint_gap` and `energy_error_max` are the thresholds of
             the ledger.
         instance: of the manifest.
@@ -30,10 +41,12 @@ def doubts(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) ->
         apart; energy is out of balance; the error is not predicted up to the end; the run is uncertified, and
         why.
     """
-    return tuple(_doubts(path, accuracy, instance))
+    return tuple(_doubts(path, estimate, accuracy, instance))
 
 
-def _doubts(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) -> Iterator[str]:
+def _doubts(
+    path: Trajectory, estimate: Estimate | None, accuracy: Accuracy, instance: Mapping[str, Any]
+) -> Iterator[str]:
     if path.outcome is not Outcome.DONE:
         yield f"it ended early: {path.outcome.name.lower()}"
     gap_limit = accuracy.gap_error_max * instance["scales"]["length"]
@@ -47,7 +60,6 @@ def _doubts(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) -
         yield f"a joint was apart by {path.joint_error_max:.2g} m, above {joint_limit:.2g} m"
     if not path.energy_drift <= accuracy.energy_error_max:
         yield f"the energy drift {path.energy_drift:.2g} is above {accuracy.energy_error_max:g}"
-    estimate = path.estimate
     if estimate is not None and estimate.horizon is not None:
         yield f"nothing is predicted beyond {estimate.horizon:.6g} s"
     reasons = tuple(uncertified(path, accuracy, instance)) if estimate is None else estimate.uncertified

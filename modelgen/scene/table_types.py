@@ -130,9 +130,9 @@ class Tagged:
     def _check_misplaced(self, tag: str, rest: Mapping[Any, object], place: Place) -> None:
         """A key that belongs to other values of the tag deserves a better answer than `unknown`."""
         own = [field.key for field in self.tables[tag].fields]
-        for key in rest:
+        for key in (key for key in rest if key not in own):
             homes = [name for name, table in self.tables.items() if key in (f.key for f in table.fields)]
-            if homes and key not in own:
+            if homes:
                 found = f"the key {key!r} where {self.tag} is {tag!r}"
                 allowed = f"it belongs to {self.tag} = " + " or ".join(map(repr, homes))
                 raise place.error(found, f"{allowed}; allowed here are {', '.join(own)}", synonym(key, own))

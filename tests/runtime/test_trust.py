@@ -32,7 +32,7 @@ def instance() -> Any:
 
 
 def doubted(run: Trajectory, accuracy: Accuracy | None = None) -> tuple[str, ...]:
-    return doubts(run, accuracy or Accuracy.balanced(), instance())
+    return doubts(run, run.estimate, accuracy or Accuracy.balanced(), instance())
 
 
 def test_a_certified_run_is_trusted_with_and_without_its_estimate() -> None:

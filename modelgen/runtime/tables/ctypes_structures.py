@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Mapping
 from functools import cache, lru_cache
+from itertools import accumulate, chain, pairwise
 from typing import Any
 
 import numpy as np
@@ -349,6 +350,18 @@ def address(array: Array) -> int:
     return int(array.ctypes.data)
 
 
+def packed(columns: Mapping[str, list[Any]], dtype: np.dtype[Any]) -> tuple[dict[str, Array], dict[str, int]]:
+    """Columns of numbers as read-only arrays in one piece of memory, and their addresses; an empty column is
+    one 0."""
+    filled = [values or [0] for values in columns.values()]
+    block = np.array([*chain.from_iterable(filled)], dtype=dtype)
+    block.setflags(write=False)
+    starts = [*accumulate(map(len, filled), initial=0)]
+    first, spans = address(block), dict(zip(columns, pairwise(starts), strict=True))
+    arrays = {name: block[start:end] for name, (start, end) in spans.items()}
+    return arrays, {name: first + start * dtype.itemsize for name, (start, _) in spans.items()}
+
+
 def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) -> tuple[Any, list[Array]]:
     """The mg_system of a manifest's instance over the kernels at an address, and its arrays, which must
     outlive it."""
@@ -376,9 +389,10 @@ def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) 
         | constraints.reals
         | balls.reals
     )
-    arrays = {name: np.array(values or [0], dtype=np.intc) for name, values in integers.items()}
-    arrays |= {name: np.array(values or [0.0], dtype=tables.dtype) for name, values in reals.items()}
-    arrays["scale"] = scale
+    arrays, at = packed(integers, INTEGER)
+    real_arrays, real_at = packed(reals, tables.dtype)
+    arrays |= real_arrays | {"scale": scale}
+    at |= real_at | {"scale": address(scale)}
     states = (instance["n_q"], instance["n_u"], instance["n_eta"])
     rows = _room(manifest), len(instance["joints"]), _row_count(manifest)
     patches = len(instance["patches"]), slot_count(instance)
@@ -387,8 +401,8 @@ def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) 
     counts = *rows, *patches, *of_searches, constraints.count, constraints.rows, balls.count, *of_inputs
     pools = len(parameters), len(sides.numbers)
     system = tables.System(kernels, *_sizes(instance, integers), *states, *counts, *pools)
-    for name, array in arrays.items():
-        setattr(system, name, address(array))
+    for name, place in at.items():
+        setattr(system, name, place)
     system.gravity = (tables.real * 3)(*instance["gravity"])
     for name, value in instance["scales"].items():
         setattr(system, name, value)

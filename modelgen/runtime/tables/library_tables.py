@@ -15,7 +15,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from modelgen.codegen.library import Library, kernel_table
-from modelgen.notation import SETTING_SIZE
+from modelgen.notation import SETTING_SIZE, component_names
 from modelgen.runtime.tables.array_block import ArrayBlock
 from modelgen.runtime.tables.ctypes_structures import Array, Tables, fill_system, tables_of
 from modelgen.runtime.tables.planar_contacts import SUPPORT_POINTS, slot_count
@@ -34,7 +34,11 @@ class LibraryTables:
     start: Array  # (n_x,) the state at t = 0, with eta and work zero
     contact_names: tuple[str, ...]  # contacts with shapes, then the limits of joints
     feature_pair_names: tuple[str, ...]
+    body_names: tuple[str, ...]
+    patch_names: tuple[str, ...]
     joint_names: tuple[str, ...]
+    coordinate_names: tuple[str, ...]  # "elbow.angle", of all joints
+    sensor_names: tuple[str, ...]  # of their components
     kind_names: tuple[str, ...]
     instructions: Mapping[str, int]  # of each generated function
     n_patch_slot: int
@@ -81,7 +85,15 @@ def _make(library: Library) -> LibraryTables:
         start=_start(tables, instance),
         contact_names=names,
         feature_pair_names=(*(str(pair["name"]) for pair in instance["feature_pairs"]), *[""] * limits),
+        body_names=tuple(body["name"] for body in instance["bodies"]),
+        patch_names=tuple(patch["name"] for patch in instance["patches"]),
         joint_names=tuple(joint["name"] for joint in instance["joints"]),
+        coordinate_names=tuple(
+            f"{joint['name']}.{each['name']}"
+            for joint in instance["joints"]
+            for each in manifest.kinds["joint"][joint["kind"]]["coordinates"]
+        ),
+        sensor_names=component_names(instance["sensors"]["names"]),
         kind_names=tuple(kind["name"] for group in GROUPS for kind in manifest.kinds[group]),
         instructions={name: entry["instructions"] for name, entry in manifest.functions.items()},
         n_patch_slot=slots,
