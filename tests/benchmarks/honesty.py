@@ -50,7 +50,8 @@ def case(name: str, number: int, seed: int, root: Path, end: float) -> Verdict |
     """A verdict; None where the time is up."""
     if time.time() > end:
         return None
-    return judged(name, *(library(name, real, root) for real in REALS), seed, number)
+    ours, truth = (library(name, real, root) for real in REALS)
+    return judged(name, ours, truth, seed, number)
 
 
 def remembered(store: Path) -> list[Verdict]:

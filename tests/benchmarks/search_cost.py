@@ -91,7 +91,7 @@ def start_all(folder: Path, n: int) -> list[list[int]]:
     outcomes = []
     for k, (o, _) in enumerate(PAIRS):
         library, at = Library.load(folder / str(k)), poses(o, n)
-        library.cdll.mg_begin = partial(counted, library.cdll.mg_begin)
+        vars(library.cdll)["mg_begin"] = partial(counted, library.cdll.mg_begin)
         found = [_start(Session(library, Accuracy()), pose) for pose in at]
         session = Session(library, Accuracy())
         found += [_start(session, pose) for pose in at]
