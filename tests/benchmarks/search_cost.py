@@ -27,6 +27,7 @@ from typing import Any
 
 import numpy as np
 
+COUNTED_CPU = ("-march=x86-64-v2",)  # callgrind knows not all instructions of newer processors
 COUNTED_CALL = Path(__file__).parent / "counted_call.c"
 Array = np.ndarray[Any, Any]
 TURN = "6.283185307179586"
@@ -73,8 +74,10 @@ def poses(o: str, n: int) -> Array:
 def build_all(folder: Path) -> None:
     """Builds the library of each pair with the version that is imported."""
     from modelgen import build, derive, emit, require
+    from modelgen.codegen import compiler
     from modelgen.scene.read import read_text
 
+    compiler.NATIVE = COUNTED_CPU
     for k, (o, f) in enumerate(PAIRS):
         (folder / str(k)).mkdir()
         scene = read_text(scene_text(o, f), "pair.toml")
