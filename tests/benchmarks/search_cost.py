@@ -154,6 +154,9 @@ def main() -> None:
     ratios: dict[str, list[float]] = {"first": [], "later": []}
     for (o, f), ours, theirs, codes in zip(PAIRS, here, there, outcomes, strict=True):
         allowed = codes == 0
+        if not allowed.any():
+            print(f"| {o}, {f} | 0 |")
+            continue
         cells = [f"{allowed.sum()}"]
         for k, all_ratios in enumerate(ratios.values()):
             ratio = ours[k][allowed] / theirs[k][allowed]
