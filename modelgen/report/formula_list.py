@@ -234,11 +234,11 @@ def _parameter_names(formula: Formula, model: Model, manifest: Manifest) -> dict
         loads = sum(len(load.parameters) for load in model.loads)
         return {"parameters": [*owned, *(f"load_{i + 1}" for i in range(loads))]}
     if is_of_joint(formula, model):
-        rows = formula.function.numel_out("J") // 12 if formula.role == "rows" else 0
-        return {
-            "parameters": list(map(_of_frames, parameters_of_joint(joint_kind(formula, model)))),
-            "J": [f"J_{row + 1}_{side}_{k + 1}" for row in range(rows) for side in "ab" for k in range(6)],
-        }
+        names = {"parameters": list(map(_of_frames, parameters_of_joint(joint_kind(formula, model))))}
+        if "J" in formula.function.name_out():
+            rows = range(1, formula.function.numel_out("J") // 12 + 1)
+            names["J"] = [f"J_{row}_{side}_{k}" for row in rows for side in "ab" for k in range(1, 7)]
+        return names
     if formula.role not in GROUPS:
         return {}
     return {"parameters": list(map(_identifier, _listed(kinds[GROUPS[formula.role]][formula.kind])))}

@@ -10,6 +10,8 @@ from collections.abc import Callable
 from pathlib import Path
 from time import process_time
 
+import numpy as np
+
 from modelgen import read, simulate
 from modelgen.codegen.library import Library
 from modelgen.scene import python_scenes as make
@@ -65,14 +67,14 @@ SCENES: dict[str, tuple[Callable[[], Scene], float, float]] = {  # and the windo
 }
 
 
-def cost(library: Library, until: float, accuracy: str) -> tuple[float, int, int, str]:
-    """CPU time, s; steps, tried ones included; evaluations; outcome."""
+def cost(library: Library, until: float, accuracy: str) -> tuple[np.ndarray, str]:
+    """CPU time, s, steps, tried ones included, and evaluations; outcome."""
     if until == 0:
-        return 0.0, 0, 0, "DONE"
+        return np.zeros(3), "DONE"
     begun = process_time()
     path = simulate(library, until=until, accuracy=accuracy, samples=2, estimate=False)
     spent = process_time() - begun
-    return spent, path.steps + path.rejected, path.rhs_evals, path.outcome.name
+    return np.array([spent, path.steps + path.rejected, path.rhs_evals]), path.outcome.name
 
 
 def main() -> None:
@@ -82,10 +84,11 @@ def main() -> None:
     for name, (scene, begin, end) in SCENES.items():
         library = library_of(scene())
         for accuracy in ACCURACIES:
-            before, whole = cost(library, begin, accuracy), cost(library, end, accuracy)
-            cpu, steps, calls = ((whole[k] - before[k]) / (end - begin) for k in range(3))
+            before, _ = cost(library, begin, accuracy)
+            whole, outcome = cost(library, end, accuracy)
+            cpu, steps, calls = (whole - before) / (end - begin)
             print(
-                f"| {name} | {accuracy} | {whole[3]} | {steps:.0f} | {calls:.0f} | {1e3 * cpu:.0f} |",
+                f"| {name} | {accuracy} | {outcome} | {steps:.0f} | {calls:.0f} | {1e3 * cpu:.0f} |",
                 flush=True,
             )
 

@@ -17,6 +17,7 @@ import subprocess
 import sys
 import sysconfig
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
 from statistics import median
 from tempfile import mkdtemp
@@ -42,6 +43,8 @@ class Coal:
             Path(__file__).with_suffix(".cpp").with_stem("closest_coal"),
             Path(mkdtemp()) / "coal.so",
         )
+        if find_spec("coal") is None:
+            raise SystemExit('no package coal: run pip install "modelgen[peers]"')
         command = ["g++", "-std=c++17", "-O3", "-DNDEBUG", "-shared", "-fPIC", f"-I{prefix}/include"]
         command += [f"-I{prefix}/include/eigen3", str(source), "-o", str(target), f"-L{prefix}/lib", "-lcoal"]
         subprocess.run([*command, f"-Wl,-rpath,{prefix}/lib"], check=True)

@@ -11,6 +11,7 @@ from time import process_time
 from typing import Any
 
 from modelgen import build, derive, emit, require, start
+from modelgen.runtime.settings import Stepping
 from modelgen.scene.read import read_text
 from tests.running import SCENES
 
@@ -42,6 +43,7 @@ def blind(t: float, shown: Any) -> float:
 
 
 CONTROLLERS = {"Python": python, "Python, no sensor": blind, "compiled": {"push": "-40*place_x - 8*speed_x"}}
+METHODS: tuple[Stepping, ...] = ({"method": "rk4", "step": EVERY}, {})
 
 
 def main() -> None:
@@ -49,10 +51,10 @@ def main() -> None:
     library = build(emit(derive(require(scene))))
     print("| controller | method | us a call | calls/s | evaluations a call |\n|---|---|---|---|---|")
     for name, controller in CONTROLLERS.items():
-        for stepping in ({"method": "rk4", "step": EVERY}, {}):
+        for stepping in METHODS:
             spent = []
             for _ in range(ROUNDS):
-                sim = start(library, **stepping)  # type: ignore[arg-type]
+                sim = start(library, **stepping)
                 sim.controller(controller, every=EVERY)
                 begun = process_time()
                 sim.step(until=UNTIL)

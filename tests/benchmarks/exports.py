@@ -74,7 +74,8 @@ def in_c(name: str, folder: Path) -> Facts:
 def in_fmus(name: str, folder: Path) -> Facts:
     from fmpy.validation import validate_fmu
 
-    made, facts = exported(name, "fmu", folder, states=True), {}
+    made = exported(name, "fmu", folder, states=True)
+    facts: Facts = {}
     until = min(UNTIL, read(SCENES / f"{name}.toml").run.until)
     path = simulate(scene_of(name), until=until, samples=INTERVALS)
     stepped = start(scene_of(name), estimate=True)  # the run of the FMU

@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -26,9 +27,10 @@ GUESSES, TRIALS = 20, 100
 NEAR = 1e-3  # relative: a fit to a recording without noise that found the truth
 
 
-def fitted(motion: Motion, guess: Mapping[str, float], starts: int = 1) -> bool:
+def fitted(motion: Motion, guess: Callable[[int], Mapping[str, float]], seed: int, starts: int) -> bool:
+    recording, first = motion.recording(), guess(seed)
     try:
-        found = fit(motion.library, motion.recording(), by=motion.by, parameters=guess, starts=starts)
+        found = fit(motion.library, recording, by=motion.by, parameters=first, starts=starts)
     except ModelgenError:
         return False
     return bool(np.allclose(found.values, motion.true_values, rtol=NEAR))
@@ -44,7 +46,8 @@ class Results:
     """Results by scene, kind and seed, in a file where one is given."""
 
     def __init__(self, path: Path | None) -> None:
-        self._path, self._known = path, {}
+        self._path = path
+        self._known: dict[tuple[Any, ...], Any] = {}
         for line in path.read_text().splitlines() if path and path.exists() else ():
             *key, result = json.loads(line)
             self._known[tuple(key)] = result
@@ -60,10 +63,7 @@ class Results:
 
 def study(name: str, motion: Motion, results: Results) -> None:
     inside = np.array(
-        [
-            results.of((name, "covered", seed), lambda seed=seed: covered(motion, seed))
-            for seed in range(TRIALS)
-        ]
+        [results.of((name, "covered", seed), partial(covered, motion, seed)) for seed in range(TRIALS)]
     )
     each = ", ".join(f"{by} {n}" for by, n in zip(motion.by, inside.sum(axis=0), strict=True))
     print(f"{name}: of {TRIALS} trials within: {each}; all {inside.all(axis=1).sum()}", flush=True)
@@ -73,10 +73,7 @@ def study(name: str, motion: Motion, results: Results) -> None:
         ("anywhere in the ranges, with two more,", motion.other_guess, 3),
     ):
         good = sum(
-            results.of(
-                (name, word, seed),
-                lambda guess=guess, seed=seed, starts=starts: fitted(motion, guess(seed), starts),
-            )
+            results.of((name, word, seed), partial(fitted, motion, guess, seed, starts))
             for seed in range(GUESSES)
         )
         print(f"{name}: of {GUESSES} first guesses {word} {good} converge", flush=True)

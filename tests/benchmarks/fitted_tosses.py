@@ -232,8 +232,10 @@ def whole(library: Library, measured: Toss, coefficients: dict[str, float]) -> R
 
 
 def print_table(table: dict[int, list[tuple[float, float]]], numbers: Sequence[int]) -> None:
-    heads = ("published, frames", "published, flight", "free, flight", "given, flight", "sought, flight")
-    heads += ("published, whole", "free, whole")
+    heads = (
+        *("published, frames", "published, flight", "free, flight", "given, flight", "sought, flight"),
+        *("published, whole", "free, whole"),
+    )
     print(f"  {'':10}" + "".join(f"{head:>22}" for head in heads))
     for number, row in table.items():
         mark = "*" if number in numbers else " "

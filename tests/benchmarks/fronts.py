@@ -112,8 +112,10 @@ def main() -> None:
     knobs = given.knobs.split(",") if given.knobs else None
     peers = installed(given.against.split(","))
     console = Console(stderr=True)
-    table = [("scene", "peer", "best error", "us per s", "ours", "cheaper", "digits")]
-    floors = [("scene", "error bar", "least error", "raised by", "kinstr per s at 1e-6")]
+    table: list[tuple[str, ...]] = [("scene", "peer", "best error", "us per s", "ours", "cheaper", "digits")]
+    floors: list[tuple[str, ...]] = [
+        ("scene", "error bar", "least error", "raised by", "kinstr per s at 1e-6")
+    ]
     for name in given.scenes:
         with console.status(name):
             found = measured(name, peers, knobs, given.limit)

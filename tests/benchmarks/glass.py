@@ -71,7 +71,9 @@ def reference(load: Load, t: np.ndarray) -> np.ndarray:
     glass = Glass(
         harmonics(RADIUS), MASS, INERTIA, HEIGHT, ABOVE, ((PUSH * edge, PUSH), (0.0,)), torque, velocity, spin
     )
-    return motion(glass, t - edge, SKIPPED).p + np.array([PUSH * edge**3 / (6 * MASS), 0.0, 0.0])
+    at_tip = np.array([PUSH * edge**3 / (6 * MASS), 0.0, 0.0])
+    places: np.ndarray = motion(glass, t - edge, SKIPPED).p + at_tip
+    return places
 
 
 def settings() -> Iterator[tuple[str, Accuracy]]:

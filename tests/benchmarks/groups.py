@@ -226,28 +226,32 @@ def gap(one: Placed, other: Placed, guesses: Iterable[np.ndarray]) -> float:
     if whole > -PROVED or (one.ring is None and other.ring is None):
         return whole
     if one.ring is not None and other.ring is not None:
-        return _circles(one, other)
-    ring, solid = (one, other) if one.ring is not None else (other, one)
-    return _least(lambda angle: _to_point(solid, ring.ring(angle)) - ring.thickness)  # type: ignore[misc]
+        return _circles(one.ring, other.ring) - one.thickness - other.thickness
+    if one.ring is not None:
+        return _to_circle(other, one.ring) - one.thickness
+    assert other.ring is not None
+    return _to_circle(one, other.ring) - other.thickness
+
+
+def _to_circle(solid: Placed, circle: Callable[[float], np.ndarray]) -> float:
+    return _least(lambda angle: _to_point(solid, circle(angle)))
 
 
 def _to_point(solid: Placed, point: np.ndarray) -> float:
     return separation(solid.support, lambda n: float(point @ n), [point - solid.centre])
 
 
-def _circles(one: Placed, other: Placed) -> float:
-    """Of two tori: the distance of their centre circles less both radii."""
-    assert one.ring is not None
-    assert other.ring is not None
+def _circles(one: Callable[[float], np.ndarray], other: Callable[[float], np.ndarray]) -> float:
+    """The distance of two circles."""
     angles = np.linspace(0, 2 * np.pi, RING, endpoint=False)
-    both = [np.array([ring(a) for a in angles]) for ring in (one.ring, other.ring)]
+    both = [np.array([ring(a) for a in angles]) for ring in (one, other)]
     apart = np.linalg.norm(both[0][:, None] - both[1][None], axis=2)
     i, k = np.unravel_index(int(apart.argmin()), apart.shape)
     least = minimize(
-        lambda at: float(np.sum((one.ring(at[0]) - other.ring(at[1])) ** 2)),  # type: ignore[misc]
+        lambda at: float(np.sum((one(at[0]) - other(at[1])) ** 2)),
         np.array([angles[i], angles[k]]), method="BFGS",
     )  # fmt: skip
-    return float(np.sqrt(least.fun)) - one.thickness - other.thickness
+    return float(np.sqrt(least.fun))
 
 
 def _least(distance: Callable[[float], float]) -> float:

@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import sys
 from time import process_time
+from typing import Any
 
 import numpy as np
 
+from modelgen.benchmark.peers.mjcf import words
 from tests.benchmarks.heaps import DRAG, SAMPLES, SPIN_DRAG, UNTIL, heap
 
 STEPS = (2e-3, 2e-4)  # s
@@ -32,11 +34,8 @@ MODEL = """
 BODY = '<body pos="{p}" quat="{q}"><freejoint/><geom type="ellipsoid" size="{axes}" density="500"/></body>'
 
 
-def words(values: object) -> str:
-    return " ".join(repr(float(v)) for v in np.ravel(values))
-
-
-def model_of(bodies: int, dt: float):
+def model_of(bodies: int, dt: float) -> Any:
+    """The MjModel of a heap."""
     import mujoco
 
     stones = [body for body in heap(bodies).bodies if body.motion == "dynamic"]

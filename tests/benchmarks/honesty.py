@@ -2,9 +2,9 @@
 
 Run with `python -m tests.benchmarks.honesty [--cases 10000] [--jobs 16] [--seed 1] [--scenes a,b]
 [--seconds 600] [--root FOLDER]`; one case again with `--scenes A --number 7`. Each scene is built twice, then
-its cases are runs of these two libraries (tests/measure/cases.py). What is in FOLDER, libraries and verdicts,
-is not made again. A run that calls itself estimated must not underestimate its error by more than ten times,
-and may overestimate it so in 5 %.
+its cases are runs of these two libraries (tests/benchmark/cases.py). What is in FOLDER, libraries and
+verdicts, is not made again. A run that calls itself estimated must not underestimate its error by more than
+ten times, and may overestimate it so in 5 %.
 """
 
 from __future__ import annotations
@@ -50,7 +50,8 @@ def case(name: str, number: int, seed: int, root: Path, end: float) -> Verdict |
     """A verdict; None where the time is up."""
     if time.time() > end:
         return None
-    return judged(name, *(library(name, real, root) for real in REALS), seed, number)
+    ours, truth = (library(name, real, root) for real in REALS)
+    return judged(name, ours, truth, seed, number)
 
 
 def remembered(store: Path) -> list[Verdict]:

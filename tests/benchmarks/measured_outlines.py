@@ -23,7 +23,8 @@ def polygon_distance(outline: Array) -> Callable[[Array], Array]:
         part = ((flat[:, None] - start) * along).sum(-1) / np.maximum((along**2).sum(-1), 1e-300)
         foot = start + np.clip(part, 0, 1)[..., None] * along
         depth = np.linalg.norm(flat[:, None] - foot, axis=-1).min(axis=1)
-        return np.where(area.contains_points(flat), -depth, depth).reshape(x.shape[:-1])
+        signed: Array = np.where(area.contains_points(flat), -depth, depth)
+        return signed.reshape(x.shape[:-1])
 
     return distance
 
@@ -54,7 +55,7 @@ def curve_distance(
         along, span = slope(foot), flat - at(foot)
         right = np.stack([along[:, 1], -along[:, 0]], axis=1)
         across = (span * right).sum(-1) / np.linalg.norm(along, axis=1)
-        found = np.copysign(np.linalg.norm(span, axis=1), across)
+        found: Array = np.copysign(np.linalg.norm(span, axis=1), across)
         return found.reshape(x.shape[:-1])
 
     return distance

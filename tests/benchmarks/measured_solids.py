@@ -96,7 +96,8 @@ def ellipsoid(a: float, b: float, c: float, cavity: bool = False) -> Solid:
     def distance(x: Array) -> Array:
         level = np.linalg.norm(x / axes, axis=-1)
         slope = np.linalg.norm(x / axes**2, axis=-1) / np.maximum(level, 1e-300)
-        return sign * (level - 1) / np.maximum(slope, 1e-300)
+        found: Array = sign * (level - 1) / np.maximum(slope, 1e-300)
+        return found
 
     def face(u: Array, v: Array) -> Array:
         t, turn = np.pi * u, TURN * v
@@ -108,7 +109,8 @@ def ellipsoid(a: float, b: float, c: float, cavity: bool = False) -> Solid:
 
 def torus(major: float, minor: float) -> Solid:
     def distance(x: Array) -> Array:
-        return np.hypot(np.hypot(x[..., 0], x[..., 1]) - major, x[..., 2]) - minor
+        found: Array = np.hypot(np.hypot(x[..., 0], x[..., 1]) - major, x[..., 2]) - minor
+        return found
 
     def face(u: Array, v: Array) -> Array:
         r = major + minor * np.cos(TURN * v)
@@ -123,7 +125,8 @@ def wavy_torus(major: float, minor: float, wave: float, skew: float) -> Solid:
     text = "minor*(1 + wave*cos(3*u)*cos(2*v) + skew*sin(u + v))"
 
     def radius(u: Array, v: Array) -> Array:
-        return minor * (1 + wave * np.cos(3 * u) * np.cos(2 * v) + skew * np.sin(u + v))
+        found: Array = minor * (1 + wave * np.cos(3 * u) * np.cos(2 * v) + skew * np.sin(u + v))
+        return found
 
     def distance(x: Array) -> Array:
         u, across = np.arctan2(x[..., 1], x[..., 0]), np.hypot(x[..., 0], x[..., 1]) - major
@@ -249,7 +252,8 @@ def hull(rng: np.random.Generator, size: float) -> Solid:
     planes, corners = found.equations, x[found.vertices]
 
     def distance(at: Array) -> Array:
-        return (at @ planes[:, :3].T + planes[:, 3]).max(axis=-1)
+        found: Array = (at @ planes[:, :3].T + planes[:, 3]).max(axis=-1)
+        return found
 
     def straight(a: Array, b: Array) -> Callable[[Array], Array]:
         return lambda t: a + np.asarray(t)[..., None] * (b - a)

@@ -126,7 +126,8 @@ def _hollow(at: Setting) -> Bodies:
     """A solid moves in a hollow, whose inner ball it just fits."""
     size, rng = at.size, at.rng
     if rng.random() < 0.5:
-        b = ellipsoid(*map(float, size * rng.uniform(1, 2, size=3)), cavity=True)
+        x, y, z = map(float, size * rng.uniform(1, 2, size=3))
+        b = ellipsoid(x, y, z, cavity=True)
     else:
         b = turned(size, size * rng.uniform(0.8, 1.5), rng.uniform(0.1, 0.4), rng.uniform(-0.05, 0.05), True)
     a = _fitting(at.seed, b.inner * (1 - at.clearance))
@@ -199,7 +200,7 @@ def penetration(drawn: Drawn, path: Trajectory) -> tuple[float, float]:
     """Deepest penetration over the samples of all pairs (m), and its time."""
     names = path.body_names
     rotations = {
-        name: [rotation_of(tuple(map(float, q))) for q in path.quaternion[:, names.index(name)]]
+        name: [rotation_of((w, x, y, z)) for w, x, y, z in path.quaternion[:, names.index(name)].tolist()]
         for name in names
     }
     worst = (-np.inf, 0.0)

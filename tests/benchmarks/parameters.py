@@ -15,6 +15,7 @@ import random
 import resource
 import sys
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
@@ -23,6 +24,7 @@ from modelgen import build, derive, emit, require, simulate
 from modelgen.codegen.library import Library
 from modelgen.codegen.library_variants import library_with
 from modelgen.runtime.tables.library_tables import library_tables
+from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.read import read_text
 
 REBUILDS = 3
@@ -131,6 +133,14 @@ def built(scene: str, values: Mapping[str, float], folder: Path) -> Library:
     return build(emit(derive(model)), folder=folder)
 
 
+def tables_with(library: Library, values: Mapping[str, float]) -> object:
+    return library_tables(library_with(library, values))
+
+
+def run_of(scene: str, values: Mapping[str, float], folder: Path) -> Trajectory:
+    return simulate(built(scene, values, folder), estimate=False)
+
+
 def cpu(call: Callable[[], object]) -> float:
     """CPU time of a call, s, with that of the processes that it starts."""
 
@@ -157,14 +167,12 @@ def measure(scene: str, points: int, folder: Path) -> dict[str, float]:
     library_with(library, values())
     for _ in range(points):
         point = values()
-        read.append(cpu(lambda point=point: library_tables(library_with(library, point))))
-        run.append(cpu(lambda point=point: simulate(library, parameters=point, estimate=False)))
+        read.append(cpu(partial(tables_with, library, point)))
+        run.append(cpu(partial(simulate, library, parameters=point, estimate=False)))
     for k in range(REBUILDS):
         point = values()
-        at = folder / str(k)
-        compiled.append(cpu(lambda point=point, at=at: simulate(built(scene, point, at), estimate=False)))
-        again = folder / "own"
-        known.append(cpu(lambda point=point, at=again: simulate(built(scene, point, at), estimate=False)))
+        compiled.append(cpu(partial(run_of, scene, point, folder / str(k))))
+        known.append(cpu(partial(run_of, scene, point, folder / "own")))
     medians = {"read": median(read), "run": median(run), "compiled": median(compiled), "known": median(known)}
     return {name: 1e3 * value for name, value in medians.items()}
 

@@ -30,6 +30,7 @@ from tests.running import NAMES, scene_of
 matplotlib.use("Agg")
 
 from matplotlib import pyplot as plt
+from matplotlib.figure import Figure
 
 RUN_SCENE, RUN_UNTIL, RUN_FRAMES = "ellipsoid_on_plane", 0.6, (0, 67, 133, 200)
 COLOURS, SHADES = 16, 256  # in a picture with few; in one with light and shade, or many curves
@@ -91,7 +92,7 @@ def draw_example(topic: str, path: Path) -> None:
     _reduce(path, SHADES)
 
 
-def _save(figure: plt.Figure, path: Path) -> None:
+def _save(figure: Figure, path: Path) -> None:
     """A PNG file of few colours, which is small."""
     figure.savefig(path, dpi=DPI)
     _reduce(path, COLOURS)

@@ -52,11 +52,12 @@ def main() -> None:
     given = parser.parse_args()
     known: dict[tuple[str, int], dict[str, Any]] = {}
     if given.out.exists():
-        rows = map(json.loads, given.out.read_text().splitlines())
-        known = {(row["example"], row["seed"]): row for row in rows}
+        found = map(json.loads, given.out.read_text().splitlines())
+        known = {(row["example"], row["seed"]): row for row in found}
     for name in given.only:
         example = import_module(f"tests.examples.{name}").problem()
-        solver, rows = example.solver(), []
+        solver = example.solver()
+        rows: list[dict[str, Any]] = []
         for seed in range(given.starts):
             if (name, seed) not in known:
                 known[name, seed] = {"example": name, "seed": seed} | solved(example, solver, seed)

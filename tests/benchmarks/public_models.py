@@ -56,7 +56,11 @@ def ran(scene: Path) -> dict[str, Any]:
     from modelgen import read
 
     what = read(scene)
-    counts = {"bodies": len(what.bodies), "joints": len(what.joints), "contacts": len(what.contacts)}
+    counts: dict[str, Any] = {
+        "bodies": len(what.bodies),
+        "joints": len(what.joints),
+        "contacts": len(what.contacts),
+    }
     begun = time.process_time(), time.perf_counter()
     code, out, error = command(scene.parent, "simulate", str(scene), "--accuracy", "fast", "--json")
     counts["s"] = round(time.perf_counter() - begun[1], 1)

@@ -14,7 +14,7 @@ import numpy as np
 
 from modelgen import build, derive, emit, require, simulate
 from modelgen.scene import python_scenes as make
-from modelgen.scene.scene_types import Scene
+from modelgen.scene.scene_types import Scene, Shape
 
 UNTIL = 1.0  # s
 SIDE = 4.0  # m, of the ground
@@ -40,7 +40,7 @@ def height(x: float, y: float) -> float:
     )
 
 
-def ground(points: int) -> object:
+def ground(points: int) -> Shape:
     at = [float(value) for value in np.linspace(-SIDE / 2, SIDE / 2, points)]
     return make.height_field(at, at, [[height(x, y) for y in at] for x in at])
 

@@ -20,6 +20,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -44,7 +45,7 @@ WALLS = {
 }
 TURN = [0.0, 6.283185307179586]
 RING = [[0.07, 0.0, 0.0], [0.0, 0.06, 0.02], [-0.07, 0.0, 0.0], [0.0, -0.06, -0.02]]
-SHAPES = {
+SHAPES: dict[str, Callable[[Callable[[], float]], dict[str, Any]]] = {
     "sphere": lambda r: {"radius": r()},
     "ellipsoid": lambda r: {"semi_axes": [r(), r(), r()]},
     "superellipsoid": lambda r: {"semi_axes": [r(), r(), r()], "exponents": [2.0, 2.0]},

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from statistics import median
@@ -49,7 +50,7 @@ def ours(accuracy: Accuracy) -> Track:
 
 def runs() -> Iterator[tuple[str, Callable[[], Track]]]:
     for name in ("fast", "balanced", "tight"):
-        yield f"modelgen {name}", lambda name=name: ours(getattr(Accuracy, name)())  # type: ignore[misc]
+        yield f"modelgen {name}", partial(ours, getattr(Accuracy, name)())
     for peer, module in (("mujoco", rolling_mujoco), ("pydrake", rolling_drake)):
         if find_spec(peer):
             yield from module.runs()
@@ -75,7 +76,7 @@ def drawn(rows: list[Row], picture: Path) -> None:
     from matplotlib import pyplot as plt
 
     figure, axes = plt.subplots(1, 2, figsize=(11, 4.5), layout="constrained")
-    values = {
+    values: dict[str, Callable[[Row], float]] = {
         "distance of the centre at 2 s, m": lambda row: row.centre,
         "|energy change| at 5 s over first kinetic energy": lambda row: abs(row.energy),
     }
@@ -91,7 +92,8 @@ def drawn(rows: list[Row], picture: Path) -> None:
 
 def main(picture: Path | None) -> None:
     truth = reference(TIMES)
-    exact = Track(*(np.asarray(a, float) for a in (truth.p, truth.R, truth.v, truth.w)), 0.0)
+    p, R, v, w = (np.asarray(values, float) for values in (truth.p, truth.R, truth.v, truth.w))
+    exact = Track(p, R, v, w, 0.0)
     rows = [judged(name, run(), exact) for name, run in runs()]
     print(f"samples every {TIMES[1]:g} s; judged at {JUDGED:g} s and {TIMES[-1]:g} s")
     print(table(rows))

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from time import process_time
 
 import numpy as np
 
+from modelgen.benchmark.peers.mjcf import words
 from tests.benchmarks.tracks import AXES, INERTIA, MASS, TIMES, Track, start
 
 MODEL = """
@@ -28,7 +30,6 @@ SOFT = 0.02  # MuJoCo's default time constant of contacts, s
 def run(dt: float, integrator: str, cone: str, reference: float) -> Track:
     import mujoco
 
-    words = lambda values: " ".join(repr(float(v)) for v in np.atleast_1d(values))  # noqa: E731
     begin = start()
     text = MODEL.format(
         integrator=integrator, dt=dt, cone=cone, reference=reference, p=words(begin.p),
@@ -56,5 +57,5 @@ def runs() -> Iterator[tuple[str, Callable[[], Track]]]:
     for dt in (2e-3, 1e-3, 1e-4, 1e-5):
         yield (
             f"MuJoCo implicitfast, solref 2 dt, dt {dt * 1e3:g} ms",
-            lambda dt=dt: run(dt, "implicitfast", "pyramidal", 2 * dt),  # type: ignore[misc]
+            partial(run, dt, "implicitfast", "pyramidal", 2 * dt),
         )

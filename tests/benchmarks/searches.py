@@ -130,21 +130,27 @@ def shots(starts: int) -> None:
             runs["plan"].append(2)
         factors = np.random.default_rng(seed).uniform(0.7, 1.3, model.n_u)  # those of `perturbed`
         start = (np.array(model.initial_u) * factors)[[0, 1, 3, 4]]
-        shot = Shot(example)
-        goal = {"type": "eq", "fun": lambda strike, shot=shot: shot.missed(strike)[:2]}
-        beside = {"type": "ineq", "fun": lambda strike, shot=shot: shot.missed(strike)[2:]}
-        answer = minimize(
-            shot.energy, start, method="SLSQP", constraints=[goal, beside], options={"ftol": 1e-8}
-        )
-        needed = shot.runs
-        if np.abs(shot.missed(answer.x)[:2]).max() < NEAR:
-            runs["differences"].append(needed)
-        shot = Shot(example)
-        by_cma(shot.cost, lambda shot=shot: shot.best < NEAR, start, np.array([0.3, 0.3, 1.0, 1.0]))
-        if shot.best < NEAR:
-            runs["CMA-ES"].append(shot.runs)
+        for name, way in (("differences", strike_by_differences), ("CMA-ES", strike_by_cma)):
+            needed = way(Shot(example), start)
+            if needed is not None:
+                runs[name].append(needed)
     for name, each in runs.items():
         tell("masse_shot", name, each, starts)
+
+
+def strike_by_differences(shot: Shot, start: Array) -> int | None:
+    """The runs until sequential quadratic programs end; None where that is not at the goal."""
+    goal = {"type": "eq", "fun": lambda strike: shot.missed(strike)[:2]}
+    beside = {"type": "ineq", "fun": lambda strike: shot.missed(strike)[2:]}
+    answer = minimize(shot.energy, start, method="SLSQP", constraints=[goal, beside], options={"ftol": 1e-8})
+    needed = shot.runs
+    return needed if np.abs(shot.missed(answer.x)[:2]).max() < NEAR else None
+
+
+def strike_by_cma(shot: Shot, start: Array) -> int | None:
+    """The runs until CMA-ES is at the goal; None where it does not get there."""
+    by_cma(shot.cost, lambda: shot.best < NEAR, start, np.array([0.3, 0.3, 1.0, 1.0]))
+    return shot.runs if shot.best < NEAR else None
 
 
 def tell(task: str, way: str, runs: list[int], starts: int) -> None:

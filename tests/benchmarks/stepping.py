@@ -9,6 +9,7 @@ import numpy as np
 
 from modelgen import Accuracy, simulate
 from modelgen.codegen.library import Library
+from modelgen.runtime.accuracy import Scheme
 from modelgen.runtime.trajectory import Trajectory
 from tests.oracles.pieces import times
 from tests.oracles.test_stepping_orders import flight
@@ -19,8 +20,8 @@ DRAG = {"body": "egg", "force": ["-2*vx", "-3*vy*sqrt(vx*vx + vy*vy)", "-vz"]}
 RATES = (1e0, 1e2, 1e4, 1e6, 1e8, 1e10)  # 1/s
 
 
-def stepped(library: Library, until: float, step: float, scheme: str) -> Trajectory:
-    record = Accuracy.balanced().time_stepping(step, scheme)  # type: ignore[arg-type]
+def stepped(library: Library, until: float, step: float, scheme: Scheme) -> Trajectory:
+    record = Accuracy.balanced().time_stepping(step, scheme)
     return simulate(library, until=until, samples=1, accuracy=record, estimate=False)
 
 

@@ -54,7 +54,7 @@ class Throw:
         self._library, self._target, self.runs = library, target, 0
 
     def _thrown(self, throw: np.ndarray) -> Library:
-        return with_velocity(self._library, BODY, throw)
+        return with_velocity(self._library, BODY, throw.tolist())
 
     def residual(self, throw: np.ndarray) -> np.ndarray:
         """(9,) the miss, m, and the throw against the first one, weighted."""
@@ -71,11 +71,13 @@ class Throw:
 
 
 def by_derivatives(throw: Throw, start: np.ndarray) -> np.ndarray:
-    return least_squares(throw.residual, start, jac=throw.slope, x_scale=SIZES).x
+    found: np.ndarray = least_squares(throw.residual, start, jac=throw.slope, x_scale=SIZES).x
+    return found
 
 
 def by_differences(throw: Throw, start: np.ndarray) -> np.ndarray:
-    return least_squares(throw.residual, start, jac="2-point", x_scale=SIZES).x
+    found: np.ndarray = least_squares(throw.residual, start, jac="2-point", x_scale=SIZES).x
+    return found
 
 
 def by_random_search(throw: Throw, start: np.ndarray) -> np.ndarray:

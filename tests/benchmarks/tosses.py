@@ -16,6 +16,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from modelgen import Accuracy, simulate
+from modelgen.benchmark.peers.mjcf import words
 from modelgen.scene import python_scenes as make
 from tests.oracles.friction.cube_toss import (
     HALF_WIDTH,
@@ -70,7 +71,6 @@ def ours(measured: Toss) -> tuple[Array, Rotation]:
 def mujoco_run(measured: Toss, cone: str) -> tuple[Array, Rotation]:
     import mujoco
 
-    words = lambda values: " ".join(repr(float(v)) for v in values)  # noqa: E731
     text = MODEL.format(
         step=STEP, cone=cone, mu=MU, mass=MASS, inertia=INERTIA, half=HALF_WIDTH,
         p=words(measured.p[0]), q=words(measured.quaternion),

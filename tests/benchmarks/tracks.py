@@ -33,7 +33,8 @@ class Track:
     @classmethod
     def of_quaternions(cls, p: Any, quaternion: Any, v: Any, w: Any, cost: float) -> Track:
         turned = Rotation.from_quat(np.roll(np.asarray(quaternion, float), -1, axis=-1)).as_matrix()
-        return cls(*(np.asarray(a, float) for a in (p, turned, v, w)), cost)
+        places, speeds, spins = (np.asarray(values, float) for values in (p, v, w))
+        return cls(places, np.asarray(turned, float), speeds, spins, cost)
 
     @property
     def energy(self) -> Array:
@@ -80,5 +81,5 @@ def start() -> Start:
     x = begun(body())
     R = rotation_of(x)
     quaternion = np.roll(Rotation.from_matrix(R.astype(float)).as_quat(), 1)
-    world = lambda vector: (R @ vector).astype(float)  # noqa: E731
-    return Start(x[P].astype(float), quaternion, world(x[V]), world(x[W]), x[W].astype(float))
+    v, w = ((R @ x[part]).astype(float) for part in (V, W))
+    return Start(x[P].astype(float), quaternion, v, w, x[W].astype(float))

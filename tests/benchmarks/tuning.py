@@ -1,7 +1,7 @@
 """Which errors `tune` can promise in each shipped scene, and whether it keeps them and its budgets.
 
 Run with `python -m tests.benchmarks.tuning [--jobs 16] [--scenes a,b]`: a line a scene, with what the
-registry says is reachable. `pytest -m slow tests/measure/test_promises.py` holds the two to each other.
+registry says is reachable. `pytest -m slow tests/benchmark/test_promises.py` holds the two to each other.
 """
 
 from __future__ import annotations

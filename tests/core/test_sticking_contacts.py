@@ -190,13 +190,16 @@ def forces_of(
 def motion_between(
     rng: np.random.Generator, J: Array, given: tuple[str, ...], other: tuple[str, ...]
 ) -> Array:
-    """d (6,) that leads from one set of modes to another, as far as equations say."""
+    """d (6,) that leads from one set of modes to another, as far as equations say.
+
+    It is a random vector projected, which, unlike a sum of basis vectors, does not depend on the basis found.
+    """
     held_rows = [null_space(J).T]  # J does not see these motions
     for k, (one, two) in enumerate(zip(given, other, strict=True)):
         if "opens" not in (one, two):
             held_rows.append(J[3 * k : 3 * k + (3 if two == "sticks" else 1)])
     free = null_space(np.vstack(held_rows))
-    return np.asarray(free @ rng.normal(size=free.shape[1]) * 10 ** rng.uniform(-3, 0))
+    return np.asarray(free @ (free.T @ rng.normal(size=6)) * 10 ** rng.uniform(-3, 0))
 
 
 def ambiguous(seed: int, count: int, modes: tuple[str, ...]) -> tuple[Held, Array] | None:

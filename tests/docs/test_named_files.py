@@ -1,4 +1,4 @@
-"""Files that prose names exist: in the manual, in docstrings, and in the comments of the core."""
+"""Files that prose names exist: in the manual, docstrings (of benchmarks too) and comments of the core."""
 
 from __future__ import annotations
 
@@ -13,7 +13,10 @@ NAMED = re.compile(r"(?<![\w./-])(?!exported/)((?:[a-z_]\w*/)+\w+\.(?:py|c|h))\b
 PLACES = (ROOT, ROOT / "modelgen", CORE)
 TEXTS = sorted(
     path
-    for folder, pattern in (("modelgen", "**/*.py"), ("modelgen", "**/*.md"), ("modelgen/core", "**/*.[ch]"))
+    for folder, pattern in (
+        *(("modelgen", "**/*.py"), ("modelgen", "**/*.md"), ("modelgen/core", "**/*.[ch]")),
+        ("tests/benchmarks", "*.py"),
+    )
     for path in (ROOT / folder).glob(pattern)
 )
 

@@ -7,12 +7,13 @@ import pytest
 from scipy.linalg import expm
 
 from modelgen import Accuracy, simulate
+from modelgen.runtime.accuracy import Scheme
 from modelgen.runtime.trajectory import Outcome, Trajectory
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Body, Scene
 from tests.running import library_of
 
-SCHEMES = ("stewart-trinkle", "anitescu-potra", "moreau")
+SCHEMES: tuple[Scheme, ...] = ("stewart-trinkle", "anitescu-potra", "moreau")
 STEPS = (4e-3, 2e-3, 1e-3, 5e-4)
 STEP, STILL = 1e-3, [0.0, 0.0, 0.0]
 INERTIA = 0.3  # kg m^2, of a wheel about its axis
@@ -24,9 +25,9 @@ def wheel(name: str = "wheel", **keys: object) -> Body:
 
 
 def stepped(
-    scene: Scene, until: float, step: float = STEP, scheme: str = "moreau", samples: int = 1
+    scene: Scene, until: float, step: float = STEP, scheme: Scheme = "moreau", samples: int = 1
 ) -> Trajectory:
-    record = Accuracy.balanced().time_stepping(step, scheme)  # type: ignore[arg-type]
+    record = Accuracy.balanced().time_stepping(step, scheme)
     path = simulate(library_of(scene), until=until, samples=samples, accuracy=record, estimate=False)
     assert path.outcome is Outcome.DONE
     return path
@@ -46,7 +47,7 @@ def hinged(spin: float, rest: float = 0.0, **joint: float) -> Scene:
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.cases(5)
 @pytest.mark.parametrize("rate", DECADES)
-def test_a_damper_alone_is_the_pade_approximation_of_its_decay(rate: float, scheme: str) -> None:
+def test_a_damper_alone_is_the_pade_approximation_of_its_decay(rate: float, scheme: Scheme) -> None:
     """The spin after n steps is R^n of the first, R(z) = (6 - 2 z)/(6 + 4 z + z^2), whatever the stiffness.
 
     |R - exp(-z)| <= z^4/72 by Taylor's remainder for z <= 1, and <= 0.11 for all z.
@@ -66,7 +67,7 @@ def test_a_damper_alone_is_the_pade_approximation_of_its_decay(rate: float, sche
 @pytest.mark.cases(4)
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize(("stiffness", "damping"), [(12.0, 0.0), (12.0, 0.6), (3.0, 9.0)])
-def test_a_sprung_hinge_is_of_order_two(stiffness: float, damping: float, scheme: str) -> None:
+def test_a_sprung_hinge_is_of_order_two(stiffness: float, damping: float, scheme: Scheme) -> None:
     """Against the exponential of its matrix."""
     matrix = np.array([[0, 1], [-stiffness / INERTIA, -damping / INERTIA]])
     angle, spin = expm(matrix) @ [-0.4, 1.5]
@@ -82,7 +83,7 @@ def test_a_sprung_hinge_is_of_order_two(stiffness: float, damping: float, scheme
 @pytest.mark.cases(6)
 @pytest.mark.parametrize("stiffness", [INERTIA * rate**2 for rate in DECADES])
 def test_an_undamped_spring_of_any_stiffness_keeps_what_is_its_energy_for_small_steps(
-    stiffness: float, scheme: str
+    stiffness: float, scheme: Scheme
 ) -> None:
     """The invariant of its 2 x 2 matrix, I (1 + y^2 / (4 (4 + y))) w^2 + k s^2 with y = h^2 k / I."""
     rest, spin = 1e-3 * min(1.0, (INERTIA / stiffness) ** 0.5), 1.5e-3
@@ -95,7 +96,7 @@ def test_an_undamped_spring_of_any_stiffness_keeps_what_is_its_energy_for_small_
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.cases(4)
 @pytest.mark.parametrize("damping", [10.0**k for k in range(2, 9)])
-def test_what_a_stiff_damper_lets_creep_creeps_as_it_should(damping: float, scheme: str) -> None:
+def test_what_a_stiff_damper_lets_creep_creeps_as_it_should(damping: float, scheme: Scheme) -> None:
     """The angle follows exp(-k t / c) where the rate c/I of the damper is up to 1e6 times that of the step.
 
     The start of the creep is shifted by the decay of the first spin within some steps, at most I/c or a step.
@@ -136,7 +137,7 @@ def test_the_ledger_of_a_damped_linkage_drifts_with_the_order_of_the_scheme(rate
 @pytest.mark.cases(3)
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("damping", [0.3, 3.0])
-def test_a_damped_linkage_converges_to_the_event_driven_run(damping: float, scheme: str) -> None:
+def test_a_damped_linkage_converges_to_the_event_driven_run(damping: float, scheme: Scheme) -> None:
     scene = pendulum(damping, 2.0)
     exact = simulate(library_of(scene), until=0.6, samples=1, accuracy=Accuracy.of(1e-12), estimate=False)
     errors = [float(np.abs(stepped(scene, 0.6, step, scheme).p[-1] - exact.p[-1]).max()) for step in STEPS]
@@ -145,7 +146,7 @@ def test_a_damped_linkage_converges_to_the_event_driven_run(damping: float, sche
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
-def test_a_hinge_with_a_huge_damper_is_a_weld(scheme: str) -> None:
+def test_a_hinge_with_a_huge_damper_is_a_weld(scheme: Scheme) -> None:
     """c = 1e12 N m s/rad lets the hinge turn by 1e-11 rad in the run."""
     library = library_of(pendulum(0, 0, "weld"))
     exact = simulate(library, until=0.6, samples=1, accuracy=Accuracy.of(1e-12), estimate=False)
@@ -194,7 +195,7 @@ def tree(seed: int) -> tuple[Scene, float]:
 @pytest.mark.cases(4)
 @pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("seed", range(40))
-def test_no_linkage_gains_energy_from_springs_and_dampers_of_any_stiffness(seed: int, scheme: str) -> None:
+def test_no_linkage_gains_energy_from_springs_and_dampers_of_any_stiffness(seed: int, scheme: Scheme) -> None:
     """The kinetic energy never exceeds what the springs stored: rates reach 1e8 per step."""
     scene, stored = tree(seed)
     path = stepped(scene, 0.5, scheme=scheme, samples=100)

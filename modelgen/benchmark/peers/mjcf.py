@@ -70,7 +70,7 @@ class Mjcf:
         native = "enable" if chosen.get("collider", "native") == "native" else "disable"
         return (
             f'<option integrator="{chosen["integrator"]}" timestep="{self.dt!r}" '
-            f'gravity="{_words(self.setup.scene.gravity)}" cone="{chosen.get("cone", "elliptic")}" '
+            f'gravity="{words(self.setup.scene.gravity)}" cone="{chosen.get("cone", "elliptic")}" '
             f'impratio="{chosen.get("impratio", 1.0)}" noslip_iterations="{chosen.get("noslip", 0)}" '
             f'tolerance="{chosen.get("solver", 1e-8)}" iterations="200" '
             f'ccd_tolerance="{chosen.get("ccd", 1e-6)}" ccd_iterations="200">'
@@ -87,11 +87,11 @@ class Mjcf:
         )
         sites = "".join(_sites(self.setup.scene, solid))
         name = body_name(self.setup.scene, solid.name)
-        pose = f'name="{name}" pos="{_words(solid.p)}" quat="{_words(solid.quaternion)}"'
+        pose = f'name="{name}" pos="{words(solid.p)}" quat="{words(solid.quaternion)}"'
         if solid.fixed:
             return f"<body {pose}>{geoms}{sites}</body>"
         inertia = [*np.diag(solid.inertia), solid.inertia[0, 1], solid.inertia[0, 2], solid.inertia[1, 2]]
-        inertial = f'<inertial pos="0 0 0" mass="{solid.mass!r}" fullinertia="{_words(inertia)}"/>'
+        inertial = f'<inertial pos="0 0 0" mass="{solid.mass!r}" fullinertia="{words(inertia)}"/>'
         return f"<body {pose}><freejoint/>{inertial}{geoms}{sites}</body>"
 
     def _ring(self, solid: Solid, shape: Shape) -> Iterator[str]:
@@ -103,12 +103,12 @@ class Mjcf:
         radius = numbers(shape)["radius"] + (tube if _is_linked(self.setup, pair) else -tube)
         turns = [2 * pi * k / number for k in range(number + 1)]
         points = [(radius * cos(turn), radius * sin(turn), 0.0) for turn in turns]
-        frame = f'pos="{_words(solid.at(shape))}" quat="{_words(shape.pose.quaternion)}"'
+        frame = f'pos="{words(solid.at(shape))}" quat="{words(shape.pose.quaternion)}"'
         sides = f'contype="{bit if first else 0}" conaffinity="{0 if first else bit}"'
         yield f"<frame {frame}>"
         for a, b in pairwise(points):
             yield (
-                f'<geom type="capsule" fromto="{_words([*a, *b])}" size="{tube!r}" {sides} '
+                f'<geom type="capsule" fromto="{words([*a, *b])}" size="{tube!r}" {sides} '
                 f"{self._touch(pair)}/>"
             )
         yield "</frame>"
@@ -124,7 +124,7 @@ class Mjcf:
         dimension = 6 if own[3] else 4 if own[2] else 3 if own[0] else 1
         if is_ringed(self.setup.scene, pair):
             own = own[1:4]
-        friction = f'condim="{dimension}"' + (f' friction="{_words(own)}"' if own[0] else "")
+        friction = f'condim="{dimension}"' + (f' friction="{words(own)}"' if own[0] else "")
         damping = _damping(pair.restitution.value)
         if self.settings.get("contact", "tied") == "tied":
             return f'{friction} solref="{2 * self.dt / damping!r} {damping!r}" solimp="{HARD}"'
@@ -240,7 +240,7 @@ def _meshes(solids: Iterable[Solid]) -> Iterator[str]:
         for shape in solid.shapes:
             corners = _corners(shape)
             if corners and shape.kind not in PRIMITIVES:
-                points = _words(value for corner in corners for value in corner)
+                points = words(value for corner in corners for value in corner)
                 yield f'<mesh name="{solid.name}/{shape.name}" vertex="{points}"/>'
 
 
@@ -248,15 +248,15 @@ def _geom(setup: Setup, solid: Solid, shape: Shape) -> str:
     where = f"{solid.name}/{shape.name}"
     if not any(partner == (solid.name, shape.name) for partner, _ in _touching(setup.scene)):
         return ""
-    placed = f'name="{where}" pos="{_words(solid.at(shape))}" quat="{_words(shape.pose.quaternion)}"'
+    placed = f'name="{where}" pos="{words(solid.at(shape))}" quat="{words(shape.pose.quaternion)}"'
     silent = 'contype="0" conaffinity="0"'  # the listed pairs alone touch
     if shape.kind == "plane":
         return f'<geom type="plane" size="0 0 1" {placed} {silent}/>'
     if shape.kind == "circle":
         radius = numbers(shape)["radius"]
-        return f'<geom type="cylinder" size="{_words([radius, THIN * radius])}" {placed} {silent}/>'
+        return f'<geom type="cylinder" size="{words([radius, THIN * radius])}" {placed} {silent}/>'
     if shape.kind in PRIMITIVES:
-        return f'<geom type="{shape.kind}" size="{_words(_size(shape))}" {placed} {silent}/>'
+        return f'<geom type="{shape.kind}" size="{words(_size(shape))}" {placed} {silent}/>'
     return f'<geom type="mesh" mesh="{where}" {placed} {silent}/>'
 
 
@@ -274,7 +274,7 @@ def _sites(scene: Scene, solid: Solid) -> Iterator[str]:
         ]  # fmt: skip
         for end, (body, point) in enumerate(ends):
             if body == solid.name:
-                yield f'<site name="{k}/{end}" pos="{_words(np.array(point) - solid.centre)}"/>'
+                yield f'<site name="{k}/{end}" pos="{words(np.array(point) - solid.centre)}"/>'
 
 
 def _springs(scene: Scene) -> Iterator[str]:
@@ -295,10 +295,10 @@ def _motors(scene: Scene) -> list[str]:
         axes = f' refsite="{WORLD}"' if load.frame == "world" else ""
         for axis in AXES:
             zero = np.zeros(3)
-            gear = _words([*axis, *zero] if isinstance(load, ForceLoad) else [*zero, *axis])
+            gear = words([*axis, *zero] if isinstance(load, ForceLoad) else [*zero, *axis])
             found.append(f'<motor site="{k}/0"{axes} gear="{gear}"/>')
     return found
 
 
-def _words(values: Iterable[float]) -> str:
+def words(values: Iterable[float]) -> str:
     return " ".join(repr(float(value)) for value in values)
