@@ -315,8 +315,9 @@ typedef struct {
   mg_real search_gap;      /* contacts that appear in a run are followed from gaps below search_gap * pair length */
   mg_real search_movement; /* MG_SEARCH_MOVED: a pair is searched after it has moved by search_movement * pair length */
   mg_real flat_angle;      /* rad: faces within this angle of parallel lie flat on each other */
-  mg_real parallel_angle;  /* rad: time-stepping holds straight features within this angle of parallel at both ends of
-                              the line along which they touch */
+  mg_real parallel_angle;  /* rad: straight features that touch along a line are held at both ends of it, in
+                              time-stepping within this angle of parallel, in event-driven runs beyond an end up to this
+                              angle where they are too nearly parallel to be followed between the ends */
   mg_real imaginary_edge;  /* rad: a face turns about a tangent of its curved rim, fixed in the body, up to this
                               tilt (section 5.3 of the paper); 0: it rolls on the rim at once */
   mg_real boundary_coincidence; /* boundaries of two faces nearer than boundary_coincidence * length coincide */

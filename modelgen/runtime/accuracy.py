@@ -136,8 +136,9 @@ class Accuracy:
         search_gap: a search follows contacts with gaps up to this times P.
         search_movement: a pair that can touch more than once is searched again after moving by this times P.
         flat_angle: rad; a rim closer to a plane than this angle stands on three of its points.
-        parallel_angle: rad; in time-stepping, straight sides and edges closer to parallel than this are held
-            at both ends of their line of contact.
+        parallel_angle: rad; straight sides and edges closer to parallel than this are held at both ends of
+            their line of contact: in event-driven runs where they are too nearly parallel (search_margin) to
+            be followed between its ends.
         imaginary_edge: rad; if positive, a face turns over a smooth rim about a tangent fixed in the body up
             to this angle (section 5.3), before it rolls on the rim.
         boundary_coincidence: boundaries of two faces nearer to each other than this times L coincide.

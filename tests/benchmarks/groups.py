@@ -1,12 +1,12 @@
 """Bodies of six shapes dropped into a box, with no pair listed: what a group of contacts costs.
 
-Run with `python -m tests.benchmarks.groups [--seeds 50 [--out FILE]] [--shapes torus,dome]`. The first run
-takes all pairs as candidates (`[contacts]` with `between = "all"`); the second lists the pairs that met in
-the first; least CPU time of some rounds that alternate. With --seeds, so many groups are dropped instead,
-and the deepest penetration of any two bodies in the samples of each run is told by an independent distance:
-the largest gap along a direction, by support functions in closed form (the normals of the run are tried
-first: any direction proves a least gap); of tori from points of their centre circles. Results are added to
-FILE, and seeds that it holds are not run again.
+Run with `python -m tests.benchmarks.groups [--seeds 50 [--first 0] [--out FILE]] [--shapes torus,dome]`.
+The first run takes all pairs as candidates (`[contacts]` with `between = "all"`); the second lists the
+pairs that met in the first; least CPU time of some rounds that alternate. With --seeds, so many groups are
+dropped instead, and the deepest penetration of any two bodies in the samples of each run is told by an
+independent distance: the largest gap along a direction, by support functions in closed form (the normals
+of the run are tried first: any direction proves a least gap); of tori from points of their centre circles.
+Results are added to FILE, and seeds that it holds are not run again.
 """
 
 from __future__ import annotations
@@ -295,14 +295,14 @@ def deepest(ran: Ran, bodies: list[Body]) -> float:
     return depth
 
 
-def seeds(count: int, shapes: list[str], out: Path | None) -> None:
+def seeds(taken: Iterable[int], shapes: list[str], out: Path | None) -> None:
     """Penetrations of groups, with bodies turned by different seeds."""
     known: dict[int, dict[str, Any]] = {}
     if out and out.exists():
         known = {each["seed"]: each for each in map(json.loads, out.read_text().splitlines())}
     print("| seed | outcome | end (s) | penetration_max (m) | independent (m) | CPU s |\n" + "|---" * 6 + "|")
     with TemporaryDirectory() as folder:
-        for seed in range(count):
+        for seed in taken:
             each = known.get(seed)
             if each is None:
                 bodies = dropped(shapes, seed=seed)
@@ -343,12 +343,13 @@ def costs(shapes: list[str]) -> None:
 def main() -> None:
     parser = ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=int, default=0)
+    parser.add_argument("--first", type=int, default=0, help="the first of the seeds")
     parser.add_argument("--out", type=Path)
     parser.add_argument("--shapes", default=SIX, help=f"of {', '.join(SHAPES)}")
     given = parser.parse_args()
     shapes = given.shapes.split(",")
     if given.seeds:
-        seeds(given.seeds, shapes, given.out)
+        seeds(range(given.first, given.first + given.seeds), shapes, given.out)
     else:
         costs(shapes)
 

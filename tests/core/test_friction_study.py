@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from modelgen.runtime.friction import Outcome, coulomb
-from tests.core.frictional import feasible, impossible, natural_map
+from tests.core.frictional import feasible, impossible, natural_map, stack
 
 FEW, MANY, NONE = 250, 5000, 500
 ENOUGH = 1e-9
@@ -29,6 +31,23 @@ def unsolved(core: Any, seeds: range) -> list[int]:
 
 def test_problems_with_a_solution_are_solved(lcp: Any) -> None:
     assert unsolved(lcp, range(FEW)) == []
+
+
+@pytest.mark.parametrize("boxes", [1, 2, 5])
+@pytest.mark.parametrize("uneven", [1e-3, 1e-5, 1e-7])
+def test_boxes_on_uneven_feet_rest_on_those_that_carry_them(boxes: int, uneven: float, lcp: Any) -> None:
+    """Four feet of a rigid box press at once only where they are even. From the forces of even feet the first
+    start leads to a solution, in which at least one foot of each box carries nothing."""
+    even = stack(boxes, 0.3)
+    start = coulomb(even, lcp).z
+    for seed in range(4):
+        b = even.b.copy()
+        b[::3] += uneven * np.random.default_rng(seed).normal(size=4 * boxes)
+        problem = replace(even, b=b)
+        answer = coulomb(problem, lcp, start=start, starts=1)
+        assert answer.outcome is Outcome.SOLVED
+        assert natural_map(problem, answer.z) <= ENOUGH
+        assert (answer.z[::3] > 0).sum() <= 3 * boxes
 
 
 @pytest.mark.cases(20)

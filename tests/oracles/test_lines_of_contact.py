@@ -1,4 +1,4 @@
-"""Bodies that lie on each other along a line, or almost so, in time-stepping: held at both ends of it."""
+"""Bodies that lie on each other along a line, or almost so: held at both ends of it."""
 
 from __future__ import annotations
 
@@ -33,6 +33,8 @@ PAIRS = [
     ("cylinder", 0.08, "cylinder", 0.06),
     ("box", 0.08, "capsule", 0.1),
 ]
+TILTS = [0.0, 1e-12, 1e-9, 1e-6, 1e-4, 1e-2]  # rad
+YAWS = [0.0, 1e-9, 1e-5]  # rad
 LEVEL = [pair for pair in PAIRS if pair[0] != "frustum"]  # whose lower body lies level on the floor
 
 
@@ -100,3 +102,50 @@ def test_a_body_at_rest_on_a_line_is_carried_by_both_of_its_ends(
     assert abs(moment) < 1e-6 * weight
     opened = [event for event in path.events if event.kind in ("lift-off", "vanish") and event.t > UNTIL / 2]
     assert not opened
+
+
+def descent(lower: Shape, upper: Shape, tilt: float, yaw: float, friction: float) -> Trajectory:
+    """The event-driven motion of a body that falls by 1 cm onto a fixed one, along whose level axis its own
+    lies but for the angles in rad, or onto a floor."""
+    along, on_floor = float(np.pi / 2), lower.kind == "plane"
+    ground = make.fixed("ground", lower, rpy=[0.0 if on_floor else along, 0, 0])
+    place = [0.0, 0.013, RADIUS * (1 if on_floor else 2) + 0.01]
+    body = make.dynamic("body", upper, density=500.0, position=place, rpy=[along + tilt, 0.0, yaw])
+    contact = [{"between": ["body", "ground"], **({"friction": friction} if friction else {})}]
+    library = library_of(make.scene("descent", [ground, body], contact=contact))
+    return simulate(library, until=0.2, samples=20, estimate=False)
+
+
+@pytest.mark.cases(12)
+@pytest.mark.parametrize("lower", ["capsule", "cylinder"])
+@pytest.mark.parametrize("upper", ["capsule", "cylinder"])
+@pytest.mark.parametrize("tilt", TILTS)
+@pytest.mark.parametrize("yaw", YAWS)
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_a_body_settles_on_a_line_as_on_a_floor(
+    lower: str, upper: str, tilt: float, yaw: float, friction: float
+) -> None:
+    """Its two ends move in the plane of both axes, where a line and a floor are the same."""
+    line = descent(SHAPES[lower](0.4), SHAPES[upper](0.1), tilt, yaw, friction)
+    floor = descent(make.plane(), SHAPES[upper](0.1), tilt, 0.0, friction)
+    touches, expected = (
+        [each.t for each in path.events if each.kind == "touch-down"] for path in (line, floor)
+    )
+    assert line.outcome.succeeded
+    assert len(line.events) <= 2 * len(floor.events) + 2
+    np.testing.assert_allclose(touches, expected, atol=1e-7)
+    assert line.penetration_max < WITHIN
+    np.testing.assert_allclose(line.p[:, -1, 2] - RADIUS, floor.p[:, -1, 2], atol=1e-8)
+
+
+@pytest.mark.cases(8)
+@pytest.mark.parametrize("pair", LEVEL, ids=lambda pair: f"{pair[2]}_on_{pair[0]}")
+@pytest.mark.parametrize("tilt", TILTS)
+@pytest.mark.parametrize("yaw", YAWS)
+def test_the_events_of_a_body_that_settles_across_the_end_of_a_line_are_few(
+    pair: tuple[str, float, str, float], tilt: float, yaw: float
+) -> None:
+    path = descent(SHAPES[pair[0]](pair[1]), SHAPES[pair[2]](pair[3]), tilt, yaw, 0.3)
+    assert path.outcome.succeeded
+    assert len(path.events) < 200
+    assert path.penetration_max < WITHIN

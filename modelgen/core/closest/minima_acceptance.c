@@ -63,7 +63,8 @@ MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta,
   found->undecided = mg_has_normal_sign(c, feature_pair) && has_no_outside && mg_is_side_undecided(c, feature_pair);
   if (!(mg_placement_margin(c, spare) > c->settings->search_margin)) return 0;
   if (mg_most_violated_condition(c, feature_pair, eta, &which) < -c->settings->feature_border) return 0;
-  if (mg_least_feature_pair_condition(c, feature_pair, eta, 1, &which) < -c->settings->appear_tilt_sine) return 0;
+  if (mg_least_feature_pair_condition(c, feature_pair, eta, MG_WATCHED, &which) < -c->settings->appear_tilt_sine)
+    return 0;
   found->feature_pair = feature_pair, found->margin = mg_placement_margin(c, spare);
   mg_record_minimum(c, found);
   if (found->d < -c->settings->start_gap * c->system->length && mg_is_between_far_sides(c, feature_pair)) return 0;

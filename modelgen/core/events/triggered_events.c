@@ -5,6 +5,7 @@
 #include "forces/forces.h"
 #include "integrate/integrate.h"
 #include "closest/closest.h"
+#include "features/features.h"
 
 /* Characteristic speed, length / time. */
 static mg_real mg_speed_scale(const mg_context *c) { return c->system->length / c->system->time; }
@@ -20,7 +21,13 @@ MG_INTERNAL int mg_may_leave_feature_pair(const mg_context *c, int contact) {
 }
 
 MG_INTERNAL int mg_is_off_feature_pair(mg_context *c, int contact, const mg_real *eta) {
-  return mg_most_violated_condition(c, c->run->feature_pair[contact], eta, c->events.broken_condition + contact) <
+  int *const condition = c->events.broken_condition + contact;
+  const mg_real value = mg_most_violated_condition(c, c->run->feature_pair[contact], eta, condition);
+  if (value >= -c->settings->feature_border) return 0;
+  if (value < -c->settings->parallel_angle ||
+      !mg_is_at_end_of_line(c, contact, c->system->condition_feature_pair[*condition]))
+    return 1;
+  return mg_least_feature_pair_condition(c, c->run->feature_pair[contact], eta, MG_LEAVING_ASIDE, condition) <
          -c->settings->feature_border;
 }
 
@@ -34,8 +41,8 @@ static int mg_find_feature_pair_exit(mg_context *c, int contact, mg_real *x) {
   if (mg_is_off_feature_pair(c, contact, eta)) return MG_LEAVES_FEATURE;
   const int is_touching = !c->run->closed[contact] && c->rows.d[contact] < c->settings->start_gap * c->system->length;
   if (!c->events.within_border[contact] || is_touching) return 0;
-  return mg_least_feature_pair_condition(c, feature_pair, eta, 1, c->events.broken_condition + contact) <
-                 -c->settings->feature_border
+  return mg_least_feature_pair_condition(c, feature_pair, eta, MG_SEARCHED_BEYOND,
+                                         c->events.broken_condition + contact) < -c->settings->feature_border
              ? MG_PASSES_BORDER
              : 0;
 }
@@ -44,7 +51,7 @@ static int mg_find_feature_pair_exit(mg_context *c, int contact, mg_real *x) {
 static mg_real mg_least_watched_condition(mg_context *c, int contact, mg_real *x, int *which) {
   const mg_real *eta = mg_contact_eta(c, x, contact);
   mg_place_contact(c, contact, eta, c->search.placement + 32);
-  return mg_least_feature_pair_condition(c, c->run->feature_pair[contact], eta, 1, which);
+  return mg_least_feature_pair_condition(c, c->run->feature_pair[contact], eta, MG_SEARCHED_BEYOND, which);
 }
 
 /* True if a contact beyond a watched border moves back towards it. Needs the slope at the run's state. */

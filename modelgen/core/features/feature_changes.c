@@ -59,6 +59,17 @@ static mg_real mg_transfer_to_feature_pair(mg_context *c, int from, int to, cons
   return mg_most_violated_condition(c, to, eta, which);
 }
 
+MG_INTERNAL int mg_is_at_end_of_line(mg_context *c, int contact, int line) {
+  const int feature_pair = c->run->feature_pair[contact];
+  mg_real at[14], eta[6];
+  int which;
+  if (line < 0 || mg_is_time_stepping(c) || !mg_ends_line(c, feature_pair, line)) return 0;
+  for (int k = 0; k < 14; k++) at[k] = c->search.placement[k];
+  const mg_real worst = mg_transfer_to_feature_pair(c, feature_pair, line, at, eta, &which);
+  for (int k = 0; k < 14; k++) c->search.placement[k] = at[k];
+  return worst < -c->settings->feature_border;
+}
+
 MG_INTERNAL int mg_is_minimum_tracked(mg_context *c, int pair, int contact, const mg_minimum *found) {
   mg_real eta[6];
   mg_minimum other;
@@ -278,8 +289,8 @@ static int mg_is_minimum_ignored(mg_context *c, const mg_minimum *found) {
   return found->d < -c->settings->start_gap * c->system->length || mg_fate_of_minimum(c, found) != MG_MINIMUM_STAYS;
 }
 
-/* True if the feature pair is of straight features that touch along a line, and are nowhere nearer than at the end of
-   it at which time-stepping holds a contact. */
+/* True if the feature pair is of straight features that touch along a line, and are nowhere nearer than at an end of it
+   at which a contact is. */
 static int mg_is_line_held_at_end(mg_context *c, int pair, int feature_pair) {
   mg_real next[6];
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
@@ -287,7 +298,9 @@ static int mg_is_line_held_at_end(mg_context *c, int pair, int feature_pair) {
     if (held < 0 || !mg_ends_line(c, held, feature_pair)) continue;
     const mg_real *eta = mg_contact_eta(c, c->run->x, i);
     mg_place_contact(c, i, eta, next);
-    if (mg_least_line_end_condition(c, held, feature_pair, eta) >= -c->settings->feature_border) return 1;
+    if (mg_least_line_end_condition(c, held, feature_pair, eta) >= -c->settings->feature_border ||
+        mg_is_at_end_of_line(c, i, feature_pair))
+      return 1;
   }
   return 0;
 }
@@ -296,11 +309,9 @@ static int mg_is_line_held_at_end(mg_context *c, int pair, int feature_pair) {
 static void mg_search_free_feature_pairs(mg_context *c, int pair, const mg_search_limits *limits, mg_real least,
                                          mg_minima *kept) {
   const mg_system *s = c->system;
-  const int has_held_lines = mg_is_time_stepping(c);
   for (int feature_pair = s->pair_feature_pair[pair]; feature_pair < s->pair_feature_pair[pair + 1]; feature_pair++)
     if (!mg_is_feature_pair_in_use(c, pair, feature_pair) && !mg_is_out_of_reach(c, feature_pair) &&
-        !mg_is_feature_pair_covered(c, feature_pair) &&
-        !(has_held_lines && mg_is_line_held_at_end(c, pair, feature_pair)))
+        !mg_is_feature_pair_covered(c, feature_pair) && !mg_is_line_held_at_end(c, pair, feature_pair))
       mg_search_feature_pair(c, feature_pair, limits, least, kept);
 }
 
@@ -420,11 +431,11 @@ static int mg_is_pair_without_contacts(const mg_context *c, int pair) {
 }
 
 /* True if the pair is not searched as long as it has a contact, and has one; or not as long as one of its contacts is
-   closed, unless time-stepping holds that at the end of a line. */
+   closed, unless a search is due, as where that is held at the end of a line. */
 static int mg_is_search_needless(const mg_context *c, int pair) {
   const int search = c->system->pair_search[pair];
   if (search != MG_SEARCH_APART) return search == MG_SEARCH_NEVER && !mg_is_pair_without_contacts(c, pair);
-  if (c->run->moved_since_search[pair] >= MG_SEARCH_DUE && mg_is_time_stepping(c)) return 0;
+  if (c->run->moved_since_search[pair] >= MG_SEARCH_DUE) return 0;
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
     if (c->run->closed[i]) return 1;
   return 0;

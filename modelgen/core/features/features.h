@@ -10,6 +10,11 @@
 /* True if another contact of the pair is at this minimum, or converges to it. */
 MG_INTERNAL int mg_is_minimum_tracked(mg_context *c, int pair, int contact, const mg_minimum *found);
 
+/* True if a contact of an event-driven run is held at the end of a line along which the straight features of the
+   feature pair `line` touch: they are so nearly parallel that their own equations are singular, or have closest points
+   only beyond the ends. Needs its placement. */
+MG_INTERNAL int mg_is_at_end_of_line(mg_context *c, int contact, int line);
+
 /* Take a contact off its feature pair, remember its point for the search, and report that it vanishes. */
 MG_INTERNAL void mg_release_contact(mg_context *c, mg_events *events, int contact);
 

@@ -162,29 +162,43 @@ MG_INTERNAL mg_real mg_feature_pair_condition(const mg_context *c, int feature_p
   return mg_condition_value(c, feature_pair, k, eta, &view);
 }
 
-/* True if a contact goes on a little beyond a condition: where a line along which straight features touch ends. */
-static int mg_is_held_line_end(const mg_context *c, int condition) {
-  return c->system->condition_is_line_end[condition] && mg_is_time_stepping(c);
+/* True if a condition is one of those: MG_LEAVING .. . */
+static int mg_is_condition_of(const mg_context *c, int condition, int those) {
+  const int is_watched = c->system->condition_feature_pair[condition] == MG_BEYOND_WATCHED,
+            ends_line = c->system->condition_is_line_end[condition];
+  switch (those) {
+    case MG_LEAVING:
+      return !is_watched;
+    case MG_LEAVING_ASIDE:
+      return !is_watched && !ends_line;
+    case MG_WATCHED:
+      return is_watched;
+    default:
+      return is_watched || ends_line;
+  }
 }
 
 MG_INTERNAL mg_real mg_least_feature_pair_condition(const mg_context *c, int feature_pair, const mg_real *eta,
-                                                    int watched, int *which) {
+                                                    int those, int *which) {
   mg_feature_view view = {.side = -1};
   mg_real least = MG_MAX;
   *which = -1;
   for (int k = c->system->feature_pair_condition[feature_pair]; k < c->system->feature_pair_condition[feature_pair + 1];
        k++) {
-    if ((c->system->condition_feature_pair[k] == MG_BEYOND_WATCHED) != watched) continue;
-    const mg_real slack = mg_is_held_line_end(c, k) ? c->settings->parallel_angle : 0,
+    if (!mg_is_condition_of(c, k, those)) continue;
+    const int is_held = c->system->condition_is_line_end[k] && mg_is_time_stepping(c);
+    const mg_real slack = is_held ? c->settings->parallel_angle : 0,
                   value = mg_condition_value(c, feature_pair, k, eta, &view) + slack;
     if (value < least) least = value, *which = k;
   }
   return least;
 }
 
-/* True if a contact is held a little beyond a condition of its feature pair, at the end of that line; -1: of any. */
+/* True if a contact may be held a little beyond a condition of its feature pair, at the end of that line; -1: of any.
+ */
 static int mg_is_end_of_line(const mg_context *c, int condition, int line) {
-  return mg_is_held_line_end(c, condition) && (line < 0 || c->system->condition_feature_pair[condition] == line);
+  return c->system->condition_is_line_end[condition] &&
+         (line < 0 || c->system->condition_feature_pair[condition] == line);
 }
 
 MG_INTERNAL int mg_ends_line(const mg_context *c, int feature_pair, int line) {
@@ -204,7 +218,7 @@ MG_INTERNAL mg_real mg_least_line_end_condition(const mg_context *c, int feature
 }
 
 MG_INTERNAL mg_real mg_most_violated_condition(const mg_context *c, int feature_pair, const mg_real *eta, int *which) {
-  return mg_least_feature_pair_condition(c, feature_pair, eta, 0, which);
+  return mg_least_feature_pair_condition(c, feature_pair, eta, MG_LEAVING, which);
 }
 
 MG_INTERNAL int mg_has_normal_sign(const mg_context *c, int feature_pair) {

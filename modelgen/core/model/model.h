@@ -105,17 +105,24 @@ MG_INTERNAL mg_real mg_sine_between(const mg_real *a, const mg_real *b);
 /* Value of condition k at eta; it holds if >= 0. Needs mg_place_contact at eta. */
 MG_INTERNAL mg_real mg_feature_pair_condition(const mg_context *c, int feature_pair, int k, const mg_real *eta);
 
-/* Least value of the conditions of a feature pair at eta, of the watched ones or of the others, and its number in
- *which (-1: there are none). Needs mg_place_contact at eta. */
-MG_INTERNAL mg_real mg_least_feature_pair_condition(const mg_context *c, int feature_pair, const mg_real *eta,
-                                                    int watched, int *which);
+/* Conditions of a feature pair. */
+enum {
+  MG_LEAVING = 0,        /* a contact leaves the feature pair beyond them */
+  MG_LEAVING_ASIDE = 1,  /* those of them that end no line */
+  MG_WATCHED = 2,        /* a contact stays on the feature pair beyond them */
+  MG_SEARCHED_BEYOND = 3 /* these, and those that end a line; the pair is searched beyond them */
+};
 
-/* Least value of the conditions that are not only watched; time-stepping adds parallel_angle to those that end a line.
- */
+/* Least value at eta of those conditions of a feature pair, and its number in *which (-1: there are none);
+   time-stepping adds parallel_angle to those that end a line. Needs mg_place_contact at eta. */
+MG_INTERNAL mg_real mg_least_feature_pair_condition(const mg_context *c, int feature_pair, const mg_real *eta,
+                                                    int those, int *which);
+
+/* Least value of the conditions beyond which a contact leaves the feature pair. */
 MG_INTERNAL mg_real mg_most_violated_condition(const mg_context *c, int feature_pair, const mg_real *eta, int *which);
 
-/* True if time-stepping holds contacts on a feature pair at the end of a line along which the straight features of the
-   feature pair `line` touch (-1: of any). */
+/* True if contacts on a feature pair may be held at the end of a line along which the straight features of the feature
+   pair `line` touch (-1: of any). */
 MG_INTERNAL int mg_ends_line(const mg_context *c, int feature_pair, int line);
 
 /* Least value at eta of the conditions by which it ends that line: where it is negative, the straight features are

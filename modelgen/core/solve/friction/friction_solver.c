@@ -23,6 +23,7 @@ static int mg_friction_sweep_and_newton(mg_scaled_friction *s, int rounds) {
       if (mg_friction_newton(s, MG_FRICTION_NEWTON_STEPS, augmented)) return 1;
       for (int i = 0; i < m; ++i) s->y[i] = swept[i];
     }
+    if (s->given->accepts_tolerance && s->residual <= MG_LCP_CAP / 4) return 1;
   }
   return 0;
 }

@@ -1,14 +1,21 @@
 /* Semismooth Newton method on the natural map of the contacts that carry force (Alart and Curnier, Comput. Methods
    Appl. Mech. Eng. 92 (1991), 353-375); the forces of the others are set to zero. The matrix is that of S +
    tikhonov I, which keeps forces that rank deficiency leaves free near where they are; the residual is that of S.
-   A step that the nonmonotone line search rejects is replaced by a step of regularised least squares. */
+   A step that the nonmonotone line search rejects is replaced by a step of regularised least squares.
+
+   phi is smooth as long as no contact changes its mode: begins or ends to press, to stick. Where S is singular there
+   may be no solution in the present modes, and least squares end at forces that no step in them improves. The step of S
+   + tikhonov I is then along forces that leave v as it is, in the sense in which they would lower phi; the iteration
+   goes on from where the first contact changes its mode along it. */
 #include "solve/friction/friction_solvers.h"
 #include "base/base.h"
 
 enum {
   MG_CONTACT_BLOCK = 6,         /* most rows of a contact */
   MG_LINE_SEARCH_HALVINGS = 10, /* most halvings of a step */
-  MG_LINE_SEARCH_MEMORY = 4     /* merits of which the largest must be undercut */
+  MG_LINE_SEARCH_MEMORY = 4,    /* merits of which the largest must be undercut */
+  MG_NEWTON_PATIENCE = 8,       /* most steps in a row that do not halve the least merit */
+  MG_STEPS_OF_CHANGE = 4        /* steps to a change of a mode */
 };
 
 typedef struct {
@@ -20,7 +27,15 @@ typedef struct {
   mg_real gy[MG_CONTACT_BLOCK * MG_CONTACT_BLOCK],
       gv[MG_CONTACT_BLOCK * MG_CONTACT_BLOCK]; /* of one contact, row by row */
   mg_real before[MG_LINE_SEARCH_MEMORY];
+  int has_changed; /* the step led to a change of a mode */
 } mg_semismooth;
+
+/* Steps that are left, and their progress. */
+typedef struct {
+  int left, slow;          /* steps; in a row without progress */
+  int changes;             /* changes of modes for which more steps are granted */
+  mg_real halved, changed; /* merits: the least of those that halved it; at the last change */
+} mg_newton_steps;
 
 /* Divides the memory. */
 static void mg_semismooth_open(mg_semismooth *n, mg_scaled_friction *s) {
@@ -190,6 +205,65 @@ static int mg_semismooth_line_search(mg_semismooth *n, int iteration, int halvin
   return 0;
 }
 
+/* True if no step in the present modes lowers the merit by much: J' right is small. */
+static int mg_semismooth_is_stationary(const mg_semismooth *n) {
+  const mg_real small = (mg_real)1e-2 * mg_max_abs(n->k, n->right);
+  for (int j = 0; j < n->k; ++j) {
+    mg_real slope = 0;
+    for (int r = 0; r < n->k; ++r) slope += n->J[r + j * n->k] * n->right[r];
+    if (fabs(slope) > small) return 0;
+  }
+  return 1;
+}
+
+/* Least positive root of a + 2 b x + c x^2; MG_MAX if there is none. */
+static mg_real mg_least_positive_root(mg_real a, mg_real b, mg_real c) {
+  const mg_real square = b * b - a * c;
+  if (!(square > 0)) return MG_MAX;
+  const mg_real sum = -b - (b > 0 ? (mg_real)sqrt(square) : -(mg_real)sqrt(square));
+  const mg_real roots[2] = {a / sum, sum / c};
+  mg_real least = MG_MAX;
+  for (int i = 0; i < 2; ++i)
+    if (roots[i] > 0 && roots[i] < least) least = roots[i];
+  return least;
+}
+
+/* Part of the step after which a part of a contact begins to slip or to stick, by Coulomb's law. */
+static mg_real mg_semismooth_part_change(const mg_semismooth *n, int part, mg_real radius, mg_real radius_step) {
+  const mg_scaled_friction *s = n->s;
+  mg_real a = -radius * radius, b = -radius * radius_step, c = -radius_step * radius_step;
+  for (int i = s->part_row[part]; i < s->part_row[part] + s->part_dim[part]; ++i) {
+    const mg_real q = s->y[i] - s->v[i] / s->rho[part], step = n->step[i] - n->image[i] / s->rho[part];
+    a += q * q, b += q * step, c += step * step;
+  }
+  return mg_least_positive_root(a, b, c);
+}
+
+/* Part of the step after which the first contact changes its mode, by Coulomb's law. */
+static mg_real mg_semismooth_first_change(const mg_semismooth *n) {
+  const mg_scaled_friction *s = n->s;
+  mg_real first = MG_MAX;
+  for (int c = 0; c < s->n; ++c) {
+    const int row = s->normal[c];
+    const mg_real press = s->y[row] - s->v[row], press_step = n->step[row] - n->image[row];
+    const mg_real radius = n->augmented ? press : s->y[row], radius_step = n->augmented ? press_step : n->step[row];
+    if (-press / press_step > 0) first = mg_min(first, -press / press_step);
+    for (int p = s->part[c]; p < s->part[c + 1] && press > 0; ++p)
+      first = mg_min(first, mg_semismooth_part_change(n, p, radius, radius_step));
+  }
+  return first;
+}
+
+/* Goes along the step to just beyond the first change of a mode. Returns 0 if the step is shorter. */
+static int mg_semismooth_change_mode(mg_semismooth *n, int iteration) {
+  mg_scaled_friction *s = n->s;
+  const mg_real length = s->theta > 0 ? MG_MAX : (1 + (mg_real)1e-6) * mg_semismooth_first_change(n);
+  if (!(length < 1)) return 0;
+  for (int i = 0; i < s->m; ++i) s->y[i] += length * n->step[i], s->v[i] += length * n->image[i];
+  n->before[(iteration + 1) % MG_LINE_SEARCH_MEMORY] = mg_semismooth_merit(n);
+  return n->has_changed = 1;
+}
+
 /* One step; returns 0 if all are rejected. */
 static int mg_semismooth_step(mg_semismooth *n, int iteration) {
   mg_real *x = n->y;
@@ -197,6 +271,7 @@ static int mg_semismooth_step(mg_semismooth *n, int iteration) {
   if (mg_semismooth_lu_step(n, x)) {
     mg_semismooth_expand_step(n, x);
     if (mg_semismooth_line_search(n, iteration, MG_LINE_SEARCH_HALVINGS)) return 1;
+    if (mg_semismooth_is_stationary(n) && mg_semismooth_change_mode(n, iteration)) return 1;
     mg_semismooth_assemble(n, MG_LCP_TIKHONOV);
   }
   for (mg_real damping = (mg_real)1e-6; damping < 10; damping *= 100) {
@@ -208,15 +283,31 @@ static int mg_semismooth_step(mg_semismooth *n, int iteration) {
   return 0;
 }
 
+/* Counts a step from a merit: steps->slow is the number of steps in a row that have not halved the least merit. The way
+   to a change of a mode does not count if it begins at a lesser merit than that to the change before. */
+static void mg_count_newton_step(mg_newton_steps *steps, mg_real merit, int changed) {
+  const int is_progress = merit < steps->halved / 2,
+            is_change = changed && steps->changes > 0 && merit < (mg_real)0.999 * steps->changed;
+  steps->slow = is_progress || is_change ? 0 : steps->slow + 1;
+  if (is_progress) steps->halved = merit;
+  if (is_change) steps->left += MG_STEPS_OF_CHANGE, --steps->changes;
+  if (changed) steps->changed = merit;
+  --steps->left;
+}
+
 MG_INTERNAL int mg_friction_newton(mg_scaled_friction *s, int limit, int augmented) {
   mg_semismooth n = {0};
+  mg_newton_steps steps = {limit, 0, s->n, MG_MAX, MG_MAX};
   mg_semismooth_open(&n, s);
   n.augmented = augmented;
   mg_friction_update_motion(s);
   n.before[0] = mg_semismooth_merit(&n);
-  for (int iteration = 0; iteration < limit; ++iteration) {
+  for (int iteration = 0; steps.left > 0 && steps.slow <= MG_NEWTON_PATIENCE; ++iteration) {
+    const mg_real merit = n.before[iteration % MG_LINE_SEARCH_MEMORY];
     ++s->newton;
+    n.has_changed = 0;
     if (!mg_semismooth_step(&n, iteration)) return mg_friction_update_best(s);
+    mg_count_newton_step(&steps, merit, n.has_changed);
     if (iteration % MG_LINE_SEARCH_MEMORY == MG_LINE_SEARCH_MEMORY - 1) mg_friction_update_motion(s);
     if (mg_friction_update_best(s)) {
       mg_friction_update_motion(s);
