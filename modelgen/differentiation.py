@@ -20,7 +20,7 @@ from itertools import accumulate
 
 import casadi as ca
 
-from modelgen.composition.closed_form import equations_of_forces
+from modelgen.composition.all_sticking_dynamics import equations_of_forces
 from modelgen.composition.constraint_forces import eliminated
 from modelgen.composition.shared_reciprocals import with_shared_reciprocals
 from modelgen.derivation import Derivation, Formula
