@@ -10,6 +10,7 @@ import pytest
 from modelgen import simulate
 from modelgen.runtime.trajectory import Outcome, Trajectory
 from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Scene
 from tests.oracles.pieces import TABLE, G, ball, imbalance, ran
 from tests.running import library_of
 
@@ -218,3 +219,36 @@ def test_closest_points_that_no_contact_can_follow_are_told(points: int) -> None
     assert len(sunk) == (points == 1)
     assert all(f"(ring-bar, t = {path.t_end:.6g} s)" in doubt for doubt in sunk)
     assert not sunk or path.penetration_pair == "ring-bar"
+
+
+def in_a_groove(places: Sequence[float]) -> Scene:
+    """Balls that are thrown along a groove of two planes, in which each touches both."""
+    walls = [
+        make.fixed(name, make.plane(), rpy=[turn, 0, 0])
+        for name, turn in (("left", np.pi / 4), ("right", -np.pi / 4))
+    ]
+    balls = [
+        make.dynamic(
+            f"ball{k}", make.sphere(0.1), density=1000.0, position=[place, 0, 0.1 * float(np.sqrt(2))],
+            velocity=[1.0 + place, 0, 0],
+        )
+        for k, place in enumerate(places)
+    ]  # fmt: skip
+    contact = [
+        {"between": [each.name, wall.name], "friction": 0.3, "restitution": 0.0}
+        for each in balls
+        for wall in walls
+    ]
+    return make.scene("groove", [*walls, *balls], contact=contact)
+
+
+def test_balls_that_do_not_meet_have_motions_that_are_proved_one_by_one() -> None:
+    """Each is held by more rows than are independent; no two of them share a body that forces move."""
+    places = (0.0, 1.0, 2.0)
+    alone = [simulate(library_of(in_a_groove([each])), until=0.5) for each in places]
+    together = simulate(library_of(in_a_groove(places)), until=0.5)
+    assert together.redundant_max > alone[0].redundant_max > 0
+    for k, path in enumerate(alone):
+        assert not path.doubts
+        assert together.p[:, 2 + k] == pytest.approx(path.p[:, 2], abs=1e-9)
+    assert not together.doubts

@@ -131,6 +131,12 @@ MG_INTERNAL mg_event_margin *mg_event_margins_of_sample(const mg_context *c, int
 /* Event margins of a slot: force, centre of pressure inside the hull, friction. */
 MG_INTERNAL mg_event_margin *mg_slot_event_margins(const mg_context *c, int slot);
 
+/* islands.c */
+
+/* Chains the n rows of c->lcp.rows by island: c->islands.head[root] is the first, c->islands.next[row] the one after,
+   else -1. */
+MG_INTERNAL void mg_chain_islands(mg_context *c, int n);
+
 /* smooth_dynamics.c */
 
 /* True if the prescribed path of a driven body is not finite at the present time. */

@@ -29,15 +29,13 @@ static int mg_set_slip_under_way(const mg_context *c, int contact, int *slides, 
   return *slides || mode == MG_FRICTION_OFF || mode == MG_STICKING;
 }
 
-/* Lists the rows of the closed contacts. Returns their number; 0 if there are others than contacts with one coefficient
-   of friction that stick, slide or open. */
-static int mg_list_closed_contacts(mg_context *c, mg_slip_under_way *slip, int *count) {
+/* Lists the rows of the contacts of an island. Returns their number; 0 if there are others than contacts with one
+   coefficient of friction that stick, slide or open. */
+static int mg_list_island_contacts(mg_context *c, int first, mg_slip_under_way *slip, int *count) {
   int n = 0;
   *count = 0;
-  if (c->system->n_joint_row) return 0;
-  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
+  for (int i = first; i >= 0; i = c->islands.next[i]) {
     const int k = *count, g = c->system->contact_friction[i];
-    if (!c->run->closed[i]) continue;
     if (k == MG_MOTION_CONTACTS || mg_is_support_contact(c, i) || !mg_has_one_coefficient(c, i) ||
         !mg_set_slip_under_way(c, i, slip->slides + k, slip->ratio + 2 * k))
       return 0;
@@ -80,11 +78,11 @@ static void mg_keep_proved_problem(mg_context *c, const mg_friction_problem *p, 
   for (int r = 0; r < p->n; r++) last->b[r] = p->b[r];
 }
 
-/* True if the present motion is proved to be the only one. */
-static int mg_is_present_motion_unique(mg_context *c) {
+/* True if the present motion of the bodies of an island is proved to be the only one. */
+static int mg_is_island_motion_unique(mg_context *c, int first) {
   mg_slip_under_way slip;
   int count;
-  const int n = mg_list_closed_contacts(c, &slip, &count);
+  const int n = mg_list_island_contacts(c, first, &slip, &count);
   const mg_friction_problem p = {
       n,        count,    MG_COULOMB, 0, c->friction.cone_first, c->friction.cone_rows, c->friction.cone,
       c->lcp.A, c->lcp.b, 0,          0};
@@ -99,6 +97,20 @@ static int mg_is_present_motion_unique(mg_context *c) {
   if (mg_is_problem_of_last_proof(c, &p, slip.slides)) return 1;
   if (!mg_is_motion_unique(&p, c->lcp.z, slip.slides, slip.ratio)) return 0;
   mg_keep_proved_problem(c, &p, slip.slides);
+  return 1;
+}
+
+/* The same of all bodies. An island of one contact has unique forces. */
+static int mg_is_present_motion_unique(mg_context *c) {
+  int n = 0;
+  if (c->system->n_joint_row) return 0;
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
+    if (c->run->closed[i]) c->lcp.rows[n++] = i;
+  mg_chain_islands(c, n);
+  for (int b = 0; b < c->system->n_body; b++)
+    if (c->islands.head[b] >= 0 && c->islands.next[c->islands.head[b]] >= 0 &&
+        !mg_is_island_motion_unique(c, c->islands.head[b]))
+      return 0;
   return 1;
 }
 

@@ -7,28 +7,6 @@
 #include "solve/lcp/lcp_solvers.h"
 #include "model/model.h"
 
-static int mg_root(int *parent, int body) {
-  while (parent[body] != body) body = parent[body] = parent[parent[body]];
-  return body;
-}
-
-/* Chains the n rows of c->lcp.rows by island: c->islands.head[root] is the first, c->islands.next[row] the one after,
- * else -1. */
-static void mg_chain(mg_context *c, int n) {
-  const mg_system *s = c->system;
-  for (int b = 0; b < s->n_body; b++) c->islands.parent[b] = b, c->islands.head[b] = -1;
-  for (int r = 0; r < n; r++) {
-    const int o = c->contacts.o[c->lcp.rows[r]], f = c->contacts.f[c->lcp.rows[r]];
-    if (mg_is_moved_by_forces(c, o) && mg_is_moved_by_forces(c, f))
-      c->islands.parent[mg_root(c->islands.parent, o)] = mg_root(c->islands.parent, f);
-  }
-  for (int r = n - 1; r >= 0; r--) {
-    const int root = mg_root(c->islands.parent, mg_moving_body(c, c->lcp.rows[r]));
-    c->islands.next[c->lcp.rows[r]] = c->islands.head[root];
-    c->islands.head[root] = c->lcp.rows[r];
-  }
-}
-
 /* Forces of the n rows of c->islands.rows, of which the matrix is assembled. */
 static void mg_solve_island(mg_context *c, int n, const mg_real *rate, mg_real *amount) {
   const int has_slip = c->friction.couples_normal && c->friction.slips,
@@ -94,7 +72,7 @@ static void mg_solve_listed_rows(mg_context *c, int n, const mg_real *rate, mg_r
     amount[c->lcp.rows[0]] = weight > 0 ? -rate[c->lcp.rows[0]] / weight : 0;
   } else if (n > 0 && mg_is_one_pair(c, n)) mg_hold_pair(c, n, rate, amount);
   else if (n > 0) {
-    mg_chain(c, n);
+    mg_chain_islands(c, n);
     for (int b = 0; b < c->system->n_body; b++)
       if (c->islands.head[b] >= 0) mg_hold_island(c, c->islands.head[b], rate, amount);
   }
