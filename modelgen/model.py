@@ -140,7 +140,7 @@ ENDS, WATCHED = -1, -2  # beyond a condition: the contact ends; it stays, but ot
 
 @dataclass(frozen=True, slots=True)
 class FeatureCondition:
-    """An inequality that holds while a contact stays on a feature pair (`scene.types.Condition`)."""
+    """An inequality that holds while a contact stays on a feature pair (`scene.scene_types.Condition`)."""
 
     kind: str
     side: int  # 0: of o, 1: of f

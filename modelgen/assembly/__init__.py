@@ -16,7 +16,7 @@ from modelgen.assembly.body_motions import bodies_of, check_observed, motion_of,
 from modelgen.assembly.characteristic_scales import scales_of
 from modelgen.assembly.contact_form_choice import Owner, contact_names, find_body, find_shape
 from modelgen.assembly.contact_warnings import soundness
-from modelgen.assembly.coplanar_faces import Shown, Unions
+from modelgen.assembly.faces_across_shapes import Shown, Unions
 from modelgen.assembly.feature_pairs import Whole
 from modelgen.assembly.friction_constraints import friction_constraints_of
 from modelgen.assembly.input_kinds import input_kinds
@@ -32,9 +32,9 @@ from modelgen.assembly.masses import (
     pose_numbers,
 )
 from modelgen.assembly.observed_influence import influencing
-from modelgen.assembly.pair_content import PairContent, PairContents
 from modelgen.assembly.patches import Faces, patches_of
 from modelgen.assembly.same_contacts import have_same_contacts, with_coefficients
+from modelgen.assembly.shared_pair_content import PairContent, PairContents
 from modelgen.errors import SceneError, expect
 from modelgen.model import (
     BodyEntry,

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from modelgen.geometry.curvature_bounds import is_hollow, touches_once
-from modelgen.geometry.features import features_of, is_composite
+from modelgen.geometry.shape_features import features_of, is_composite
 from modelgen.model import ENDS, WATCHED, FeaturePairEntry, Search
 from modelgen.scene.scene_types import ContactPair, Shape
 

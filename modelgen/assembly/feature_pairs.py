@@ -12,12 +12,12 @@ import numpy as np
 
 from modelgen.assembly.contact_form_choice import Owner, Partner, pair_up, shape_kind
 from modelgen.assembly.kind_list import KindList
-from modelgen.assembly.support_points import is_support_point, lies_flat, support_points_of, tilted
+from modelgen.assembly.rim_support_points import is_support_point, lies_flat, support_points_of, tilted
 from modelgen.contact.form_table import eta_layout, regular_forms
 from modelgen.errors import SceneError, nearest
 from modelgen.geometry.composites.feature_constructors import vertex
 from modelgen.geometry.extent import bounding_ball
-from modelgen.geometry.features import features_of, is_convex
+from modelgen.geometry.shape_features import features_of, is_convex
 from modelgen.model import ENDS, WATCHED, ContactKind, FeatureCondition, FeaturePairEntry, ShapeKind
 from modelgen.rotations import rotation_of
 from modelgen.scene.pose_arithmetic import compose, to_outer

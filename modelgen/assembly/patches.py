@@ -12,7 +12,7 @@ from modelgen.assembly.contact_form_choice import Partner, pair_up, shape_kind
 from modelgen.assembly.feature_pairs import Whole, is_allowed
 from modelgen.assembly.friction_constraints import has_friction
 from modelgen.assembly.kind_list import KindList
-from modelgen.assembly.support_points import SUPPORT_POINTS, rim_of
+from modelgen.assembly.rim_support_points import SUPPORT_POINTS, rim_of
 from modelgen.geometry.face_regions import Region, regions_of
 from modelgen.model import BoundaryEntry, ContactKind, FaceEntry, FeaturePairEntry, PatchEntry, ShapeKind
 from modelgen.scene.pose_arithmetic import compose, to_outer

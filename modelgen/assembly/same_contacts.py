@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from modelgen.assembly.coplanar_faces import terms_of
+from modelgen.assembly.faces_across_shapes import terms_of
 from modelgen.assembly.friction_constraints import friction_constraints_of
 from modelgen.model import BodyMotion, Model, PairEntry, PatchEntry
 from modelgen.scene.scene_types import ContactPair, Restitution, Scene, Vector

@@ -100,7 +100,7 @@ def check(scene: SceneFile, form: Form = None, brief: Brief = False, as_json: As
     """Say what a scene requires: kinds, forms, instruction counts, what leaving things out saves. Compiles
     nothing."""
     from modelgen.report.check import check_facts, print_check
-    from modelgen.report.pruning_savings import savings_of
+    from modelgen.report.savings_by_decision import savings_of
 
     derivation = derive_scene(read_scene(scene, form))
     facts = check_facts(derivation)
@@ -248,7 +248,7 @@ def inspect(
     as_json: AsJson = False,
 ) -> None:
     """Print the formulas of a scene or of a kind of contact: source, units, cost, tree, numbers, status."""
-    from modelgen.report.inspection import inspected, written
+    from modelgen.report.formula_inspection import inspected, written
 
     if out is not None:
         check_file(out)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from modelgen.assembly import Q_SIZE, U_SIZE
-from modelgen.assembly.pair_content import eta_size
+from modelgen.assembly.shared_pair_content import eta_size
 from modelgen.codegen.bounds_programs import programs_text
 from modelgen.codegen.manifest import CENTRE_CURVES, FEET, have_centre_curves
 from modelgen.codegen.manifest_instance import J_SIZE

@@ -11,7 +11,7 @@ from modelgen.assembly.masses import pose_numbers
 from modelgen.geometry.composites.extrusions import outline_points
 from modelgen.geometry.coordinate_domains import dimension_of
 from modelgen.geometry.extent import bounding_ball
-from modelgen.geometry.features import is_composite
+from modelgen.geometry.shape_features import is_composite
 from modelgen.geometry.shape_samples import samples_of
 from modelgen.model import Model
 from modelgen.scene.scene_types import Body, Shape

@@ -14,7 +14,7 @@ from modelgen.geometry.coordinate_domains import domain_of
 from modelgen.geometry.curves import curve_of
 from modelgen.geometry.extent import bounding_radius
 from modelgen.geometry.face_meshes import face_mesh
-from modelgen.geometry.features import features_of
+from modelgen.geometry.shape_features import features_of
 from modelgen.rotations import rotation_of
 from modelgen.scene.scene_types import Body, Pose, Shape
 

@@ -12,8 +12,8 @@ import numpy as np
 
 from modelgen.errors import SceneError
 from modelgen.geometry.curves import curve_of
-from modelgen.geometry.features import features_of
 from modelgen.geometry.frames import cross
+from modelgen.geometry.shape_features import features_of
 from modelgen.geometry.surface_catalogue import surface_of
 from modelgen.scene.scene_types import Chart, Shape
 from modelgen.scene.spline_values import ControlPolygon, Net

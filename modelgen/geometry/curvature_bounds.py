@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from math import inf
 
-from modelgen.geometry.features import is_convex
+from modelgen.geometry.shape_features import is_convex
 from modelgen.scene.scene_types import Shape
 
 STRAIGHT = ("point", "line", "segment", "edge")  # convex, though they bound no material

@@ -10,8 +10,8 @@ from math import hypot, inf, isfinite, sqrt
 import numpy as np
 
 from modelgen.geometry.curves import curve_of, is_curve
-from modelgen.geometry.features import features_of, is_composite
 from modelgen.geometry.points import is_point
+from modelgen.geometry.shape_features import features_of, is_composite
 from modelgen.geometry.surface_catalogue import surface_of
 from modelgen.scene.pose_arithmetic import to_outer
 from modelgen.scene.scene_types import Shape, Vector

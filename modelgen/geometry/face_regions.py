@@ -12,7 +12,7 @@ import numpy as np
 
 from modelgen.geometry.coordinate_domains import domain_of
 from modelgen.geometry.curves import curve_of, is_curve
-from modelgen.geometry.features import features_of
+from modelgen.geometry.shape_features import features_of
 from modelgen.rotations import rotation_of
 from modelgen.scene.expression import Number
 from modelgen.scene.pose_arithmetic import UPSIDE_DOWN, compose, frame, to_inner, to_outer

@@ -12,8 +12,8 @@ import numpy as np
 from modelgen.geometry.coordinate_domains import domain_of
 from modelgen.geometry.curves import curve_of
 from modelgen.geometry.extent import bounding_radius
-from modelgen.geometry.features import features_of
 from modelgen.geometry.frames import cross
+from modelgen.geometry.shape_features import features_of
 from modelgen.geometry.surface_catalogue import exterior_sign, surface_of
 from modelgen.rotations import Array, rotation_of
 from modelgen.scene.custom_solid_checks import quadric

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.assembly.pair_content import eta_size
+from modelgen.assembly.shared_pair_content import eta_size
 from modelgen.contact.form_table import contact_kernels
 from modelgen.derivation import Derivation
 from modelgen.errors import ModelgenError, expect

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 from modelgen import derive, require
 from modelgen.joint.joint_table import FORMS as JOINTS
-from modelgen.report.inspection import inspected, written
+from modelgen.report.formula_inspection import inspected, written
 from tests.verification.test_status import PAIRS
 
 WIDTH, TALLEST = 1300, 8000  # px of a picture

@@ -13,7 +13,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from modelgen import build, derive, emit, read, require
-from modelgen.report.pruning_savings import DECISIONS, Saving, savings_of
+from modelgen.report.savings_by_decision import DECISIONS, Saving, savings_of
 from modelgen.scene.scene_types import Scene
 from tests.running import NAMES, SCENES
 

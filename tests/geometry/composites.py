@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from modelgen.geometry.features import features_of
+from modelgen.geometry.shape_features import features_of
 from modelgen.geometry.surface_catalogue import surface_of
 from modelgen.rotations import rotation_of
 from modelgen.scene import python_scenes as build

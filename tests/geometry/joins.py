@@ -9,8 +9,8 @@ import numpy as np
 
 from modelgen.contact.form_table import FORMS, contact_kernels, eta_layout
 from modelgen.geometry.curves import curve_of, is_curve
-from modelgen.geometry.features import features_of
 from modelgen.geometry.frames import cross
+from modelgen.geometry.shape_features import features_of
 from modelgen.geometry.surface_catalogue import surface_of
 from modelgen.model import ContactKind, ShapeKind, Side
 from modelgen.scene.scene_types import Feature, Shape

@@ -9,9 +9,9 @@ import pytest
 
 from modelgen.errors import SceneError
 from modelgen.geometry.composites.charts_with_poles import INNER
-from modelgen.geometry.features import features_of, is_composite, is_convex
 from modelgen.geometry.pole_caps import DEGREE, Pole, cap_at, poles_of
 from modelgen.geometry.polynomial_pieces import cap_degree, cap_exponents
+from modelgen.geometry.shape_features import features_of, is_composite, is_convex
 from modelgen.scene import python_scenes as build
 from modelgen.scene.scene_types import Shape
 from tests.geometry.joins import COUNT, change, curvatures, features, forms_of, jets

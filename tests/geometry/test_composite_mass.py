@@ -12,8 +12,8 @@ from scipy.spatial import ConvexHull
 
 from modelgen.errors import SceneError
 from modelgen.geometry.extent import bounding_radius
-from modelgen.geometry.features import features_of
 from modelgen.geometry.mass_properties import mass_properties
+from modelgen.geometry.shape_features import features_of
 from modelgen.scene import python_scenes as build
 from modelgen.scene.scene_types import Shape
 

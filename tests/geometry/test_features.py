@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from modelgen.geometry.features import features_of, is_composite, is_convex
+from modelgen.geometry.shape_features import features_of, is_composite, is_convex
 from modelgen.rotations import rotation_of
 from modelgen.scene import python_scenes as build
 from modelgen.scene.pose_arithmetic import to_inner

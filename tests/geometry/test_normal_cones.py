@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar, nnls
 
-from modelgen.geometry.features import features_of
+from modelgen.geometry.shape_features import features_of
 from modelgen.rotations import rotation_of
 from modelgen.scene.pose_arithmetic import to_inner
 from modelgen.scene.scene_types import Feature

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from modelgen.assembly.contact_form_choice import shape_kind
 from modelgen.errors import SceneError
-from modelgen.geometry.features import features_of
 from modelgen.geometry.mass_properties import mass_properties
+from modelgen.geometry.shape_features import features_of
 from modelgen.scene import python_scenes as make
 from modelgen.scene.expression import evaluate
 from modelgen.scene.outline_pieces import Arc, Involute, Line, Piece, formulas_of, numbers_of, rotated

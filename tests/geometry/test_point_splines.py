@@ -9,8 +9,8 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from modelgen.errors import SceneError
-from modelgen.geometry.features import features_of
 from modelgen.geometry.mass_properties import mass_properties
+from modelgen.geometry.shape_features import features_of
 from modelgen.geometry.surface_catalogue import surface_of
 from modelgen.scene import python_scenes as make
 from modelgen.scene.expression import evaluate

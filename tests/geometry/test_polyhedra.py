@@ -9,7 +9,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from modelgen.geometry.features import features_of
+from modelgen.geometry.shape_features import features_of
 from modelgen.scene import python_scenes as build
 
 from .composites import SPECIMENS, by_name

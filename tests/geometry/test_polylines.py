@@ -10,7 +10,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from modelgen.errors import SceneError
-from modelgen.geometry.features import features_of
+from modelgen.geometry.shape_features import features_of
 from modelgen.rotations import rotation_of
 from modelgen.scene import python_scenes as build
 from modelgen.scene.pose_arithmetic import to_outer

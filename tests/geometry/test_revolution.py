@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from modelgen.errors import SceneError
-from modelgen.geometry.features import is_composite
 from modelgen.geometry.mass_properties import mass_properties
+from modelgen.geometry.shape_features import is_composite
 from modelgen.geometry.surface_kernel import surface_kernel
 from modelgen.scene import python_scenes as build
 from modelgen.scene.scene_types import Shape

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.interpolate import BSpline, RectBivariateSpline
 
 from modelgen.geometry.composites.splines import Line
-from modelgen.geometry.features import features_of, is_composite
+from modelgen.geometry.shape_features import features_of, is_composite
 from modelgen.scene import python_scenes as build
 from modelgen.scene.scene_types import Feature, Shape
 from modelgen.scene.spline_values import ControlPolygon, Net

@@ -13,8 +13,8 @@ from modelgen.geometry.body_meshes import Mesh, body_mesh
 from modelgen.geometry.coordinate_domains import domain_of
 from modelgen.geometry.extent import bounding_radius
 from modelgen.geometry.face_meshes import FaceMesh, face_mesh
-from modelgen.geometry.features import features_of
 from modelgen.geometry.mass_properties import mass_properties
+from modelgen.geometry.shape_features import features_of
 from modelgen.scene.read import read_text
 from modelgen.scene.scene_types import Body, Shape
 from tests.laws.shapes import SPECIMENS, Specimen

@@ -11,7 +11,7 @@ import jsonschema
 import pytest
 
 from modelgen.errors import SceneError
-from modelgen.geometry.features import features_of
+from modelgen.geometry.shape_features import features_of
 from modelgen.scene import python_scenes as build
 from modelgen.scene.json_schema import scene_schema
 from modelgen.scene.read import read_text

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from modelgen.assembly.feature_pairs import Whole
-from modelgen.assembly.support_points import SUPPORT_POINTS
+from modelgen.assembly.rim_support_points import SUPPORT_POINTS
 from modelgen.geometry.face_regions import in_one_plane, to_axes
-from modelgen.geometry.features import is_convex
+from modelgen.geometry.shape_features import is_convex
 from modelgen.model import FaceEntry, PatchEntry
 from modelgen.scene.pose_arithmetic import compose, to_outer
 from modelgen.scene.scene_types import ContactPair, Pose, Vector
