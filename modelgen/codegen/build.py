@@ -21,11 +21,14 @@ from modelgen.codegen.compiler import (
     cpu_target,
     find_compiler,
 )
-from modelgen.codegen.core_cache import runtime_hash, runtime_object
+from modelgen.codegen.core_cache import announce, runtime_hash, runtime_object
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import REAL_FLAGS, Library
 from modelgen.codegen.manifest import INSTANCE, STRUCTURE, BuildRecord, record_name
 from modelgen.errors import CompilerMissing, LibraryError, expect, nearest
+
+MANY = 300_000  # pairs of features of which the cost is told before
+PAIR_S, PAIR_BYTES = 1.6e-5, 4000  # s of CPU time before the first step, and memory, for each
 
 
 def build(
@@ -46,7 +49,8 @@ def build(
         real: "double", "float" or "long double"; the scene's own when None, else double.
         level: how far the compiler optimises: "O1", "O2" or "O3"; the scene's own when None, else O2.
         folder: where C, header, manifest, library and its record go; `generated/<scene>` when None.
-        tell: receives one line before the core is compiled; None: the line goes to the standard error.
+        tell: receives one line before the core is compiled, and one on a scene of very many pairs of
+            features; None: they go to the standard error.
 
     Raises:
         ModelgenError: what is given is no package.
@@ -69,6 +73,9 @@ def build(
             raise
         return found
     flags = compiler.flags(real, level)
+    feature_pairs = len(package.manifest.instance["feature_pairs"])
+    if feature_pairs > MANY:
+        (tell or announce)(_cost(feature_pairs))
     key = content_hash(package, flags, compiler)
     path = folder / f"lib{package.name}-{key[:16]}.so"
     folder.mkdir(parents=True, exist_ok=True)
@@ -86,6 +93,17 @@ def build(
     }
     _write(folder, {**package.files, **texts})
     return library
+
+
+def _cost(feature_pairs: int) -> str:
+    """What a scene of very many pairs of features costs, and what to do."""
+    return (
+        f"{feature_pairs} pairs of features: about {PAIR_S * feature_pairs:.0f} s of CPU time and "
+        f"{PAIR_BYTES * feature_pairs / 1e9:.1f} GB of memory before the first step; a second of a run in "
+        "which many of these bodies touch takes minutes. Leave bodies that do not touch out of [contacts] "
+        "(`among`), list pairs that do under [[contact]], run shorter (--until), or take steps in time "
+        "(--method time-stepping --step 0.001)"
+    )
 
 
 def source_hash(package: Package, real: str, level: str) -> str:

@@ -44,7 +44,7 @@ def runtime_object(
     path = cache_folder() / f"runtime-{runtime_hash(compiler, flags, derivatives)[:16]}.o"
 
     def compile_core(scratch: Path) -> None:
-        (tell or _print)(
+        (tell or announce)(
             f"compiling the core, once for this compiler and these flags, into {path} (about 10 s)"
         )
         compile_object(compiler, flags, scratch / SOURCE, scratch / path.name, path.with_suffix(".log"))
@@ -119,5 +119,6 @@ def _locked(path: Path) -> Iterator[None]:
         yield
 
 
-def _print(line: str) -> None:
+def announce(line: str) -> None:
+    """Print a line for a person who waits."""
     print(f"modelgen: {line}", file=sys.stderr, flush=True)

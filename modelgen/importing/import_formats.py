@@ -12,7 +12,7 @@ from modelgen.errors import ModelgenError, nearest, path_of
 from modelgen.importing import profile_scene, robot_scene
 from modelgen.importing.import_losses import Notes, check_without
 from modelgen.importing.mujoco_shapes import CORNERS
-from modelgen.scene.read import read_text
+from modelgen.scene.read import LARGEST, read_text
 from modelgen.scene.scene_types import Scene
 
 UNTIL = 1.0  # s
@@ -134,6 +134,11 @@ def import_scene(path: str | Path, format: str | None = None, **choices: Unpack[
             raise ModelgenError(word, f"it with a file of {name}", f"it goes with {takers}", "leave it out")
     notes = Notes(str(path), chosen.without)
     text = FORMATS[name](path, chosen, notes)
+    if (size := len(text.encode())) > LARGEST:
+        remedy = "let fewer pairs of bodies touch, by the contact bits or exclusions of the file"
+        raise ModelgenError(
+            str(path), f"a scene of {size} bytes", f"a scene file has at most {LARGEST}", remedy
+        )
     scene = read_text(text, f"{path.stem}.toml")
     return Imported(text, scene, tuple(notes.left_out), tuple(notes.approximated))
 

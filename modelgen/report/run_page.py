@@ -14,6 +14,7 @@ from modelgen.report.check import check_facts
 from modelgen.report.formula_list import View, statement_of
 from modelgen.report.formula_text import status_text
 from modelgen.report.html_parts import STYLE, badge, document, sections_of, table
+from modelgen.report.printed_numbers import NOISE, largest, noise_of_joints, vector_text
 from modelgen.report.run_plot import picture
 from modelgen.report.run_record import Record
 
@@ -112,20 +113,25 @@ def _events(events: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _end(summary: Mapping[str, Any]) -> str:
+    """The last sample; what rounding leaves is 0."""
+    final, length = summary["final"], largest(summary["final"], "p")
+    states = {key: NOISE * largest(final, key) for key in ("p", "quaternion", "v", "w")}
+    of_joints = noise_of_joints(summary["joints"], length)
     bodies = [
-        (escape(name), *(_vector(state[key]) for key in ("p", "quaternion", "v", "w")))
-        for name, state in summary["final"].items()
+        (escape(name), *(_vector(state[key], noise) for key, noise in states.items()))
+        for name, state in final.items()
     ]
     contacts = [
-        (escape(name), _number(each["force"]), _vector(each["friction"]))
+        (escape(name), _number(each["force"]), _vector(each["friction"], NOISE * each["force"]))
         for name, each in summary["contacts"].items()
     ]
     patches = [
-        (escape(name), _number(each["force"]), _vector(each["centre_of_pressure"]), _vector(each["friction"]))
+        (escape(name), _number(each["force"]), _vector(each["centre_of_pressure"], NOISE * length),
+         _vector(each["friction"], NOISE * each["force"]))
         for name, each in summary["patches"].items()
-    ]
+    ]  # fmt: skip
     joints = [
-        (escape(name), _vector(each["force"]), _vector(each["torque"]),
+        (escape(name), *(_vector(each[key], noise) for key, noise in of_joints.items()),
          ", ".join(f"{escape(key)} {value:.6g}" for key, value in each["coordinates"].items()))
         for name, each in summary["joints"].items()
     ]  # fmt: skip
@@ -199,5 +205,5 @@ def _number(value: float | None) -> str:
     return "" if value is None else f"{value:.6g}"
 
 
-def _vector(values: Sequence[float]) -> str:
-    return " ".join(f"{value:.6g}" for value in values)
+def _vector(values: Sequence[float], noise: float) -> str:
+    return vector_text(values, noise, digits=6)

@@ -7,8 +7,9 @@ from typing import Any
 
 from rich.console import Console
 
+from modelgen.report.printed_numbers import NOISE, largest, noise_of_joints, vector_text
+
 FIRST, LAST = 15, 5  # events printed from the start and the end; those between are counted
-NOISE = 1e-13  # numbers below this part of the largest of their kind are printed as 0
 
 
 def print_summary(summary: dict[str, Any], console: Console) -> None:
@@ -42,8 +43,8 @@ def print_summary(summary: dict[str, Any], console: Console) -> None:
     _print_events(summary["events"], console)
     _print_bodies(summary["final"], console)
     print_contacts(summary["contacts"], console)
-    _print_patches(summary["patches"], _largest(summary["final"], "p"), console)
-    _print_joints(summary["joints"], _largest(summary["final"], "p"), console)
+    _print_patches(summary["patches"], largest(summary["final"], "p"), console)
+    _print_joints(summary["joints"], largest(summary["final"], "p"), console)
     shown = [f"{name} {value:.6g}" for name, value in summary["sensors"].items() if value is not None]
     if shown:
         console.print(f"sensors: {', '.join(shown)}", markup=False, soft_wrap=True)
@@ -67,11 +68,11 @@ def print_written(file: object, console: Console) -> None:
 
 def _print_bodies(final: dict[str, Any], console: Console) -> None:
     keys = ("p", "quaternion", "v", "w")
-    noise = {key: NOISE * _largest(final, key) for key in keys}
+    noise = {key: NOISE * largest(final, key) for key in keys}
     for name, state in final.items():
         moves = any(state["v"]) or any(state["w"])
         known = [key for key in (keys if moves else keys[:2]) if not isnan(state[key][0])]
-        parts = [f"{key} ({_vector(state[key], noise[key])})" for key in known]
+        parts = [f"{key} ({vector_text(state[key], noise[key])})" for key in known]
         parts += [] if moves else ["at rest"]
         console.print(f"{name}: {', '.join(parts)}", markup=False, soft_wrap=True)
 
@@ -90,27 +91,20 @@ def print_contacts(contacts: dict[str, Any], console: Console) -> None:
 
 def _print_patches(patches: dict[str, Any], length: float, console: Console) -> None:
     for name, patch in patches.items():
-        at, noise = _vector(patch["centre_of_pressure"], NOISE * length), NOISE * patch["force"]
+        at, noise = vector_text(patch["centre_of_pressure"], NOISE * length), NOISE * patch["force"]
         line = f"{name}: rests, force {patch['force']:.6g}, centre_of_pressure ({at})"
         torque = patch["torque"] if abs(patch["torque"]) > noise * length else 0.0
         if torque or hypot(*patch["friction"]) > noise:
-            line += f", friction ({_vector(patch['friction'], noise)}), torque {torque:.6g}"
+            line += f", friction ({vector_text(patch['friction'], noise)}), torque {torque:.6g}"
         console.print(line, markup=False, soft_wrap=True)
 
 
 def _print_joints(joints: dict[str, Any], length: float, console: Console) -> None:
-    force = _largest(joints, "force")
-    noise = {"force": NOISE * force, "torque": NOISE * max(force * length, _largest(joints, "torque"))}
+    noise = noise_of_joints(joints, length)
     for name, joint in joints.items():
-        acting = [f"{key} ({_vector(joint[key], noise[key])})" for key in ("force", "torque")]
+        acting = [f"{key} ({vector_text(joint[key], noise[key])})" for key in ("force", "torque")]
         standing = [f"{key} {value:.6g}" for key, value in joint["coordinates"].items()]
         console.print(f"{name}: {', '.join(acting + standing)}", markup=False, soft_wrap=True)
-
-
-def _largest(named: dict[str, Any], key: str) -> float:
-    return max(
-        (abs(value) for each in named.values() for value in each[key] if not isnan(value)), default=0.0
-    )
 
 
 def _print_events(events: list[dict[str, Any]], console: Console) -> None:
@@ -133,7 +127,3 @@ def _contact(event: dict[str, Any]) -> str:
     if not name:
         return ""
     return f" of {name}" if name.endswith(features) else f" of {name} ({features})"
-
-
-def _vector(values: list[float], noise: float = 0.0) -> str:
-    return " ".join(f"{0.0 if abs(value) <= noise else value:.5g}" for value in values)

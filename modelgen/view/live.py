@@ -14,6 +14,7 @@ from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError
 from modelgen.model import Model
 from modelgen.report.displayed_bodies import stage_at_start
+from modelgen.report.printed_numbers import NOISE, vector_text
 from modelgen.report.recorded_scene import kept_scene, read_again
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import input_range
@@ -240,8 +241,8 @@ class Live:
         simulation = self.simulation
         lines = [f"t = {simulation.t:.4f} s"]
         for name, value in simulation.sensors.items():
-            shown = " ".join(f"{each:.5g}" for each in np.atleast_1d(value))
-            lines.append(f"{name}: {shown}")
+            components = np.atleast_1d(value)
+            lines.append(f"{name}: {vector_text(components, NOISE * float(np.abs(components).max()))}")
         return "  \n".join([*lines, *([self._message] if self._message else [])])
 
     def _segments(self, points: Array, forces: Array) -> Array:

@@ -287,3 +287,15 @@ def test_a_cache_that_cannot_be_made_is_named(
     monkeypatch.setenv("MODELGEN_CACHE", str(tmp_path / "file" / "cache"))
     with pytest.raises(LibraryError, match=r"cache folder cannot be made.*MODELGEN_CACHE"):
         build(package(), folder=tmp_path / "out")
+
+
+def test_a_scene_of_very_many_pairs_of_features_says_what_it_costs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[str] = []
+    build(package(), folder=tmp_path / "few", tell=told.append)
+    assert not any("pairs of features" in line for line in told)
+    monkeypatch.setattr("modelgen.codegen.build.MANY", 0)
+    build(package(), folder=tmp_path / "many", tell=told.append)
+    assert "1 pairs of features: about 0 s of CPU time" in told[-1]
+    assert "--method time-stepping" in told[-1]

@@ -276,3 +276,11 @@ def test_mujoco_comes_to_the_run_of_an_imported_contact_as_its_step_shrinks(tmp_
         errors.append(float(np.abs(data.xipos[model.body(path.body_names[k]).id] - path.p[-1, k]).max()))
     assert errors[-1] < errors[0] / 30
     assert errors[-1] < 1e-5
+
+
+def test_a_scene_larger_than_a_scene_file_may_be_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("modelgen.importing.importing.LARGEST", 200)
+    with pytest.raises(ModelgenError, match=r"a scene of \d+ bytes; a scene file has at most 200"):
+        of(TOUCHING, tmp_path)
