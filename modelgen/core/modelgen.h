@@ -293,10 +293,16 @@ typedef struct {
                                       approach bound of the pair */
   mg_real derivative_error_factor; /* a step with derivatives is refused where their error in it, relative to their
                                       size, exceeds derivative_error_factor * tolerance */
-  mg_real rest_loss_factor;        /* a gap held without force opens within a step where its acceleration exceeds
-                                      rest_loss_factor * rest_acceleration * length / time^2 */
-  mg_real event_correction_step;   /* an event later in the step than this part of it is corrected by further steps only
-                                      while the correction converges fast */
+  mg_real derivative_kink_part;  /* up to the end of a step that was refused so, that bound is smaller by this factor */
+  mg_real derivative_step_min;   /* steps up to derivative_step_min * time are never refused so */
+  mg_real load_jump_rate;        /* a load that changes in a step h by more than load_jump_rate * h / time of its size
+                                    may have jumped */
+  mg_real load_jump_span;        /* it has if half of the change lies at one place of the way of its bodies within
+                                    load_jump_span * time */
+  mg_real rest_loss_factor;      /* a gap held without force opens within a step where its acceleration exceeds
+                                    rest_loss_factor * rest_acceleration * length / time^2 */
+  mg_real event_correction_step; /* an event later in the step than this part of it is corrected by further steps only
+                                    while the correction converges fast */
   mg_real contact_rank_tolerance; /* a contact row depends on the rows of other constraints if no more than this part of
                                      its diagonal entry of J M^-1 J^T is independent of them */
   mg_real joint_rank_tolerance;   /* a joint row depends on other joint rows if no more than this part of its diagonal

@@ -116,6 +116,11 @@ class Accuracy:
             times `tolerance` times its speed or L/T.
         derivative_error_factor: in a run with derivatives, a step is refused where their error in it exceeds
             this times `tolerance`, relative to their size.
+        derivative_kink_part: up to the end of a step that was refused so, that bound times this.
+        derivative_step_min: steps up to this times T are never refused so.
+        load_jump_rate: a load that changes in a step h by more than this times h/T of its size is searched
+            for a jump where the motion takes it, past which derivatives are undecided.
+        load_jump_span: it jumps if half of its change lies at one place of the motion within this times T.
         rest_loss_factor: a contact held without force opens within a step above this times
             `rest_acceleration`.
         event_correction_step: beyond this fraction of the step, an event is corrected only while the
@@ -190,6 +195,10 @@ class Accuracy:
     slip_stop_speed_ratio: float = 100.0
     separation_speed_factor: float = 1e3
     derivative_error_factor: float = 100.0
+    derivative_kink_part: float = 1e-3
+    derivative_step_min: float = 1e-9
+    load_jump_rate: float = 50.0
+    load_jump_span: float = 1e-6
     rest_loss_factor: float = 100.0
     event_correction_step: float = 1e-3
     contact_rank_tolerance: float = 2e-10

@@ -5,9 +5,7 @@
 #include "base/base.h"
 #include "model/model.h"
 
-#define MG_STEEP ((mg_real)50) /* change of a load in a step, of its size and of the part of T that the step takes */
-#define MG_JUMP_SPAN ((mg_real)1e-6) /* of T: way along which a jump is sought */
-#define MG_JUMP_BISECTIONS 16        /* of that way */
+#define MG_JUMP_BISECTIONS 16 /* of the way along which a jump is sought */
 
 /* Wrench of a load alone on its two bodies. */
 static void mg_wrench_of_load(const mg_context *c, mg_real t, int load, mg_real *wrench) {
@@ -70,13 +68,13 @@ MG_INTERNAL int mg_has_load_jump(mg_context *c, mg_sensitivity *s, mg_real t, co
     mg_wrench_of_load(c, t, i, wrench);
     const mg_real *before = s->load + 12 * i, change = mg_wrench_difference(c, wrench, before),
                   size = mg_max(mg_wrench_difference(c, wrench, 0), mg_wrench_difference(c, before, 0));
-    if (!(change * c->system->time > MG_STEEP * h * size)) continue;
+    if (!(change * c->system->time > c->settings->load_jump_rate * h * size)) continue;
     if (!has_rates) {
       s->is_time = has_rates = 1;
       mg_place_bodies_tangent(c, s, 0, t, x, slope);
       s->is_time = 0;
     }
-    if (mg_jumps_on_its_way(c, s, t, i, mg_max(4 * h, MG_JUMP_SPAN * c->system->time), change)) return 1;
+    if (mg_jumps_on_its_way(c, s, t, i, mg_max(4 * h, c->settings->load_jump_span * c->system->time), change)) return 1;
   }
   return 0;
 }

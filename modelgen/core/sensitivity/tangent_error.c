@@ -34,9 +34,6 @@ static int mg_may_lose_slip(mg_context *c, const mg_sensitivity *s) {
   return 0;
 }
 
-#define MG_AT_KINK ((mg_real)1e-3)    /* part of the error of derivatives allowed in a step that was refused for it */
-#define MG_LEAST_STEP ((mg_real)1e-9) /* of T: shorter steps are taken whatever the error of derivatives */
-
 /* Error of the derivatives along a direction at the end of a step that is tried, of what it may be: of their size, or
    of their rounding where they are hardly larger. */
 static mg_real mg_tangent_error(const mg_context *c, mg_sensitivity *s, int direction, mg_real h) {
@@ -54,9 +51,9 @@ MG_INTERNAL mg_real mg_followed_error(mg_context *c, void *of, mg_real h) {
   mg_sensitivity *s = of;
   mg_followed_step *step = &s->step;
   mg_real most = 0;
-  if (step->is_uncertain || h <= MG_LEAST_STEP * c->system->time || mg_may_lose_slip(c, s)) return 0;
+  if (step->is_uncertain || h <= c->settings->derivative_step_min * c->system->time || mg_may_lose_slip(c, s)) return 0;
   for (int j = 0; j < s->directions->n; j++) most = mg_max(most, mg_tangent_error(c, s, j, h));
-  if (c->run->t < step->refused_end) most /= MG_AT_KINK;
+  if (c->run->t < step->refused_end) most /= c->settings->derivative_kink_part;
   if (!(most > 1)) return 0;
   step->refused_end = mg_max(step->refused_end, c->run->t + h);
   return most;
