@@ -27,6 +27,7 @@ from typing import Any
 
 import numpy as np
 
+COUNTED_CPU = "-march=x86-64-v2"  # callgrind knows its instructions in all their encodings
 COUNTED_CALL = Path(__file__).parent / "counted_call.c"
 Array = np.ndarray[Any, Any]
 TURN = "6.283185307179586"
@@ -110,9 +111,15 @@ def _start(session: Any, pose: Array) -> int:
 
 def measured(version: Path, n: int) -> tuple[list[Array], list[Array]]:
     """Of each pair the instructions (2, n) of first and later starts, and their outcomes (n,)."""
-    steady = {**os.environ, "PYTHONPATH": str(version), "OMP_NUM_THREADS": "1", "PYTHONHASHSEED": "0"}
     python = [sys.executable, str(Path(__file__).resolve()), "--poses", str(n)]
-    with tempfile.TemporaryDirectory() as made:
+    with tempfile.TemporaryDirectory() as made, tempfile.TemporaryDirectory() as tools:
+        compiler = Path(tools, "cc")
+        compiler.write_text(f'#!/bin/sh\nexec cc "$@" {COUNTED_CPU}\n')
+        compiler.chmod(0o755)
+        steady = {
+            **os.environ, "PYTHONPATH": str(version), "OMP_NUM_THREADS": "1", "PYTHONHASHSEED": "0",
+            "CC": str(compiler), "MODELGEN_CACHE": tools,
+        }  # fmt: skip
         subprocess.run([*python, "--build", made], env=steady, cwd=version, check=True)
         shared = ["cc", "-O1", "-shared", "-fPIC", str(COUNTED_CALL), "-o", f"{made}/counted_call.so"]
         subprocess.run(shared, check=True)
