@@ -6,6 +6,7 @@ motions are known; neither shares anything with the proof.
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
@@ -18,6 +19,7 @@ from scipy.linalg import null_space
 from scipy.optimize import nnls, root
 
 from modelgen.runtime.friction import FrictionProblem, motion_is_unique
+from modelgen.runtime.friction.compiled_solvers import PROOF_BYTES
 
 Array = NDArray[Any]
 TOLERANCE = 1e-8  # of the largest |b|
@@ -56,8 +58,8 @@ class Held:
     z: Array
     slides: dict[int, Array]  # f / N
 
-    def is_proved(self, library: Any) -> bool:
-        return motion_is_unique(self.problem, self.z, library, self.slides)
+    def is_proved(self, library: Any, last: ctypes.Array[ctypes.c_char] | None = None) -> bool:
+        return motion_is_unique(self.problem, self.z, library, self.slides, last)
 
 
 def in_cone(rng: np.random.Generator, mu: float) -> Array:
@@ -282,6 +284,33 @@ def test_nothing_is_proved_of_two_known_motions(count: int, modes: tuple[str, ..
         known += 1
         assert not case.is_proved(lcp), f"seed {seed}"
     assert known >= 20 or count == 1
+
+
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_the_proof_of_another_problem_proves_nothing_false(count: int, lcp: Any) -> None:
+    """Problems with two known motions, each after the proof of another problem of as many contacts."""
+    others = [case for seed in range(40) if (case := held(seed, count, 0.5, MIXED)).is_proved(lcp)]
+    pairs = [drawn[0] for seed in range(200) if (drawn := ambiguous(seed, count, MIXED)) is not None]
+    assert len(others) >= 5
+    for k, case in enumerate(pairs):
+        last = ctypes.create_string_buffer(PROOF_BYTES)
+        assert others[k % len(others)].is_proved(lcp, last)
+        assert not case.is_proved(lcp, last)
+
+
+def test_what_is_proved_is_proved_after_the_proof_of_a_similar_problem(lcp: Any) -> None:
+    for seed in range(30):
+        case = held(seed, 2 + seed % 3, 0.5, MIXED)
+        if not case.is_proved(lcp):
+            continue
+        last = ctypes.create_string_buffer(PROOF_BYTES)
+        rng = np.random.default_rng(seed)
+        for _ in range(5):
+            z = case.z.copy()
+            z.reshape(-1, 3)[:] *= rng.uniform(0.5, 2, size=(len(z) // 3, 1))
+            b = case.problem.b - case.problem.A @ (z - case.z)
+            near = Held(FrictionProblem.of(case.problem.A, b, case.problem.cone[:, 0]), z, case.slides)
+            assert near.is_proved(lcp, last) >= near.is_proved(lcp)
 
 
 def test_the_proof_does_not_depend_on_units_and_tangents(lcp: Any) -> None:

@@ -47,37 +47,6 @@ static int mg_list_island_contacts(mg_context *c, int first, mg_slip_under_way *
   return n;
 }
 
-/* True if the problem is that of the last proof, within what its margins allow. */
-static int mg_is_problem_of_last_proof(const mg_context *c, const mg_friction_problem *p, const int *slides) {
-  const mg_proved_motion *last = &c->friction.proved;
-  const mg_real rounding = (mg_real)sqrt(MG_EPS) / 16;
-  mg_real size = 0;
-  if (last->n != p->n_contact) return 0;
-  for (int r = 0; r < p->n; r++) size = mg_max(size, (mg_real)fabs(p->b[r] / sqrt(p->A[r * (p->n + 1)])));
-  for (int r = 0; r < p->n; r++) {
-    const mg_real scale = (mg_real)sqrt(p->A[r * (p->n + 1)]);
-    if (slides[r / 3] || last->contact[r / 3] != c->friction.cone_contact[r / 3] ||
-        !(fabs(p->b[r] - last->b[r]) <= rounding * size * scale))
-      return 0;
-    for (int j = 0; j < p->n; j++)
-      if (!(fabs(p->A[r + p->n * j] - last->A[r + p->n * j]) <= rounding * scale * (mg_real)sqrt(p->A[j * (p->n + 1)])))
-        return 0;
-  }
-  return 1;
-}
-
-/* Keeps a problem in which no slip is under way as that of the last proof. */
-static void mg_keep_proved_problem(mg_context *c, const mg_friction_problem *p, const int *slides) {
-  mg_proved_motion *last = &c->friction.proved;
-  last->n = p->n_contact;
-  for (int k = 0; k < p->n_contact; k++) {
-    last->contact[k] = c->friction.cone_contact[k];
-    if (slides[k]) last->n = 0;
-  }
-  for (int r = 0; r < p->n * p->n; r++) last->A[r] = p->A[r];
-  for (int r = 0; r < p->n; r++) last->b[r] = p->b[r];
-}
-
 /* True if the present motion of the bodies of an island is proved to be the only one. */
 static int mg_is_island_motion_unique(mg_context *c, int first) {
   mg_slip_under_way slip;
@@ -94,10 +63,7 @@ static int mg_is_island_motion_unique(mg_context *c, int first) {
   }
   for (int j = 0; j < n; j++)
     for (int r = 0; r < n; r++) c->lcp.b[r] -= p.A[r + n * j] * c->lcp.z[j];
-  if (mg_is_problem_of_last_proof(c, &p, slip.slides)) return 1;
-  if (!mg_is_motion_unique(&p, c->lcp.z, slip.slides, slip.ratio)) return 0;
-  mg_keep_proved_problem(c, &p, slip.slides);
-  return 1;
+  return mg_is_motion_unique(&p, c->lcp.z, slip.slides, slip.ratio, &c->friction.proof);
 }
 
 /* The same of all bodies. An island of one contact has unique forces. */

@@ -220,13 +220,6 @@ typedef struct {
   int *sharing;     /* [per spring] number of springs on that of its bodies which has more */
 } mg_spring_workspace;
 
-/* A friction problem whose motion is proved to be unique; no slip is under way. */
-typedef struct {
-  int n; /* contacts; 0: none */
-  int contact[MG_MOTION_CONTACTS];
-  mg_real A[9 * MG_MOTION_CONTACTS * MG_MOTION_CONTACTS], b[3 * MG_MOTION_CONTACTS];
-} mg_proved_motion;
-
 /* Friction of single contacts. */
 typedef struct {
   mg_real *force_ratio;    /* [per friction row] friction force of slip over minus the normal force */
@@ -247,7 +240,7 @@ typedef struct {
   int *cone_rows;          /* [per contact of the problem] its number of rows: 1, 3 or 6 */
   int *marks;              /* [per contact of the problem] MG_MARK_FORCE .. */
   int *iwork;              /* memory of the solver */
-  mg_proved_motion proved; /* the last one of this call */
+  mg_motion_proof proof;   /* the last one of this call */
 } mg_friction_workspace;
 
 /* Patches: regions, hull and pressure of the patch treated last, and one record per slot. */

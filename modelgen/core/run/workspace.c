@@ -271,7 +271,7 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
   c->system = system, c->kernels = system->kernels, c->settings = settings, c->run = run;
   c->layout.n_states = (int)mg_state_count(system), c->layout.work_state = c->layout.n_states - 1,
   c->step.sign_changed = c->events.passage.is_paused = 0, c->patches.hull_patch = -1, c->step.follower = 0,
-  c->lcp.keeps_matrix = c->lcp.n_assembled = c->friction.proved.n = 0;
+  c->lcp.keeps_matrix = c->lcp.n_assembled = c->friction.proof.n = 0;
   c->layout.support_begin = system->n_contact - 3 * system->n_patch_slot,
   c->layout.support_feature_pair_begin = system->n_feature_pair - 3 * system->n_patch;
   c->layout.joint_row_begin = system->n_contact + 1, c->layout.spring_row_end = (int)mg_row_count(system);

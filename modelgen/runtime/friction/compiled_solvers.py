@@ -79,11 +79,15 @@ def residual(problem: FrictionProblem, z: ArrayLike, library: CoreLibrary, law: 
     return value
 
 
+PROOF_BYTES = 8192  # what mg_motion_proof takes, and more
+
+
 def motion_is_unique(
     problem: FrictionProblem,
     z: ArrayLike,
     library: CoreLibrary,
     slides: Mapping[int, ArrayLike] | None = None,
+    last: ctypes.Array[ctypes.c_char] | None = None,
 ) -> bool:
     """Whether a motion is proved to be the only one (mg_is_motion_unique of the core).
 
@@ -92,6 +96,7 @@ def motion_is_unique(
             may be singular.
         z: (n,) forces. A contact with N = 0 opens, others stick but for those in `slides`.
         slides: f / N (2,) of each contact whose slip is under way.
+        last: PROOF_BYTES, zero at first, that keep a proof; the next problem is tried with it first.
 
     Returns:
         True if every solution of Coulomb's law has w = A z + b; False if this is not proved, as for other
@@ -103,7 +108,7 @@ def motion_is_unique(
     under_way = np.array([k in known for k in range(len(problem.first))], dtype=np.intc)
     ratio = np.array([known.get(k, (0.0, 0.0)) for k in range(len(problem.first))], dtype=library.dtype)
     proved = library.cdll.mg_is_motion_unique(
-        ctypes.byref(record), pointer(forces), pointer(under_way), pointer(ratio)
+        ctypes.byref(record), pointer(forces), pointer(under_way), pointer(ratio), last
     )
     del alive
     return bool(proved)

@@ -12,12 +12,13 @@
    - y'x > 0 for each force, for b, and for each motion.
    y is sought as the nearest point to the origin of the convex hull of these vectors (Wolfe, Math. Program. 11 (1976),
    128-149). Arcs are halved until it is found. Contacts that stick in both solutions take part by their rows and cones,
-   or else their rows restrict d, and their forces are any. */
+   or else their rows restrict d, and their forces are any. The y of the last proof are tried first. */
 #include "solve/friction/friction_solvers.h"
 #include "base/base.h"
 
 enum {
   MG_HELD_ROWS = 3 * MG_MOTION_CONTACTS,
+  MG_HELD_VIEWS = 4,
   MG_HELD_CELLS = 4000, /* most combinations of modes and arcs that a proof looks at */
   MG_NEAREST_STEPS = 40 /* most steps of the search for a nearest point */
 };
@@ -36,29 +37,43 @@ typedef struct {
   mg_real t[2], cosine, sine;
 } mg_slip_arc;
 
+/* The problem restricted to the motions at which contacts rest. */
+typedef struct {
+  int is_set;
+  int left; /* number of these motions, -1: not clear */
+  mg_held_vector L[MG_HELD_ROWS], F;
+  mg_held_vector S[MG_HELD_ROWS]; /* L L' */
+} mg_restricted_motions;
+
 /* Rows that exclude modes, if a vector y is found. */
 typedef struct {
-  int has_cones;                      /* 1: among them those of all contacts that stick, with their cones */
-  int has_forces;                     /* 1: y'x > 0 for all terms; 0: y'L = 0, and forces do not count */
-  int n_row, row[MG_HELD_ROWS];       /* rows of the problem */
-  int first[MG_MOTION_CONTACTS];      /* place of the normal row of a contact among them, -1: none */
-  int is_loaded;                      /* 1: the load is one of the terms */
-  mg_held_vector load;                /* b; without forces, w of the given solution */
-  mg_held_vector L[MG_HELD_ROWS];     /* of all rows of the problem, for the motions d that are left */
-  int n_image;                        /* size of the image of the rows; with forces, 0 */
-  mg_held_vector image[MG_HELD_ROWS]; /* its orthonormal basis */
+  int set;                              /* number of the modes that the rest is for */
+  int separates;                        /* 1: it may exclude them */
+  int has_cones;                        /* 1: among them those of all contacts that stick, with their cones */
+  int has_forces;                       /* 1: y'x > 0 for all terms; 0: y'L = 0, and forces do not count */
+  int n_row, row[MG_HELD_ROWS];         /* rows of the problem */
+  int first[MG_MOTION_CONTACTS];        /* place of the normal row of a contact among them, -1: none */
+  int is_loaded;                        /* 1: the load is one of the terms */
+  mg_held_vector load;                  /* b; without forces, w of the given solution */
+  const mg_restricted_motions *motions; /* that are left */
+  int n_image;                          /* size of the image of the rows; with forces, 0 */
+  mg_held_vector image[MG_HELD_ROWS];   /* its orthonormal basis */
 } mg_held_rows;
 
 typedef struct {
-  int n, rank;                               /* contacts, columns of L */
-  int cells;                                 /* combinations of modes and arcs so far */
-  mg_real mu[MG_MOTION_CONTACTS];            /* coefficients of friction */
-  mg_real ratio[MG_MOTION_CONTACTS][2];      /* f / N of a contact that slides */
-  mg_held_vector L[MG_HELD_ROWS], F, w;      /* of the scaled problem; F = L'z */
-  mg_contact_mode given[MG_MOTION_CONTACTS]; /* modes of the given solution */
-  mg_contact_mode mode[MG_MOTION_CONTACTS];  /* modes of another solution */
-  int n_view;                                /* number of `view` */
-  mg_held_rows view[4];                      /* what may exclude the modes of the other solution */
+  int n, rank;                                               /* contacts, columns of L */
+  int cells;                                                 /* combinations of modes and arcs so far */
+  mg_real mu[MG_MOTION_CONTACTS];                            /* coefficients of friction */
+  mg_real ratio[MG_MOTION_CONTACTS][2];                      /* f / N of a contact that slides */
+  mg_held_vector L[MG_HELD_ROWS], F, w;                      /* of the scaled problem; F = L'z */
+  mg_contact_mode given[MG_MOTION_CONTACTS];                 /* modes of the given solution */
+  mg_contact_mode mode[MG_MOTION_CONTACTS];                  /* modes of another solution */
+  mg_restricted_motions restricted[1 << MG_MOTION_CONTACTS]; /* bit k: contact k rests */
+  mg_held_rows view[MG_HELD_VIEWS];                          /* what may exclude the modes of the other solution */
+  int set;                                                   /* their number */
+  const mg_motion_proof *last;                               /* the last proof, or 0 */
+  int at;                                                    /* its next cell */
+  mg_motion_proof proof;                                     /* this one */
 } mg_held_contacts;
 
 /* What the sum of vectors may hold: b, the force of a contact, or its motion. */
@@ -119,8 +134,6 @@ static void mg_keep_lower(mg_held_term *lowest, mg_held_kind kind, int contact, 
 static mg_held_term mg_lowest_term(const mg_held_contacts *s, const mg_held_rows *v, const mg_slip_arc *arc,
                                    const mg_real *y) {
   mg_held_term lowest = {MG_HELD_LOAD, 0, {0, 0}, v->is_loaded ? mg_held_product(v->n_row, y, v->load) : MG_MAX};
-  mg_held_vector back = {0};
-  for (int i = 0; i < v->n_row && v->has_forces; ++i) mg_add_multiple(s->rank, y[i], v->L[v->row[i]], back);
   for (int k = 0; k < s->n; ++k) {
     const mg_contact_mode mode = s->mode[k];
     if (v->first[k] < 0) continue;
@@ -132,7 +145,10 @@ static mg_held_term mg_lowest_term(const mg_held_contacts *s, const mg_held_rows
       mg_keep_lower(&lowest, MG_HELD_MOTION, k, t[0], t[1], -mg_dot2(own + 1, t));
     }
     if (!v->has_forces || mode == MG_OPENS) continue;
-    for (int i = 0; i < 3; ++i) q[i] = mg_held_product(s->rank, v->L[3 * k + i], back);
+    for (int i = 0; i < 3; ++i) {
+      q[i] = 0;
+      for (int j = 0; j < v->n_row; ++j) q[i] += v->motions->S[3 * k + i][v->row[j]] * y[j];
+    }
     size = mg_friction_norm(2, q + 1);
     if (mode == MG_SLIPS) mg_nearest_of_arc(arc + k, q + 1, t);
     else if (size > 0) t[0] = q[1] / size, t[1] = q[2] / size;
@@ -145,14 +161,14 @@ static mg_held_term mg_lowest_term(const mg_held_contacts *s, const mg_held_rows
 /* The vector of a term, without its part in the image. */
 static void mg_vector_of_term(const mg_held_contacts *s, const mg_held_rows *v, const mg_held_term *term, mg_real *x) {
   const int k = term->contact, first = v->first[k];
-  mg_held_vector d = {0};
   for (int i = 0; i < v->n_row; ++i) x[i] = term->kind == MG_HELD_LOAD ? v->load[i] : 0;
   if (term->kind == MG_HELD_MOTION && s->mode[k] == MG_OPENS) x[first] = -1;
   if (term->kind == MG_HELD_MOTION && s->mode[k] == MG_SLIPS) x[first + 1] = -term->t[0], x[first + 2] = -term->t[1];
   if (term->kind == MG_HELD_FORCE) {
-    mg_add_multiple(s->rank, 1, v->L[3 * k], d);
-    for (int i = 0; i < 2; ++i) mg_add_multiple(s->rank, term->t[i], v->L[3 * k + 1 + i], d);
-    for (int i = 0; i < v->n_row; ++i) x[i] = mg_held_product(s->rank, v->L[v->row[i]], d);
+    for (int i = 0; i < v->n_row; ++i) {
+      const mg_real *S = v->motions->S[v->row[i]] + 3 * k;
+      x[i] = S[0] + mg_dot2(S + 1, term->t);
+    }
   }
   mg_remove_components(v->n_row, v->n_image, v->image, x);
 }
@@ -183,17 +199,28 @@ static int mg_move_weights(int n, int count, mg_held_vector *vector, mg_real *we
   return left;
 }
 
-/* True if one vector y excludes the modes, with slip directions of these arcs. */
-static int mg_is_separated(const mg_held_contacts *s, const mg_held_rows *v, const mg_slip_arc *arc) {
+/* True if y excludes the modes, with slip directions of these arcs. */
+static int mg_separates(const mg_held_contacts *s, const mg_held_rows *v, const mg_slip_arc *arc, mg_real *y) {
+  mg_remove_components(v->n_row, v->n_image, v->image, y);
+  return mg_lowest_term(s, v, arc, y).value > MG_HELD_MARGIN;
+}
+
+/* Finds a vector y, |y| = 1, that excludes the modes, with slip directions of these arcs. Returns 0 if none is found.
+ */
+static int mg_find_separation(const mg_held_contacts *s, const mg_held_rows *v, const mg_slip_arc *arc, mg_real *y) {
   const int n = v->n_row;
-  mg_held_vector vector[MG_HELD_ROWS + 1], y = {0};
+  mg_held_vector vector[MG_HELD_ROWS + 1];
   mg_real weight[MG_HELD_ROWS + 1];
   int count = 0;
+  for (int i = 0; i < MG_HELD_ROWS; ++i) y[i] = 0;
   for (int step = 0; step < MG_NEAREST_STEPS; ++step) {
     const mg_held_term lowest = mg_lowest_term(s, v, arc, y);
     const mg_real length = (mg_real)sqrt(mg_held_product(n, y, y));
     if (count && !(length > MG_HELD_MARGIN)) return 0;
-    if (count && lowest.value > MG_HELD_MARGIN * length) return 1;
+    if (count && lowest.value > MG_HELD_MARGIN * length) {
+      for (int i = 0; i < n; ++i) y[i] /= length;
+      return 1;
+    }
     if (count && (lowest.value > length * length - MG_HELD_MARGIN * MG_HELD_MARGIN || count > n)) return 0;
     mg_vector_of_term(s, v, &lowest, vector[count]);
     weight[count] = count ? 0 : 1;
@@ -202,15 +229,6 @@ static int mg_is_separated(const mg_held_contacts *s, const mg_held_rows *v, con
     for (int i = 0; i < n; ++i) y[i] = 0;
     for (int j = 0; j < count; ++j) mg_add_multiple(n, weight[j], vector[j], y);
   }
-  return 0;
-}
-
-/* True if the modes, with slip directions of these arcs, are excluded. */
-static int mg_is_cell_excluded(const mg_held_contacts *s, const mg_slip_arc *arc) {
-  for (int k = 0; k < s->n; ++k)
-    if (s->mode[k] == MG_SLIPS && !(arc[k].cosine > MG_HELD_CLEAR)) return 0;
-  for (int i = 0; i < s->n_view; ++i)
-    if (mg_is_separated(s, s->view + i, arc)) return 1;
   return 0;
 }
 
@@ -224,24 +242,6 @@ static mg_slip_arc mg_part_of_arc(const mg_slip_arc *arc, int part) {
   mg_slip_arc out = {{along * arc->t[0] - across * arc->t[1], along * arc->t[1] + across * arc->t[0]}, cosine, sine};
   if (part == 2) out.t[0] = arc->t[0], out.t[1] = arc->t[1];
   return out;
-}
-
-/* Excludes the modes for all slip directions of these arcs, in parts where that is needed. */
-static int mg_are_arcs_excluded(mg_held_contacts *s, const mg_slip_arc *arc) {
-  mg_slip_arc part[MG_MOTION_CONTACTS];
-  int widest = -1;
-  if (mg_is_cell_excluded(s, arc)) return 1;
-  for (int k = 0; k < s->n; ++k) {
-    part[k] = arc[k];
-    if (s->mode[k] == MG_SLIPS && (widest < 0 || arc[k].cosine < arc[widest].cosine)) widest = k;
-  }
-  if (widest < 0 || (arc[widest].cosine > 0 && arc[widest].sine < MG_HELD_MARGIN) || ++s->cells > MG_HELD_CELLS)
-    return 0;
-  for (int k = 0; k < (arc[widest].cosine < 0 ? 3 : 2); ++k) {
-    part[widest] = mg_part_of_arc(arc + widest, k);
-    if (!mg_are_arcs_excluded(s, part)) return 0;
-  }
-  return 1;
 }
 
 /* Adds the rows of a contact. Those of one that sticks in both solutions may be left out to restrict the motions, those
@@ -279,53 +279,127 @@ static int mg_restrict_motions(const mg_held_contacts *s, int n, const int *list
   return s->rank - n;
 }
 
-/* Adds a view of the present modes if it may exclude them. Contacts that stick in both solutions take part by their
-   cones, or restrict the motions. Returns the number of motions that are left, -1 where it is not clear. */
-static int mg_add_held_rows(mg_held_contacts *s, int has_cones, int has_forces) {
-  mg_held_rows *v = s->view + s->n_view;
-  mg_held_vector vector[MG_HELD_ROWS], F;
-  int held[MG_HELD_ROWS], n_held = 0, left, n_image;
-  v->has_cones = has_cones, v->has_forces = v->is_loaded = has_forces, v->n_row = v->n_image = 0;
+/* The problem restricted to motions at which contacts rest, those of which the bit is set. */
+static const mg_restricted_motions *mg_motions_at_rest(mg_held_contacts *s, int contacts) {
+  mg_restricted_motions *motions = s->restricted + contacts;
+  int row[MG_HELD_ROWS] = {0}, n = 0;
+  if (motions->is_set) return motions;
+  for (int i = 0; i < 3 * s->n; ++i)
+    if (contacts >> i / 3 & 1) row[n++] = i;
+  motions->is_set = 1, motions->left = mg_restrict_motions(s, n, row, motions->L, motions->F);
+  for (int i = 0; i < 3 * s->n && motions->left >= 0; ++i)
+    for (int j = 0; j <= i; ++j)
+      motions->S[i][j] = motions->S[j][i] = mg_held_product(s->rank, motions->L[i], motions->L[j]);
+  return motions;
+}
+
+/* Sets rows and motions of a view of the present modes, and whether it may exclude them. Contacts that stick in both
+   solutions take part by their cones, or restrict the motions. */
+static void mg_set_held_rows(mg_held_contacts *s, mg_held_rows *v) {
+  mg_held_vector vector[MG_HELD_ROWS];
+  int resting = 0;
+  v->is_loaded = v->has_forces, v->n_row = v->n_image = v->separates = 0;
   for (int k = 0; k < s->n; ++k) {
     mg_add_rows_of_contact(s, k, v);
-    for (int i = 0; i < 3 && v->first[k] < 0 && s->mode[k] == MG_STICKS; ++i) held[n_held++] = 3 * k + i;
+    resting |= (v->first[k] < 0 && s->mode[k] == MG_STICKS) << k;
   }
-  left = mg_restrict_motions(s, n_held, held, v->L, F);
-  if (left < 0) return left;
+  v->motions = mg_motions_at_rest(s, resting);
+  if (v->motions->left < 0) return;
   for (int i = 0; i < v->n_row; ++i) {
-    const int row = v->row[i];
-    v->load[i] = s->w[row] - (has_forces ? mg_held_product(s->rank, v->L[row], F) : 0);
+    const mg_real *L = v->motions->L[v->row[i]];
+    v->load[i] = s->w[v->row[i]] - (v->has_forces ? mg_held_product(s->rank, L, v->motions->F) : 0);
     v->is_loaded |= v->load[i] != 0;
-    for (int j = 0; j < s->rank; ++j) vector[j][i] = v->L[row][j];
+    for (int j = 0; j < s->rank; ++j) vector[j][i] = L[j];
   }
-  if (has_forces) {
-    s->n_view++;
-    return left;
+  if (!v->has_forces) v->n_image = mg_find_basis(v->n_row, s->rank, vector, v->image);
+  v->separates = v->has_forces || (v->n_image >= 0 && v->n_image < v->n_row &&
+                                   (v->n_image == v->motions->left || v->is_loaded || mg_rests_in_given_modes(s)));
+}
+
+/* A view of the present modes, set where it is first needed. */
+static const mg_held_rows *mg_view_of_modes(mg_held_contacts *s, int view) {
+  mg_held_rows *v = s->view + view;
+  if (v->set == s->set) return v;
+  v->set = s->set, v->has_cones = view / 2, v->has_forces = view % 2;
+  mg_set_held_rows(s, v);
+  return v;
+}
+
+/* The first view that counts: where no contact sticks in both solutions, they come in pairs that are equal. */
+static int mg_first_view(const mg_held_contacts *s) {
+  for (int k = 0; k < s->n; ++k)
+    if (s->mode[k] == MG_STICKS && s->given[k] == MG_STICKS) return 0;
+  return MG_HELD_VIEWS / 2;
+}
+
+/* Next cell of the last proof, if it is one of the present modes. */
+static const mg_separation *mg_next_cell_of_last_proof(mg_held_contacts *s) {
+  while (s->last && s->at < s->last->n && s->last->cell[s->at].set < s->set) ++s->at;
+  return s->last && s->at < s->last->n && s->last->cell[s->at].set == s->set ? s->last->cell + s->at : 0;
+}
+
+/* True if the modes, with slip directions of these arcs, are excluded: by what excluded them in the last proof, or by
+   what is found. */
+static int mg_is_cell_excluded(mg_held_contacts *s, const mg_slip_arc *arc, const mg_separation *last,
+                               mg_separation *found) {
+  if (last) {
+    const mg_held_rows *v = mg_view_of_modes(s, last->view);
+    *found = *last;
+    if (v->separates && mg_separates(s, v, arc, found->y)) return 1;
   }
-  n_image = mg_find_basis(v->n_row, s->rank, vector, v->image);
-  v->n_image = n_image;
-  s->n_view += n_image >= 0 && n_image < v->n_row && (n_image == left || v->is_loaded || mg_rests_in_given_modes(s));
-  return left;
+  found->view = MG_CELL_DIVIDED;
+  for (int k = 0; k < s->n; ++k)
+    if (s->mode[k] == MG_SLIPS && !(arc[k].cosine > MG_HELD_CLEAR)) return 0;
+  for (int i = mg_first_view(s); i < MG_HELD_VIEWS; ++i) {
+    const mg_held_rows *v = mg_view_of_modes(s, i);
+    if (!v->separates || !mg_find_separation(s, v, arc, found->y)) continue;
+    found->view = i;
+    return 1;
+  }
+  return 0;
+}
+
+/* Excludes the modes for all slip directions of these arcs, in parts where that is needed. is_known, 1: the last proof
+   had this cell. */
+static int mg_are_arcs_excluded(mg_held_contacts *s, const mg_slip_arc *arc, int is_known) {
+  const mg_separation *last = is_known ? mg_next_cell_of_last_proof(s) : 0;
+  mg_separation spare, *found = s->proof.n < MG_PROOF_CELLS ? s->proof.cell + s->proof.n++ : &spare;
+  mg_slip_arc part[MG_MOTION_CONTACTS];
+  int widest = -1;
+  const int was_divided = last && last->view == MG_CELL_DIVIDED;
+  if (last) ++s->at;
+  found->set = s->set, found->view = MG_CELL_DIVIDED;
+  if (!was_divided && mg_is_cell_excluded(s, arc, last, found)) return 1;
+  for (int k = 0; k < s->n; ++k) {
+    part[k] = arc[k];
+    if (s->mode[k] == MG_SLIPS && (widest < 0 || arc[k].cosine < arc[widest].cosine)) widest = k;
+  }
+  if (widest < 0 || (arc[widest].cosine > 0 && arc[widest].sine < MG_HELD_MARGIN) || ++s->cells > MG_HELD_CELLS)
+    return 0;
+  for (int k = 0; k < (arc[widest].cosine < 0 ? 3 : 2); ++k) {
+    part[widest] = mg_part_of_arc(arc + widest, k);
+    if (!mg_are_arcs_excluded(s, part, was_divided)) return 0;
+  }
+  return 1;
 }
 
 /* True if another solution in the modes of the given one has its accelerations: forces of contacts that slide do not
    change along the motions that those that stick leave. */
-static int mg_are_given_modes_unique(const mg_held_contacts *s) {
-  mg_held_vector L[MG_HELD_ROWS], F;
+static int mg_are_given_modes_unique(mg_held_contacts *s) {
+  const mg_restricted_motions *motions;
   mg_real U[MG_MOTION_CONTACTS * MG_MOTION_CONTACTS];
-  int held[MG_HELD_ROWS], slides[MG_MOTION_CONTACTS], swap[MG_MOTION_CONTACTS], n_held = 0, n = 0;
+  int slides[MG_MOTION_CONTACTS], swap[MG_MOTION_CONTACTS], resting = 0, n = 0;
   for (int k = 0; k < s->n; ++k) {
     if (s->given[k] == MG_SLIDES) slides[n++] = k;
-    for (int i = 0; i < 3 && s->given[k] == MG_STICKS; ++i) held[n_held++] = 3 * k + i;
+    resting |= (s->given[k] == MG_STICKS) << k;
   }
   if (n == 0) return 1;
-  if (mg_restrict_motions(s, n_held, held, L, F) < 0) return 0;
+  motions = mg_motions_at_rest(s, resting);
+  if (motions->left < 0) return 0;
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < n; ++i) {
-      const mg_held_vector *own = (const mg_held_vector *)L + 3 * slides[j];
-      U[i + j * n] = mg_held_product(s->rank, L[3 * slides[i]], own[0]);
-      for (int q = 0; q < 2; ++q)
-        U[i + j * n] += s->ratio[slides[j]][q] * mg_held_product(s->rank, L[3 * slides[i]], own[1 + q]);
+      const mg_real *S = motions->S[3 * slides[i]] + 3 * slides[j];
+      U[i + j * n] = S[0] + mg_dot2(S + 1, s->ratio[slides[j]]);
     }
   return mg_lu(n, U, swap) > MG_HELD_CLEAR;
 }
@@ -344,16 +418,14 @@ static int mg_is_no_motion_left(const mg_held_contacts *s) {
 /* True if another solution in the present modes has the accelerations of the given one. */
 static int mg_are_modes_excluded(mg_held_contacts *s) {
   const mg_slip_arc all = {{1, 0}, -1, 0}, arc[MG_MOTION_CONTACTS] = {all, all, all, all};
-  int is_given = 1, any_held = 0;
-  for (int k = 0; k < s->n; ++k)
-    is_given &= s->mode[k] == s->given[k], any_held |= s->mode[k] == MG_STICKS && s->given[k] == MG_STICKS;
+  const int is_known = mg_next_cell_of_last_proof(s) != 0;
+  int is_given = 1;
+  for (int k = 0; k < s->n; ++k) is_given &= s->mode[k] == s->given[k];
   if (is_given) return mg_are_given_modes_unique(s);
-  if (mg_is_no_motion_left(s)) return 1;
-  s->n_view = 0;
-  for (int has_cones = !any_held; has_cones < 2; ++has_cones)
-    for (int has_forces = 0; has_forces < 2; ++has_forces)
-      if (mg_add_held_rows(s, has_cones, has_forces) == 0) return 1;
-  return mg_are_arcs_excluded(s, arc);
+  if (!is_known && mg_is_no_motion_left(s)) return 1;
+  for (int i = mg_first_view(s); i < MG_HELD_VIEWS && !is_known; ++i)
+    if (mg_view_of_modes(s, i)->motions->left == 0) return 1;
+  return mg_are_arcs_excluded(s, arc, is_known);
 }
 
 /* Scales the matrix to A_nn = 1 and factorises it. Returns 0 if it is not symmetric, or of no clear rank. */
@@ -402,13 +474,15 @@ static int mg_set_given_modes(const mg_friction_problem *p, const mg_real *scale
   return 1;
 }
 
-MG_API int mg_is_motion_unique(const mg_friction_problem *p, const mg_real *z, const int *slides,
-                               const mg_real *ratio) {
+MG_API int mg_is_motion_unique(const mg_friction_problem *p, const mg_real *z, const int *slides, const mg_real *ratio,
+                               mg_motion_proof *last) {
   mg_held_contacts s;
   mg_real scale[MG_HELD_ROWS];
   int sets = 1;
   if (p->n_contact > MG_MOTION_CONTACTS || p->n != 3 * p->n_contact || p->n == 0 || p->law != MG_COULOMB) return 0;
-  s.n = p->n_contact, s.cells = 0;
+  s.n = p->n_contact, s.cells = s.at = s.proof.n = 0, s.last = last;
+  for (int i = 0; i < MG_HELD_VIEWS; ++i) s.view[i].set = -1;
+  for (int i = 0; i < 1 << s.n; ++i) s.restricted[i].is_set = 0;
   for (int k = 0; k < s.n; ++k, sets *= 3) {
     const mg_real *cone = p->cone + MG_CONE * k, entry = p->A[3 * k * (p->n + 1)];
     if (p->first[k] != 3 * k || p->rows[k] != 3 || !(cone[0] > 0) || cone[0] != cone[1] || !(entry > 0)) return 0;
@@ -416,8 +490,8 @@ MG_API int mg_is_motion_unique(const mg_friction_problem *p, const mg_real *z, c
     for (int i = 3 * k; i < 3 * k + 3; ++i) scale[i] = 1 / (mg_real)sqrt(entry);
   }
   if (!mg_factorise_held_matrix(p, scale, &s) || !mg_set_given_modes(p, scale, z, slides, &s)) return 0;
-  for (int set = 0; set < sets; ++set) {
-    int code = set, is_twice = 0;
+  for (s.set = 0; s.set < sets; ++s.set) {
+    int code = s.set, is_twice = 0;
     for (int k = 0; k < s.n; ++k, code /= 3) {
       s.mode[k] = (mg_contact_mode)(code % 3);
       is_twice |= slides[k] && s.mode[k] == MG_SLIPS;
@@ -425,5 +499,6 @@ MG_API int mg_is_motion_unique(const mg_friction_problem *p, const mg_real *z, c
     }
     if (!is_twice && !mg_are_modes_excluded(&s)) return 0;
   }
+  if (last) *last = s.proof;
   return 1;
 }
