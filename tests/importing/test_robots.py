@@ -281,6 +281,6 @@ def test_mujoco_comes_to_the_run_of_an_imported_contact_as_its_step_shrinks(tmp_
 def test_a_scene_larger_than_a_scene_file_may_be_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("modelgen.importing.importing.LARGEST", 200)
+    monkeypatch.setattr("modelgen.importing.import_formats.LARGEST", 200)
     with pytest.raises(ModelgenError, match=r"a scene of \d+ bytes; a scene file has at most 200"):
         of(TOUCHING, tmp_path)
