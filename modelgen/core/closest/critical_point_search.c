@@ -309,7 +309,6 @@ static int mg_treat_cells(mg_critical_search *s, int a, int b, int count, int *i
     if (is_small) {
       const mg_real gap = mg_least_distance(&A, &B);
       if (gap >= -s->smallest) mg_note_open_gap(s->c, gap);
-      else *is_complete = 0;
       return count;
     }
   }
