@@ -19,7 +19,7 @@ from modelgen.composition.right_hand_side import (
     slip_speeds,
 )
 from modelgen.contact.form_table import FORMS, contact_kernels, eta_layout
-from modelgen.contact.separation_function import aim_kernel, has_separation, seek_kernel
+from modelgen.contact.support_separation import aim_kernel, has_separation, seek_kernel
 from modelgen.dynamics import loads
 from modelgen.dynamics.bodies import body_kernels
 from modelgen.dynamics.sensors import sensor_kernel

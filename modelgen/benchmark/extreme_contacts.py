@@ -9,7 +9,7 @@ from math import pi, sqrt
 import numpy as np
 
 from modelgen.benchmark.extreme_motions import rocking_egg
-from modelgen.benchmark.extremes import EPS, RUN, Extreme, G, Trial, against, decades, tried_run
+from modelgen.benchmark.extreme_trials import EPS, RUN, Extreme, G, Trial, against, decades, tried_run
 from modelgen.benchmark.library_reuse import Variants
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.trajectory import Trajectory

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.benchmark.extremes import EPS, RUN, Extreme, G, Trial, against, decades, tried_run
+from modelgen.benchmark.extreme_trials import EPS, RUN, Extreme, G, Trial, against, decades, tried_run
 from modelgen.benchmark.library_reuse import Variants
 from modelgen.runtime.closest_points import Extremum, closest_points
 from modelgen.runtime.trajectory import Trajectory

@@ -10,7 +10,7 @@ from typing import Any
 from modelgen.benchmark.extreme_contacts import EVENTS
 from modelgen.benchmark.extreme_motions import MOTIONS
 from modelgen.benchmark.extreme_shapes import SHAPES
-from modelgen.benchmark.extremes import Extreme, Found, tried
+from modelgen.benchmark.extreme_trials import Extreme, Found, tried
 from modelgen.benchmark.library_reuse import Variants
 from modelgen.errors import ModelgenError, nearest
 

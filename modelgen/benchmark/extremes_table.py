@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from rich.console import Console
 from rich.text import Text
 
-from modelgen.benchmark.extremes import Extreme, Found
+from modelgen.benchmark.extreme_trials import Extreme, Found
 from modelgen.benchmark.extremes_survey import EXTREMES, Survey
 
 HEAD = ("extreme", "driven", "safe", "warned", "refused", "law of loss", "worst", "holds")

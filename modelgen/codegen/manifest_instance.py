@@ -13,7 +13,7 @@ from modelgen.codegen.manifest_planar_contacts import face_table, patch_table
 from modelgen.codegen.manifest_unlisted_shapes import unlisted_of
 from modelgen.codegen.repeated_pairs import repeated
 from modelgen.contact.form_table import FORMS, eta_layout
-from modelgen.contact.separation_function import has_separation
+from modelgen.contact.support_separation import has_separation
 from modelgen.dynamics.sensors import sensor_parameters
 from modelgen.geometry.coordinate_domains import domain_of
 from modelgen.geometry.curves import curve_of, is_curve

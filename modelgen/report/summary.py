@@ -7,7 +7,7 @@ from typing import Any
 
 from rich.console import Console
 
-from modelgen.report.printed_numbers import NOISE, largest, noise_of_joints, vector_text
+from modelgen.report.printed_rounding import NOISE, largest, noise_of_joints, vector_text
 
 FIRST, LAST = 15, 5  # events printed from the start and the end; those between are counted
 

@@ -14,7 +14,7 @@ from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError
 from modelgen.model import Model
 from modelgen.report.displayed_bodies import stage_at_start
-from modelgen.report.printed_numbers import NOISE, vector_text
+from modelgen.report.printed_rounding import NOISE, vector_text
 from modelgen.report.recorded_scene import kept_scene, read_again
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import input_range

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from modelgen.benchmark.scene_run_table import with_run
 from modelgen.benchmark.scene_under_measurement import applied
-from modelgen.benchmark.settings_file import with_run
 from modelgen.errors import ModelgenError
 from modelgen.scene.read import read_text
 

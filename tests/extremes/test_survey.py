@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from modelgen.benchmark.extremes import Extreme, Found, Trial, tried
+from modelgen.benchmark.extreme_trials import Extreme, Found, Trial, tried
 from modelgen.benchmark.extremes_survey import EXTREMES, survey
 from modelgen.benchmark.extremes_table import _ranges
 from modelgen.benchmark.library_reuse import Variants

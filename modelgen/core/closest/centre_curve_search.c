@@ -1,5 +1,5 @@
 /* Critical points of the distance of features that lie at a constant distance from a straight line or a circle, in
-   closed form: cylinders and lines (about a line), tori and circles (about a circle). The line through the closest
+   closed form: a cylinder or a line (about a line), a torus or a circle (about a circle). The line through the closest
    points of two such features is normal to both centre curves, whatever the radii, so that they follow from places on
    the centre curves at which their distance is stationary (centre_curve_stationary_points.c). Where the distance is the
    same along a curve, as of coaxial features, no point is critical by itself; the gap there is noted instead
