@@ -6,7 +6,6 @@ motions are known; neither shares anything with the proof.
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
@@ -18,8 +17,7 @@ from numpy.typing import NDArray
 from scipy.linalg import null_space
 from scipy.optimize import nnls, root
 
-from modelgen.runtime.friction import FrictionProblem, motion_is_unique
-from modelgen.runtime.friction.compiled_solvers import PROOF_BYTES
+from modelgen.runtime.friction import FrictionProblem, motion_is_unique, motion_work
 
 Array = NDArray[Any]
 TOLERANCE = 1e-8  # of the largest |b|
@@ -58,8 +56,8 @@ class Held:
     z: Array
     slides: dict[int, Array]  # f / N
 
-    def is_proved(self, library: Any, last: ctypes.Array[ctypes.c_char] | None = None) -> bool:
-        return motion_is_unique(self.problem, self.z, library, self.slides, last)
+    def is_proved(self, library: Any, work: Array | None = None) -> bool:
+        return motion_is_unique(self.problem, self.z, library, self.slides, work)
 
 
 def in_cone(rng: np.random.Generator, mu: float) -> Array:
@@ -293,9 +291,9 @@ def test_the_proof_of_another_problem_proves_nothing_false(count: int, lcp: Any)
     pairs = [drawn[0] for seed in range(200) if (drawn := ambiguous(seed, count, MIXED)) is not None]
     assert len(others) >= 5
     for k, case in enumerate(pairs):
-        last = ctypes.create_string_buffer(PROOF_BYTES)
-        assert others[k % len(others)].is_proved(lcp, last)
-        assert not case.is_proved(lcp, last)
+        work = motion_work(lcp)
+        assert others[k % len(others)].is_proved(lcp, work)
+        assert not case.is_proved(lcp, work)
 
 
 def test_what_is_proved_is_proved_after_the_proof_of_a_similar_problem(lcp: Any) -> None:
@@ -303,14 +301,14 @@ def test_what_is_proved_is_proved_after_the_proof_of_a_similar_problem(lcp: Any)
         case = held(seed, 2 + seed % 3, 0.5, MIXED)
         if not case.is_proved(lcp):
             continue
-        last = ctypes.create_string_buffer(PROOF_BYTES)
+        work = motion_work(lcp)
         rng = np.random.default_rng(seed)
         for _ in range(5):
             z = case.z.copy()
             z.reshape(-1, 3)[:] *= rng.uniform(0.5, 2, size=(len(z) // 3, 1))
             b = case.problem.b - case.problem.A @ (z - case.z)
             near = Held(FrictionProblem.of(case.problem.A, b, case.problem.cone[:, 0]), z, case.slides)
-            assert near.is_proved(lcp, last) >= near.is_proved(lcp)
+            assert near.is_proved(lcp, work) >= near.is_proved(lcp)
 
 
 def test_the_proof_does_not_depend_on_units_and_tangents(lcp: Any) -> None:

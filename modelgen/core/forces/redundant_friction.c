@@ -63,7 +63,7 @@ static int mg_is_island_motion_unique(mg_context *c, int first) {
   }
   for (int j = 0; j < n; j++)
     for (int r = 0; r < n; r++) c->lcp.b[r] -= p.A[r + n * j] * c->lcp.z[j];
-  return mg_is_motion_unique(&p, c->lcp.z, slip.slides, slip.ratio, &c->friction.proof);
+  return mg_is_motion_unique(&p, c->lcp.z, slip.slides, slip.ratio, c->friction.motion_work);
 }
 
 /* The same of all bodies. An island of one contact has unique forces. */

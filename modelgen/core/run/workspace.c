@@ -35,6 +35,9 @@ static long mg_strip_capacity_max(const mg_system *s) {
   return most;
 }
 
+/* Memory of proofs of unique motion, in mg_real: of scenes in which several contacts may be closed. */
+static long mg_motion_memory_size(const mg_system *s) { return s->closed_capacity > 1 ? mg_motion_work_size() : 0; }
+
 /* Memory of the friction constraints, in mg_real. */
 static long mg_friction_memory_size(const mg_system *s) {
   if (!s->n_friction) return 0;
@@ -42,7 +45,7 @@ static long mg_friction_memory_size(const mg_system *s) {
   return (long)MG_RADAU_STAGES * MG_SLIP_UNKNOWNS * s->n_u + k * k + 2 * k +
          mg_count_reals(s->n_patch_slot, sizeof(mg_patch_friction)) +
          mg_count_reals(mg_strip_capacity_max(s), sizeof(mg_boundary_strip)) + s->n_friction_row + 2L * s->n_friction +
-         MG_CONE * (long)s->closed_capacity + 6L * s->n_contact + 78 +
+         MG_CONE * (long)s->closed_capacity + 6L * s->n_contact + 78 + mg_motion_memory_size(s) +
          mg_friction_work_size((int)mg_held_row_capacity(s), s->closed_capacity);
 }
 
@@ -153,7 +156,9 @@ static void mg_set_friction_arrays(mg_context *c, mg_real *work, int *iwork) {
   mg_zero_reals(c->friction.slip_time_left, s->n_friction);
   c->friction.cone = mg_take_reals(&work, MG_CONE * k), c->rows.tangents = mg_take_reals(&work, 6L * s->n_contact);
   c->rows.kernel_rows = mg_take_reals(&work, 78),
+  c->friction.motion_work = mg_take_reals(&work, mg_motion_memory_size(s)),
   c->friction.work = mg_take_reals(&work, mg_friction_work_size((int)n, (int)k));
+  if (mg_motion_memory_size(s)) mg_forget_motion_proof(c->friction.motion_work);
   c->friction.triggered = mg_take_ints(&iwork, s->n_friction),
   c->friction.mode_before = mg_take_ints(&iwork, s->n_friction);
   c->friction.bound = mg_take_ints(&iwork, s->n_friction), c->friction.cone_contact = mg_take_ints(&iwork, k);
@@ -271,7 +276,7 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
   c->system = system, c->kernels = system->kernels, c->settings = settings, c->run = run;
   c->layout.n_states = (int)mg_state_count(system), c->layout.work_state = c->layout.n_states - 1,
   c->step.sign_changed = c->events.passage.is_paused = 0, c->patches.hull_patch = -1, c->step.follower = 0,
-  c->lcp.keeps_matrix = c->lcp.n_assembled = c->friction.proof.n = 0;
+  c->lcp.keeps_matrix = c->lcp.n_assembled = 0;
   c->layout.support_begin = system->n_contact - 3 * system->n_patch_slot,
   c->layout.support_feature_pair_begin = system->n_feature_pair - 3 * system->n_patch;
   c->layout.joint_row_begin = system->n_contact + 1, c->layout.spring_row_end = (int)mg_row_count(system);

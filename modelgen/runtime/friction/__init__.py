@@ -18,6 +18,7 @@ from modelgen.runtime.compiled_lcp import CoreLibrary
 from modelgen.runtime.friction.compiled_solvers import (
     coulomb,
     motion_is_unique,
+    motion_work,
     relaxation,
     residual,
 )
@@ -55,6 +56,7 @@ __all__ = [
     "Solver",
     "coulomb",
     "motion_is_unique",
+    "motion_work",
     "polyhedral",
     "relaxation",
     "residual",

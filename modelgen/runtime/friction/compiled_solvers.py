@@ -79,7 +79,11 @@ def residual(problem: FrictionProblem, z: ArrayLike, library: CoreLibrary, law: 
     return value
 
 
-PROOF_BYTES = 8192  # what mg_motion_proof takes, and more
+def motion_work(library: CoreLibrary) -> NDArray[Any]:
+    """Memory of `motion_is_unique`, which keeps no proof yet."""
+    work = np.empty(int(library.cdll.mg_motion_work_size()), dtype=library.dtype)
+    library.cdll.mg_forget_motion_proof(pointer(work))
+    return work
 
 
 def motion_is_unique(
@@ -87,7 +91,7 @@ def motion_is_unique(
     z: ArrayLike,
     library: CoreLibrary,
     slides: Mapping[int, ArrayLike] | None = None,
-    last: ctypes.Array[ctypes.c_char] | None = None,
+    work: NDArray[Any] | None = None,
 ) -> bool:
     """Whether a motion is proved to be the only one (mg_is_motion_unique of the core).
 
@@ -96,7 +100,7 @@ def motion_is_unique(
             may be singular.
         z: (n,) forces. A contact with N = 0 opens, others stick but for those in `slides`.
         slides: f / N (2,) of each contact whose slip is under way.
-        last: PROOF_BYTES, zero at first, that keep a proof; the next problem is tried with it first.
+        work: of `motion_work`; keeps the proof, with which the next problem is tried first.
 
     Returns:
         True if every solution of Coulomb's law has w = A z + b; False if this is not proved, as for other
@@ -107,8 +111,9 @@ def motion_is_unique(
     known = slides or {}
     under_way = np.array([k in known for k in range(len(problem.first))], dtype=np.intc)
     ratio = np.array([known.get(k, (0.0, 0.0)) for k in range(len(problem.first))], dtype=library.dtype)
+    memory = motion_work(library) if work is None else work
     proved = library.cdll.mg_is_motion_unique(
-        ctypes.byref(record), pointer(forces), pointer(under_way), pointer(ratio), last
+        ctypes.byref(record), pointer(forces), pointer(under_way), pointer(ratio), pointer(memory)
     )
     del alive
     return bool(proved)

@@ -96,30 +96,19 @@ MG_API int mg_friction(const mg_friction_problem *problem, mg_real *z, int *mark
    direction of t1, t2. */
 MG_API mg_real mg_friction_residual(const mg_friction_problem *problem, const mg_real *z);
 
-enum {
-  MG_MOTION_CONTACTS = 4, /* most contacts of mg_is_motion_unique */
-  MG_PROOF_CELLS = 64,    /* most cells that it keeps */
-  MG_CELL_DIVIDED = -1
-};
+enum { MG_MOTION_CONTACTS = 4 }; /* most contacts of mg_is_motion_unique */
 
-/* Modes of contacts that have another motion, with slip directions within arcs: what excludes them. */
-typedef struct {
-  int set;                           /* number of the modes */
-  int view;                          /* rows among which y is, or MG_CELL_DIVIDED: halves of the arcs come next */
-  mg_real y[3 * MG_MOTION_CONTACTS]; /* excludes them */
-} mg_separation;
+/* Memory of mg_is_motion_unique, in mg_real. */
+MG_API int mg_motion_work_size(void);
 
-/* A proof, or its start. */
-typedef struct {
-  int n; /* cells */
-  mg_separation cell[MG_PROOF_CELLS];
-} mg_motion_proof;
+/* Forgets the proof that this memory keeps, or makes it keep none. */
+MG_API void mg_forget_motion_proof(mg_real *work);
 
 /* True if it is proved that all solutions of a problem of at most MG_MOTION_CONTACTS contacts have the motion w of the
    given one. Each has 3 rows and one coefficient of friction, and A is symmetric. slides [n_contact], 1: the slip of
-   the contact is under way, f = N ratio [2 n_contact]; in z, the others stick or open (N = 0). 0: not proved. last: the
-   proof of a similar problem, which is tried first, and becomes that of this one; or 0. */
+   the contact is under way, f = N ratio [2 n_contact]; in z, the others stick or open (N = 0). 0: not proved. work
+   keeps the last proof, which is tried first; if this problem is proved, its proof takes the place of that. */
 MG_API int mg_is_motion_unique(const mg_friction_problem *problem, const mg_real *z, const int *slides,
-                               const mg_real *ratio, mg_motion_proof *last);
+                               const mg_real *ratio, mg_real *work);
 
 #endif

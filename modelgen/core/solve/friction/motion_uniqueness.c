@@ -18,6 +18,8 @@
 
 enum {
   MG_HELD_ROWS = 3 * MG_MOTION_CONTACTS,
+  MG_PROOF_CELLS = 64, /* most cells that a proof keeps */
+  MG_CELL_DIVIDED = -1,
   MG_HELD_VIEWS = 4,
   MG_HELD_CELLS = 4000, /* most combinations of modes and arcs that a proof looks at */
   MG_NEAREST_STEPS = 40 /* most steps of the search for a nearest point */
@@ -31,6 +33,19 @@ enum {
 typedef enum { MG_OPENS, MG_STICKS, MG_SLIPS, MG_SLIDES /* on, along a given direction */ } mg_contact_mode;
 
 typedef mg_real mg_held_vector[MG_HELD_ROWS];
+
+/* Modes of contacts that have another motion, with slip directions within arcs: what excludes them. */
+typedef struct {
+  int set;          /* number of the modes */
+  int view;         /* rows among which y is, or MG_CELL_DIVIDED: halves of the arcs come next */
+  mg_held_vector y; /* excludes them */
+} mg_separation;
+
+/* A proof, or its start. */
+typedef struct {
+  int n; /* cells */
+  mg_separation cell[MG_PROOF_CELLS];
+} mg_motion_proof;
 
 /* Unit vectors within an angle of t, of which cosine and sine are given. */
 typedef struct {
@@ -71,9 +86,11 @@ typedef struct {
   mg_restricted_motions restricted[1 << MG_MOTION_CONTACTS]; /* bit k: contact k rests */
   mg_held_rows view[MG_HELD_VIEWS];                          /* what may exclude the modes of the other solution */
   int set;                                                   /* their number */
-  const mg_motion_proof *last;                               /* the last proof, or 0 */
-  int at;                                                    /* its next cell */
-  mg_motion_proof proof;                                     /* this one */
+  int newest;                                                /* of `kept`: the last proof */
+  mg_motion_proof kept[2];
+  const mg_motion_proof *last; /* the last proof */
+  int at;                      /* its next cell */
+  mg_motion_proof *proof;      /* this one */
 } mg_held_contacts;
 
 /* What the sum of vectors may hold: b, the force of a contact, or its motion. */
@@ -334,8 +351,8 @@ static int mg_first_view(const mg_held_contacts *s) {
 
 /* Next cell of the last proof, if it is one of the present modes. */
 static const mg_separation *mg_next_cell_of_last_proof(mg_held_contacts *s) {
-  while (s->last && s->at < s->last->n && s->last->cell[s->at].set < s->set) ++s->at;
-  return s->last && s->at < s->last->n && s->last->cell[s->at].set == s->set ? s->last->cell + s->at : 0;
+  while (s->at < s->last->n && s->last->cell[s->at].set < s->set) ++s->at;
+  return s->at < s->last->n && s->last->cell[s->at].set == s->set ? s->last->cell + s->at : 0;
 }
 
 /* True if the modes, with slip directions of these arcs, are excluded: by what excluded them in the last proof, or by
@@ -363,7 +380,7 @@ static int mg_is_cell_excluded(mg_held_contacts *s, const mg_slip_arc *arc, cons
    had this cell. */
 static int mg_are_arcs_excluded(mg_held_contacts *s, const mg_slip_arc *arc, int is_known) {
   const mg_separation *last = is_known ? mg_next_cell_of_last_proof(s) : 0;
-  mg_separation spare, *found = s->proof.n < MG_PROOF_CELLS ? s->proof.cell + s->proof.n++ : &spare;
+  mg_separation spare, *found = s->proof->n < MG_PROOF_CELLS ? s->proof->cell + s->proof->n++ : &spare;
   mg_slip_arc part[MG_MOTION_CONTACTS];
   int widest = -1;
   const int was_divided = last && last->view == MG_CELL_DIVIDED;
@@ -474,31 +491,39 @@ static int mg_set_given_modes(const mg_friction_problem *p, const mg_real *scale
   return 1;
 }
 
+MG_API int mg_motion_work_size(void) { return (int)mg_count_reals(1, sizeof(mg_held_contacts)); }
+
+MG_API void mg_forget_motion_proof(mg_real *work) {
+  mg_held_contacts *s = mg_take_memory(&work, 1, sizeof(mg_held_contacts));
+  s->newest = s->kept[0].n = 0;
+}
+
 MG_API int mg_is_motion_unique(const mg_friction_problem *p, const mg_real *z, const int *slides, const mg_real *ratio,
-                               mg_motion_proof *last) {
-  mg_held_contacts s;
+                               mg_real *work) {
+  mg_held_contacts *s = mg_take_memory(&work, 1, sizeof(mg_held_contacts));
   mg_real scale[MG_HELD_ROWS];
   int sets = 1;
   if (p->n_contact > MG_MOTION_CONTACTS || p->n != 3 * p->n_contact || p->n == 0 || p->law != MG_COULOMB) return 0;
-  s.n = p->n_contact, s.cells = s.at = s.proof.n = 0, s.last = last;
-  for (int i = 0; i < MG_HELD_VIEWS; ++i) s.view[i].set = -1;
-  for (int i = 0; i < 1 << s.n; ++i) s.restricted[i].is_set = 0;
-  for (int k = 0; k < s.n; ++k, sets *= 3) {
+  s->n = p->n_contact, s->cells = s->at = 0;
+  s->last = s->kept + s->newest, s->proof = s->kept + 1 - s->newest, s->proof->n = 0;
+  for (int i = 0; i < MG_HELD_VIEWS; ++i) s->view[i].set = -1;
+  for (int i = 0; i < 1 << s->n; ++i) s->restricted[i].is_set = 0;
+  for (int k = 0; k < s->n; ++k, sets *= 3) {
     const mg_real *cone = p->cone + MG_CONE * k, entry = p->A[3 * k * (p->n + 1)];
     if (p->first[k] != 3 * k || p->rows[k] != 3 || !(cone[0] > 0) || cone[0] != cone[1] || !(entry > 0)) return 0;
-    s.mu[k] = cone[0], s.ratio[k][0] = ratio[2 * k], s.ratio[k][1] = ratio[2 * k + 1];
+    s->mu[k] = cone[0], s->ratio[k][0] = ratio[2 * k], s->ratio[k][1] = ratio[2 * k + 1];
     for (int i = 3 * k; i < 3 * k + 3; ++i) scale[i] = 1 / (mg_real)sqrt(entry);
   }
-  if (!mg_factorise_held_matrix(p, scale, &s) || !mg_set_given_modes(p, scale, z, slides, &s)) return 0;
-  for (s.set = 0; s.set < sets; ++s.set) {
-    int code = s.set, is_twice = 0;
-    for (int k = 0; k < s.n; ++k, code /= 3) {
-      s.mode[k] = (mg_contact_mode)(code % 3);
-      is_twice |= slides[k] && s.mode[k] == MG_SLIPS;
-      if (slides[k] && s.mode[k] == MG_STICKS) s.mode[k] = MG_SLIDES;
+  if (!mg_factorise_held_matrix(p, scale, s) || !mg_set_given_modes(p, scale, z, slides, s)) return 0;
+  for (s->set = 0; s->set < sets; ++s->set) {
+    int code = s->set, is_twice = 0;
+    for (int k = 0; k < s->n; ++k, code /= 3) {
+      s->mode[k] = (mg_contact_mode)(code % 3);
+      is_twice |= slides[k] && s->mode[k] == MG_SLIPS;
+      if (slides[k] && s->mode[k] == MG_STICKS) s->mode[k] = MG_SLIDES;
     }
-    if (!is_twice && !mg_are_modes_excluded(&s)) return 0;
+    if (!is_twice && !mg_are_modes_excluded(s)) return 0;
   }
-  if (last) *last = s.proof;
+  s->newest = 1 - s->newest;
   return 1;
 }
