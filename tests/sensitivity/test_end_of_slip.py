@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import mpmath as mp
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
 from modelgen import sensitivity
+from modelgen.runtime import sensitivity as sensitivity_module
 from modelgen.scene.read import read_text
 from tests.sensitivity.differences import differentiable, shipped
 
@@ -27,36 +29,24 @@ def test_derivatives_hold_shortly_before_the_end_of_slip_and_after_it(t: float) 
     assert found.jacobian[0, 1, 1] == pytest.approx(left, rel=1e-12)
 
 
-SHAPES = {  # shape; how much faster than its centre its slip is slowed; by what runs are differentiable
-    "ball": ('{ kind = "sphere", radius = 0.1 }', 3.5, ["body.velocity", "mu"]),
-    "block": (
-        '{ kind = "box", size = [0.4, 0.4, 0.2] }',
-        1.0,
-        ["mu"],
-    ),  # slip across does not die with the other
+SHAPES = {  # shape, and how much faster its slip than its centre is slowed by friction
+    "ball": ('{ kind = "sphere", radius = 0.1 }', 3.5),
+    "block": ('{ kind = "box", size = [0.4, 0.4, 0.2] }', 1.0),
 }
 
 
-@pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("seed", range(3))
-def test_slip_that_ends_on_a_moving_floor(shape: str, seed: int) -> None:
-    """The floor moves by x(t) along the slip and by z(t) upwards. With the slip s0 at the start, the velocity
-    is v0 - mu (g t + z') until k mu (g t + z') = s0 - x' + x'(0), and then v0 - s0/k + (x' - x'(0))/k."""
-    kind, k, by = SHAPES[shape]
-    random = np.random.default_rng(seed)
-    speed, mu, X, wx, Z, wz = random.uniform(
-        [0.5, 0.2, 0.01, 4, 0.003, 4], [0.8, 0.3, 0.03, 10, 0.01, 10]
-    ).tolist()
-    text = f"""
+def scene(shape: str, speed: float, mu: float, along: str, up: str) -> str:
+    """A body of 2 kg that slides on a floor, and the motion of this floor."""
+    return f"""
 [[body]]
 name = "plate"
 motion = "driven"
 shape = {{ kind = "plane" }}
-path = {{ position = ["{X!r}*sin({wx!r}*t)", "0.0", "{Z!r}*(1 - cos({wz!r}*t))"] }}
+path = {{ position = ["{along}", "0.0", "{up}"] }}
 
 [[body]]
 name = "body"
-shape = {kind}
+shape = {shape}
 mass = 2.0
 inertia = [0.008, 0.008, 0.008]
 position = [0.0, 0.0, 0.1]
@@ -71,6 +61,19 @@ name = "mu"
 value = {mu!r}
 """
 
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("seed", range(3))
+def test_slip_that_ends_on_a_moving_floor(shape: str, seed: int) -> None:
+    """The floor moves by x(t) along the slip and by z(t) upwards. With the slip s0 at the start, the velocity
+    is v0 - mu (g t + z') until k mu (g t + z') = s0 - x' + x'(0), and then v0 - s0/k + (x' - x'(0))/k."""
+    kind, k = SHAPES[shape]
+    random = np.random.default_rng(seed)
+    speed, mu, X, wx, Z, wz = random.uniform(
+        [0.5, 0.2, 0.01, 4, 0.003, 4], [0.8, 0.3, 0.03, 10, 0.01, 10]
+    ).tolist()
+    text = scene(kind, speed, mu, f"{X!r}*sin({wx!r}*t)", f"{Z!r}*(1 - cos({wz!r}*t))")
+
     def normal(t: float) -> float:
         """The impulse of the normal force, of the mass."""
         return GRAVITY * t + Z * wz * np.sin(wz * t)
@@ -83,10 +86,53 @@ value = {mu!r}
     slowed = X * wx**2 * np.sin(wx * end) - k * mu * (GRAVITY + Z * wz**2 * np.cos(wz * end))
     left = 1 - 1 / k  # of a change of velocity
     t = end + 0.3
-    of, columns = ["body.position", "body.velocity"], [0, 3][: len(by)]
+    of, by = ["body.position", "body.velocity"], ["mu", "body.velocity"]
+    if shape == "block":
+        del by[1]  # it turns where slip across it is left
     found = sensitivity(differentiable(read_text(text, "scene.toml")), [t], of=of, by=by, accuracy="tight")
+    columns = slice(len(by))  # by mu, and by the velocity along the slip
     assert found.verdict
-    right = np.array([[end + left * (t - end), -fallen], [left, 0]])[:, -len(by) :]
-    assert found.jacobian[0, [0, 3]][:, columns] == pytest.approx(right, abs=1e-11)
-    times = next(event.by for event in found.events if abs(event.t - end) < 1e-9)
-    assert times[columns] == pytest.approx([-1 / slowed, k * normal(end) / slowed][-len(by) :], rel=1e-9)
+    expected = np.array([[-fallen, end + left * (t - end)], [0, left]])[:, columns]
+    assert found.jacobian[0, [0, 3], columns] == pytest.approx(expected, abs=1e-11)
+    (event,) = found.events
+    expected_times = np.array([k * normal(end) / slowed, -1 / slowed])
+    exact = 1e-9 if shape == "ball" else 1e-6  # a block stops once it slips no faster than `slip_speed`
+    assert event.t == pytest.approx(end, rel=exact)
+    assert event.by[columns] == pytest.approx(expected_times[columns], rel=exact)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("steps", [1, sensitivity_module.STEPS])
+def test_changes_across_slip_that_ends_on_a_moving_floor(
+    seed: int, steps: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Slip s of a ball over a floor that moves along it. A slip c across it changes by c' = -k mu g c/s, so
+    that c is a power of the time left, times a regular function; the velocity across changes by c'/k."""
+    monkeypatch.setattr(sensitivity_module, "STEPS", steps)
+    kind, k = SHAPES["ball"]
+    random = np.random.default_rng(seed)
+    speed, mu, X, w = random.uniform([0.5, 0.1, 0.01, 4], [0.8, 0.2, 0.03, 12]).tolist()
+    text = scene(kind, speed, mu, f"{X!r}*sin({w!r}*t)", "0.0")
+    slowed = k * mu * GRAVITY
+
+    def slip(t: mp.mpf) -> mp.mpf:
+        return speed - X * w * mp.cos(w * t) - slowed * t
+
+    end = mp.findroot(slip, (speed - X * w) / slowed)
+    power = slowed / (slowed - X * w**2 * mp.sin(w * end))
+
+    def across(t: mp.mpf) -> mp.mpf:
+        left = (1 - t / end) ** power
+        return (
+            left * mp.exp(mp.quad(lambda at: power / (end - at) - slowed / slip(at), [0, t]))
+            if left
+            else left
+        )
+
+    t = float(end) + 0.3
+    of = ["body.position", "body.velocity"]
+    library = differentiable(read_text(text, "scene.toml"))
+    found = sensitivity(library, [t], of=of, by=["body.velocity"], accuracy="tight", estimate=False)
+    assert found.verdict
+    moved = float(t - (t - mp.quad(across, [0, end])) / k)
+    assert found.jacobian[0, [1, 4], 1] == pytest.approx([moved, 1 - 1 / k], abs=1e-11)

@@ -229,7 +229,8 @@ static void mg_take_back_step(const mg_context *c, mg_sensitivity *s, mg_record 
   const mg_followed_step *step = &s->step;
   mg_restore_run(c->system, c->run, step->before);
   memcpy(s->tangent->x, s->start, (size_t)s->directions->n * (size_t)c->layout.n_states * sizeof(mg_real));
-  events->count = step->n_event, record->count = step->n_record, s->tangent->count = step->n_differentiated;
+  s->step.begun--, events->count = step->n_event, record->count = step->n_record,
+                   s->tangent->count = step->n_differentiated;
 }
 
 MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settings, mg_run *run,
@@ -261,7 +262,9 @@ MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settin
     if (step->is_settled) memcpy(tangent->x, s.start, (size_t)n_dx * sizeof(mg_real));
     mg_store_run(system, run, step->after);
     const mg_real end = run->t;
-    const int reason = mg_carry_over_step(system, settings, run, &s, work, iwork), stops = reason == MG_BY_SLIP_STOP,
+    s.slip_left = 0;
+    const int reason = mg_carry_over_step(system, settings, run, &s, work, iwork),
+              stops = s.slip_left > settings->derivative_error_factor * settings->tolerance,
               constraint = stops ? s.crossing.constraint : s.slip_falls;
     if ((stops || s.slip_end > 0) && outcome <= MG_CONTINUE &&
         mg_begin_approach(&approach, step->t, stops ? end : s.slip_end, constraint < 0 ? 0 : s.slip[constraint])) {

@@ -188,12 +188,14 @@ static mg_real mg_rate_tangent_size(const mg_context *c, const mg_sensitivity *s
   return sum;
 }
 
-/* True if slip that ends at the event would not end in a changed run: it is left with a part across its direction. */
-static int mg_leaves_slip_across(mg_context *c, mg_sensitivity *s, const mg_crossing *crossing) {
+/* What is left across its direction of changes of slip that ends at the event, of their size: 0 if it ends as well in
+   changed runs. */
+static mg_real mg_slip_left_across(mg_context *c, mg_sensitivity *s, const mg_crossing *crossing) {
   const int slot = mg_slot_of_support(c, crossing->contact),
             row = slot >= 0 ? mg_first_patch_friction_row(c, slot)
                             : mg_first_friction_row(c, crossing->contact, crossing->constraint);
   const mg_real spin = slot >= 0 ? mg_support_radius(c, slot) : 0; /* of a patch counts as slip at this distance */
+  mg_real most = 0;
   if (slot < 0 && mg_friction_row_count(c, crossing->constraint) < 2) return 0;
   for (int j = 0; j < s->directions->n; j++) {
     mg_rhs_tangent(c, s, j, c->run->t, c->run->x, s->tangent->x + (long)j * c->layout.n_states, s->stage);
@@ -201,9 +203,9 @@ static int mg_leaves_slip_across(mg_context *c, mg_sensitivity *s, const mg_cros
                   left = sqrt(mg_dot2(s->at.rate + row, s->at.rate + row) + turn * turn),
                   size = mg_rate_tangent_size(c, s, row) + mg_rate_tangent_size(c, s, row + 1) +
                          (slot >= 0 ? spin * mg_rate_tangent_size(c, s, row + 2) : 0);
-    if (left > sqrt(c->settings->slip_speed) * (fabs(s->event_rate[j]) + size)) return 1;
+    if (left > 0) most = mg_max(most, left / (fabs(s->event_rate[j]) + size));
   }
-  return 0;
+  return most;
 }
 
 /* Sum of the sizes of the parts of the derivative of a gap that poses make. */
@@ -267,7 +269,8 @@ MG_INTERNAL int mg_cross_event(mg_context *c, mg_sensitivity *s, const mg_crossi
     mg_evaluate_run_state(c);
   } else if (crossing->kind == MG_CROSSES_SLIP) {
     mg_gather_wrenches(c, s, c->run->t);
-    if (mg_leaves_slip_across(c, s, crossing) && !reason) reason = MG_BY_SLIP_STOP;
+    s->slip_left = mg_slip_left_across(c, s, crossing);
+    if (s->slip_left > sqrt(c->settings->slip_speed) && !reason) reason = MG_BY_SLIP_STOP;
   } else if (crossing->kind == MG_CROSSES_FORCE && !reason) reason = MG_BY_JUMP;
   s->is_at_event = 0;
   mg_shift_by_event_times(c, s, after, -1);

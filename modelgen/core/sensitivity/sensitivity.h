@@ -131,6 +131,7 @@ typedef struct {
                             tolerance; of a patch; 0: none */
   mg_real slip_end;      /* time at which slip that falls much in the step would end, s; 0: none falls much */
   int slip_falls;        /* its constraint */
+  mg_real slip_left;     /* what slip that ended in the step treated last has left across its direction, of its size */
   mg_crossing crossing;  /* of the step treated last */
   int is_time;           /* 1: the direction looked at is time: no number changes */
   int is_at_event;       /* 1: derivatives are those at the event of a changed run, whose time changes (event_rate) */
