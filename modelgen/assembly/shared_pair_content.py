@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from modelgen.assembly.contact_following import Following, confined, following
+from modelgen.assembly.contacts_per_pair import PairContacts, confined, contacts_of_pair
 from modelgen.assembly.feature_pairs import Whole, feature_pairs_of, repeated
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.patches import PlanarPair, planar_pairs_of
@@ -21,7 +21,7 @@ class PairContent:
     """Feature pairs of a pair, how contacts follow them, and its faces that may rest on each other."""
 
     feature_pairs: tuple[FeaturePairEntry, ...]
-    way: Following
+    way: PairContacts
     room: int  # entries of eta of a contact that may follow each of them
     planar_pairs: tuple[PlanarPair, ...]
     repeats: int | None = None  # the number of the first pair with this content
@@ -57,7 +57,7 @@ class PairContents:
         kinds = [self.kinds.kinds[each] for each in {entry.kind for entry in feature_pairs}]
         room = max(map(eta_size, kinds))
         explicit = room < 2 and all(eta_layout(kind)[1] == "none" for kind in kinds)
-        way = following(a.shape, b.shape, pair, feature_pairs, explicit)
+        way = contacts_of_pair(a.shape, b.shape, pair, feature_pairs, explicit)
         feature_pairs = confined(feature_pairs) if way.own else feature_pairs
         planar_pairs = planar_pairs_of(a, b, pair, where, feature_pairs, self.shapes, self.kinds)
         return PairContent(feature_pairs, way, room, planar_pairs)

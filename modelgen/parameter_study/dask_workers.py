@@ -22,7 +22,7 @@ from modelgen.codegen.emit import Package
 from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError
 from modelgen.parameter_study.chunks import Chunk, Study, run_chunk
-from modelgen.parameter_study.pending_runs import PendingRuns, Span
+from modelgen.parameter_study.run_queue import RunQueue, Span
 from modelgen.runtime.trajectory import Array
 
 ANSWER_S = 10.0  # time in which a scheduler must answer, and have a worker
@@ -68,9 +68,9 @@ def worker_threads(client: Any) -> int:
 
 
 def chunks_of_workers(
-    client: Any, pending: PendingRuns, library: Library, study: Study, values: Array
+    client: Any, queue: RunQueue, library: Library, study: Study, values: Array
 ) -> Iterator[Chunk]:
-    """The chunks of the pending runs, as they come from the workers; raises ModelgenError where workers fail
+    """The chunks of the queued runs, as they come from the workers; raises ModelgenError where workers fail
     again and again, or the scheduler is lost."""
     distributed = require_distributed()
     payload = pickle.dumps((_package(library), library.real, study))
@@ -78,13 +78,13 @@ def chunks_of_workers(
     spans: dict[Any, Span] = {}
     try:
         flow = distributed.as_completed([], loop=client.loop)
-        _hand_out(client, pending, payload, values, spans, flow, ahead)
+        _hand_out(client, queue, payload, values, spans, flow, ahead)
         for future in flow:
             span = spans.pop(future)
             chunk, seconds = future.result()
-            pending.note(span.size, seconds)
+            queue.note(span.size, seconds)
             yield chunk
-            _hand_out(client, pending, payload, values, spans, flow, ahead)
+            _hand_out(client, queue, payload, values, spans, flow, ahead)
     except distributed.KilledWorker as error:
         found = f"workers died while they ran: {error}"
         raise ModelgenError("scheduler", found, "", "look at their logs; the same command goes on") from None
@@ -92,14 +92,14 @@ def chunks_of_workers(
         found = f"the scheduler was lost: {type(error).__name__} {error}"
         raise ModelgenError("scheduler", found, "", "start it again; the same command goes on") from None
     finally:
-        pending.stop()
+        queue.stop()
         for future in spans:
             future.release()
 
 
 def _hand_out(
     client: Any,
-    pending: PendingRuns,
+    queue: RunQueue,
     payload: bytes,
     values: Array,
     spans: dict[Any, Span],
@@ -107,7 +107,7 @@ def _hand_out(
     ahead: int,
 ) -> None:
     """Give workers chunks until they have `ahead`."""
-    while len(spans) < ahead and (span := pending.take()) is not None:
+    while len(spans) < ahead and (span := queue.take()) is not None:
         part = values[span.first : span.first + span.size]
         future = client.submit(chunk_on_worker, payload, span.first, part, pure=False)
         spans[future] = span

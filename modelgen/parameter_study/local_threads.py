@@ -8,11 +8,11 @@ from queue import Queue
 from threading import Thread
 
 from modelgen.parameter_study.chunks import Chunk
-from modelgen.parameter_study.pending_runs import PendingRuns, Span
+from modelgen.parameter_study.run_queue import RunQueue, Span
 
 
-def chunks_of_threads(pending: PendingRuns, run: Callable[[Span], Chunk], threads: int) -> Iterator[Chunk]:
-    """The chunks that `run` makes of the pending runs, as they come.
+def chunks_of_threads(queue: RunQueue, run: Callable[[Span], Chunk], threads: int) -> Iterator[Chunk]:
+    """The chunks that `run` makes of the queued runs, as they come.
 
     When the caller is interrupted, threads end with the chunk that they are at, and the process need not wait
     for them.
@@ -21,10 +21,10 @@ def chunks_of_threads(pending: PendingRuns, run: Callable[[Span], Chunk], thread
 
     def work() -> None:
         try:
-            while (span := pending.take()) is not None:
+            while (span := queue.take()) is not None:
                 begun = time.perf_counter()
                 chunk = run(span)
-                pending.note(span.size, time.perf_counter() - begun)
+                queue.note(span.size, time.perf_counter() - begun)
                 made.put(chunk)
             made.put(None)
         except BaseException as error:
@@ -43,4 +43,4 @@ def chunks_of_threads(pending: PendingRuns, run: Callable[[Span], Chunk], thread
             else:
                 yield chunk
     finally:
-        pending.stop()
+        queue.stop()

@@ -19,8 +19,8 @@ from modelgen.parameter_study.dask_workers import chunks_of_workers, connected, 
 from modelgen.parameter_study.design import Variation, design_points, variations_of
 from modelgen.parameter_study.local_threads import chunks_of_threads
 from modelgen.parameter_study.outcome_table import Sweep, table_of
-from modelgen.parameter_study.pending_runs import PendingRuns, Span
 from modelgen.parameter_study.rows import Row, columns_of, sensor_columns, varied_columns
+from modelgen.parameter_study.run_queue import RunQueue, Span
 from modelgen.parameter_study.sweep_folder import SweepFolder
 from modelgen.parameter_study.varied_numbers import varied_numbers
 from modelgen.runtime.accuracy import Accuracy
@@ -114,11 +114,11 @@ def sweep(
     try:
         with nullcontext() if folder is None else folder.held(plan):
             done = [] if folder is None else folder.done()
-            pending = PendingRuns(len(values), done, workers)
+            queue = RunQueue(len(values), done, workers)
             if client is None:
-                chunks = chunks_of_threads(pending, _runner(library, study, values), workers)
+                chunks = chunks_of_threads(queue, _runner(library, study, values), workers)
             else:
-                chunks = chunks_of_workers(client, pending, library, study, values)
+                chunks = chunks_of_workers(client, queue, library, study, values)
             known = sum(span.size for span in done)
             return _collected(plan, chunks, known, folder, on_progress)
     finally:

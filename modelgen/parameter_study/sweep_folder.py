@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from modelgen.errors import ModelgenError
-from modelgen.parameter_study.pending_runs import Span
 from modelgen.parameter_study.rows import Row
+from modelgen.parameter_study.run_queue import Span
 
 PLAN, TABLE, PARTS, RUNS = "sweep.json", "runs.parquet", "parts", "runs"
 SCRATCH = ".new"  # end of the names of files that are being written

@@ -21,7 +21,7 @@ from modelgen.codegen.library import Library
 from modelgen.parameter_study.chunks import Chunk, Study, run_chunk
 from modelgen.parameter_study.design import design_points, variations_of
 from modelgen.parameter_study.local_threads import chunks_of_threads
-from modelgen.parameter_study.pending_runs import PendingRuns, Span
+from modelgen.parameter_study.run_queue import RunQueue, Span
 from modelgen.parameter_study.varied_numbers import varied_numbers
 from modelgen.scene.read import read_text
 from tests.benchmarks.parameters import SCENES, text_of
@@ -60,8 +60,8 @@ def measured(library: Library, name: str, runs: int, threads: int) -> tuple[floa
         return chunk
 
     wall, cpu = time.perf_counter(), time.process_time()
-    pending = PendingRuns(runs, (), threads)
-    rows = [row for chunk in chunks_of_threads(pending, run, threads) for row in chunk.rows]
+    queue = RunQueue(runs, (), threads)
+    rows = [row for chunk in chunks_of_threads(queue, run, threads) for row in chunk.rows]
     wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
     assert len(rows) == runs
     return wall, cpu, sum(spent.values()) / (threads * wall)

@@ -16,10 +16,10 @@ import pytest
 from modelgen import load, load_sweep, simulate, sweep
 from modelgen.codegen.library_variants import library_with
 from modelgen.errors import ModelgenError
-from modelgen.parameter_study import pending_runs, sweep_folder
+from modelgen.parameter_study import run_queue, sweep_folder
 from modelgen.parameter_study.outcome_plot import draw_sweep
 from modelgen.parameter_study.outcome_table import Sweep
-from modelgen.parameter_study.pending_runs import PendingRuns, Span
+from modelgen.parameter_study.run_queue import RunQueue, Span
 from tests.parameter_study.scenes import ball
 
 pytest.importorskip("pyarrow")
@@ -73,8 +73,8 @@ def test_tables_are_equal_whatever_the_threads_and_chunks(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     swept(tmp_path / "a", threads=1)
-    monkeypatch.setattr(pending_runs, "FIRST", 1)
-    monkeypatch.setattr(pending_runs, "MOST", 1)
+    monkeypatch.setattr(run_queue, "FIRST", 1)
+    monkeypatch.setattr(run_queue, "MOST", 1)
     swept(tmp_path / "b", threads=3)
     assert table(tmp_path / "a") == table(tmp_path / "b")
     here = swept(None)
@@ -94,8 +94,8 @@ def stopped_after(count: int) -> Callable[[float], None]:
 
 
 def test_an_interrupted_sweep_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pending_runs, "FIRST", 2)
-    monkeypatch.setattr(pending_runs, "MOST", 2)
+    monkeypatch.setattr(run_queue, "FIRST", 2)
+    monkeypatch.setattr(run_queue, "MOST", 2)
     swept(tmp_path / "a")
     for count in (4, 10):
         with pytest.raises(StopError):
@@ -129,8 +129,8 @@ KILLED = """
 import os, signal, sys
 from modelgen import sweep
 from modelgen.codegen.library import Library
-from modelgen.parameter_study import pending_runs
-pending_runs.FIRST = pending_runs.MOST = 2
+from modelgen.parameter_study import run_queue
+run_queue.FIRST = run_queue.MOST = 2
 library, out, vary, count = Library.load(sys.argv[1]), sys.argv[2], eval(sys.argv[3]), int(sys.argv[4])
 def report(share):
     if share * 16 >= count:
@@ -262,12 +262,12 @@ def test_pictures_have_a_panel_for_each_pair_of_numbers(numbers: int, tmp_path: 
         draw_sweep(found, file, ["place_zz"])
 
 
-def test_pending_runs_are_each_handed_out_once() -> None:
-    pending = PendingRuns(1000, [Span(10, 5), Span(0, 3), Span(995, 5)], 2)
+def test_queued_runs_are_each_handed_out_once() -> None:
+    queue = RunQueue(1000, [Span(10, 5), Span(0, 3), Span(995, 5)], 2)
     taken: list[int] = []
-    while (span := pending.take()) is not None:
+    while (span := queue.take()) is not None:
         taken += range(span.first, span.first + span.size)
-        pending.note(span.size, 0.01 * span.size)
+        queue.note(span.size, 0.01 * span.size)
     assert taken == sorted(set(range(1000)) - {0, 1, 2, *range(10, 15), *range(995, 1000)})
 
 

@@ -14,7 +14,7 @@ import pytest
 
 from modelgen import sweep
 from modelgen.errors import ModelgenError
-from modelgen.parameter_study import dask_workers, pending_runs
+from modelgen.parameter_study import dask_workers, run_queue
 from tests.parameter_study.scenes import ball
 
 pytest.importorskip("pyarrow")
@@ -55,7 +55,7 @@ def address(tmp_path: Path) -> str:
 def test_a_killed_worker_changes_nothing(
     tmp_path: Path, processes: list[subprocess.Popen[bytes]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(pending_runs, "MOST", 8)
+    monkeypatch.setattr(run_queue, "MOST", 8)
     killed = False
 
     def kill(share: float) -> None:
@@ -76,7 +76,7 @@ def test_a_killed_worker_changes_nothing(
 def test_a_lost_scheduler_is_told_and_the_sweep_goes_on(
     tmp_path: Path, processes: list[subprocess.Popen[bytes]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(pending_runs, "MOST", 4)
+    monkeypatch.setattr(run_queue, "MOST", 4)
     there = address(tmp_path)
 
     def kill(share: float) -> None:

@@ -18,7 +18,7 @@ class Span(NamedTuple):
     size: int
 
 
-class PendingRuns:
+class RunQueue:
     """Runs that nobody has taken yet."""
 
     def __init__(self, runs: int, done: Iterable[Span], workers: int) -> None:

@@ -1,4 +1,4 @@
-"""How many contacts follow a pair of shapes, and when the pair is searched for more."""
+"""How many contacts a pair of shapes has, and when the pair is searched for more."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ ROUND = ("sphere", "ellipsoid", "superellipsoid")
 
 
 @dataclass(frozen=True, slots=True)
-class Following:
-    """Number of contacts that follow a pair of shapes, and whether each keeps a feature pair of its own."""
+class PairContacts:
+    """Number of contacts of a pair of shapes, and whether each keeps a feature pair of its own."""
 
     contacts: int
     own: bool
     search: Search
 
 
-def following(
+def contacts_of_pair(
     a: Shape, b: Shape, pair: ContactPair, feature_pairs: Sequence[FeaturePairEntry], explicit: bool
-) -> Following:
-    """The contacts that follow the shapes (a, b) with these feature pairs. explicit: no feature pair has
+) -> PairContacts:
+    """The contacts of the shapes (a, b) with these feature pairs. explicit: no feature pair has
     contact parameters.
 
     A plane is held off by every vertex, edge and bulge at once, unless these run into one another or a single
@@ -46,17 +46,17 @@ def following(
     if (_is_plane(a) or _is_plane(b)) and not several and not (leading and (runs_on(a) or runs_on(b))):
         bounded = is_composite(a) or is_composite(b)
         search: Search = "always" if bounded or explicit else "moved"
-        return Following(len(feature_pairs), True, search if once or len(feature_pairs) == 1 else "ahead")
+        return PairContacts(len(feature_pairs), True, search if once or len(feature_pairs) == 1 else "ahead")
     if once and len(feature_pairs) == 1:
-        return Following(1, True, "always" if explicit else "moved")
+        return PairContacts(1, True, "always" if explicit else "moved")
     if once and (a.kind in ROUND or b.kind in ROUND):
-        return Following(1, False, "never")
+        return PairContacts(1, False, "never")
     smooth = is_smooth(a) and is_smooth(b)
     around = not alone and (a.cavity or b.cavity)
     count = pair.points or (SMOOTH if smooth and not around else MANY)
     if alone and smooth and not explicit:
-        return Following(count, False, "apart")
-    return Following(count, False, "moved" if smooth and not explicit else "always")
+        return PairContacts(count, False, "apart")
+    return PairContacts(count, False, "moved" if smooth and not explicit else "always")
 
 
 def runs_on(shape: Shape) -> bool:
