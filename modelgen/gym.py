@@ -9,8 +9,8 @@ from typing import Any, TypedDict, Unpack
 import casadi as ca
 import numpy as np
 
-from modelgen.codegen.expression_functions import expressions_function
 from modelgen.codegen.library import Library
+from modelgen.codegen.sensor_expressions_function import expressions_function
 from modelgen.errors import ModelgenError, nearest
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_span

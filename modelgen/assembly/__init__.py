@@ -14,12 +14,13 @@ from itertools import accumulate
 
 from modelgen.assembly.body_motions import bodies_of, check_observed, motion_of, pairs_by_body, watched
 from modelgen.assembly.characteristic_scales import scales_of
-from modelgen.assembly.contact_form_choice import Owner, contact_names, find_body, find_shape
+from modelgen.assembly.contact_kinds import Owner, contact_names, find_body, find_shape
+from modelgen.assembly.contact_reuse import have_same_contacts, with_coefficients
 from modelgen.assembly.contact_warnings import soundness
 from modelgen.assembly.faces_across_shapes import Shown, Unions
 from modelgen.assembly.feature_pairs import Whole
 from modelgen.assembly.friction_constraints import friction_constraints_of
-from modelgen.assembly.input_kinds import input_kinds
+from modelgen.assembly.inputs_of_expressions import input_kinds
 from modelgen.assembly.joints import Joined, joined
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.loads import load_kind, load_parameters
@@ -33,7 +34,6 @@ from modelgen.assembly.masses import (
 )
 from modelgen.assembly.observed_influence import influencing
 from modelgen.assembly.patches import Faces, patches_of
-from modelgen.assembly.same_contacts import have_same_contacts, with_coefficients
 from modelgen.assembly.shared_pair_content import PairContent, PairContents
 from modelgen.errors import SceneError, expect
 from modelgen.model import (

@@ -8,7 +8,7 @@ from math import hypot, inf, sqrt
 import numpy as np
 
 from modelgen.assembly.body_motions import contacting_shapes, pairs_by_body
-from modelgen.assembly.loading_rate import started_rate
+from modelgen.assembly.initial_motion_rate import started_rate
 from modelgen.assembly.masses import Mass
 from modelgen.geometry.extent import bounding_radius
 from modelgen.model import Scales

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 from modelgen.assembly.friction_constraints import has_friction
 from modelgen.errors import SceneError
-from modelgen.geometry.chart_regularity import check_regular
 from modelgen.geometry.face_regions import regions_of
 from modelgen.geometry.shape_features import features_of
 from modelgen.geometry.shape_warnings import declared_limits
+from modelgen.geometry.user_shape_checks import check_regular
 from modelgen.scene.scene_types import Scene, Shape
 
 

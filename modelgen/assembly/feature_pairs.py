@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.assembly.contact_form_choice import Owner, Partner, pair_up, shape_kind
+from modelgen.assembly.contact_kinds import Owner, Partner, pair_up, shape_kind
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.rim_support_points import is_support_point, lies_flat, support_points_of, tilted
 from modelgen.contact.form_table import eta_layout, regular_forms

@@ -6,8 +6,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from modelgen.assembly.contact_form_choice import find_body
-from modelgen.assembly.input_kinds import input_kinds
+from modelgen.assembly.contact_kinds import find_body
+from modelgen.assembly.inputs_of_expressions import input_kinds
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.masses import pose_numbers
 from modelgen.joint.joint_limits import is_turn

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from modelgen.assembly.body_motions import points_of
-from modelgen.assembly.input_kinds import input_kinds
+from modelgen.assembly.inputs_of_expressions import input_kinds
 from modelgen.model import BodyMotion, LoadKind
 from modelgen.scene.scene_types import ForceLoad, Input, Load, SpringLoad, TorqueLoad, Vector
 

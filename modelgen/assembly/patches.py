@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 from math import cos, pi, sin
 
-from modelgen.assembly.contact_form_choice import Partner, pair_up, shape_kind
+from modelgen.assembly.contact_kinds import Partner, pair_up, shape_kind
 from modelgen.assembly.feature_pairs import Whole, is_allowed
 from modelgen.assembly.friction_constraints import has_friction
 from modelgen.assembly.kind_list import KindList

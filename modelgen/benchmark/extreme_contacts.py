@@ -8,9 +8,9 @@ from math import pi, sqrt
 
 import numpy as np
 
-from modelgen.benchmark.extreme_motions import rocking_egg
+from modelgen.benchmark.extreme_scales_and_spins import rocking_egg
 from modelgen.benchmark.extreme_trials import EPS, RUN, Extreme, G, Trial, against, decades, tried_run
-from modelgen.benchmark.library_reuse import Variants
+from modelgen.benchmark.libraries_by_kinds import Variants
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.python_scenes import dynamic, fixed, plane, point, scene, sphere

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.benchmark.extreme_trials import EPS, RUN, Extreme, G, Trial, against, decades, tried_run
-from modelgen.benchmark.library_reuse import Variants
+from modelgen.benchmark.libraries_by_kinds import Variants
 from modelgen.runtime.closest_points import Extremum, closest_points
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.python_scenes import (

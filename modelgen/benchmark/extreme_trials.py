@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from modelgen.benchmark.library_reuse import Variants
+from modelgen.benchmark.libraries_by_kinds import Variants
 from modelgen.benchmark.motion_errors import separation
 from modelgen.benchmark.sampled_motion import Bodies, motion_of, uninterrupted
 from modelgen.codegen.library import Library

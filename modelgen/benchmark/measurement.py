@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from modelgen.benchmark.callgrind_counts import why_not_counted
 from modelgen.benchmark.front_search import sweep
-from modelgen.benchmark.instruction_counts import why_not_counted
 from modelgen.benchmark.knobs import KNOBS, Settings
 from modelgen.benchmark.measurement_store import Store
 from modelgen.benchmark.peers import PEERS, Peer, PeerPoints, peer_points

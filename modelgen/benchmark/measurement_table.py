@@ -8,7 +8,7 @@ from typing import Any
 from rich.console import Console
 from rich.text import Text
 
-from modelgen.benchmark.instruction_counts import why_not_counted
+from modelgen.benchmark.callgrind_counts import why_not_counted
 from modelgen.benchmark.measurement import SHOWN, Measurement
 from modelgen.benchmark.peers import PeerPoints
 from modelgen.benchmark.tuning import BAND, Tuned

@@ -7,8 +7,8 @@ from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
+from modelgen.benchmark.callgrind_counts import instructions
 from modelgen.benchmark.cost import YARD, cost_of
-from modelgen.benchmark.instruction_counts import instructions
 from modelgen.benchmark.knobs import Settings, Space
 from modelgen.benchmark.measurement_store import Store
 from modelgen.benchmark.motion_errors import errors, separation

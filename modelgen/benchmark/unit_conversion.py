@@ -8,7 +8,8 @@ from typing import Any
 
 from modelgen.errors import SceneError
 from modelgen.scene.expression import Expression, Name, Number
-from modelgen.scene.expression_building import expression_of, over, substitute, times
+from modelgen.scene.expression_algebra import expression_of, over, substitute, times
+from modelgen.scene.free_form_values import ControlPolygon, HeightField, Net, Polyline, Spline
 from modelgen.scene.outline_pieces import Outline
 from modelgen.scene.scene_types import (
     Body,
@@ -25,7 +26,6 @@ from modelgen.scene.scene_types import (
     TorqueLoad,
     Vector,
 )
-from modelgen.scene.spline_values import ControlPolygon, HeightField, Net, Polyline, Spline
 
 PURE = {"half_angle", "p", "q"}  # parameters of the catalogue that are no lengths
 FREE = ("chart", "curve", "revolution", "extrusion")  # whose named parameters mean what their formulas say

@@ -16,7 +16,7 @@ from modelgen.composition.contact_mode import (
 )
 from modelgen.errors import ModelgenError
 from modelgen.model import Model
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.tables.friction_rows import FRICTION_ROWS
 
 STICKING, SLIP_ONSET, START_FLAT = 1, 2, 1  # MG_STICKING, MG_SLIP_ONSET, MG_START_FLAT (modelgen.h)

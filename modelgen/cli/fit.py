@@ -99,7 +99,7 @@ def fit(
         },
     )
     if plot is not None:
-        from modelgen.report.fit_plot import draw_fit
+        from modelgen.report.fit_residual_plot import draw_fit
 
         draw_fit(found, plot)
     facts = fit_facts(found) | {"plot": None if plot is None else str(plot)}

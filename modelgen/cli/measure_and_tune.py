@@ -166,7 +166,7 @@ def tune(
     """Find the cheapest setting within an error, or the most accurate within a budget, and write it down."""
     from modelgen.benchmark import tune as tuned
     from modelgen.benchmark.measurement_table import print_tuned
-    from modelgen.benchmark.scene_run_table import with_run
+    from modelgen.benchmark.run_table_rewriting import with_run
     from modelgen.report.summary import print_written
 
     target = _target(scene, out, in_place)

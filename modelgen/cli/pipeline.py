@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import modelgen
-from modelgen.cli.built_scene_lookup import recall, remember, scene_key
+from modelgen.cli.built_library_lookup import recall, remember, scene_key
 from modelgen.cli.options import read_option
 from modelgen.cli.progress import activity, progress
 from modelgen.errors import ModelgenError

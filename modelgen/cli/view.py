@@ -111,7 +111,7 @@ def _run_live(source: Path, settings: dict[str, Any], port: int) -> None:
 
     if source.suffix in FORMATS:
         raise ModelgenError(str(source), "a run that is over", "", "write a page of it: --out page.html")
-    from modelgen.view.live import Live
+    from modelgen.view.live_server import Live
 
     until = settings.pop("until", None)
     model = modelgen.require(read_scene(source, None))

@@ -9,7 +9,7 @@ import casadi as ca
 
 from modelgen.codegen.compiler import LIBRARIES, SHARED, find_compiler, run_compiler
 from modelgen.codegen.core_cache import cache_folder, compiled_once, content_hash
-from modelgen.codegen.expression_functions import expressions_function
+from modelgen.codegen.sensor_expressions_function import expressions_function
 from modelgen.errors import SimulationError, nearest
 
 SOURCE, ENTRY = "controller.c", "mg_controller_call"

@@ -10,13 +10,13 @@ import casadi as ca
 
 from modelgen.codegen.amalgamation import HEADER, abi, header_text
 from modelgen.codegen.casadi_external_entries import entries_text, internal_functions
-from modelgen.codegen.derivative_table import NO_DERIVATIVES, derivatives_text
+from modelgen.codegen.derivative_kernels import NO_DERIVATIVES, derivatives_text
 from modelgen.codegen.kernel_table import table_text
 from modelgen.codegen.manifest import Json, Manifest
-from modelgen.codegen.manifest_instance import instance_of, kinds_of, parameters_of
+from modelgen.codegen.manifest_model import instance_of, kinds_of, parameters_of
 from modelgen.codegen.scene_step import MOST_INLINED, inlined
 from modelgen.codegen.shared_jets import shared_kernels, with_calls
-from modelgen.codegen.unused_inputs import unused_inputs
+from modelgen.codegen.unused_pose_inputs import unused_inputs
 from modelgen.derivation import Derivation, Formula
 from modelgen.differentiation import packed_formulas
 from modelgen.errors import expect

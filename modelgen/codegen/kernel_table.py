@@ -10,9 +10,9 @@ import casadi as ca
 from modelgen.assembly import Q_SIZE, U_SIZE
 from modelgen.assembly.shared_pair_content import eta_size
 from modelgen.codegen.bounds_programs import programs_text
+from modelgen.codegen.hidden_oscillations import hides
 from modelgen.codegen.manifest import CENTRE_CURVES, FEET, have_centre_curves
-from modelgen.codegen.manifest_instance import J_SIZE
-from modelgen.codegen.polynomial_degree import hides
+from modelgen.codegen.manifest_model import J_SIZE
 from modelgen.codegen.scene_step import scene_step_text
 from modelgen.contact.form_table import eta_layout
 from modelgen.derivation import Derivation, Formula

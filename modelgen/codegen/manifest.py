@@ -14,7 +14,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
-from modelgen.codegen.repeated_pairs import with_repeats, without_repeats
+from modelgen.codegen.manifest_repeated_pairs import with_repeats, without_repeats
 from modelgen.errors import LibraryError
 
 FEET = {

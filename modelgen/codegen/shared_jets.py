@@ -17,7 +17,7 @@ from typing import TypeVar
 
 import casadi as ca
 
-from modelgen.composition.instructions import instructions, rebuilt, unsimplified
+from modelgen.composition.casadi_instructions import instructions, rebuilt, unsimplified
 from modelgen.contact.form_table import eta_layout
 from modelgen.derivation import Formula
 from modelgen.geometry.curves import curve_of, is_curve

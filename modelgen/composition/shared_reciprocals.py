@@ -7,7 +7,7 @@ from collections import Counter
 
 import casadi as ca
 
-from modelgen.composition.instructions import Instruction, instructions, rebuilt, unsimplified
+from modelgen.composition.casadi_instructions import Instruction, instructions, rebuilt, unsimplified
 
 SHARED = 2  # divisions by one denominator that make a reciprocal pay
 

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from modelgen.contact.centre_shapes import Centre, centre_of
 from modelgen.contact.contact_symbols import Pair
 from modelgen.contact.kernels import Placement, Rates
 from modelgen.contact.singularity_margin import centre_margin
+from modelgen.contact.sphere_centres import Centre, centre_of
 from modelgen.geometry.frames import dot, zeros
 from modelgen.geometry.surface_catalogue import exterior_sign
 

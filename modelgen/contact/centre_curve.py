@@ -16,11 +16,11 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from modelgen.contact.centre_shapes import Centre, centre_of, has_centre
 from modelgen.contact.contact_symbols import Pair, Partner
 from modelgen.contact.kernels import Foot, Placement, Rates
 from modelgen.contact.normal_row import jet_of_curve
 from modelgen.contact.singularity_margin import NO_LENGTH
+from modelgen.contact.sphere_centres import Centre, centre_of, has_centre
 from modelgen.geometry.frames import cross, dot, zeros
 from modelgen.geometry.points import is_point
 from modelgen.geometry.surface_catalogue import exterior_sign

@@ -16,12 +16,12 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from modelgen.contact.centre_shapes import Centre, centre_of, has_centre
 from modelgen.contact.contact_symbols import Pair, Partner
 from modelgen.contact.kernels import Foot, Placement, Rates
 from modelgen.contact.singularity_margin import centre_margin
+from modelgen.contact.sphere_centres import Centre, centre_of, has_centre
 from modelgen.contact.surface_points import SurfacePoint
-from modelgen.contact.tangent_form import spin_along
+from modelgen.contact.tangent_plane_form import spin_along
 from modelgen.geometry.frames import cross, dot, solve2
 
 

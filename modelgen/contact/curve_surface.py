@@ -24,7 +24,7 @@ from modelgen.contact.kernels import Foot, Placement, Rates
 from modelgen.contact.normal_row import jet_of_curve
 from modelgen.contact.singularity_margin import curve_margin
 from modelgen.contact.surface_points import SurfacePoint
-from modelgen.contact.tangent_form import ContactFrame, contact_frame, normal_row, reach, spin_along
+from modelgen.contact.tangent_plane_form import ContactFrame, contact_frame, normal_row, reach, spin_along
 from modelgen.geometry.curves import CurveJet
 from modelgen.geometry.frames import dot, is_zero, solve2, zeros
 

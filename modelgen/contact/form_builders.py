@@ -12,14 +12,14 @@ from modelgen.contact.centre_curve import centre_curve_place, centre_curve_rates
 from modelgen.contact.contact_symbols import Layout, Pair, pair
 from modelgen.contact.curve_block_form import curve_block_place, curve_block_rates
 from modelgen.contact.curve_curve import crossing_place, crossing_rates
-from modelgen.contact.curve_extremal_form import (
+from modelgen.contact.curve_differentiated_form import (
     curve_differentiated_place,
     curve_differentiated_rates,
     curves_differentiated_place,
     curves_differentiated_rates,
 )
+from modelgen.contact.differentiated_form import differentiated_place, differentiated_rates
 from modelgen.contact.edge_edge import edge_edge_place, edge_edge_rates
-from modelgen.contact.extremal_form import differentiated_place, differentiated_rates
 from modelgen.contact.kernels import ContactKernels, Placement, Rates
 from modelgen.contact.paper_curves import (
     Theorem,

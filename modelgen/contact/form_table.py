@@ -9,7 +9,6 @@ from functools import cache
 import casadi as ca
 
 from modelgen.contact import form_builders
-from modelgen.contact.centre_shapes import has_centre
 from modelgen.contact.contact_symbols import Layout
 from modelgen.contact.kernels import ContactKernels
 from modelgen.contact.parametrisations import (
@@ -25,6 +24,7 @@ from modelgen.contact.parametrisations import (
     point_layout,
 )
 from modelgen.contact.plane_support import support_of
+from modelgen.contact.sphere_centres import has_centre
 from modelgen.errors import SceneError, nearest
 from modelgen.geometry.curves import CURVES, is_curve, is_straight
 from modelgen.geometry.points import is_point

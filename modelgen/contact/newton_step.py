@@ -17,7 +17,7 @@ from modelgen.contact.contact_symbols import Pair
 from modelgen.contact.kernels import Placement
 from modelgen.contact.singularity_margin import margin
 from modelgen.contact.surface_points import SurfacePoint
-from modelgen.contact.tangent_form import contact_frame, touch
+from modelgen.contact.tangent_plane_form import contact_frame, touch
 from modelgen.geometry.frames import dot, solve2, zeros
 
 

@@ -6,14 +6,14 @@ from collections.abc import Callable, Mapping
 
 import casadi as ca
 
-from modelgen.contact.centre_shapes import has_centre
 from modelgen.contact.centre_surface import centre_surface_place, centre_surface_rates
 from modelgen.contact.contact_symbols import Layout, Pair, Partner
 from modelgen.contact.curve_surface import curve_surface_place, curve_surface_rates
 from modelgen.contact.kernels import Placement, Rates
 from modelgen.contact.newton_step import tangent_place
+from modelgen.contact.sphere_centres import has_centre
 from modelgen.contact.surface_points import SurfacePoint, chart_point, implicit_point, plane_point
-from modelgen.contact.tangent_form import tangent_rates
+from modelgen.contact.tangent_plane_form import tangent_rates
 from modelgen.geometry.surface_catalogue import surface_of
 from modelgen.model import ShapeKind
 

@@ -13,7 +13,7 @@ import casadi as ca
 
 from modelgen.dynamics.inputs import input_argument, input_values
 from modelgen.dynamics.symbolic_rotations import exponential
-from modelgen.geometry.casadi_expressions import lower
+from modelgen.geometry.expression_translation import lower
 from modelgen.geometry.frames import cross, dot, frame_of, zeros
 from modelgen.model import BodyKind
 

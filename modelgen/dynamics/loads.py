@@ -9,7 +9,7 @@ import casadi as ca
 from modelgen.dynamics.bodies import kernel
 from modelgen.dynamics.inputs import input_argument, input_values
 from modelgen.dynamics.symbolic_rotations import quaternion
-from modelgen.geometry.casadi_expressions import lower
+from modelgen.geometry.expression_translation import lower
 from modelgen.geometry.frames import cross, dot, frame_of, zeros
 from modelgen.model import BodyMotion, LoadKind
 from modelgen.scene.scene_types import ForceLoad, TorqueLoad

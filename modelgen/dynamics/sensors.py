@@ -10,7 +10,7 @@ import casadi as ca
 from modelgen.dynamics.bodies import kernel
 from modelgen.dynamics.inputs import input_argument, input_values
 from modelgen.dynamics.symbolic_rotations import quaternion
-from modelgen.geometry.casadi_expressions import lower
+from modelgen.geometry.expression_translation import lower
 from modelgen.geometry.frames import cross, frame_of
 from modelgen.joint.joint_frames import meeting
 from modelgen.joint.joint_limits import coordinate_of

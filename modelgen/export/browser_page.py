@@ -19,22 +19,22 @@ from modelgen.codegen.emit import Package
 from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError
 from modelgen.export.c_folder import program_files
-from modelgen.export.scene_c_files import KERNELS, field_of, source
-from modelgen.export.slider_tables import Numbers, Slider, arrays_of, numbers_of, sliders_of
+from modelgen.export.numbers_by_parameters import Numbers, Slider, arrays_of, numbers_of, sliders_of
+from modelgen.export.scene_header_and_tables import KERNELS, field_of, source
 from modelgen.report.run_record import record_of
 from modelgen.runtime.arguments import input_range
-from modelgen.runtime.c_program import array_text, values_text
+from modelgen.runtime.c_initialisers import array_text, values_text
+from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.recording import INTEGERS, Recording
-from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.simulate import simulate
 from modelgen.runtime.tables.ctypes_structures import RECORD_ARRAYS, Array, address
 from modelgen.runtime.tables.planar_contacts import SUPPORT_POINTS
 from modelgen.runtime.trajectory import EVENT_KINDS, OUTCOME_OF_CODE
 from modelgen.scene.scene_types import Scene
-from modelgen.view.live_page_data import Shapes, page_of_run_to_come
 from modelgen.view.packing import packed_doubles
 from modelgen.view.page import TOLERANCE, running_page_text
+from modelgen.view.self_running_page_data import Shapes, page_of_run_to_come
 from modelgen.view.slider_range import slider_range
 
 MACHINE = ("-target", "wasm32-wasi")

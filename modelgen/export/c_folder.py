@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from modelgen.codegen.amalgamation import HEADER, SOURCE, header_text, runtime_text
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import REAL_FLAGS, Library
-from modelgen.export.embedded_resources import Figures, figures_of
+from modelgen.export.memory_footprint import Figures, figures_of
 from modelgen.export.reference_vectors import Vectors, vectors_of
-from modelgen.export.scene_c_files import scene_files, source
-from modelgen.runtime.session import Session
+from modelgen.export.scene_header_and_tables import scene_files, source
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.settings import accuracy_of
 
 

@@ -12,7 +12,7 @@ from modelgen.codegen.compiler import LIBRARIES, SHARED, find_compiler, portable
 from modelgen.codegen.emit import Package
 from modelgen.derivation import Derivation
 from modelgen.errors import ModelgenError
-from modelgen.export.scene_c_files import source
+from modelgen.export.scene_header_and_tables import source
 from modelgen.export.shared_library import shared_library
 
 LIBRARY, COMPOSED = "libkernels.so", "rhs.casadi"

@@ -24,9 +24,9 @@ from modelgen.export.fmu_description import (
     identifier,
     variables_of,
 )
-from modelgen.export.scene_c_files import source
+from modelgen.export.scene_header_and_tables import source
 from modelgen.export.shared_library import shared_library
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.settings import accuracy_of
 
 SYSTEMS = {"linux": "linux", "darwin": "darwin", "win32": "windows"}

@@ -16,13 +16,13 @@ from modelgen.codegen.emit import Package
 from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError
 from modelgen.export.c_folder import program_files
-from modelgen.export.scene_c_files import source
+from modelgen.export.scene_header_and_tables import source
 from modelgen.export.shared_library import shared_library
 from modelgen.notation import component_names
-from modelgen.runtime.c_program import array_text
+from modelgen.runtime.c_initialisers import array_text
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.sensitivity import REASONS
 from modelgen.runtime.sensitivity_directions import direction_arrays, directions_of, known_names
-from modelgen.runtime.session import Session
 from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE
 

@@ -12,8 +12,8 @@ from modelgen.benchmark.peers.scene_description import Setup, tabulated
 from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError
 from modelgen.rotations import rotation_of
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.recording import Recording
-from modelgen.runtime.session import Session
 from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.start import begin
 from modelgen.scene.scene_types import Scene

@@ -8,10 +8,10 @@ import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.c_program import array_text, values_text
+from modelgen.runtime.c_initialisers import array_text, values_text
+from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.error_statement import Estimate
 from modelgen.runtime.recording import Recording
-from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.simulate import simulate
 from modelgen.runtime.start import begin
 from modelgen.runtime.tables.ctypes_structures import Array

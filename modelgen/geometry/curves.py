@@ -12,12 +12,12 @@ import numpy as np
 
 from modelgen.geometry import polynomial_pieces
 from modelgen.geometry import support_maps as supports
-from modelgen.geometry.casadi_expressions import lower
+from modelgen.geometry.expression_translation import lower
 from modelgen.geometry.frames import zeros
 from modelgen.geometry.support_maps import Support
 from modelgen.geometry.surface_kernel import shape_parameters
 from modelgen.model import ShapeKind
-from modelgen.scene.expression_building import derivatives, has_cubic
+from modelgen.scene.expression_algebra import derivatives, has_cubic
 from modelgen.scene.scene_types import Curve, Shape
 
 SAMPLES = 257  # of a user's curve, for its bounding radius

@@ -16,14 +16,14 @@ import casadi as ca
 import numpy as np
 
 from modelgen.errors import SceneError
-from modelgen.geometry.casadi_expressions import lower
+from modelgen.geometry.closed_form_moments import surface_moments
 from modelgen.geometry.composites.moments import Moments, moments_of, prism
-from modelgen.geometry.composites.outlines import outline_moments
+from modelgen.geometry.composites.outline_features import outline_moments
+from modelgen.geometry.expression_translation import lower
 from modelgen.geometry.frames import cross
-from modelgen.geometry.moments_of_surfaces import surface_moments
 from modelgen.geometry.shape_features import features_of
 from modelgen.geometry.surface_catalogue import SURFACES, exterior_sign, surface_of
-from modelgen.scene.expression_building import knots_along
+from modelgen.scene.expression_algebra import knots_along
 from modelgen.scene.scene_types import Profile, Shape
 
 Array = np.ndarray[Any, np.dtype[np.float64]]

@@ -12,9 +12,9 @@ from modelgen.geometry.composites import splines
 from modelgen.geometry.composites.charts_with_poles import atlas, ends_of, has_poles
 from modelgen.geometry.composites.extrusions import extrusion
 from modelgen.geometry.composites.feature_constructors import at_least, at_most
-from modelgen.geometry.composites.outlines import outline, outline_wall
+from modelgen.geometry.composites.outline_features import outline, outline_wall
 from modelgen.geometry.composites.polyhedra import box, polyhedron
-from modelgen.geometry.composites.polylines import polyline
+from modelgen.geometry.composites.rounded_polylines import polyline
 from modelgen.geometry.coordinate_domains import dimension_of, domain_of
 from modelgen.geometry.curves import curve_of
 from modelgen.scene.scene_types import Composite, Condition, Feature, Pose, Shape

@@ -16,12 +16,12 @@ import numpy as np
 from modelgen.geometry import charts, polynomial_pieces
 from modelgen.geometry import implicit_surfaces as implicit
 from modelgen.geometry import support_maps as supports
-from modelgen.geometry.casadi_expressions import lower
 from modelgen.geometry.charts import Jet, jet_of
+from modelgen.geometry.expression_translation import lower
 from modelgen.geometry.implicit_surfaces import Implicit
 from modelgen.geometry.support_maps import Support
 from modelgen.model import ShapeKind
-from modelgen.scene.expression_building import derivatives, has_cubic
+from modelgen.scene.expression_algebra import derivatives, has_cubic
 from modelgen.scene.scene_types import Chart, Shape
 
 SAMPLES = 33  # per direction of a user's chart, for its bounding radius

@@ -18,9 +18,9 @@ from modelgen.identification.least_squares import LOSSES, Attempt, Solution, sol
 from modelgen.identification.measurement_noise import noise_of
 from modelgen.identification.recording_files import read_recording
 from modelgen.identification.recording_residuals import Counts, RecordedRun, RecordedRuns
+from modelgen.identification.recording_starts import start_of
 from modelgen.identification.recordings import Array, Recording, recording_of
-from modelgen.identification.starts import start_of
-from modelgen.identification.unidentifiable_directions import in_words
+from modelgen.identification.unidentifiable_in_words import in_words
 from modelgen.identification.unknowns import Unknown, unknowns_of
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_keywords, check_name, with_parameters

@@ -11,15 +11,15 @@ import numpy as np
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError
 from modelgen.identification.compared_columns import Comparison
+from modelgen.identification.recording_starts import Start
 from modelgen.identification.recordings import Array, Recording
-from modelgen.identification.starts import Start
 from modelgen.identification.unknowns import Unknown
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import with_parameters
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.sensitivity import Outputs, TangentRun, outputs_of
 from modelgen.runtime.sensitivity_directions import direction_arrays
-from modelgen.runtime.session import Session
 
 DIFFERENCE = 1e-3  # step of differences, in scales of the unknowns; a second one is twice as long
 STEPS = (DIFFERENCE, 2 * DIFFERENCE)

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from modelgen.importing.import_losses import Notes
+from modelgen.importing.mujoco_compilation import Array, Compiled
 from modelgen.importing.mujoco_contacts import Touches
-from modelgen.importing.mujoco_model import Array, Compiled
 
 LARGEST = 0.05  # of a shift, against the extent of the model
 CLEARANCE = 1e-6  # left after a shift, against the same: MuJoCo's search is as exact

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from modelgen.importing.import_losses import Notes
+from modelgen.importing.mujoco_compilation import Array, Compiled
 from modelgen.importing.mujoco_joints import ModelJoint
-from modelgen.importing.mujoco_model import Array, Compiled
 from modelgen.importing.name_conversion import expression_names
 from modelgen.importing.scene_writing import Section, rounded, vector
 from modelgen.importing.welded_bodies import RigidBody, attached, pose_at, pose_in

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.importing.import_losses import Notes
-from modelgen.importing.mujoco_model import Array, Compiled
+from modelgen.importing.mujoco_compilation import Array, Compiled
 from modelgen.importing.scene_writing import rounded
 
 LISTED = 16  # bits of a body's number in the signature of an exclusion

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.importing.import_losses import Notes
-from modelgen.importing.mujoco_model import Array, Compiled
+from modelgen.importing.mujoco_compilation import Array, Compiled
 from modelgen.importing.name_conversion import Names
 from modelgen.importing.welded_bodies import (
     WORLD,

@@ -9,8 +9,8 @@ import numpy as np
 
 from modelgen.importing.import_losses import Notes
 from modelgen.importing.mujoco_actuators import site_in
+from modelgen.importing.mujoco_compilation import Compiled
 from modelgen.importing.mujoco_joints import ModelJoint
-from modelgen.importing.mujoco_model import Compiled
 from modelgen.importing.mujoco_shapes import pose_keys
 from modelgen.importing.name_conversion import Names
 from modelgen.importing.scene_writing import Section, rounded, vector

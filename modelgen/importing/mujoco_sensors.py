@@ -7,8 +7,8 @@ from typing import Any
 
 from modelgen.importing.import_losses import Notes
 from modelgen.importing.mujoco_actuators import site_in
+from modelgen.importing.mujoco_compilation import Compiled
 from modelgen.importing.mujoco_joints import ModelJoint
-from modelgen.importing.mujoco_model import Compiled
 from modelgen.importing.name_conversion import expression_names
 from modelgen.importing.scene_writing import Section, vector
 from modelgen.importing.welded_bodies import RigidBody, pose_in

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.importing.import_losses import Notes
-from modelgen.importing.mujoco_model import Array, Compiled
+from modelgen.importing.mujoco_compilation import Array, Compiled
 from modelgen.importing.name_conversion import Names
 from modelgen.importing.scene_writing import vector
 from modelgen.importing.welded_bodies import RigidBody, attached, pose_at, pose_in

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modelgen.importing.mujoco_model import Array, Compiled
+from modelgen.importing.mujoco_compilation import Array, Compiled
 from modelgen.importing.name_conversion import Names
 from modelgen.rotations import rotation_of, unit
 from modelgen.scene.pose_arithmetic import compose, to_inner

@@ -5,7 +5,7 @@ from __future__ import annotations
 import casadi as ca
 
 from modelgen.dynamics.inputs import input_argument, input_values
-from modelgen.geometry.casadi_expressions import lower
+from modelgen.geometry.expression_translation import lower
 from modelgen.joint.joint_frames import meeting
 from modelgen.joint.joint_limits import coordinate_of
 from modelgen.joint.joint_rows import numbers_of, parameters_of

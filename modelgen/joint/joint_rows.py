@@ -7,7 +7,7 @@ from functools import lru_cache
 import casadi as ca
 
 from modelgen.dynamics.inputs import input_argument, input_values
-from modelgen.geometry.casadi_expressions import lower
+from modelgen.geometry.expression_translation import lower
 from modelgen.joint.joint_frames import Meeting, meeting
 from modelgen.joint.joint_table import FORMS
 from modelgen.model import JointKind

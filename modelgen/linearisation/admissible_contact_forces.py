@@ -16,8 +16,8 @@ from scipy.linalg import block_diag
 from scipy.optimize import nnls
 
 from modelgen.errors import SimulationError
-from modelgen.linearisation.contact_at_rest import Array, cone, share
-from modelgen.linearisation.rest_state import DEPENDENT, HeldState, Touching
+from modelgen.linearisation.rest_linearisation import DEPENDENT, HeldState, Touching
+from modelgen.linearisation.touching_contact import Array, cone, share
 from modelgen.runtime.friction import FrictionProblem, Outcome, relaxation
 
 SAME = 1e-9  # relative, what is rounding in unique forces

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modelgen.linearisation.contact_at_rest import Array
-from modelgen.linearisation.rest_state import Place
+from modelgen.linearisation.rest_linearisation import Place
+from modelgen.linearisation.touching_contact import Array
 
 Solver = Callable[..., Iterator["Mode"]]  # (place, moved, still, slow)
 

@@ -18,9 +18,9 @@ from modelgen.codegen.library import Library
 from modelgen.derivation import Derivation
 from modelgen.errors import SimulationError, expect
 from modelgen.linearisation.admissible_contact_forces import Friction, resting_forces
-from modelgen.linearisation.contact_at_rest import Array
 from modelgen.linearisation.eigenmodes import Mode, small_motions
-from modelgen.linearisation.rest_state import DEPENDENT, NoPlaceError, Place, Touching, moved, size_of
+from modelgen.linearisation.rest_linearisation import DEPENDENT, NoPlaceError, Place, Touching, moved, size_of
+from modelgen.linearisation.touching_contact import Array
 from modelgen.model import Scales
 from modelgen.runtime.arguments import with_parameters
 from modelgen.scene.parameter_rereading import scene_with

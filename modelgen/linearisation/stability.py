@@ -12,8 +12,8 @@ from scipy.optimize import brentq, linear_sum_assignment
 from modelgen.codegen.library import Library
 from modelgen.derivation import Derivation
 from modelgen.errors import ModelgenError, SimulationError, expect
-from modelgen.linearisation.contact_at_rest import Array
 from modelgen.linearisation.steady_modes import LinearisedSteady, Spectrum, SteadyFamily, split
+from modelgen.linearisation.touching_contact import Array
 from modelgen.runtime.arguments import with_parameters
 
 HALVINGS = 24  # of the distance of two values between which stability changes

@@ -13,11 +13,11 @@ from modelgen.codegen.library import Library
 from modelgen.derivation import Derivation
 from modelgen.errors import expect
 from modelgen.linearisation.admissible_contact_forces import Friction, resting_forces
-from modelgen.linearisation.contact_at_rest import Array
 from modelgen.linearisation.eigenmodes import Mode
 from modelgen.linearisation.equilibrium_and_modes import NEUTRAL
-from modelgen.linearisation.rest_state import Touching, size_of
+from modelgen.linearisation.rest_linearisation import Touching, size_of
 from modelgen.linearisation.steady_motion import SteadyMotion, SteadySearch
+from modelgen.linearisation.touching_contact import Array
 from modelgen.runtime.arguments import with_parameters
 from modelgen.scene.parameter_rereading import scene_with
 

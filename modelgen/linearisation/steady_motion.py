@@ -22,10 +22,10 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from modelgen.errors import SimulationError
-from modelgen.linearisation.contact_at_rest import Array
-from modelgen.linearisation.moving_state import Moving, MovingState
-from modelgen.linearisation.rest_state import DEPENDENT, NoPlaceError, Touching, moved, size_of
+from modelgen.linearisation.moving_linearisation import Moving, MovingState
+from modelgen.linearisation.rest_linearisation import DEPENDENT, NoPlaceError, Touching, moved, size_of
 from modelgen.linearisation.symmetries import Generators
+from modelgen.linearisation.touching_contact import Array
 
 STEPS = 50  # of Newton's method towards the steady motion
 FARTHEST = 0.2  # of one step, rad or characteristic lengths, and rates of them

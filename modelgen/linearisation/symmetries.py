@@ -23,7 +23,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modelgen.linearisation.contact_at_rest import Array
+from modelgen.linearisation.touching_contact import Array
 
 AXES, STILL = np.eye(3), np.zeros((3, 3))
 

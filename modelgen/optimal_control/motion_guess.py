@@ -14,7 +14,7 @@ from modelgen.codegen.library import Library
 from modelgen.composition.contact_mode import ContactMode
 from modelgen.derivation import Derivation
 from modelgen.errors import ModelgenError
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.stepped_simulation import Simulation
 

@@ -21,7 +21,7 @@ from modelgen.codegen.build import build
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError
-from modelgen.parameter_study.chunks import Chunk, Study, run_chunk
+from modelgen.parameter_study.chunk_runs import Chunk, Study, run_chunk
 from modelgen.parameter_study.run_queue import RunQueue, Span
 from modelgen.runtime.trajectory import Array
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from queue import Queue
 from threading import Thread
 
-from modelgen.parameter_study.chunks import Chunk
+from modelgen.parameter_study.chunk_runs import Chunk
 from modelgen.parameter_study.run_queue import RunQueue, Span
 
 

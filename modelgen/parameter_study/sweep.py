@@ -14,7 +14,7 @@ from typing import Any, Unpack
 from modelgen import __version__
 from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError, expect, nearest, path_of
-from modelgen.parameter_study.chunks import Chunk, Study, run_chunk
+from modelgen.parameter_study.chunk_runs import Chunk, Study, run_chunk
 from modelgen.parameter_study.dask_workers import chunks_of_workers, connected, worker_threads
 from modelgen.parameter_study.design import Variation, design_points, variations_of
 from modelgen.parameter_study.local_threads import chunks_of_threads
@@ -25,8 +25,8 @@ from modelgen.parameter_study.sweep_folder import SweepFolder
 from modelgen.parameter_study.varied_numbers import varied_numbers
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_keywords, check_span, with_parameters
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.inputs import Inputs
-from modelgen.runtime.session import Session
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.trajectory import Array
 from modelgen.scene.scene_types import Scene

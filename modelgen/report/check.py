@@ -13,7 +13,7 @@ from modelgen.contact.form_table import contact_kernels, regular_forms
 from modelgen.derivation import Derivation
 from modelgen.joint.joint_table import FORMS as JOINTS
 from modelgen.model import ContactKind, Model
-from modelgen.report.resting_faces import patch_names, print_patches
+from modelgen.report.possible_resting_faces import patch_names, print_patches
 from modelgen.runtime.warnings import hints
 
 DECIDED = ("decision", "of", "taken", "instructions", "saved", "C text", "saved bytes", "states")

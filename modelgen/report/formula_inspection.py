@@ -6,12 +6,12 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from modelgen.derivation import Derivation
-from modelgen.report.closest_point_inputs import ClosestInputs
 from modelgen.report.formula_list import OF_A_JOINT, OF_A_PAIR, Format, View, formula_facts
 from modelgen.report.formula_page import page
-from modelgen.report.formula_page_notes import errata_facts, shape_facts, singularity_facts
-from modelgen.report.formula_text import STYLES
+from modelgen.report.formula_text_and_latex import STYLES
+from modelgen.report.inputs_at_closest_points import ClosestInputs
 from modelgen.report.kind_scenes import kind_scene
+from modelgen.report.shape_and_errata_facts import errata_facts, shape_facts, singularity_facts
 from modelgen.scene.scene_types import Scene
 
 PAGE = 50  # configurations of a page, where nothing else is asked for

@@ -13,7 +13,7 @@ import sympy as sp
 
 from modelgen.codegen.emit import emit
 from modelgen.codegen.manifest import Manifest
-from modelgen.codegen.manifest_instance import parameters_of_joint
+from modelgen.codegen.manifest_model import parameters_of_joint
 from modelgen.contact.form_table import FORMS, contact_kernels
 from modelgen.contact.tangential_rows import with_tangential_rows
 from modelgen.derivation import Derivation, Formula
@@ -23,8 +23,8 @@ from modelgen.joint.joint_table import FORMS as FORMS_OF_JOINTS
 from modelgen.model import Model
 from modelgen.notation import notation
 from modelgen.report import mathml
-from modelgen.report.closest_point_inputs import ClosestInputs
-from modelgen.report.formula_text import symbol_latex
+from modelgen.report.formula_text_and_latex import symbol_latex
+from modelgen.report.inputs_at_closest_points import ClosestInputs
 from modelgen.verification.formula_inputs import Numbers, inputs_at, own_inputs, substituted
 from modelgen.verification.sympy_translation import LONGEST, Line, definition, leading_to
 from modelgen.verification.verify import claimed, is_of_joint, is_of_limit, joint_kind, verified

@@ -8,9 +8,9 @@ from html import escape
 from typing import Any
 
 from modelgen.report import mathml
-from modelgen.report.formula_text import status_text, tree
+from modelgen.report.formula_text_and_latex import status_text, tree
+from modelgen.report.heat_map_png import colour, data_uri
 from modelgen.report.html_parts import STYLE, badge, document, sections_of, table
-from modelgen.report.png_raster import colour, data_uri
 
 GREEK = {"sigma": "σ", "mu": "μ", "eta": "η", "gamma": "Γ₂", "gamma1": "Γ₁", "Gamma": "Γ"}
 

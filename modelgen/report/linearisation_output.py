@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from modelgen.linearisation.contact_at_rest import Array
 from modelgen.linearisation.eigenmodes import Mode
 from modelgen.linearisation.equilibrium_and_modes import Linearised
 from modelgen.linearisation.steady_modes import LinearisedSteady, SteadyMode
+from modelgen.linearisation.touching_contact import Array
 
 STILL = 1e-9  # of places over velocities in characteristic time: rounding
 

@@ -12,7 +12,7 @@ from typing import Any
 from modelgen.derivation import Derivation
 from modelgen.report.check import check_facts
 from modelgen.report.formula_list import View, statement_of
-from modelgen.report.formula_text import status_text
+from modelgen.report.formula_text_and_latex import status_text
 from modelgen.report.html_parts import STYLE, badge, document, sections_of, table
 from modelgen.report.printed_rounding import NOISE, largest, noise_of_joints, vector_text
 from modelgen.report.run_plot import picture

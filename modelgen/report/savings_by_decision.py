@@ -11,7 +11,7 @@ from modelgen.codegen.emit import emit
 from modelgen.composition.all_sticking_dynamics import why_not_closed
 from modelgen.contact.form_table import instructions, regular_forms
 from modelgen.derivation import Derivation, derive
-from modelgen.dynamics.planar_motion import in_a_plane
+from modelgen.dynamics.planar_motion_proof import in_a_plane
 from modelgen.errors import SceneError
 from modelgen.model import ContactKind, Model
 from modelgen.scene.scene_types import Friction, Scene

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
-from modelgen.linearisation.contact_at_rest import Array
 from modelgen.linearisation.stability import Stability
+from modelgen.linearisation.touching_contact import Array
 from modelgen.report.run_files import check_suffix
 from modelgen.report.run_plot import FORMATS, require_matplotlib
 

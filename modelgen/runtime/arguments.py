@@ -54,7 +54,7 @@ def with_parameters(library: Library, values: object) -> Library:
     if not isinstance(values, Mapping):
         found, remedy = f"a {type(values).__name__}", 'write parameters={"name": 1.0}'
         raise SimulationError("parameters", found, "names with their values are allowed", remedy)
-    from modelgen.codegen.library_variants import library_with  # reads the scene again, with CasADi
+    from modelgen.codegen.library_with_parameters import library_with  # reads the scene again, with CasADi
 
     return library_with(library, values)
 

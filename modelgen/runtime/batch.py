@@ -12,8 +12,8 @@ from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_span, checked_starts, with_parameters
-from modelgen.runtime.lanes import lanes_of
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
+from modelgen.runtime.lane_arrays import lanes_of
 from modelgen.runtime.start import REFUSED, refusal
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Outcome

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.recording import Recording
-from modelgen.runtime.session import Session
 from modelgen.runtime.tables.ctypes_structures import Array
 
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from modelgen.errors import SimulationError, nearest
 from modelgen.runtime.arguments import check_span, is_number
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.sensors import Readings
-from modelgen.runtime.session import Session
 from modelgen.runtime.tables.ctypes_structures import address
 
 Commands = Mapping[str, float] | float | None

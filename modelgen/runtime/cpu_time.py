@@ -8,8 +8,8 @@ import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.recording import Recording
-from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.start import begin
 
 CHUNK = 20_000  # steps between two looks at the keyboard

@@ -38,7 +38,7 @@ from modelgen.errors import SimulationError, nearest
 from modelgen.notation import ETA_SIZE
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import common_rows, rows_of
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.tables.ctypes_structures import MINIMA, MINIMA_FOUND, MINIMA_GIVEN, Array, address
 
 EFFORT = 10_000_000  # pairs of cells looked at before a search is given up: about two seconds

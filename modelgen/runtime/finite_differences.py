@@ -9,10 +9,10 @@ import numpy as np
 from modelgen.codegen.library import Library
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import with_parameters
+from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.sensitivity import Outputs, TangentRun, times_of
 from modelgen.runtime.sensitivity_directions import Direction, direction_arrays, directions_of, extrapolated
-from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.start import begin
 from modelgen.runtime.tables.ctypes_structures import Array

@@ -13,10 +13,10 @@ from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_keywords, with_parameters
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.sensitivity import VERDICTS, Outputs, TangentRun, Verdict, times_of
 from modelgen.runtime.sensitivity_directions import direction_arrays, directions_of
-from modelgen.runtime.session import Session
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.tables.ctypes_structures import COTANGENT_ARRAYS, INTEGER, Array, address
 

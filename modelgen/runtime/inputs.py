@@ -9,7 +9,7 @@ from typing import Any
 from modelgen.errors import SimulationError
 from modelgen.notation import SETTING_SIZE
 from modelgen.runtime.arguments import check_name, input_range, is_number
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.tables.ctypes_structures import Array
 
 Kind = Mapping[str, Any]  # an input of a manifest's instance

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 
 Array = np.ndarray[Any, Any]
 TURN = 2 * np.pi

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from modelgen.rotations import quaternions_of
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.joint_results import joint_columns
-from modelgen.runtime.session import Session
 from modelgen.runtime.tables.array_block import ArrayBlock
 from modelgen.runtime.tables.ctypes_structures import INTEGER, RECORD_ARRAYS, Array
 

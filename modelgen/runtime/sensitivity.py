@@ -14,10 +14,10 @@ from modelgen.errors import SimulationError, expect, nearest
 from modelgen.notation import component_names
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_keywords, with_parameters
+from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.error_estimate import ROUNDED, SAFE, nudge
 from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.sensitivity_directions import direction_arrays, directions_of
-from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.start import begin
 from modelgen.runtime.tables.ctypes_structures import DIRECTION_ARRAYS, INTEGER, Array, address

@@ -15,8 +15,8 @@ from modelgen.notation import SETTING_SIZE
 from modelgen.runtime import checkpoint
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import is_number
-from modelgen.runtime.lanes import each_once, field_of, lanes_of, rows_of_lanes
-from modelgen.runtime.session import FULL, Session
+from modelgen.runtime.core_session import FULL, Session
+from modelgen.runtime.lane_arrays import each_once, field_of, lanes_of, rows_of_lanes
 from modelgen.runtime.start import REFUSED, refusal
 from modelgen.runtime.tables.ctypes_structures import EVENT_ARRAYS, INTEGER, Array, address, settings_of
 from modelgen.runtime.tables.library_tables import library_tables

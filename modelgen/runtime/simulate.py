@@ -14,11 +14,11 @@ from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_keywords, check_span, is_number, with_parameters
+from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.error_estimate import ORDERS, estimate_of, nudge
 from modelgen.runtime.error_statement import Estimate
 from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.recording import Recording
-from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.start import begin
 from modelgen.runtime.tables.ctypes_structures import Array

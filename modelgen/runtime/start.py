@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from modelgen.errors import SimulationError
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.joint_results import redundancy
-from modelgen.runtime.session import Session
 from modelgen.runtime.tables.ctypes_structures import Array
 
 PENETRATION, NO_EXTREMUM, NO_SIDE, JOINT_APART = 10, 11, 12, 13

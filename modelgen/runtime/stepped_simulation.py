@@ -13,10 +13,10 @@ from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_keywords, with_parameters
 from modelgen.runtime.contacts import Contact, contacts_of
 from modelgen.runtime.controllers import ControlFunction, Controller
+from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.error_statement import Estimate
 from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.sensors import Sensors
-from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.simulate import estimate_of_steps
 from modelgen.runtime.start import begin

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.trajectory import Event, Outcome, Trajectory
 from modelgen.runtime.warnings.time_stepping import fallback_step
 

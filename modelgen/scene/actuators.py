@@ -7,7 +7,7 @@ from typing import Any
 
 from modelgen.errors import nearest
 from modelgen.scene.joint_format import NAME, SPRUNG_KINDS
-from modelgen.scene.motions import TIME
+from modelgen.scene.prescribed_motions import TIME
 from modelgen.scene.scalar_types import LIMIT, NUMBER, ExpressionText
 from modelgen.scene.scene_types import Actuator, Joint
 from modelgen.scene.source_location import Place

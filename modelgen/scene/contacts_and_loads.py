@@ -9,7 +9,7 @@ from math import hypot
 from typing import Any
 
 from modelgen.errors import nearest
-from modelgen.scene.checked_expressions import triple
+from modelgen.scene.finite_expressions import triple
 from modelgen.scene.free_shapes import FREE_SHAPES
 from modelgen.scene.quaternions import conjugate, turned
 from modelgen.scene.scene_format import LOAD_NAMES, QUANTITIES

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from math import atan2, hypot, pi
 from typing import Any
 
-from modelgen.scene.checked_expressions import finite
 from modelgen.scene.expression import Expression, Name, number
-from modelgen.scene.expression_building import expression_of, minus, substitute
+from modelgen.scene.expression_algebra import expression_of, minus, substitute
+from modelgen.scene.finite_expressions import finite
 from modelgen.scene.interpolating_splines import Parameters, check_points, check_reached, closed_spline
 from modelgen.scene.scene_types import Profile
 from modelgen.scene.source_location import Place

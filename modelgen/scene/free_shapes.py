@@ -9,9 +9,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from modelgen.scene.free_form_values import Spline
 from modelgen.scene.outline_format import OUTLINE_FIELDS, read_outline
-from modelgen.scene.profile_walls import read_profile_wall
-from modelgen.scene.revolution_profile import read_revolution
+from modelgen.scene.profile_wall_chart import read_profile_wall
+from modelgen.scene.revolution_chart import read_revolution
 from modelgen.scene.scalar_types import NUMBER, POSITIVE, ExpressionText, Switch
 from modelgen.scene.shape_catalogue import REVOLUTION_PARAMETERS
 from modelgen.scene.source_location import Place
@@ -25,7 +26,6 @@ from modelgen.scene.spline_format import (
     read_polygon,
     read_polyline,
 )
-from modelgen.scene.spline_values import Spline
 from modelgen.scene.surface_lines import LINE_FIELDS, read_surface_line
 from modelgen.scene.table_types import Field, Sequence
 

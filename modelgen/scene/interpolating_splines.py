@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.scene.expression import Cubic, Expression, Name, evaluate
-from modelgen.scene.expression_building import expression_of
+from modelgen.scene.expression_algebra import expression_of
 from modelgen.scene.source_location import Place
 
 Array = np.ndarray[Any, np.dtype[np.float64]]

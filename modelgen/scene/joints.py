@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from modelgen.errors import nearest
-from modelgen.scene.checked_expressions import finite
 from modelgen.scene.expression import Expression
-from modelgen.scene.motions import check_motion, motion_names, motion_start
+from modelgen.scene.finite_expressions import finite
 from modelgen.scene.plausibility_remarks import remark_on_angles
 from modelgen.scene.pose_arithmetic import frame
 from modelgen.scene.pose_input import read_pose
+from modelgen.scene.prescribed_motions import check_motion, motion_names, motion_start
 from modelgen.scene.quaternions import conjugate, product, rows_of, turned
 from modelgen.scene.scene_types import Body, Joint, Pose
 from modelgen.scene.source_location import Place

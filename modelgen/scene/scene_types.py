@@ -8,8 +8,8 @@ from math import inf
 from typing import Any, Literal
 
 from modelgen.scene.expression import Expression
+from modelgen.scene.free_form_values import Spline
 from modelgen.scene.outline_pieces import Outline
-from modelgen.scene.spline_values import Spline
 
 Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]

@@ -8,7 +8,7 @@ from typing import Any
 from modelgen.errors import nearest
 from modelgen.notation import component_names
 from modelgen.scene.contacts_and_loads import pair_names
-from modelgen.scene.motions import TIME
+from modelgen.scene.prescribed_motions import TIME
 from modelgen.scene.scene_types import Body, ContactPair, Joint, Measurand, Sensor
 from modelgen.scene.source_location import Place
 

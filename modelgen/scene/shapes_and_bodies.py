@@ -7,18 +7,18 @@ from dataclasses import replace
 from math import hypot
 from typing import Any
 
-from modelgen.scene.checked_expressions import finite, triple
 from modelgen.scene.custom_solid import read_solid
+from modelgen.scene.finite_expressions import finite, triple
+from modelgen.scene.free_form_values import Net
 from modelgen.scene.free_shapes import FREE_SHAPES
-from modelgen.scene.motions import check_motion, motion_names, motion_start
 from modelgen.scene.plausibility_remarks import remark_on_density
 from modelgen.scene.pose_input import POSE_KEYS, read_pose
+from modelgen.scene.prescribed_motions import check_motion, motion_names, motion_start
 from modelgen.scene.scene_format import ZERO
 from modelgen.scene.scene_types import Body, Path, Shape, Vector
 from modelgen.scene.shape_catalogue import SHAPES
 from modelgen.scene.solids_with_edges import SOLIDS
 from modelgen.scene.source_location import Place
-from modelgen.scene.spline_values import Net
 from modelgen.scene.user_chart import read_chart, read_curve
 
 

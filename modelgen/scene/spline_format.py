@@ -7,9 +7,9 @@ from itertools import pairwise
 from math import acos, dist, pi, tan
 from typing import Any
 
+from modelgen.scene.free_form_values import ControlPolygon, HeightField, Knots, Net, Point, Polyline
 from modelgen.scene.scalar_types import NUMBER, POSITIVE, Switch, Whole
 from modelgen.scene.source_location import Place
-from modelgen.scene.spline_values import ControlPolygon, HeightField, Knots, Net, Point, Polyline
 from modelgen.scene.table_types import Field, Sequence
 
 CUBIC = 3  # the lowest degree with continuous curvature

@@ -11,7 +11,7 @@ from math import pi
 from typing import Any
 
 from modelgen.scene.expression import Name, number, parse_expression
-from modelgen.scene.expression_building import expression_of, substitute
+from modelgen.scene.expression_algebra import expression_of, substitute
 from modelgen.scene.scalar_types import NUMBER
 from modelgen.scene.scene_types import Chart, Curve
 from modelgen.scene.shape_catalogue import CHART_FIELDS, SHAPES

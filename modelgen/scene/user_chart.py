@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from itertools import product
 from typing import Any
 
-from modelgen.scene.checked_expressions import finite
+from modelgen.scene.finite_expressions import finite
 from modelgen.scene.scene_types import Chart, Curve
 from modelgen.scene.source_location import Place
 

@@ -13,7 +13,7 @@ from modelgen.model import BodyKind
 from modelgen.scene.expression import evaluate
 from modelgen.verification.extremal_motion import columns, repeated
 from modelgen.verification.findings import Finding, compared
-from modelgen.verification.input_settings import drawn_settings, with_settings
+from modelgen.verification.random_input_settings import drawn_settings, with_settings
 
 Array = np.ndarray[Any, Any]
 GRAVITY = (0.3, -0.5, -9.0)  # m/s^2, off every axis

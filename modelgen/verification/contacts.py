@@ -11,7 +11,7 @@ import numpy as np
 
 from modelgen.contact.contact_symbols import Pair
 from modelgen.contact.contact_symbols import pair as symbols_of
-from modelgen.contact.extremal_form import pose_rate
+from modelgen.contact.differentiated_form import pose_rate
 from modelgen.contact.form_table import eta_layout
 from modelgen.geometry.curves import is_straight
 from modelgen.model import ContactKind, Side

@@ -15,8 +15,8 @@ from modelgen.joint.joint_limits import is_turn
 from modelgen.model import JointKind, LimitKind, LoadKind
 from modelgen.scene.expression import evaluate
 from modelgen.verification.findings import Finding, compared
-from modelgen.verification.input_settings import drawn_settings, with_settings
 from modelgen.verification.joint_reference import COORDINATES, differenced, frames_at, rows_of
+from modelgen.verification.random_input_settings import drawn_settings, with_settings
 
 Array = np.ndarray[Any, Any]
 Motions = tuple[tuple[Array, Array, Array], ...]

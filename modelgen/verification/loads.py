@@ -13,7 +13,7 @@ from modelgen.scene.expression import evaluate
 from modelgen.scene.scene_types import ForceLoad
 from modelgen.verification.extremal_motion import columns
 from modelgen.verification.findings import Finding, compared
-from modelgen.verification.input_settings import drawn_settings, with_settings
+from modelgen.verification.random_input_settings import drawn_settings, with_settings
 
 Array = np.ndarray[Any, Any]
 

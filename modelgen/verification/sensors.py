@@ -16,7 +16,7 @@ from modelgen.scene.expression import evaluate
 from modelgen.scene.scene_types import Measurand, Sensor
 from modelgen.scene.sensors import sensor_sizes
 from modelgen.verification.findings import Finding, compared
-from modelgen.verification.input_settings import drawn_settings, with_settings
+from modelgen.verification.random_input_settings import drawn_settings, with_settings
 
 Array = np.ndarray[Any, Any]
 ROUTE = "homogeneous matrices and their derivatives along the motion"

@@ -40,7 +40,7 @@ NUMERIC_SIDE = (
     "modelgen.codegen.library",
     "modelgen.codegen.amalgamation",
     "modelgen.codegen.casadi_controllers",  # compiles what a run calls, loaded where one asks for it
-    "modelgen.codegen.library_variants",  # reads a scene again, loaded where a run asks for it
+    "modelgen.codegen.library_with_parameters",  # reads a scene again, loaded where a run asks for it
 )
 
 ENTRY = "modelgen.__main__"

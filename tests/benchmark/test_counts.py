@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from modelgen import build, derive, emit, read, require
-from modelgen.benchmark.instruction_counts import instructions, why_not_counted
+from modelgen.benchmark.callgrind_counts import instructions, why_not_counted
 from modelgen.codegen.amalgamation import SOURCE, runtime_text
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.c_program import driver_text
+from modelgen.runtime.c_initialisers import driver_text
 from modelgen.runtime.simulate import simulate
 from modelgen.scene.scene_types import Scene
 from tests.running import SCENES, library_of

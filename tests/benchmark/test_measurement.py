@@ -18,8 +18,8 @@ from modelgen.benchmark.measurement_store import NAME
 from modelgen.benchmark.measurement_table import print_measurement, print_tuned
 from modelgen.benchmark.peers import PeerPoints
 from modelgen.benchmark.peers.scene_description import _solid
+from modelgen.benchmark.run_table_rewriting import with_run
 from modelgen.benchmark.sampled_motion import Bodies
-from modelgen.benchmark.scene_run_table import with_run
 from modelgen.benchmark.scene_under_measurement import Subject
 from modelgen.benchmark.tuning import BAND, tune
 from modelgen.benchmark.work_precision_front import Point, spaced

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from modelgen.benchmark.scene_run_table import with_run
+from modelgen.benchmark.run_table_rewriting import with_run
 from modelgen.benchmark.scene_under_measurement import applied
 from modelgen.errors import ModelgenError
 from modelgen.scene.read import read_text

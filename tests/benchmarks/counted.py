@@ -15,7 +15,7 @@ import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.start import begin
 
 STEP = 1e-4

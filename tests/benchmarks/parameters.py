@@ -22,7 +22,7 @@ from tempfile import TemporaryDirectory
 
 from modelgen import build, derive, emit, require, simulate
 from modelgen.codegen.library import Library
-from modelgen.codegen.library_variants import library_with
+from modelgen.codegen.library_with_parameters import library_with
 from modelgen.runtime.tables.library_tables import library_tables
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.read import read_text

@@ -22,8 +22,8 @@ from pathlib import Path
 from modelgen import derive, emit, read, require
 from modelgen.export.c_folder import program_files
 from modelgen.export.reference_vectors import vectors_of
-from modelgen.export.scene_c_files import source
-from modelgen.runtime.session import Session
+from modelgen.export.scene_header_and_tables import source
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.settings import accuracy_of
 from tests.export.folders import ZIG, runner
 from tests.registry import REGISTRY

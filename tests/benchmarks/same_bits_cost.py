@@ -45,7 +45,7 @@ def write(names: Sequence[str], target: Path) -> None:
     """The C of scenes, each in a folder, by the package that Python finds."""
     from modelgen import build, derive, emit, read, require
     from modelgen.export.c_folder import program_files
-    from modelgen.runtime.session import Session
+    from modelgen.runtime.core_session import Session
     from modelgen.runtime.settings import accuracy_of
 
     for name in names:

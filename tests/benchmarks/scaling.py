@@ -21,7 +21,7 @@ import numpy as np
 
 from modelgen import Accuracy, build, derive, emit, require
 from modelgen.codegen.library import Library
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.start import begin
 from modelgen.runtime.tables.ctypes_structures import address
 from modelgen.scene import python_scenes as make

@@ -88,7 +88,7 @@ def start_all(folder: Path, n: int) -> list[list[int]]:
     """Starts of each pair: the first of a session at each pose, then all poses in one; their outcomes."""
     from modelgen import Accuracy
     from modelgen.codegen.library import Library
-    from modelgen.runtime.session import Session
+    from modelgen.runtime.core_session import Session
 
     counted = ctypes.CDLL(str(folder / "counted_call.so")).counted_call
     outcomes = []

@@ -17,10 +17,10 @@ import numpy as np
 
 from modelgen import build, derive, emit, read, require
 from modelgen.codegen.library import Library
+from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.gradient import SLOPES, TapedRun
 from modelgen.runtime.sensitivity import Outputs, TangentRun
 from modelgen.runtime.sensitivity_directions import QUANTITIES, direction_arrays, directions_of
-from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.start import begin
 from tests.running import SCENES

@@ -23,8 +23,8 @@ import numpy as np
 from modelgen import Accuracy, build, derive, emit, require, simulate
 from modelgen.codegen.compiler import find_compiler
 from modelgen.codegen.library import Library
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.recording import Recording
-from modelgen.runtime.session import Session
 from modelgen.scene.read import read_text
 from tests.benchmarks.counted import STEP, core_steps, hand_steps, start, state_of
 from tests.benchmarks.counting import COUNTED_CPU, callgrind, countable

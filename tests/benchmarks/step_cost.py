@@ -27,7 +27,7 @@ import modelgen
 from modelgen.codegen.amalgamation import elementary_text
 from modelgen.codegen.compiler import find_compiler
 from modelgen.codegen.library import Library
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.start import begin
 from modelgen.runtime.tables.ctypes_structures import Array, address
 from modelgen.scene import python_scenes as make

@@ -18,7 +18,7 @@ from threading import get_ident
 
 from modelgen import build, derive, emit, read, require
 from modelgen.codegen.library import Library
-from modelgen.parameter_study.chunks import Chunk, Study, run_chunk
+from modelgen.parameter_study.chunk_runs import Chunk, Study, run_chunk
 from modelgen.parameter_study.design import design_points, variations_of
 from modelgen.parameter_study.local_threads import chunks_of_threads
 from modelgen.parameter_study.run_queue import RunQueue, Span

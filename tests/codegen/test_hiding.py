@@ -10,7 +10,7 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from modelgen.codegen.polynomial_degree import SEEN, degree, hides
+from modelgen.codegen.hidden_oscillations import SEEN, degree, hides
 
 TERMS = st.lists(st.tuples(st.integers(0, 4), st.integers(-3, 3)), min_size=1, max_size=4)
 

@@ -7,7 +7,7 @@ import pytest
 
 from modelgen import Accuracy, build, derive, emit, read, require, simulate
 from modelgen.codegen.library import Library
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.read import read_text
 from tests.running import SCENES, library_of, scene_of

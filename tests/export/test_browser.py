@@ -16,10 +16,10 @@ from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError
 from modelgen.export import browser_page
 from modelgen.export.export_formats import Choices, export
-from modelgen.export.slider_tables import arrays_of, numbers_of, sliders_of
+from modelgen.export.numbers_by_parameters import arrays_of, numbers_of, sliders_of
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import with_parameters
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 from modelgen.scene.read import read_text
 from tests.export.folders import needs_zig
 from tests.running import SCENES, library_of

@@ -9,9 +9,9 @@ import pytest
 from modelgen.benchmark.extreme_trials import Extreme, Found, Trial, tried
 from modelgen.benchmark.extremes_survey import EXTREMES, survey
 from modelgen.benchmark.extremes_table import _ranges
-from modelgen.benchmark.library_reuse import Variants
+from modelgen.benchmark.libraries_by_kinds import Variants
 from modelgen.errors import ModelgenError
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 from tests.running import folder
 
 NAMES = [extreme.name for extreme in EXTREMES]

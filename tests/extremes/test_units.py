@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from modelgen import read, require, simulate
-from modelgen.benchmark.library_reuse import Variants
+from modelgen.benchmark.libraries_by_kinds import Variants
 from modelgen.benchmark.unit_conversion import Units, in_units
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.python_scenes import chart, dynamic, fixed, plane, scene

@@ -8,7 +8,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from modelgen.errors import ExpressionError
-from modelgen.geometry.casadi_expressions import lower
+from modelgen.geometry.expression_translation import lower
 from modelgen.scene.expression import evaluate, parse_expression
 from modelgen.scene.expression_functions import FUNCTIONS
 

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from modelgen.assembly.contact_form_choice import shape_kind
+from modelgen.assembly.contact_kinds import shape_kind
 from modelgen.errors import SceneError
 from modelgen.geometry.mass_properties import mass_properties
 from modelgen.geometry.shape_features import features_of

@@ -14,7 +14,7 @@ from modelgen.geometry.shape_features import features_of
 from modelgen.geometry.surface_catalogue import surface_of
 from modelgen.scene import python_scenes as make
 from modelgen.scene.expression import evaluate
-from modelgen.scene.expression_building import derivatives
+from modelgen.scene.expression_algebra import derivatives
 from modelgen.scene.interpolating_splines import PointSpline, closed_spline, open_spline
 
 Array = np.ndarray

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from modelgen.errors import SceneError
-from modelgen.geometry.chart_regularity import check_regular
 from modelgen.geometry.shape_warnings import declared_limits
+from modelgen.geometry.user_shape_checks import check_regular
 from modelgen.scene import python_scenes as build
 from modelgen.scene.scene_types import Shape
 

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from modelgen.errors import SceneError
+from modelgen.geometry.closed_form_moments import surface_moments
 from modelgen.geometry.mass_properties import mass_properties, moments_by_quadrature
-from modelgen.geometry.moments_of_surfaces import surface_moments
 from modelgen.scene.expression import parse_expression
 from modelgen.scene.scene_types import Chart, Shape
 

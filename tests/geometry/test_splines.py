@@ -13,8 +13,8 @@ from scipy.interpolate import BSpline, RectBivariateSpline
 from modelgen.geometry.composites.splines import Line
 from modelgen.geometry.shape_features import features_of, is_composite
 from modelgen.scene import python_scenes as build
+from modelgen.scene.free_form_values import ControlPolygon, Net
 from modelgen.scene.scene_types import Feature, Shape
-from modelgen.scene.spline_values import ControlPolygon, Net
 from tests.geometry.joins import COUNT, change, curvatures, features, forms_of, jets, numbers_of
 from tests.laws.configurations import Array
 

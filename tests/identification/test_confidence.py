@@ -8,7 +8,7 @@ from scipy.stats import linregress
 from scipy.stats import t as student
 
 from modelgen.identification.confidence import confidence_of, lag_correlation, repetition, sparse
-from modelgen.identification.unidentifiable_directions import in_words
+from modelgen.identification.unidentifiable_in_words import in_words
 
 NAMES = ("mass", "stiffness", "damping")
 

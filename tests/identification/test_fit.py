@@ -11,8 +11,8 @@ from modelgen.identification.compared_columns import comparison_of
 from modelgen.identification.least_squares import Problem
 from modelgen.identification.measurement_noise import noise_of
 from modelgen.identification.recording_residuals import RecordedRun, RecordedRuns
+from modelgen.identification.recording_starts import start_of
 from modelgen.identification.recordings import recording_of
-from modelgen.identification.starts import start_of
 from modelgen.identification.unknowns import unknowns_of
 from modelgen.runtime.accuracy import Accuracy
 from tests.identification.motions import BOUNCE, MOTIONS, RATIO, Motion, library_of_text

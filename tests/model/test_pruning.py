@@ -10,7 +10,7 @@ import pytest
 
 from modelgen import derive, emit, read, require, simulate
 from modelgen.codegen.emit import Package
-from modelgen.dynamics.planar_motion import in_a_plane
+from modelgen.dynamics.planar_motion_proof import in_a_plane
 from modelgen.report.savings_by_decision import DECISIONS, savings_of
 from modelgen.scene.python_scenes import dynamic, ellipsoid, fixed, plane, scene, sphere
 from modelgen.scene.scene_types import Scene

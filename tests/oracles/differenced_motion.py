@@ -13,7 +13,7 @@ import numpy as np
 from modelgen import Accuracy
 from modelgen.codegen.library import Library
 from modelgen.linearisation.equilibrium_and_modes import Linearised
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.start import begin
 
 Array = np.ndarray[Any, np.dtype[np.float64]]

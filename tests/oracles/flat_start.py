@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from modelgen import Accuracy
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.recording import Recording
-from modelgen.runtime.session import Session
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Scene, Shape
 from tests.oracles.glass_reference import Glass

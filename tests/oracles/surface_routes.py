@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 from scipy.interpolate import BSpline
 
-from modelgen.scene.spline_values import Net
+from modelgen.scene.free_form_values import Net
 from tests.oracles.stationary_route import Array, Gap, rotation
 
 

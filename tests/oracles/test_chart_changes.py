@@ -12,8 +12,8 @@ import pytest
 
 from modelgen import Accuracy, simulate
 from modelgen.codegen.library import Library
+from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.recording import Recording
-from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.start import begin
 from modelgen.runtime.trajectory import Event, Outcome, Trajectory
 from modelgen.scene import python_scenes as make

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from modelgen import Accuracy
 from modelgen.codegen.library import Library
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.start import begin
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Shape

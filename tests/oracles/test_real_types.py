@@ -8,7 +8,7 @@ import pytest
 from modelgen import Accuracy
 from modelgen.codegen.library import Library
 from modelgen.runtime.accuracy import RESOLVED
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.start import begin
 from modelgen.runtime.trajectory import Event, Outcome, Trajectory
 from tests.oracles.plain_rows import followed

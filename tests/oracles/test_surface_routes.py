@@ -10,8 +10,8 @@ from scipy.integrate import solve_ivp
 
 from modelgen import Accuracy, read
 from modelgen.runtime.trajectory import Trajectory
+from modelgen.scene.free_form_values import Net
 from modelgen.scene.scene_types import Shape
-from modelgen.scene.spline_values import Net
 from tests.oracles.pieces import G, rotations
 from tests.oracles.stationary_route import Gap, StationaryRoute
 from tests.oracles.surface_routes import ellipsoid_on_patch, pebble_on_plane

@@ -10,8 +10,8 @@ import pytest
 
 from modelgen import Accuracy, simulate, start
 from modelgen.errors import SimulationError
-from modelgen.runtime.runs_to_the_end import runs_to_the_end
 from modelgen.runtime.settings import accuracy_of
+from modelgen.runtime.simulate_lanes import runs_to_the_end
 from modelgen.runtime.trajectory import Outcome, Trajectory
 from tests.parameter_study.scenes import ball
 from tests.running import scene_of

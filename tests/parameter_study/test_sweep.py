@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from modelgen import load, load_sweep, simulate, sweep
-from modelgen.codegen.library_variants import library_with
+from modelgen.codegen.library_with_parameters import library_with
 from modelgen.errors import ModelgenError
 from modelgen.parameter_study import run_queue, sweep_folder
 from modelgen.parameter_study.outcome_plot import draw_sweep
@@ -116,7 +116,7 @@ def test_an_interrupted_sweep_goes_on(tmp_path: Path, monkeypatch: pytest.Monkey
 
 
 def _noting(runs: list[int]) -> Callable[..., Any]:
-    from modelgen.parameter_study.chunks import run_chunk
+    from modelgen.parameter_study.chunk_runs import run_chunk
 
     def noted(library: Any, study: Any, first: int, values: Any) -> Any:
         runs.extend(range(first, first + len(values)))

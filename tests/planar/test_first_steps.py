@@ -11,8 +11,8 @@ import pytest
 
 from modelgen import Accuracy, simulate
 from modelgen.codegen.library import Library
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.recording import Recording
-from modelgen.runtime.session import Session
 from modelgen.runtime.start import begin
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene import python_scenes as make

@@ -12,7 +12,7 @@ import sympy as sp
 from modelgen import derive, require
 from modelgen.report import mathml
 from modelgen.report.formula_inspection import inspected, written
-from modelgen.report.png_raster import colour
+from modelgen.report.heat_map_png import colour
 from modelgen.verification.errata.errata_table import ERRATA
 from tests.benchmarks.pages import browser, looked_at
 

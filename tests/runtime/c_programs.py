@@ -10,8 +10,8 @@ import pytest
 
 from modelgen import Accuracy, derive, emit, read, require
 from modelgen.codegen.amalgamation import HEADER, header_text
-from modelgen.runtime.c_program import driver_text
-from modelgen.runtime.session import Session
+from modelgen.runtime.c_initialisers import driver_text
+from modelgen.runtime.core_session import Session
 from tests.running import SCENES, scene_of
 
 CC = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")

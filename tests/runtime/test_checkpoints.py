@@ -17,7 +17,7 @@ import pytest
 from modelgen import Accuracy, read
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError
-from modelgen.runtime.session import CONTINUE, FULL, Session
+from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.trajectory import Event
 from tests.running import NAMES, SCENES, library_of, scene_of
 from tests.runtime.c_programs import needs_c, program_of
@@ -153,7 +153,7 @@ import sys
 from pathlib import Path
 from modelgen import Accuracy
 from modelgen.codegen.library import Library
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 session = Session(Library.load(sys.argv[1]), Accuracy.balanced())
 session.load(Path(sys.argv[2]).read_bytes())
 record = session.tables.Record()

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from modelgen import Accuracy
-from modelgen.runtime.session import CONTINUE, FULL, Session
+from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.trajectory import SEARCH_EVENTS, Event
 from modelgen.scene.read import read_text
 from modelgen.scene.scene_types import Scene

@@ -20,7 +20,7 @@ from modelgen import ModelgenError, simulate, start
 from modelgen.codegen.compiler import find_compiler
 from modelgen.codegen.library import Library
 from modelgen.errors import SceneError
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.stepped_simulation import Simulation
 from modelgen.scene.read import read_text
 from tests.running import library_of, scene_of

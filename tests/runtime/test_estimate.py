@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from modelgen import Accuracy, simulate, start
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.error_estimate import estimate_of
 from modelgen.runtime.run_distance import distance_between
-from modelgen.runtime.session import Session
 from modelgen.scene.read import read_text
 from tests.benchmark.cases import Verdict, judged, scene_named, true_form
 from tests.benchmark.test_reference import BILLIARD

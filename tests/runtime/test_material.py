@@ -13,7 +13,7 @@ from modelgen.codegen.manifest_unlisted_shapes import FORMULAS, unlisted_of
 from modelgen.geometry.mass_properties import mass_properties
 from modelgen.geometry.surface_catalogue import SURFACES
 from modelgen.rotations import rotation_of
-from modelgen.runtime.undeclared.signed_depth import depth_of
+from modelgen.runtime.undeclared.point_depth import depth_of
 from modelgen.scene.read import read_text
 
 POINTS = 4000

@@ -11,7 +11,7 @@ import pytest
 
 from modelgen import Accuracy, start, start_many
 from modelgen.codegen.library import Library
-from modelgen.runtime.session import FULL, Session
+from modelgen.runtime.core_session import FULL, Session
 from modelgen.scene import python_scenes as make
 from modelgen.scene.read import read_text
 from modelgen.scene.scene_types import Scene

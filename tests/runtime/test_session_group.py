@@ -11,7 +11,7 @@ import pytest
 from modelgen import Accuracy
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError
-from modelgen.runtime.session import FULL, Session
+from modelgen.runtime.core_session import FULL, Session
 from modelgen.runtime.session_group import SessionGroup
 from modelgen.runtime.tables.ctypes_structures import SYSTEM_REALS, address
 from modelgen.runtime.tables.library_tables import library_tables

@@ -12,7 +12,7 @@ import pytest
 
 from modelgen import Accuracy, simulate
 from modelgen.codegen.library import Library
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.tables.library_tables import library_tables
 from modelgen.runtime.trajectory import Trajectory
 from tests.running import scene_of

@@ -7,7 +7,7 @@ import re
 import pytest
 
 from modelgen import Accuracy
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.tables.ctypes_structures import address
 from tests.core.compiling import CORE
 from tests.running import NAMES, scene_of

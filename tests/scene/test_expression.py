@@ -20,7 +20,7 @@ from modelgen.scene.expression import (
     evaluate,
     parse_expression,
 )
-from modelgen.scene.expression_building import expression_of
+from modelgen.scene.expression_algebra import expression_of
 
 VALUES = {"u": 0.37, "v": -1.25, "k_1": 2.5}
 

@@ -11,9 +11,9 @@ import numpy as np
 from modelgen import derive, emit, read, require
 from modelgen.codegen.library import Library
 from modelgen.runtime.arguments import with_parameters
+from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.sensitivity import TangentRun
 from modelgen.runtime.sensitivity_directions import Direction, direction_arrays, directions_of, extrapolated
-from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.start import begin
 from modelgen.runtime.tables.ctypes_structures import Array

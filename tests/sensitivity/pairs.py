@@ -13,11 +13,11 @@ import numpy as np
 from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError
 from modelgen.runtime.arguments import with_parameters
+from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.error_estimate import nudge
 from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.sensitivity import Outputs, TangentRun, Verdict
 from modelgen.runtime.sensitivity_directions import Direction, direction_arrays
-from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.start import begin
 from modelgen.runtime.tables.ctypes_structures import Array

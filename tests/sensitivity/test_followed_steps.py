@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.sensitivity import TangentRun
 from modelgen.runtime.sensitivity_directions import direction_arrays, directions_of
-from modelgen.runtime.session import CONTINUE, FULL, Session
 from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.start import begin
 from tests.sensitivity.differences import MANY, shipped

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.sensitivity import TangentRun
 from modelgen.runtime.sensitivity_directions import QUANTITIES, direction_arrays, directions_of
-from modelgen.runtime.session import Session
 from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.scene.read import read_text

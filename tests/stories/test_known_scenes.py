@@ -14,9 +14,9 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from modelgen.cli import built_scene_lookup
 from modelgen.cli.basic_commands import app
-from modelgen.cli.built_scene_lookup import NAME, recall, scene_key
+from modelgen.cli import built_library_lookup
+from modelgen.cli.built_library_lookup import NAME, recall, scene_key
 
 Modelgen = Callable[..., Any]
 ROOT = Path(__file__).parents[2]
@@ -104,7 +104,7 @@ def change_the_package(monkeypatch: pytest.MonkeyPatch) -> None:
     other = Path("package")
     other.mkdir()
     (other / "one.py").touch()
-    monkeypatch.setattr(built_scene_lookup, "PACKAGE", other)
+    monkeypatch.setattr(built_library_lookup, "PACKAGE", other)
 
 
 def change_the_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -112,7 +112,7 @@ def change_the_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def change_the_processor(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(built_scene_lookup, "cpu_target", lambda: "another")
+    monkeypatch.setattr(built_library_lookup, "cpu_target", lambda: "another")
 
 
 def change_the_instance(monkeypatch: pytest.MonkeyPatch) -> None:

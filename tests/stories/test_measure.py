@@ -14,7 +14,7 @@ from jsonschema import Draft202012Validator
 
 from modelgen.benchmark import setting_evaluation as program
 from modelgen.benchmark.work_precision_front import Point
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 
 EGG = "scenes/ellipsoid_on_plane.toml"
 FEW = ("--knobs", "tolerance,form", "--until", "0.5")

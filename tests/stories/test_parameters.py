@@ -25,7 +25,7 @@ from modelgen import (
 )
 from modelgen.benchmark.unit_conversion import Units, in_units
 from modelgen.codegen.library import Library
-from modelgen.codegen.library_variants import library_with
+from modelgen.codegen.library_with_parameters import library_with
 from modelgen.errors import ModelgenError, SceneError, SimulationError
 from modelgen.runtime.stepped_simulation import start
 from modelgen.runtime.trajectory import Trajectory

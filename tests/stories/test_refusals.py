@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from modelgen.report.run_files import load
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 
 EGG = "scenes/ellipsoid_on_plane.toml"
 Modelgen = Callable[..., Any]

@@ -16,7 +16,7 @@ from tests.running import SCENES, library_of, scene_of
 from tests.view.browser import browser, needs_browser
 
 pytest.importorskip("viser", reason="extra view")
-from modelgen.view.live import Live
+from modelgen.view.live_server import Live
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from modelgen.benchmark.sampled_motion import Array
-from modelgen.geometry.casadi_expressions import lower
+from modelgen.geometry.expression_translation import lower
 from modelgen.scene.expression import Expression
 from modelgen.scene.quaternions import Quaternion, product, rows_of
 from modelgen.scene.scene_types import Scene, Shape, SpringLoad

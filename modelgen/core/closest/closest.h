@@ -35,7 +35,7 @@ MG_INTERNAL int mg_damped_newton(const mg_shape_pair *p, const mg_newton_goal *g
 /* True if the distance is a minimum, and not only stationary: the margin is positive. */
 MG_INTERNAL int mg_is_minimum(const mg_real *placed);
 
-/* spare_contact.c */
+/* probe_contact.c */
 
 /* Puts the spare contact, numbered n_contact, on a feature pair; returns its number. */
 MG_INTERNAL int mg_use_spare_contact(mg_context *c, int feature_pair);
@@ -195,7 +195,7 @@ MG_INTERNAL int mg_stationary_places(const mg_centred_feature *of, mg_real gap, 
 /* Distance of a line from a line or circle where it is constant, m. */
 MG_INTERNAL mg_real mg_constant_distance(const mg_centred_feature *of);
 
-/* circle_single_minimum.c */
+/* circle_pair_single_minimum.c */
 
 /* True if the gap of two circles, or of features outside of them at constant distances, is known to have one minimum at
    most with a value up to `gap`. */
@@ -207,7 +207,7 @@ MG_INTERNAL int mg_have_circles_one_minimum(const mg_centred_feature *of, mg_rea
    away from each other: no penetration. */
 MG_INTERNAL int mg_is_between_far_sides(mg_context *c, int feature_pair);
 
-/* cell_pair_exclusion.c */
+/* exclusion_and_uniqueness.c */
 
 /* What a pair of cells may hold. */
 enum {

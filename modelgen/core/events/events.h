@@ -87,7 +87,7 @@ MG_INTERNAL void mg_open_separating(mg_context *c);
    appeared below zero is lifted; what that does to the energy is booked as work. */
 MG_INTERNAL int mg_change_mode(mg_context *c, mg_events *events);
 
-/* velocity_jump.c */
+/* driven_velocity_jump.c */
 
 /* Time in s that counts as one instant of a velocity jump. */
 MG_INTERNAL mg_real mg_velocity_jump_duration(const mg_context *c);
@@ -102,7 +102,7 @@ MG_INTERNAL int mg_cross_velocity_jump(mg_context *c, mg_real after, mg_events *
    contact modes. Returns an outcome. */
 MG_INTERNAL int mg_settle_velocity_jump(mg_context *c, mg_events *events);
 
-/* singular_passage.c */
+/* singular_passage_step.c */
 
 /* Cross the singular places of closed contacts, then merge or split contacts and choose the modes; returns
    MG_DONE or the outcome that ends the run. */

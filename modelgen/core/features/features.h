@@ -62,7 +62,7 @@ MG_INTERNAL mg_real mg_near_pair_step_limit(const mg_context *c);
 /* Makes the next mg_choose_near_pairs look anew. */
 MG_INTERNAL void mg_forget_margins(mg_context *c);
 
-/* contact_merging.c */
+/* contact_merge_and_split.c */
 
 /* Search minima too near to eta for a sampled search: Newton's method from both sides, at distances of the order
    of the square root of the margin. */

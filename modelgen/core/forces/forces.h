@@ -221,13 +221,13 @@ MG_INTERNAL void mg_keep_symmetric_rows(mg_context *c, int n);
    matrix that mg_keep_symmetric_rows has kept in c->lcp.work. */
 MG_INTERNAL void mg_solve_unsymmetric_rows(mg_context *c, const int *list, int n, mg_real *z);
 
-/* redundant_friction.c */
+/* motion_uniqueness_monitor.c */
 
 /* Note the first time at which friction forces are not unique and the motion is not proved to be. Needs rows and forces
    at the run's state. */
 MG_INTERNAL void mg_monitor_redundant_friction(mg_context *c);
 
-/* tangential_friction_rows.c */
+/* contact_point_friction.c */
 
 /* Contact that a friction constraint belongs to. */
 MG_INTERNAL int mg_contact_of_friction(const mg_context *c, int constraint);

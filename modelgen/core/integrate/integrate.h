@@ -10,7 +10,7 @@
 /* State at t + theta h on the interpolant. */
 MG_INTERNAL void mg_interpolate(const mg_context *c, const mg_real *x, mg_real theta, mg_real *out);
 
-/* event_sign_check.c */
+/* stage_event_signs.c */
 
 /* Sets c->step.sign_changed if an event function is negative at the present right-hand side, so that the step is
    searched for events. */

@@ -140,7 +140,7 @@ typedef struct {
   mg_real tilt[3];   /* tilt */
 } mg_contact_tilt;
 
-/* Passage of a singular contact by an impulse (events/singular_passage.c). */
+/* Passage of a singular contact by an impulse (events/singular_passage_step.c). */
 typedef struct {
   mg_real *column;        /* [12 per row] M^-1 J^T, with the friction of slip, before the passage */
   mg_real *rate;          /* [per row] row velocity before */

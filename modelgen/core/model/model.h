@@ -68,7 +68,7 @@ MG_INTERNAL int mg_is_driven_body(const mg_system *s, int body);
 /* True if the load is a spring with a damper. */
 MG_INTERNAL int mg_is_spring(const mg_system *s, int load);
 
-/* feature_pairs.c */
+/* feature_pair_conditions.c */
 
 /* True if the feature pair has no conditions. */
 MG_INTERNAL int mg_is_unconditional_feature_pair(const mg_context *c, int feature_pair);
@@ -135,7 +135,7 @@ MG_INTERNAL int mg_has_normal_sign(const mg_context *c, int feature_pair);
 /* True if no condition on the normal determines which side of the curves is outside. */
 MG_INTERNAL int mg_has_no_outside(const mg_context *c, int feature_pair);
 
-/* participating_contacts.c */
+/* contacts_of_near_pairs.c */
 
 /* Contact or row after `row` (-1: the first) of those that take part; beyond contacts the spare one, beyond rows the
    number of all. */
@@ -288,7 +288,7 @@ MG_INTERNAL int mg_newton_on_feature_pair(mg_context *c, int contact, mg_real *e
 /* True for a contact that starts from flat and whose tilt is still below flat_angle. */
 MG_INTERNAL int mg_is_tilt_below_flat_limit(const mg_context *c, int contact);
 
-/* bounding_balls.c */
+/* distance_and_motion_bounds.c */
 
 /* Length to which the settings of searches for closest points of a pair refer, m: the smaller radius of the balls
    around its shapes, at least the characteristic length. */
@@ -318,7 +318,7 @@ MG_INTERNAL mg_motion_bound mg_pair_motion_bound(const mg_context *c, int pair, 
 /* The speed alone. */
 MG_INTERNAL mg_real mg_pair_speed_bound(const mg_context *c, int pair);
 
-/* contact_features.c */
+/* contact_feature_pair.c */
 
 /* True if the contact is a support point of a patch. */
 MG_INTERNAL int mg_is_support_contact(const mg_context *c, int contact);

@@ -44,7 +44,7 @@ MG_INTERNAL void mg_tip_patch_at(mg_context *c, int slot, const mg_nearest_bound
 /* Tip a patch over the boundary point nearest to its centre of pressure. */
 MG_INTERNAL void mg_tip_patch(mg_context *c, int slot);
 
-/* face_edge_impact.c */
+/* hull_edge_impact.c */
 
 /* Move the supports of a slot to the edge of its curved hull, the first where the face approaches fastest;
    returns 0 where the hull is polygonal, the face already rolls, or the approach is too slow to tilt it. */

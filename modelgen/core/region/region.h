@@ -209,7 +209,7 @@ MG_INTERNAL mg_real mg_zero_function(const mg_placed_arc *k, int sought, const m
    distance. Safeguarded secant method (Anderson and Bjorck, BIT 13, 1973). */
 MG_INTERNAL mg_real mg_zero_on_arc(const mg_placed_arc *k, int sought, const mg_real *v, mg_real a, mg_real b);
 
-/* placed_arcs.c */
+/* arc_placement_and_division.c */
 
 /* Sets the span of an arc from parameter a to b. */
 MG_INTERNAL void mg_make_span(const mg_hull *h, int arc, mg_real a, mg_real b, mg_arc_span *span);
@@ -259,7 +259,7 @@ MG_INTERNAL void mg_read_support_point(const mg_hull *h, int vertex, mg_support_
    is no hull. */
 MG_INTERNAL mg_real mg_hull_margin(const mg_hull *h, const mg_real *x, mg_nearest_boundary *nearest);
 
-/* outline.c */
+/* boundary_polylines.c */
 
 /* Outline of the overlap; `fine` points to a curved span. */
 MG_INTERNAL void mg_outline_pieces(const mg_hull *h, int fine, mg_outline *out);

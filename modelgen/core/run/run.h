@@ -42,7 +42,7 @@ MG_INTERNAL int mg_advance_followed(const mg_system *system, const mg_settings *
                                     long max_steps, mg_record *record, mg_events *events, mg_follower *follower,
                                     mg_real *work, int *iwork);
 
-/* inputs.c */
+/* input_changes.c */
 
 #define MG_JOINT_ROWS_MAX 6 /* most rows of a joint */
 

@@ -198,7 +198,7 @@ MG_INTERNAL void mg_slope_tangent(mg_context *c, mg_sensitivity *s, int directio
 MG_INTERNAL void mg_rows_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
                                  const mg_real *dx, const int *marked, mg_real *slope);
 
-/* patch_tangent.c */
+/* patch_friction_tangent.c */
 
 /* Slot of a support, or -1 for other contacts. */
 MG_INTERNAL int mg_slot_of_support(const mg_context *c, int contact);
@@ -224,7 +224,7 @@ MG_INTERNAL mg_real mg_patch_bound_tangent(mg_context *c, const mg_sensitivity *
    friction), and by its coefficient. */
 MG_INTERNAL void mg_patch_bound_gradient(mg_context *c, int slot, mg_real *by_force, mg_real *by_mu);
 
-/* patch_adjoint.c */
+/* patch_friction_adjoint.c */
 
 /* From the cotangents of the three s->at.ratio of a slipping patch. */
 MG_INTERNAL void mg_patch_slip_adjoint(mg_context *c, mg_sensitivity *s, int slot, const mg_real *bar);
@@ -281,18 +281,18 @@ MG_INTERNAL void mg_project_tangents(mg_context *c, mg_sensitivity *s, mg_real t
 /* Adds the corrections of positions and orientations, or of velocities, in c->bodies.wrench to a derivative. */
 MG_INTERNAL void mg_add_correction(const mg_context *c, const mg_real *x, int of_velocities, mg_real *dx);
 
-/* start_tangent.c */
+/* start_correction_tangent.c */
 
 /* Carries the derivatives over the corrections of mg_begin. Returns a reason or 0. */
 MG_INTERNAL int mg_start_tangent(mg_context *c, mg_sensitivity *s, const mg_real *given);
 
-/* Restores for start_adjoint.c the blow of a part of these corrections, MG_JOINTS_HOLD or MG_CONTACTS_STRIKE, between
+/* Restores for start_correction_adjoint.c the blow of a part of these corrections, MG_JOINTS_HOLD or MG_CONTACTS_STRIKE, between
    s->before and the state of the run, or the state after all, MG_START_SETTLED. Marks in s->closed_before the contacts
    that touch. Returns 0 where that part changes nothing, or cannot be differentiated. */
 enum { MG_START_SETTLED = 0, MG_JOINTS_HOLD = 1, MG_CONTACTS_STRIKE = 2 };
 MG_INTERNAL int mg_restore_start(mg_context *c, mg_sensitivity *s, const mg_real *given, int part);
 
-/* start_adjoint.c */
+/* start_correction_adjoint.c */
 MG_INTERNAL void mg_start_adjoint(mg_context *c, mg_sensitivity *s, const mg_real *given, mg_real *x_bar);
 
 /* event_tangent.c */
@@ -324,7 +324,7 @@ MG_INTERNAL int mg_cross_event(mg_context *c, mg_sensitivity *s, const mg_crossi
    relative to what it may be. */
 MG_INTERNAL mg_real mg_followed_error(mg_context *c, void *of, mg_real h);
 
-/* load_jump_detection.c */
+/* state_dependent_load_jumps.c */
 
 /* Notes the loads at the start of a step. */
 MG_INTERNAL void mg_note_loads(const mg_context *c, mg_sensitivity *s, mg_real t);

@@ -61,7 +61,7 @@ MG_INTERNAL mg_real mg_spring_work(const mg_context *c, mg_real h);
    c->bodies.wrench. Needs the geometry of the step. Returns an outcome. */
 MG_INTERNAL int mg_step_impulses(mg_context *c, mg_real h);
 
-/* large_step_lcp.c */
+/* frictionless_step_lcp.c */
 
 /* Solves the complementarity problem of mg_solve_contact_lcp for the n contacts of c->lcp.rows; guess [per row]:
    amounts near the solution, or 0. Returns its outcome. */

@@ -17,7 +17,7 @@ from modelgen.geometry.composites.convex_pieces import convex_pieces, is_convex_
 from modelgen.geometry.composites.facets import Facets, facet_features
 from modelgen.geometry.composites.feature_constructors import at_least, at_most, edge, face, smooth, wing
 from modelgen.scene.expression import Expression, Name, Node, constant_expression, evaluate, number
-from modelgen.scene.expression_building import expression_of, minus, plus, substitute, times
+from modelgen.scene.expression_algebra import expression_of, minus, plus, substitute, times
 from modelgen.scene.pose_arithmetic import UPSIDE_DOWN
 from modelgen.scene.scene_types import Chart, Composite, Condition, Curve, Feature, Pose, Profile, Shape
 

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from modelgen.geometry.composites.feature_constructors import at_least, at_most, edge, face, linear, smooth
+from modelgen.scene.free_form_values import ControlPolygon, HeightField, Knots, Net
 from modelgen.scene.scene_types import Composite, Condition, Feature, Pose, Shape
-from modelgen.scene.spline_values import ControlPolygon, HeightField, Knots, Net
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 Indices = np.ndarray[Any, np.dtype[np.int_]]

@@ -17,8 +17,8 @@ import numpy as np
 
 from modelgen.rotations import quaternion_of, rotation_of
 from modelgen.runtime.trajectory import Passage, Trajectory
-from modelgen.runtime.undeclared.common_point import Found, deepest
-from modelgen.runtime.undeclared.signed_depth import Array, Depth, depth_of, points_of
+from modelgen.runtime.undeclared.lipschitz_search import Found, deepest
+from modelgen.runtime.undeclared.point_depth import Array, Depth, depth_of, points_of
 
 STEP = 0.25  # part of the smaller ball's radius that the bodies move between two searches, at most
 PARTS = 1000  # into which the way between two samples is divided, at most

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.joint_results import joint_warnings
-from modelgen.runtime.session import Session
 from modelgen.runtime.trajectory import Event
 from modelgen.runtime.warnings.impacts import impact_warnings
 from modelgen.runtime.warnings.slip_changes import slip_change_warnings

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 
 LAW_NAMES = {"newton": "Newton's", "poisson": "Poisson's", "stronge": "Stronge's"}
 

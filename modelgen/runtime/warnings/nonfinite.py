@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.trajectory import Outcome
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Outcome
 
 CAUSES = {

@@ -115,7 +115,7 @@ MG_INTERNAL int mg_friction_newton(mg_scaled_friction *s, int limit, int augment
    permits. */
 MG_INTERNAL void mg_friction_interior(mg_scaled_friction *s, const mg_real *shift, mg_real gap);
 
-/* homotopy.c */
+/* starting_points.c */
 
 /* Tries starting point number `which`, 0 .. MG_FRICTION_STARTS - 1, the likeliest first. Returns whether a
    solution was found. */

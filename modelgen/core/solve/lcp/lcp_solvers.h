@@ -45,7 +45,7 @@ MG_INTERNAL int mg_lcp_certify(int n, const mg_real *A, const mg_real *b, const 
 MG_INTERNAL int mg_lcp_report_failure(int n, const mg_real *A, const mg_real *b, const mg_real *z, int outcome,
                                       mg_lcp_report *report);
 
-/* active_set.c */
+/* known_active_set.c */
 
 /* mg_active_solve with pivots of the scaled A_BB up to `floor` counted as zero; floor = 0: rounding. */
 MG_INTERNAL int mg_active_above(int n, const mg_real *A, const mg_real *b, const int *active, mg_real floor, mg_real *z,

@@ -30,11 +30,11 @@ from modelgen.composition.contact_mode import held_mode
 from modelgen.composition.scene_symbols import parameter_values
 from modelgen.derivation import Derivation
 from modelgen.errors import SimulationError
-from modelgen.linearisation.contact_at_rest import Array, Contact, Facing, call, moving
+from modelgen.linearisation.touching_contact import Array, Contact, Facing, call, moving
 from modelgen.model import ContactEntry, FeaturePairEntry, Model, PairEntry
 from modelgen.notation import ETA_SIZE
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.start import begin
 from modelgen.scene.scene_types import Restitution
 

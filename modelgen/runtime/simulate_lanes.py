@@ -20,7 +20,7 @@ from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.error_estimate import estimate_of, nudge
 from modelgen.runtime.error_statement import Estimate
 from modelgen.runtime.inputs_by_lane import InputsByLane
-from modelgen.runtime.lanes import each_once
+from modelgen.runtime.lane_arrays import each_once
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.run_distance import motions_compared
 from modelgen.runtime.session_group import group_of

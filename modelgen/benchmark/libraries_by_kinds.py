@@ -10,7 +10,7 @@ from modelgen.assembly import require
 from modelgen.codegen.build import build
 from modelgen.codegen.emit import emit
 from modelgen.codegen.library import Library
-from modelgen.codegen.manifest_instance import instance_of, kinds_of
+from modelgen.codegen.manifest_model import instance_of, kinds_of
 from modelgen.derivation import derive
 from modelgen.model import Model
 from modelgen.scene.scene_types import Scene

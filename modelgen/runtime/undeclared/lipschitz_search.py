@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from modelgen.runtime.undeclared.signed_depth import Array, Depth
+from modelgen.runtime.undeclared.point_depth import Array, Depth
 
 FIRST = 4  # cells along each side of the cube that is searched first
 CELLS = 128  # most cells that are divided at a time, the deepest ones

@@ -16,8 +16,8 @@ from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError, SimulationError
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import with_parameters
-from modelgen.runtime.c_program import RunArray, scene_tables
-from modelgen.runtime.session import Session
+from modelgen.runtime.c_initialisers import RunArray, scene_tables
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.tables.ctypes_structures import Array
 
 POSITIONS = (41, 15, 7, 4)  # of each slider, for one, two, three and four of them

@@ -22,8 +22,7 @@ import casadi as ca
 import numpy as np
 
 from modelgen.errors import SimulationError
-from modelgen.linearisation.contact_at_rest import Array
-from modelgen.linearisation.rest_state import (
+from modelgen.linearisation.rest_linearisation import (
     DEPENDENT,
     HeldState,
     NoPlaceError,
@@ -31,6 +30,7 @@ from modelgen.linearisation.rest_state import (
     motions_along,
     moved,
 )
+from modelgen.linearisation.touching_contact import Array
 
 Bools = np.ndarray[Any, np.dtype[np.bool_]]
 

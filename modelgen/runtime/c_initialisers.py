@@ -11,7 +11,7 @@ import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.session import CONTINUE, FULL, Session
+from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.tables.ctypes_structures import KERNELS, Array, address
 
 CHUNK = 20_000  # steps between two drains of the events

@@ -10,9 +10,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from modelgen.benchmark.instruction_counts import counted, why_not_counted
+from modelgen.benchmark.callgrind_counts import counted, why_not_counted
 from modelgen.codegen.amalgamation import header_text
-from modelgen.export.scene_c_files import source
+from modelgen.export.scene_header_and_tables import source
 
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno")
 APART = ("-ffunction-sections", "-fdata-sections")
@@ -55,7 +55,7 @@ def figures_of(files: Mapping[str, str], defines: tuple[str, ...]) -> Figures | 
         folder = Path(name)
         for file, text in files.items():
             (folder / file).write_text(text, encoding="utf-8")
-        for file in ("probe.c", "used.c"):
+        for file in ("footprint_sizes.c", "footprint_link.c"):
             (folder / file).write_text(source(file), encoding="utf-8")
         tools = _Tools(gcc, folder, defines)
         tools.compile("-c", *APART, "-fcallgraph-info=su", *UNITS)
@@ -82,14 +82,14 @@ class _Tools:
 
     def flash(self) -> tuple[int, int]:
         """Code and constants, bytes, of a program that begins, advances and senses."""
-        self.compile("-Wl,--gc-sections", "used.c", *OBJECTS, "-lm", "-o", "used")
+        self.compile("-Wl,--gc-sections", "footprint_link.c", *OBJECTS, "-lm", "-o", "used")
         table = self._said(["size", "-A", "used"])
         parts = {found[1]: int(found[2]) for found in re.finditer(r"^(\.\S+)\s+(\d+)", table, re.MULTILINE)}
         return parts.get(".text", 0), parts.get(".rodata", 0) + parts.get(".data.rel.ro", 0)
 
     def sizes(self) -> tuple[int, int, int]:
         """Bytes of an instance, and of its scratch memory."""
-        self.compile(f"-DEVALUATIONS={EVALUATIONS}", "probe.c", *OBJECTS, "-lm", "-o", "probe")
+        self.compile(f"-DEVALUATIONS={EVALUATIONS}", "footprint_sizes.c", *OBJECTS, "-lm", "-o", "probe")
         whole, work, iwork = map(int, self._said([str(self.folder / "probe")]).split())
         return whole, work, iwork
 

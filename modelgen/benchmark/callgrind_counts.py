@@ -14,7 +14,7 @@ from modelgen.codegen.core_cache import runtime_object
 from modelgen.codegen.library import Library
 from modelgen.codegen.manifest import INSTANCE, STRUCTURE, Manifest
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.c_program import ENTRY, driver_text
+from modelgen.runtime.c_initialisers import ENTRY, driver_text
 
 CPU = "-march=haswell"  # callgrind knows no newer vector instructions
 NOT_OF_A_PROGRAM = ("-march=native", "-fPIC")

@@ -1,4 +1,4 @@
-/* Adjoint of the derivatives of the friction of a patch (patch_tangent.c), in reverse order. */
+/* Adjoint of the derivatives of the friction of a patch (patch_friction_tangent.c), in reverse order. */
 #include "sensitivity/sensitivity.h"
 #include "base/base.h"
 #include "model/model.h"

@@ -7,11 +7,11 @@ from math import isfinite
 from typing import Any
 
 from modelgen.assembly import Q_SIZE, U_SIZE
+from modelgen.assembly.contact_reuse import models_have_same_contacts
 from modelgen.assembly.masses import pose_numbers
-from modelgen.assembly.same_contacts import models_have_same_contacts
 from modelgen.codegen.manifest_planar_contacts import face_table, patch_table
+from modelgen.codegen.manifest_repeated_pairs import repeated
 from modelgen.codegen.manifest_unlisted_shapes import unlisted_of
-from modelgen.codegen.repeated_pairs import repeated
 from modelgen.contact.form_table import FORMS, eta_layout
 from modelgen.contact.support_separation import has_separation
 from modelgen.dynamics.sensors import sensor_parameters

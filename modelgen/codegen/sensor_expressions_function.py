@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import casadi as ca
 
 from modelgen.errors import ExpressionError, SimulationError
-from modelgen.geometry.casadi_expressions import lower
+from modelgen.geometry.expression_translation import lower
 from modelgen.notation import component_names
 from modelgen.scene.expression import Expression, parse_expression
 

@@ -7,7 +7,7 @@ from math import inf
 
 import casadi as ca
 
-from modelgen.composition.instructions import instructions
+from modelgen.composition.casadi_instructions import instructions
 
 SEEN = 3  # the degree of a polynomial that samples of a step show whole
 

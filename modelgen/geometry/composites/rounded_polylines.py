@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from modelgen.geometry.composites.feature_constructors import at_least, at_most, edge, smooth
+from modelgen.scene.free_form_values import Polyline
 from modelgen.scene.pose_arithmetic import frame
 from modelgen.scene.scene_types import Composite, Feature, Shape
 from modelgen.scene.spline_format import ROUNDING, STRAIGHT
-from modelgen.scene.spline_values import Polyline
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 

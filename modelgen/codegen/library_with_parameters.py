@@ -15,7 +15,7 @@ from weakref import WeakKeyDictionary
 from modelgen.assembly import require
 from modelgen.codegen.library import Library
 from modelgen.codegen.manifest import Json
-from modelgen.codegen.manifest_instance import instance_of, kinds_of
+from modelgen.codegen.manifest_model import instance_of, kinds_of
 from modelgen.errors import LibraryError, SceneError, SimulationError
 from modelgen.model import Model, Scales
 from modelgen.scene.parameter_rereading import SceneReader, changed_scene

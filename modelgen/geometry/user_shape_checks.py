@@ -15,8 +15,8 @@ from modelgen.geometry.curves import curve_of
 from modelgen.geometry.frames import cross
 from modelgen.geometry.shape_features import features_of
 from modelgen.geometry.surface_catalogue import surface_of
+from modelgen.scene.free_form_values import ControlPolygon, Net
 from modelgen.scene.scene_types import Chart, Shape
-from modelgen.scene.spline_values import ControlPolygon, Net
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 Area = Callable[[Array], tuple[Array, Array]]

@@ -13,9 +13,9 @@ from itertools import pairwise
 from math import pi
 from typing import Any
 
-from modelgen.scene.checked_expressions import finite
 from modelgen.scene.expression import Expression, Name, Unary
-from modelgen.scene.expression_building import cos, expression_of, sin, substitute, times
+from modelgen.scene.expression_algebra import cos, expression_of, sin, substitute, times
+from modelgen.scene.finite_expressions import finite
 from modelgen.scene.interpolating_splines import Parameters, check_points, check_reached, open_spline
 from modelgen.scene.scene_types import Chart
 from modelgen.scene.source_location import Place

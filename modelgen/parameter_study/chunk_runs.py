@@ -21,9 +21,9 @@ from modelgen.report.run_files import save
 from modelgen.report.run_record import record_of
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import with_parameters
-from modelgen.runtime.runs_to_the_end import Ended, runs_to_the_end
 from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.simulate import simulate
+from modelgen.runtime.simulate_lanes import Ended, runs_to_the_end
 from modelgen.runtime.tables.library_tables import library_tables
 from modelgen.runtime.trajectory import Array
 from modelgen.scene.scene_types import Scene

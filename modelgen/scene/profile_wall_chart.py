@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from modelgen.scene.expression import Name
-from modelgen.scene.expression_building import expression_of, substitute
+from modelgen.scene.expression_algebra import expression_of, substitute
 from modelgen.scene.interpolating_splines import Parameters, check_points, check_reached, open_spline
 from modelgen.scene.scene_types import Chart
 from modelgen.scene.source_location import Place

@@ -8,7 +8,7 @@ from math import log10, sqrt
 import numpy as np
 
 from modelgen.benchmark.extreme_trials import EPS, RUN, Extreme, G, Trial, against, decades, run_of, tried_run
-from modelgen.benchmark.library_reuse import Variants
+from modelgen.benchmark.libraries_by_kinds import Variants
 from modelgen.benchmark.unit_conversion import Units, in_units
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.trajectory import Trajectory

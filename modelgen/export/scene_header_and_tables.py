@@ -8,8 +8,8 @@ from functools import cache
 from importlib import resources
 
 from modelgen.notation import component_names
-from modelgen.runtime.c_program import RunArray, SceneTables, number_text, scene_tables
-from modelgen.runtime.session import Session
+from modelgen.runtime.c_initialisers import RunArray, SceneTables, number_text, scene_tables
+from modelgen.runtime.core_session import Session
 
 KERNELS = "&mg_table"  # of model.c
 

@@ -19,7 +19,7 @@ from modelgen.errors import ModelgenError
 from modelgen.report.kind_scenes import pair_scene
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.closest_points import ClosestPoints, closest_points
-from modelgen.runtime.session import Session
+from modelgen.runtime.core_session import Session
 from modelgen.scene.scene_types import Scene
 from modelgen.verification.formula_inputs import Numbers
 from modelgen.verification.verify import OF_CONTACTS, OF_SEARCH, is_of_limit

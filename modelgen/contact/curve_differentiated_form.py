@@ -14,7 +14,7 @@ from modelgen.contact.contact_symbols import Pair
 from modelgen.contact.curve_block_form import chart_curve_placement, curve_block
 from modelgen.contact.curve_curve import crossing, crossing_place
 from modelgen.contact.curve_surface import CurveSystem
-from modelgen.contact.extremal_form import along, slides
+from modelgen.contact.differentiated_form import along, slides
 from modelgen.contact.kernels import Placement, Rates
 from modelgen.contact.normal_row import Levers, feet, jacobian_rows, passing
 from modelgen.geometry.frames import dot, solve2, zeros
