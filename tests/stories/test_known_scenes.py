@@ -14,8 +14,8 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from modelgen.cli.basic_commands import app
 from modelgen.cli import built_library_lookup
+from modelgen.cli.basic_commands import app
 from modelgen.cli.built_library_lookup import NAME, recall, scene_key
 
 Modelgen = Callable[..., Any]
