@@ -34,17 +34,6 @@
 /* Most unknowns of mg_solve_definite: four contacts with friction. */
 enum { MG_DEFINITE_MAX = 12 };
 
-/* Factors of a symmetric positive semidefinite k by k matrix S: P' S P = L L', and L = Q R where the rank is below k.
- */
-typedef struct {
-  int k;      /* size */
-  int rank;   /* rank */
-  mg_real *L; /* [k rank] lower trapezoid */
-  mg_real *Q; /* [k rank] orthonormal columns */
-  mg_real *R; /* [rank rank] upper triangle */
-  int *order; /* [k] row of S in each row of P' S P */
-} mg_factor;
-
 #define MG_DIGEST_START 0x9e3779b97f4a7c15ULL /* digest of nothing */
 
 /* digest.c */
@@ -173,6 +162,8 @@ MG_INTERNAL int mg_solve_definite(int n, const mg_real *A, const mg_real *b, mg_
 /* Replaces L, full and symmetric, by the lower trapezoid of P' S P, k by rank. Returns the rank, the number of
    pivots above `tolerance`. Row i of the factor belongs to row order[i] of S. */
 MG_INTERNAL int mg_cholesky_pivoted(int k, mg_real *L, int *order, mg_real tolerance);
+
+/* minimum_norm.c */
 
 /* Least-norm solution y (2) of S y = -c for S = [1 s; s 1]. Returns the rank of S. */
 MG_INTERNAL int mg_minimum_norm_two(mg_real s, const mg_real *c, mg_real *y);
