@@ -63,7 +63,7 @@ MG_INTERNAL int mg_has_possible_hidden_event(mg_context *c);
    none. */
 MG_INTERNAL mg_real mg_first_hidden_event(mg_context *c, mg_real h, int end, int n, mg_real part, mg_real *low);
 
-/* event_processing.c */
+/* contact_modes.c */
 
 /* Choose which closed contacts carry force and which friction sticks, open the contacts that separate and report
    the events. Contacts whose event has triggered are tried open first. */
@@ -72,6 +72,8 @@ MG_INTERNAL int mg_solve_contact_modes(mg_context *c, mg_events *events);
 /* True if a closed contact without force has a gap acceleration beyond the tolerance, so that the active set must
    be chosen again. */
 MG_INTERNAL int mg_is_active_set_outdated(mg_context *c);
+
+/* event_processing.c */
 
 /* False if more contacts are closed than the caller gave memory for. */
 MG_INTERNAL int mg_has_closed_contact_capacity(const mg_context *c);
