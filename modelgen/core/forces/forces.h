@@ -379,14 +379,7 @@ MG_INTERNAL int mg_append_friction_contact(mg_context *c, int contact, int k, in
    accelerations; returns MG_DONE or the outcome that ends the run. */
 MG_INTERNAL int mg_solve_active_set(mg_context *c, const int *skip);
 
-/* friction_modes.c */
-
-/* Give the friction constraints that slip their kinetic coefficients; returns how many bounds that changes. */
-MG_INTERNAL int mg_use_kinetic_bounds(mg_context *c);
-
-/* Solve Coulomb's law for accelerations: which closed contacts carry force, and which friction sticks or slips.
-   Needs the rows at the run's state. */
-MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip);
+/* friction_events.c */
 
 /* Append the events of slip that starts, stops or reverses at single contacts. */
 MG_INTERNAL void mg_report_friction_events(mg_context *c, mg_events *events);
@@ -408,6 +401,15 @@ MG_INTERNAL int mg_has_any_friction_event(const mg_context *c);
 
 /* First friction constraint whose event has triggered, or -1. */
 MG_INTERNAL int mg_first_friction_event(const mg_context *c);
+
+/* friction_modes.c */
+
+/* Give the friction constraints that slip their kinetic coefficients; returns how many bounds that changes. */
+MG_INTERNAL int mg_use_kinetic_bounds(mg_context *c);
+
+/* Solve Coulomb's law for accelerations: which closed contacts carry force, and which friction sticks or slips.
+   Needs the rows at the run's state. */
+MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip);
 
 /* At the start of a step, set slip directions and friction modes and remember the modes. Needs the rows at the
    run's state. */
