@@ -185,6 +185,8 @@ MG_INTERNAL int mg_append_bilateral_rows(const mg_context *c, int *list, int n);
    solver's outcome. */
 MG_INTERNAL int mg_solve_contact_lcp(mg_context *c, int n, const mg_real *value, mg_lcp_report *report);
 
+/* joint_rank.c */
+
 /* Cholesky's factor of J M^-1 J^T over the joints, row by row in their order. A row of which the rows before it leave
    less than `singular` is passed over. Writes into c->joints.independence how much of its own each row has, 0..1, and
    the independent rows of each joint into `rank` unless it is 0. Returns the rank. */

@@ -1,0 +1,112 @@
+/* Rank of the joints: which of their rows are independent, by Cholesky's factor of J M^-1 J^T in the order of the rows,
+   and the dead centres that a linkage passes. Writes the joint workspace and the joint statistics of the run. */
+#include "forces/forces.h"
+#include "base/base.h"
+#include "model/model.h"
+
+MG_INTERNAL int mg_rank_joints(mg_context *c, int *rank) {
+  const int n = mg_append_joint_rows(c, c->lcp.rows, 0);
+  int total = 0;
+  mg_assemble_delassus(c, c->lcp.rows, n);
+  for (int r = 0; r < n; r++) {
+    const mg_real own = c->lcp.A[r + n * r];
+    mg_real left = own;
+    for (int k = 0; k < r; k++) {
+      if (!c->lcp.joint_mask[k]) continue;
+      mg_real entry = c->lcp.A[r + n * k];
+      for (int j = 0; j < k; j++)
+        if (c->lcp.joint_mask[j]) entry -= c->lcp.A[r + n * j] * c->lcp.A[k + n * j];
+      c->lcp.A[r + n * k] = entry / c->lcp.A[k + n * k];
+      left -= c->lcp.A[r + n * k] * c->lcp.A[r + n * k];
+    }
+    c->joints.independence[r] = own > 0 && left > 0 ? left / own : 0;
+    c->lcp.joint_mask[r] = c->joints.independence[r] > c->settings->joint_rank_tolerance;
+    total += c->lcp.joint_mask[r];
+    if (rank) rank[mg_row_joint(c, c->lcp.rows[r])] += c->lcp.joint_mask[r];
+    if (c->lcp.joint_mask[r]) c->lcp.A[r + n * r] = sqrt(left);
+  }
+  return total;
+}
+
+/* J_row M^-1 J_column^T with J_row of this step and J_column of the step before. */
+static mg_real mg_delassus_with_previous(const mg_context *c, int row, int column) {
+  const mg_real *J = c->rows.J + 12 * row, *MJ = c->run->joint_response + 12 * (column - c->layout.joint_row_begin);
+  mg_real sum = 0;
+  for (int side = 0; side < 2; side++)
+    for (int other = 0; other < 2; other++)
+      if ((side ? c->contacts.f : c->contacts.o)[row] == (other ? c->contacts.f : c->contacts.o)[column])
+        sum += mg_dot6(J + 6 * side, MJ + 6 * other);
+  return sum;
+}
+
+/* True if one of n rows has reversed its direction: a pivot of the product A of the rows with those of the step before
+   is negative. Rows are not exchanged: each pivot belongs to the part of a row that is independent of the rows before
+   it, so that two reversals do not cancel. */
+static int mg_has_reversed_row(mg_real *A, int n) {
+  for (int k = 0; k < n; k++) {
+    if (!(A[k + n * k] > 0)) return A[k + n * k] < 0;
+    for (int i = k + 1; i < n; i++) {
+      const mg_real factor = A[i + n * k] / A[k + n * k];
+      for (int j = k + 1; j < n; j++) A[i + n * j] -= factor * A[k + n * j];
+    }
+  }
+  return 0;
+}
+
+/* True if the linkage has passed a dead centre in this step: an independent row has reversed its direction, or the rank
+   has fallen. Stores the rows for the next step. */
+static int mg_has_passed_dead_centre(mg_context *c) {
+  const int n = c->system->n_joint_row, first = c->run->rank_min < 0;
+  int same = !first, independent = 0, lost = 0;
+  for (int r = 0; r < n; r++)
+    same &= c->lcp.joint_mask[r] == c->run->joint_row_independent[r],
+        lost += c->run->joint_row_independent[r] - c->lcp.joint_mask[r];
+  for (int r = 0; r < n && same; r++)
+    if (c->lcp.joint_mask[r]) c->lcp.rows[independent++] = c->layout.joint_row_begin + r;
+  for (int j = 0; j < independent; j++)
+    for (int i = 0; i < independent; i++)
+      c->lcp.A[i + independent * j] = mg_delassus_with_previous(c, c->lcp.rows[i], c->lcp.rows[j]);
+  for (int r = 0; r < n; r++) c->run->joint_row_independent[r] = c->lcp.joint_mask[r];
+  for (int k = 0; k < 12 * n; k++) c->run->joint_response[k] = c->rows.MJ[12 * c->layout.joint_row_begin + k];
+  return same ? mg_has_reversed_row(c->lcp.A, independent) : !first && lost > 0;
+}
+
+/* Independence of the rows of a joint from those of the joints before it: the product over its rows, except those that
+   have been dependent at every step. */
+static mg_real mg_joint_independence(const mg_context *c, int joint) {
+  const int first = c->system->joint_row[joint];
+  mg_real product = 1;
+  for (int r = first; r < first + c->kernels->joint_kinds[c->system->joint_kind[joint]].n_rows; r++)
+    if (c->run->joint_row_ever_independent[r]) product *= c->joints.independence[r];
+  return product;
+}
+
+/* Joint whose independence is least, relative to the largest that it has had since the start; *least receives it. */
+static int mg_least_independent_joint(mg_context *c, mg_real *least) {
+  int least_independent = -1;
+  *least = 1;
+  for (int r = 0; r < c->system->n_joint_row; r++)
+    c->run->joint_row_ever_independent[r] =
+        c->lcp.joint_mask[r] || (c->run->rank_min >= 0 && c->run->joint_row_ever_independent[r]);
+  for (int j = 0; j < c->system->n_joint; j++) {
+    const mg_real left = mg_joint_independence(c, j);
+    if (c->run->rank_min < 0 || left > c->run->joint_independence_max[j]) c->run->joint_independence_max[j] = left;
+    if (left < *least * c->run->joint_independence_max[j])
+      *least = left / c->run->joint_independence_max[j], least_independent = j;
+  }
+  return least_independent;
+}
+
+MG_INTERNAL void mg_monitor_joint_rank(mg_context *c) {
+  mg_run *run = c->run;
+  mg_real off, least;
+  const int rank = mg_rank_joints(c, 0), least_independent = mg_least_independent_joint(c, &least);
+  if (mg_has_passed_dead_centre(c) && !run->dead_centres++)
+    run->dead_centre_t = run->t, run->dead_centre = least_independent;
+  mg_worst_joint(c, c->rows.d, &off);
+  if (off > run->joint_error_max) run->joint_error_max = off;
+  if (run->rank_min < 0 || rank < run->rank_min) run->rank_min = rank;
+  if (rank > run->rank_max) run->rank_max = rank;
+  if (!(least < run->joint_margin_min)) return;
+  run->joint_margin_min = least, run->joint_margin = least_independent, run->joint_margin_t = run->t;
+}
