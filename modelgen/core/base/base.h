@@ -191,4 +191,13 @@ MG_INTERNAL void mg_lu_solve(int k, const mg_real *U, const int *swap, mg_real *
 MG_INTERNAL mg_real mg_basis_solve(int n, const mg_real *A, const mg_real *b, const int *active, mg_real *z,
                                    mg_real *work, int *iwork);
 
+/* pivoted_qr.c */
+
+/* Factor A P = Q R with column pivoting: A becomes R, y becomes Q^T y, `order` holds P. Returns the rank: the
+   number of pivots above `floor`. */
+MG_INTERNAL int mg_factor_pivoted_qr(int n, mg_real *A, mg_real *y, int *order, mg_real floor);
+
+/* Solution z of least norm of R z = y, R of `rank` rows; beta is scratch. */
+MG_INTERNAL void mg_solve_least_norm_qr(int n, int rank, mg_real *R, const mg_real *y, mg_real *z, mg_real *beta);
+
 #endif

@@ -206,13 +206,6 @@ MG_INTERNAL int mg_solve_friction_with_bilaterals(mg_context *c, const mg_fricti
    anything, in the solution z. Needs the marks of the solution. */
 MG_INTERNAL int mg_count_held_slip(mg_context *c, const mg_friction_problem *p, const mg_real *z);
 
-/* Factor A P = Q R with column pivoting: A becomes R, y becomes Q^T y, `order` holds P. Returns the rank: the
-   number of pivots above `floor`. */
-MG_INTERNAL int mg_factor_pivoted_qr(int n, mg_real *A, mg_real *y, int *order, mg_real floor);
-
-/* Solution z of least norm of R z = y, R of `rank` rows; beta is scratch. */
-MG_INTERNAL void mg_solve_least_norm_qr(int n, int rank, mg_real *R, const mg_real *y, mg_real *z, mg_real *beta);
-
 /* Rank of the assembled unsymmetric matrix over listed rows. */
 MG_INTERNAL int mg_unsymmetric_rank(mg_context *c, const int *list, int n);
 
