@@ -195,7 +195,7 @@ MG_INTERNAL int mg_rank_joints(mg_context *c, int *rank);
 /* Updates rank, margin and dead centres of the joints. Needs the rows at run->x. */
 MG_INTERNAL void mg_monitor_joint_rank(mg_context *c);
 
-/* unsymmetric_elimination.c */
+/* bilateral_elimination.c */
 
 /* Solve the friction problem; where patches slip, eliminate the bilateral rows first, because the friction solver
    eliminates symmetric rows only. Needs the listed rows, those of contacts first. */
@@ -205,6 +205,8 @@ MG_INTERNAL int mg_solve_friction_with_bilaterals(mg_context *c, const mg_fricti
 /* How many contacts of a problem stick whose slip bilateral rows hold in one direction in which friction need not carry
    anything, in the solution z. Needs the marks of the solution. */
 MG_INTERNAL int mg_count_held_slip(mg_context *c, const mg_friction_problem *p, const mg_real *z);
+
+/* unsymmetric_rows.c */
 
 /* Rank of the assembled unsymmetric matrix over listed rows. */
 MG_INTERNAL int mg_unsymmetric_rank(mg_context *c, const int *list, int n);

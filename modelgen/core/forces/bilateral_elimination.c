@@ -1,0 +1,102 @@
+/* Friction problems with slipping patches: the friction of a patch makes the columns of its supports unsymmetric,
+   so the bilateral rows (supports, joints) are eliminated here by a QR factorisation; the friction solver
+   eliminates symmetric rows only. Reads the assembled problem; writes its solution. */
+#include "forces/forces.h"
+#include "base/base.h"
+#include "solve/lcp/lcp_solvers.h"
+#include "solve/friction/friction_solvers.h"
+
+/* True if a patch with friction slips. */
+static int mg_has_slipping_patch(const mg_context *c) {
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++)
+    if (c->patches.friction[slot].slips) return 1;
+  return 0;
+}
+
+/* Solve A_bb x = -y of least norm over the bilateral rows, those from m on, by a rank-revealing QR factorisation
+   in the scale of the rows. */
+static void mg_solve_bilateral_forces(mg_context *c, const mg_friction_problem *p, int m, const mg_real *y,
+                                      mg_real *x) {
+  const int k = p->n - m;
+  mg_real *R = c->lcp.work, *b = R + k * k, *d = b + k, *scaled = d + k, *beta = scaled + k;
+  for (int i = 0; i < k; i++) {
+    const int row = c->lcp.rows[m + i];
+    d[i] = 1 / mg_diagonal_scale(mg_delassus_entry(c, row, row)), b[i] = -y[i] * d[i];
+  }
+  for (int j = 0; j < k; j++)
+    for (int i = 0; i < k; i++) R[i + k * j] = p->A[m + i + p->n * (m + j)] * d[i] * d[j];
+  const int rank = mg_factor_pivoted_qr(k, R, b, c->lcp.iwork, MG_LCP_RANK(k));
+  mg_solve_least_norm_qr(k, rank, R, b, scaled, beta);
+  for (int i = 0; i < k; i++) x[c->lcp.iwork[i]] = scaled[i] * d[c->lcp.iwork[i]];
+}
+
+/* True if bilateral rows hold the slip of the contact k of a problem along one of its tangents, and forces of least
+   norm have no friction along it: the block of its rows, less what bilateral rows do and with the gap closed, is
+   singular in that direction, not in its normal row, and the bilateral forces that friction there might replace are
+   zero. */
+static int mg_is_slip_held(mg_context *c, const mg_friction_problem *p, int m, int k, const mg_real *z) {
+  const int first = p->first[k], n = p->n, bilateral = n - m;
+  const mg_real part = c->settings->contact_rank_tolerance;
+  mg_real S[9], *x = c->lcp.work + bilateral * (bilateral + 4); /* behind the scratch of the bilateral forces */
+  for (int j = 0; j < 3; j++, x += bilateral) {
+    mg_solve_bilateral_forces(c, p, m, p->A + (long)n * (first + j) + m, x);
+    for (int i = 0; i < 3; i++) {
+      S[i + 3 * j] = p->A[first + i + (long)n * (first + j)];
+      for (int r = 0; r < bilateral; r++) S[i + 3 * j] += p->A[first + i + (long)n * (m + r)] * x[r];
+    }
+  }
+  if (!(S[0] > part * p->A[first + (long)n * first])) return 0;
+  const mg_real xx = S[4] - S[1] * S[3] / S[0], yy = S[8] - S[2] * S[6] / S[0],
+                xy = (S[5] - S[2] * S[3] / S[0] + S[7] - S[1] * S[6] / S[0]) / 2,
+                size = p->A[first + 1 + (long)n * (first + 1)] + p->A[first + 2 + (long)n * (first + 2)],
+                least = (xx + yy) / 2 - mg_hypot((xx - yy) / 2, xy);
+  if (!(least <= part * size)) return 0;
+  const mg_real angle = mg_atan2(2 * xy, xx - yy) / 2; /* of the direction that is free; across it slip is held */
+  const mg_real across[2] = {-mg_sin(angle), mg_cos(angle)}, *second = x - bilateral, *one = second - bilateral;
+  mg_real replaced = 0;
+  for (int r = 0; r < bilateral; r++)
+    replaced += (across[0] * one[r] + across[1] * second[r]) * (c->solution.force[c->lcp.rows[m + r]] + z[m + r]);
+  return fabs(across[0] * z[first + 1] + across[1] * z[first + 2]) + fabs(replaced) <=
+         c->settings->friction_bound_margin * fabs(z[first]);
+}
+
+MG_INTERNAL int mg_count_held_slip(mg_context *c, const mg_friction_problem *p, const mg_real *z) {
+  int m = 0, count = 0;
+  for (int k = 0; k < p->n_contact; k++) m += p->rows[k];
+  for (int k = 0; m < p->n && k < p->n_contact; k++) {
+    const int g = c->system->contact_friction[c->friction.cone_contact[k]];
+    const int sticks = p->rows[k] >= 3 && c->system->friction_kind[g] == MG_FRICTION_SLIP &&
+                       c->friction.bound[g] != MG_BOUND_SLIP && (c->friction.marks[k] & MG_MARK_FORCE) &&
+                       !(c->friction.marks[k] & MG_MARK_SLIP);
+    count += sticks && mg_is_slip_held(c, p, m, k, z);
+  }
+  return count;
+}
+
+MG_INTERNAL int mg_solve_friction_with_bilaterals(mg_context *c, const mg_friction_problem *p, mg_real *z,
+                                                  mg_friction_report *report) {
+  int m = 0;
+  for (int k = 0; k < p->n_contact; k++) m += p->rows[k];
+  if (!mg_has_slipping_patch(c) || m == p->n)
+    return mg_friction(p, z, c->friction.marks, report, c->friction.work, c->friction.iwork);
+  const int k = p->n - m;
+  mg_real *A = c->patches.reduced_problem, *b = A + m * m, *x = b + m;
+  for (int j = 0; j <= m; j++) {
+    const mg_real *column = j < m ? p->A + p->n * j : p->b;
+    mg_real *out = j < m ? A + m * j : b;
+    mg_solve_bilateral_forces(c, p, m, column + m, x);
+    for (int i = 0; i < m; i++) {
+      out[i] = column[i];
+      for (int r = 0; r < k; r++) out[i] += p->A[i + p->n * (m + r)] * x[r];
+    }
+  }
+  mg_friction_problem own = *p;
+  own.n = m, own.A = A, own.b = b;
+  const int outcome = mg_friction(&own, z, c->friction.marks, report, c->friction.work, c->friction.iwork);
+  for (int r = 0; r < k; r++) {
+    b[r] = p->b[m + r];
+    for (int j = 0; j < m; j++) b[r] += p->A[m + r + p->n * j] * z[j];
+  }
+  mg_solve_bilateral_forces(c, p, m, b, z + m);
+  return outcome;
+}
