@@ -3,6 +3,7 @@
    eliminates symmetric rows only. Reads the assembled problem; writes its solution. */
 #include "forces/forces.h"
 #include "base/base.h"
+#include "model/model.h"
 #include "solve/lcp/lcp_solvers.h"
 #include "solve/friction/friction_solvers.h"
 

@@ -78,11 +78,6 @@ MG_INTERNAL mg_real mg_force_tolerance(const mg_context *c);
    number. */
 MG_INTERNAL int mg_activate_supports(mg_context *c);
 
-/* delassus_entry.c */
-
-/* Entry J_row M^-1 J_column^T of the Delassus matrix. */
-MG_INTERNAL mg_real mg_delassus_entry(const mg_context *c, int row, int column);
-
 /* patch_hull.c */
 
 /* Position of a support point in world axes. */

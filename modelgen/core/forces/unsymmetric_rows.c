@@ -1,8 +1,9 @@
-/* Linear systems over rows whose matrix friction makes unsymmetric: by QR factorisation in the scale of the rows, of
-   least norm where it is singular; where many rows differ from a regular symmetric matrix in few columns, by the
-   Woodbury formula. Writes its arguments and the complementarity workspace. */
+/* Linear systems over rows whose matrix slip makes unsymmetric: by a QR factorisation in the scale of the rows, of
+   least norm where the matrix is singular; over many rows, where it differs from a regular symmetric matrix in few
+   columns, by the Woodbury formula. Writes its arguments and the complementarity workspace. */
 #include "forces/forces.h"
 #include "base/base.h"
+#include "model/model.h"
 #include "solve/lcp/lcp_solvers.h"
 
 /* Factor the assembled matrix over listed rows, scaled by the square roots d of the diagonal of J M^-1 J^T;

@@ -1,6 +1,5 @@
 /* Rows of the contacts: J (Lemma 3.1, equation (3.3) of Anitescu, Cremer and Potra, 1995), Gamma2 (Corollary 3.2,
-   (3.11) with corrected signs), tangents and friction rows; M^-1 J^T of any row, and the Delassus matrix J M^-1
-   J^T. Writes c->rows and c->lcp.A. */
+   (3.11) with corrected signs), tangents and friction rows; rates of all rows. Writes c->rows. */
 #include "model/model.h"
 #include "base/base.h"
 
@@ -123,83 +122,6 @@ MG_INTERNAL mg_real mg_row_times(const mg_context *c, int contact, const mg_real
   if (c->bodies.motion[o] != MG_FIXED) sum = mg_dot6(J, per_body + 6 * o);
   if (c->bodies.motion[f] != MG_FIXED) sum += mg_dot6(J + 6, per_body + 6 * f);
   return sum;
-}
-
-/* MJ = M^-1 J^T of one body, w its mass_inverse. */
-static inline void mg_multiply_inverse_mass(const mg_real *w, const mg_real *J, mg_real *MJ) {
-  const mg_real x = J[3], y = J[4], z = J[5];
-  MJ[0] = w[0] * J[0], MJ[1] = w[0] * J[1], MJ[2] = w[0] * J[2];
-  if (w[2] == 0 && w[3] == 0 && w[6] == 0) {
-    MJ[3] = w[1] * x, MJ[4] = w[5] * y, MJ[5] = w[9] * z;
-    return;
-  }
-  for (int k = 0; k < 3; k++) MJ[3 + k] = w[1 + k] * x + w[4 + k] * y + w[7 + k] * z;
-}
-
-MG_INTERNAL mg_real mg_update_inverse_mass_row(mg_context *c, int contact) {
-  const mg_system *s = c->system;
-  const int o = c->contacts.o[contact], f = c->contacts.f[contact];
-  mg_real *J = c->rows.J + 12 * contact, *MJ = c->rows.MJ + 12 * contact, sum = 0;
-  if (mg_is_moved_by_forces(c, o)) mg_multiply_inverse_mass(s->mass_inverse + 10 * o, J, MJ), sum = mg_dot6(J, MJ);
-  if (mg_is_moved_by_forces(c, f))
-    mg_multiply_inverse_mass(s->mass_inverse + 10 * f, J + 6, MJ + 6), sum += mg_dot6(J + 6, MJ + 6);
-  return sum;
-}
-
-MG_INTERNAL void mg_add_row_response(mg_context *c, int contact, mg_real amount, mg_real *per_body) {
-  const int o = c->contacts.o[contact], f = c->contacts.f[contact];
-  const mg_real *MJ = c->rows.MJ + 12 * contact;
-  if (mg_is_moved_by_forces(c, o)) mg_add_multiple6(amount, MJ, per_body + 6 * o);
-  if (mg_is_moved_by_forces(c, f)) mg_add_multiple6(amount, MJ + 6, per_body + 6 * f);
-}
-
-/* The six columns of a row that belong to a body. */
-static const mg_real *mg_body_half_row(const mg_context *c, const mg_real *rows, int contact, int body) {
-  return rows + 12 * contact + (c->contacts.f[contact] == body ? 6 : 0);
-}
-
-MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n) {
-  c->lcp.n_assembled++;
-  for (int r = 0; r < n; r++) c->lcp.column[list[r]] = r, mg_update_inverse_mass_row(c, list[r]);
-  for (int k = 0; k < n * n; k++) c->lcp.A[k] = 0;
-  for (int r = 0; r < n; r++)
-    for (int side = 0; side < 2; side++) {
-      const int body = side ? c->contacts.f[list[r]] : c->contacts.o[list[r]];
-      const mg_real *J = mg_body_half_row(c, c->rows.J, list[r], body);
-      for (int k = c->islands.incident_begin[body]; k < c->islands.incident_begin[body + 1]; k++) {
-        const int column = c->lcp.column[c->islands.incident[k]];
-        if (column < 0) continue;
-        const mg_real *MJ = mg_body_half_row(c, c->rows.MJ, c->islands.incident[k], body);
-        c->lcp.A[r + n * column] += mg_dot6(J, MJ);
-      }
-    }
-  for (int r = 0; r < n; r++) c->lcp.column[list[r]] = -1;
-  for (int r = 0; r < n && c->springs.are_rows; r++)
-    if (list[r] >= c->layout.spring_row_begin) c->lcp.A[r + n * r] += 1;
-}
-
-/* Sets MJ of one body of n listed rows, and adds J MJ to c->lcp.A, or sets it if it is the first. */
-static inline void mg_add_side_of_pair(mg_context *c, const int *list, int n, int side, int body, int is_first) {
-  const mg_real *w = c->system->mass_inverse + 10 * body;
-  mg_real *A = c->lcp.A;
-  for (int r = 0; r < n; r++) {
-    const mg_real *row = c->rows.J + 12 * list[r] + 6 * side, J[6] = {row[0], row[1], row[2], row[3], row[4], row[5]};
-    mg_multiply_inverse_mass(w, J, c->rows.MJ + 12 * list[r] + 6 * side);
-    for (int k = 0; k <= r; k++) {
-      const mg_real part = mg_dot6(J, c->rows.MJ + 12 * list[k] + 6 * side);
-      A[r + n * k] = A[k + n * r] = is_first ? part : A[r + n * k] + part;
-    }
-  }
-}
-
-MG_INTERNAL void mg_assemble_delassus_of_pair(mg_context *c, const int *list, int n) {
-  const int o = c->contacts.o[list[0]], f = c->contacts.f[list[0]], o_moves = mg_is_moved_by_forces(c, o),
-            f_moves = mg_is_moved_by_forces(c, f);
-  c->lcp.n_assembled++;
-  for (int k = 0; k < n * n && !o_moves && !f_moves; k++) c->lcp.A[k] = 0;
-  if (o_moves) mg_add_side_of_pair(c, list, n, 0, o, 1);
-  if (f_moves && o_moves) mg_add_side_of_pair(c, list, n, 1, f, 0);
-  if (f_moves && !o_moves) mg_add_side_of_pair(c, list, n, 1, f, 1);
 }
 
 MG_INTERNAL mg_real mg_prescribed_gap_rate(const mg_context *c, int contact) {

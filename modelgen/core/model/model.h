@@ -202,19 +202,6 @@ MG_INTERNAL void mg_update_contact_rows(mg_context *c, const mg_real *x);
 /* J of a row times velocities or accelerations, 6 per body. */
 MG_INTERNAL mg_real mg_row_times(const mg_context *c, int contact, const mg_real *per_body);
 
-/* Writes M^-1 J^T of a row, zero for bodies that forces do not move. Returns J M^-1 J^T. */
-MG_INTERNAL mg_real mg_update_inverse_mass_row(mg_context *c, int contact);
-
-/* per_body += M^-1 J^T amount. */
-MG_INTERNAL void mg_add_row_response(mg_context *c, int contact, mg_real amount, mg_real *per_body);
-
-/* c->lcp.A = J M^-1 J^T over n listed rows, with 1 added to the diagonal of springs; uses that rows without a common
-   moving body have zero entries. */
-MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n);
-
-/* The same for rows that all act on one pair of bodies; exactly symmetric. */
-MG_INTERNAL void mg_assemble_delassus_of_pair(mg_context *c, const int *list, int n);
-
 /* Part of d_dot that prescribed motions of bodies and joints cause. */
 MG_INTERNAL mg_real mg_prescribed_gap_rate(const mg_context *c, int contact);
 
@@ -229,6 +216,24 @@ MG_INTERNAL void mg_rotate_pair(mg_real cosine, mg_real sine, mg_real *a, mg_rea
 
 /* Writes slip, spin and rolling velocity of all friction rows. */
 MG_INTERNAL void mg_update_slip_velocities(mg_context *c);
+
+/* delassus_matrix.c */
+
+/* Writes M^-1 J^T of a row, zero for bodies that forces do not move. Returns J M^-1 J^T. */
+MG_INTERNAL mg_real mg_update_inverse_mass_row(mg_context *c, int contact);
+
+/* per_body += M^-1 J^T amount. */
+MG_INTERNAL void mg_add_row_response(mg_context *c, int contact, mg_real amount, mg_real *per_body);
+
+/* c->lcp.A = J M^-1 J^T over n listed rows, with 1 added to the diagonal of springs; uses that rows without a common
+   moving body have zero entries. */
+MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n);
+
+/* The same for rows that all act on one pair of bodies; exactly symmetric. */
+MG_INTERNAL void mg_assemble_delassus_of_pair(mg_context *c, const int *list, int n);
+
+/* Entry J_row M^-1 J_column^T of the Delassus matrix. */
+MG_INTERNAL mg_real mg_delassus_entry(const mg_context *c, int row, int column);
 
 /* joint_rows.c */
 
