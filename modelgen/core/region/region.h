@@ -293,6 +293,8 @@ MG_INTERNAL int mg_winkler_pressure(mg_winkler_pressure_field *p, mg_real force,
    the pressure and mu = 1. */
 MG_INTERNAL void mg_friction_matrix(const mg_winkler_pressure_field *p, const mg_real *twist, mg_real G[3][3]);
 
+/* limit_surface.c */
+
 /* Least coefficient of friction for which friction holds the wrench (force, torque about the centre of pressure).
    `twist` receives the twist that limits it, of unit length with the angular velocity times the radius. */
 MG_INTERNAL mg_real mg_limit_surface_ratio(const mg_winkler_pressure_field *p, const mg_real *wrench, mg_real radius,
