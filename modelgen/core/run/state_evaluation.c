@@ -1,9 +1,8 @@
 /* Public queries of a state, without a run: right-hand side, poses, closest points of one contact, ranks of
-   joints; and RK4 steps without events. */
+   joints. */
 #include "run/run.h"
 #include "model/model.h"
 #include "forces/forces.h"
-#include "integrate/integrate.h"
 
 MG_API int mg_settle(const mg_system *system, const mg_settings *settings, const mg_run *run, int contact, mg_real *eta,
                      mg_real *d, mg_real *residual, mg_real *margin, mg_real *normal, mg_real *point_o,
@@ -45,21 +44,4 @@ MG_API void mg_joint_ranks(const mg_system *system, const mg_settings *settings,
   mg_update_joint_rows(&c, run->t);
   for (int j = 0; j < system->n_joint; j++) rank[j] = 0;
   mg_rank_joints(&c, rank);
-}
-
-MG_API void mg_smooth(const mg_system *system, const mg_settings *settings, mg_run *run, long n, mg_real *work,
-                      int *iwork) {
-  mg_context c;
-  mg_open_context(&c, system, settings, run, work, iwork);
-  const int is_composed = mg_is_in_mode_of_scene_rhs(&c);
-  for (long step = 0; step < n; step++) {
-    if (is_composed) mg_scene_rk4(&c, run->t, run->x, settings->step, 0);
-    else {
-      mg_right_hand_side(&c, run->t, run->x, c.step.slopes);
-      mg_rk4(&c, run->t, run->x, settings->step);
-    }
-    mg_copy_states(&c, c.step.end, run->x);
-    mg_advance_time(run, settings->step);
-  }
-  run->steps += n;
 }
