@@ -2,7 +2,6 @@
    A_jc, which stays symmetric positive semidefinite, and the complementarity problem of the contacts alone is
    solved. Reads the listed rows and their values; writes the complementarity workspace. */
 #include "forces/forces.h"
-#include "base/base.h"
 #include "solve/lcp/lcp_solvers.h"
 #include "model/model.h"
 

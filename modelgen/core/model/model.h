@@ -266,7 +266,7 @@ MG_INTERNAL mg_real mg_update_spring_row(mg_context *c, int row);
 /* Appends the rows of springs, while they act through them, to a list of n rows; returns its length. */
 MG_INTERNAL int mg_append_spring_rows(const mg_context *c, int *list, int n);
 
-/* contact_points.c */
+/* contact_point_newton.c */
 
 /* Evaluates contact_place for a contact at eta into c->search.placement; eta_next receives one Newton step.
    Returns the length of eta. */

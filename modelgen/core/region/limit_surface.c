@@ -2,7 +2,6 @@
    the frictional power over all twists on which the wrench has the same power, a smooth convex function of two
    unknowns, by the BFGS method (Nocedal and Wright, Numerical Optimization, 2006, chapter 6). */
 #include "region/region.h"
-#include "base/base.h"
 
 #define MG_TWIST_STEPS 80 /* most steps of the BFGS method */
 

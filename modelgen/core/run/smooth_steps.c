@@ -1,4 +1,4 @@
-/* RK4 steps without events, as public function. Reads and writes the run. */
+/* RK4 steps of fixed length without events, as a public function. Writes time and state of the run. */
 #include "run/run.h"
 #include "model/model.h"
 #include "forces/forces.h"
