@@ -7,14 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from modelgen.benchmark.extreme_contacts import EVENTS
+from modelgen.benchmark.extreme_contacts import CONTACTS
+from modelgen.benchmark.extreme_runs import RUNS
 from modelgen.benchmark.extreme_scales_and_spins import MOTIONS
 from modelgen.benchmark.extreme_shapes import SHAPES
 from modelgen.benchmark.extreme_trials import Extreme, Found, tried
 from modelgen.benchmark.libraries_by_kinds import Variants
 from modelgen.errors import ModelgenError, nearest
 
-EXTREMES: tuple[Extreme, ...] = (*SHAPES, *MOTIONS, *EVENTS)
+EXTREMES: tuple[Extreme, ...] = (*SHAPES, *MOTIONS, *CONTACTS, *RUNS)
 
 
 @dataclass(frozen=True, slots=True)
