@@ -29,7 +29,7 @@ DIAGONAL = 1e-12  # an inertia whose other entries are zero, against its largest
 
 @dataclass(frozen=True)
 class Reading:
-    """How a file of MJCF or URDF is read: see `Choices` of importing.py."""
+    """How a file of MJCF or URDF is read: see `Choices` of import_formats.py."""
 
     urdf: bool
     key: str | None
