@@ -20,7 +20,7 @@ from modelgen.assembly.contact_warnings import soundness
 from modelgen.assembly.faces_across_shapes import Shown, Unions
 from modelgen.assembly.feature_pairs import Whole
 from modelgen.assembly.friction_constraints import friction_constraints_of
-from modelgen.assembly.inputs_of_expressions import input_kinds
+from modelgen.assembly.inputs_of_expressions import inputs_of_expressions
 from modelgen.assembly.joints import Joined, joined
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.loads import bodies_of, load_kind, load_parameters
@@ -200,7 +200,7 @@ def _body_entry(piece: Piece, q: int, u: int, scene: Scene, kinds: KindList[Body
     name, mass, turns = piece.body.name, piece.mass, piece.motion == "free"
     if mass is None or not piece.moves:
         path = piece.body.path
-        used = input_kinds(scene.inputs, (*path.position, *path.rotation_vector) if path else ())
+        used = inputs_of_expressions(scene.inputs, (*path.position, *path.rotation_vector) if path else ())
         kind = kinds.index(BodyKind(piece.motion, piece.motion, path=path, inputs=used))
         return BodyEntry(name, kind, q, u, pose_numbers(piece.body.pose), (0.0,) * 10)
     turning = mass.inertia if turns else None

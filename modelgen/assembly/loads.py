@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from modelgen.assembly.inputs_of_expressions import input_kinds
+from modelgen.assembly.inputs_of_expressions import inputs_of_expressions
 from modelgen.model import BodyMotion, LoadKind
 from modelgen.scene.scene_types import ForceLoad, Input, Load, SpringLoad, TorqueLoad, Vector
 
@@ -43,11 +43,11 @@ def load_kind(
         case ForceLoad():
             texts = (load.frame, *(component.text for component in load.components))
             bare = replace(load, body="", point=_ZERO)
-            used = input_kinds(inputs, load.components)
+            used = inputs_of_expressions(inputs, load.components)
             return LoadKind("force", "force", motions, texts, bare, arms, inputs=used)
         case TorqueLoad():
             texts = (load.frame, *(component.text for component in load.components))
-            used = input_kinds(inputs, load.components)
+            used = inputs_of_expressions(inputs, load.components)
             return LoadKind("torque", "torque", motions, texts, replace(load, body=""), inputs=used)
 
 
