@@ -8,7 +8,7 @@ from math import pi, sqrt
 import numpy as np
 
 from modelgen.benchmark.extreme_trials import Extreme, G, Trial, decades, tried_run
-from modelgen.benchmark.libraries_by_kinds import Variants
+from modelgen.benchmark.libraries_by_kinds import LibrariesByKinds
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.python_scenes import dynamic, fixed, plane, point, scene, sphere
 from modelgen.scene.scene_types import Scene
@@ -36,8 +36,8 @@ def _bowled_error(friction: float, path: Trajectory) -> float:
     return max(float(abs(v * 7 / 15 - 1)), late)
 
 
-def _try_friction(friction: float, variants: Variants) -> Trial:
-    return tried_run(partial(_bowled, friction), variants, partial(_bowled_error, friction))
+def _try_friction(friction: float, libraries: LibrariesByKinds) -> Trial:
+    return tried_run(partial(_bowled, friction), libraries, partial(_bowled_error, friction))
 
 
 def _bouncing(e: float) -> Scene:
@@ -68,8 +68,8 @@ def _bounce_error(e: float, path: Trajectory) -> float:
     return float(np.abs(path.p[:, at, 2] - 0.1 - heights).max()) / 0.1
 
 
-def _try_restitution(e: float, variants: Variants) -> Trial:
-    return tried_run(partial(_bouncing, e), variants, partial(_bounce_error, e))
+def _try_restitution(e: float, libraries: LibrariesByKinds) -> Trial:
+    return tried_run(partial(_bouncing, e), libraries, partial(_bounce_error, e))
 
 
 # ---- numbers of contacts ----
@@ -93,8 +93,8 @@ def _feet_error(path: Trajectory) -> float:
     return float(max(weight, np.abs(path.p[:, path.body_names.index("top"), 2] / 0.5 - 1).max()))
 
 
-def _try_feet(n: float, variants: Variants) -> Trial:
-    return tried_run(partial(_table_on_feet, n), variants, _feet_error, samples=2)
+def _try_feet(n: float, libraries: LibrariesByKinds) -> Trial:
+    return tried_run(partial(_table_on_feet, n), libraries, _feet_error, samples=2)
 
 
 CONTACTS = (

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from modelgen.benchmark.extreme_scales_and_spins import rocking_egg
 from modelgen.benchmark.extreme_trials import EPS, RUN, Extreme, Trial, against, decades, tried_run
-from modelgen.benchmark.libraries_by_kinds import Variants
+from modelgen.benchmark.libraries_by_kinds import LibrariesByKinds
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.scene_types import Scene
@@ -14,23 +14,23 @@ from modelgen.scene.scene_types import Scene
 LONG_STEP = 1e-4  # s: Runge and Kutta's error is below rounding
 
 
-def _try_steps(n: float, variants: Variants) -> Trial:
+def _try_steps(n: float, libraries: LibrariesByKinds) -> Trial:
     """The egg for n steps: drift of energy, gap."""
     what = replace(rocking_egg(), run=replace(rocking_egg().run, until=n * LONG_STEP))
 
     def error(path: Trajectory) -> float:
         return max(path.energy_drift, path.gap_max / 0.05)
 
-    return tried_run(lambda: what, variants, error, accuracy=Accuracy.tight().fixed_step(LONG_STEP))
+    return tried_run(lambda: what, libraries, error, accuracy=Accuracy.tight().fixed_step(LONG_STEP))
 
 
-def _try_float(until: float, variants: Variants) -> Trial:
+def _try_float(until: float, libraries: LibrariesByKinds) -> Trial:
     """The egg in single precision."""
 
     def make() -> Scene:
         return replace(rocking_egg(), run=replace(rocking_egg().run, until=until))
 
-    return tried_run(make, variants, against(variants, make), accuracy=Accuracy.balanced(), real="float")
+    return tried_run(make, libraries, against(libraries, make), accuracy=Accuracy.balanced(), real="float")
 
 
 RUNS = (
