@@ -1,4 +1,4 @@
-"""Which equations a pair of shapes needs: the canonical order (o, f), the sides, and the form."""
+"""The kind of contact of a pair of shapes: the canonical order (o, f), the sides, and the form."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Inputs of a kernel that none of its outputs depends on, as a caller should know."""
+"""Poses and twists, or parts of them, on which no output of a kernel depends."""
 
 from __future__ import annotations
 
