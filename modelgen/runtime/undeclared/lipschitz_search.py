@@ -1,4 +1,4 @@
-"""A point at which a function of slope 1 at most is negative, in a ball; or a bound that there is none."""
+"""A point in a ball where a function of Lipschitz constant 1 is negative, or a bound: that there is none."""
 
 from __future__ import annotations
 
