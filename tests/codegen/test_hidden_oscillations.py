@@ -1,4 +1,4 @@
-"""What is a polynomial of low degree in time is told from what may hide between samples."""
+"""What is a polynomial of low degree in time is told from what may oscillate between samples."""
 
 from __future__ import annotations
 
