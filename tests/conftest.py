@@ -80,4 +80,4 @@ def hasty(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("modelgen.benchmark.cost.BRIEF_S", 0.0)
     monkeypatch.setattr("modelgen.benchmark.setting_evaluation.instructions", lambda *given: None)
     monkeypatch.setattr(scene_under_measurement, "build", build_at_one_level)
-    monkeypatch.setattr("modelgen.export.c_folder.figures_of", lambda *given: None)
+    monkeypatch.setattr("modelgen.export.c_folder.footprint_of", lambda *given: None)

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
 
-from modelgen.assembly.body_motions import bodies_of, check_observed, motion_of, pairs_by_body, watched
+from modelgen.assembly.body_motions import motion_of, pairs_by_body
 from modelgen.assembly.characteristic_scales import scales_of
 from modelgen.assembly.contact_kinds import Owner, contact_names, find_body, find_shape
 from modelgen.assembly.contact_reuse import have_same_contacts, with_coefficients
@@ -20,10 +20,10 @@ from modelgen.assembly.contact_warnings import soundness
 from modelgen.assembly.faces_across_shapes import Shown, Unions
 from modelgen.assembly.feature_pairs import Whole
 from modelgen.assembly.friction_constraints import friction_constraints_of
-from modelgen.assembly.inputs_of_expressions import input_kinds
+from modelgen.assembly.inputs_of_expressions import inputs_of_expressions
 from modelgen.assembly.joints import Joined, joined
 from modelgen.assembly.kind_list import KindList
-from modelgen.assembly.loads import load_kind, load_parameters
+from modelgen.assembly.loads import bodies_of, load_kind, load_parameters
 from modelgen.assembly.masses import (
     Mass,
     inertia_kind,
@@ -33,6 +33,7 @@ from modelgen.assembly.masses import (
     pose_numbers,
 )
 from modelgen.assembly.observed_influence import influencing
+from modelgen.assembly.observed_quantities import check_observed, needed_quantities
 from modelgen.assembly.patches import Faces, patches_of
 from modelgen.assembly.shared_pair_content import PairContent, PairContents
 from modelgen.errors import SceneError, expect
@@ -108,9 +109,9 @@ def require(scene: Scene, scales: Scales | None = None, known: Model | None = No
     expect("require", scene, Scene)
     names = contact_names(scene)
     check_observed(scene, names)
-    part, dropped = influencing(replace(scene, observe=watched(scene)), names)
+    part, dropped = influencing(replace(scene, observe=needed_quantities(scene)), names)
     if scales is None and scene.nominal is not None:
-        scales = _scales_at(replace(scene.nominal, observe=watched(scene)))
+        scales = _scales_at(replace(scene.nominal, observe=needed_quantities(scene)))
     pieces = _pieces(part)
     touching = None if known is None else _taken_over(part, pieces, known)
     return _model(part, pieces, touching or _touching(part, pieces), scene, dropped, scales)
@@ -199,7 +200,7 @@ def _body_entry(piece: Piece, q: int, u: int, scene: Scene, kinds: KindList[Body
     name, mass, turns = piece.body.name, piece.mass, piece.motion == "free"
     if mass is None or not piece.moves:
         path = piece.body.path
-        used = input_kinds(scene.inputs, (*path.position, *path.rotation_vector) if path else ())
+        used = inputs_of_expressions(scene.inputs, (*path.position, *path.rotation_vector) if path else ())
         kind = kinds.index(BodyKind(piece.motion, piece.motion, path=path, inputs=used))
         return BodyEntry(name, kind, q, u, pose_numbers(piece.body.pose), (0.0,) * 10)
     turning = mass.inertia if turns else None

@@ -1,17 +1,16 @@
-"""Pruning: states on which no observed quantity depends are left out of the model."""
+"""How a body moves in the model: fixed, driven, as a point, or freely if anything depends on its rotation."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
+from modelgen.assembly.loads import bodies_of
 from modelgen.assembly.masses import Mass
-from modelgen.errors import SceneError, nearest
 from modelgen.model import BodyMotion
 from modelgen.scene.scene_types import (
     IDENTITY_QUATERNION,
     Body,
     ContactPair,
-    ForceLoad,
     Load,
     Scene,
     Shape,
@@ -20,72 +19,8 @@ from modelgen.scene.scene_types import (
     Vector,
 )
 
-BODY_QUANTITIES = ("position", "orientation", "velocity", "angular_velocity")
-CONTACT_QUANTITIES = ("force", "gap")
-JOINT_QUANTITIES = ("coordinates", "force", "torque")
-_ENDS = ("min", "max", "y_min", "y_max")  # of the limits of a joint
 _TURNING = frozenset({"wx", "wy", "wz", "qw", "qx", "qy", "qz"})
 _ZERO = (0.0, 0.0, 0.0)
-
-
-def bodies_of(load: Load) -> tuple[str, ...]:
-    """The names of the bodies on which a load acts."""
-    return load.between if isinstance(load, SpringLoad) else (load.body,)
-
-
-def points_of(load: Load) -> tuple[Vector, ...]:
-    """The points of application of a load, one per body, in its axes as written; none for a torque."""
-    match load:
-        case SpringLoad(anchors=anchors):
-            return anchors
-        case ForceLoad(point=point):
-            return (point,)
-        case TorqueLoad():
-            return ()
-
-
-def check_observed(scene: Scene, contacts: Iterable[str]) -> None:
-    """Raises SceneError for an observed name that is no quantity of a body, contact or joint; limits
-    such as `elbow:min` count as contacts."""
-    limits = [
-        f"{joint.name}:{end}"
-        for joint in scene.joints
-        for end, bound in zip(_ENDS, (*joint.limits, *joint.limits_y), strict=True)
-        if bound is not None
-    ]
-    known = {f"{body.name}.{quantity}" for body in scene.bodies for quantity in BODY_QUANTITIES}
-    known |= {f"{contact}.{each}" for contact in (*contacts, *limits) for each in CONTACT_QUANTITIES}
-    known |= {f"{joint.name}.{quantity}" for joint in scene.joints for quantity in JOINT_QUANTITIES}
-    for index, name in enumerate(scene.observe):
-        if name not in known:
-            raise SceneError(
-                f"{scene.source}: observe[{index}]",
-                f"no quantity {name!r}",
-                f"body.{'|'.join(BODY_QUANTITIES)}, body-body.{'|'.join(CONTACT_QUANTITIES)} or "
-                f"joint.{'|'.join(JOINT_QUANTITIES)}",
-                nearest(name, known),
-            )
-
-
-TURNING = ("orientation", "angular_velocity", "angular_acceleration", "proper_acceleration")  # of a body
-
-
-def watched(scene: Scene) -> tuple[str, ...]:
-    """What must be computed: the observed names and, beside them, what sensors measure; empty: everything."""
-    if not scene.observe:
-        return ()
-    words = list(scene.observe)
-    for sensor in scene.sensors:
-        if sensor.measurand is None:
-            continue
-        name, quantity, base = sensor.measurand.name, sensor.measurand.quantity, sensor.measurand.relative_to
-        if sensor.measurand.owner == "body":
-            turning = sensor.measurand.point is not None or quantity in TURNING
-            words += [f"{name}.position", *([f"{name}.orientation"] if turning else [])]
-            words += [f"{base}.position", f"{base}.orientation"] if base else []
-        else:
-            words.append(f"{name}.{'coordinates' if quantity in ('coordinate', 'rate') else quantity}")
-    return tuple(dict.fromkeys(words))
 
 
 def pairs_by_body(scene: Scene) -> Mapping[str, tuple[ContactPair, ...]]:
@@ -102,7 +37,7 @@ def motion_of(scene: Scene, body: Body, mass: Mass | None, pairs: Sequence[Conta
     if body.motion != "dynamic" or mass is None:
         return "driven" if body.motion == "driven" else "fixed"
     turns = (
-        _is_watched(scene, body)
+        _is_rotation_observed(scene, body)
         or any(body.name in joint.between for joint in scene.joints)
         or any(pair.friction is not None for pair in pairs)
         or any(_turns_by(load, body.name, mass.centre) for load in scene.loads)
@@ -117,7 +52,7 @@ def contacting_shapes(body: Body, pairs: Sequence[ContactPair]) -> tuple[Shape, 
     return tuple(shape for shape in body.shapes if shape.name in used)
 
 
-def _is_watched(scene: Scene, body: Body) -> bool:
+def _is_rotation_observed(scene: Scene, body: Body) -> bool:
     """True if the rotation of the body is observed. If everything is observed, a rotation that stays zero is
     not."""
     if scene.observe:

@@ -8,7 +8,7 @@ from math import hypot, inf, sqrt
 import numpy as np
 
 from modelgen.assembly.body_motions import contacting_shapes, pairs_by_body
-from modelgen.assembly.initial_motion_rate import started_rate
+from modelgen.assembly.initial_motion_rate import initial_motion_rate
 from modelgen.assembly.masses import Mass
 from modelgen.geometry.extent import bounding_radius
 from modelgen.model import Scales
@@ -64,4 +64,4 @@ def _time(scene: Scene, moving: Sequence[tuple[Body, Mass]], length: float) -> f
         return sqrt(length / gravity)
     speeds = (hypot(*body.velocity) + length * hypot(*body.angular_velocity) for body, _ in moving)
     rate = max(speeds, default=0.0) / length
-    return 1 / (rate or started_rate(scene, moving, length) or 1 / scene.run.until)
+    return 1 / (rate or initial_motion_rate(scene, moving, length) or 1 / scene.run.until)

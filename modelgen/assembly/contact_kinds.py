@@ -1,4 +1,4 @@
-"""Which equations a pair of shapes needs: the canonical order (o, f), the sides, and the form."""
+"""The kind of contact of a pair of shapes: the canonical order (o, f), the sides, and the form."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def find_body(scene: Scene, name: str, where: str) -> int:
     return names.index(name)
 
 
-def pair_up(
+def contact_kind_of(
     a: Partner, b: Partner, pair: ContactPair, where: str, rows: Rows | None = None
 ) -> tuple[ContactKind, bool]:
     """The kind of the contact with its sides in canonical order, and whether that order is (b, a)."""

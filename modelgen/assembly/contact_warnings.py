@@ -9,7 +9,7 @@ from modelgen.errors import SceneError
 from modelgen.geometry.face_regions import regions_of
 from modelgen.geometry.shape_features import features_of
 from modelgen.geometry.shape_warnings import declared_limits
-from modelgen.geometry.user_shape_checks import check_regular
+from modelgen.geometry.user_shape_checks import check_user_shape
 from modelgen.scene.scene_types import Scene, Shape
 
 
@@ -43,6 +43,6 @@ def _standing(scene: Scene) -> Iterator[str]:
 def _remarks(shape: Shape, where: str) -> tuple[str, ...]:
     try:
         features_of(shape)
-        return (*check_regular(shape), *declared_limits(shape))
+        return (*check_user_shape(shape), *declared_limits(shape))
     except SceneError as error:
         raise SceneError(f"{where} ({error.where})", error.found, error.allowed, error.remedy) from None

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.assembly.contact_kinds import Owner, Partner, pair_up, shape_kind
+from modelgen.assembly.contact_kinds import Owner, Partner, contact_kind_of, shape_kind
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.rim_support_points import is_support_point, lies_flat, support_points_of, tilted
 from modelgen.contact.form_table import eta_layout, regular_forms
@@ -149,7 +149,7 @@ def _candidates(
         forced = pair
         if not alone or pair.form == "auto":
             forced = _where_it_fits(pair, wish if pair.form == "auto" else pair.form, first, second)
-        kind, swapped = pair_up(first, second, forced, where)
+        kind, swapped = contact_kind_of(first, second, forced, where)
         faces = joined[0][names[0]], joined[1][names[1]]
         found[names] = Candidate((one, two), (first, second), faces, kind, swapped)
     if not found:

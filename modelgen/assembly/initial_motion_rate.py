@@ -15,7 +15,7 @@ from modelgen.scene.scene_types import Body, ForceLoad, Joint, Load, Scene, Spri
 SHORT = 1e-6  # of the span of the run, over which the speed of a path is taken
 
 
-def started_rate(scene: Scene, moving: Sequence[tuple[Body, Mass]], length: float) -> float:
+def initial_motion_rate(scene: Scene, moving: Sequence[tuple[Body, Mass]], length: float) -> float:
     """The largest rate (1/s) that loads, springs or paths give to bodies of this length (m) at t = 0; 0 if
     none."""
     masses = {body.name: (body, mass) for body, mass in moving}

@@ -9,7 +9,9 @@ from modelgen.scene.expression import Expression
 from modelgen.scene.scene_types import Input
 
 
-def input_kinds(inputs: Sequence[Input], expressions: Iterable[Expression]) -> tuple[InputKind, ...]:
+def inputs_of_expressions(
+    inputs: Sequence[Input], expressions: Iterable[Expression]
+) -> tuple[InputKind, ...]:
     """All inputs of the scene, in order, if an expression uses one of them; else none."""
     if any(each.name in expression.names for expression in expressions for each in inputs):
         return tuple(InputKind(each.name, each.hold) for each in inputs)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from modelgen.assembly.contact_kinds import find_body
-from modelgen.assembly.inputs_of_expressions import input_kinds
+from modelgen.assembly.inputs_of_expressions import inputs_of_expressions
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.masses import pose_numbers
 from modelgen.joint.joint_limits import is_turn
@@ -64,7 +64,7 @@ def _actuators(scene: Scene, joints: Sequence[JointEntry], loads: KindList[LoadK
             continue  # of a part of the scene that is left out
         entry, joint = named[actuator.joint]
         limited = actuator.limits != (None, None)
-        used = input_kinds(scene.inputs, (actuator.force,))
+        used = inputs_of_expressions(scene.inputs, (actuator.force,))
         kind = LoadKind(
             f"{joint.kind}_actuator", "actuator", (), (actuator.force.text,), joint=joint.kind,
             law=actuator.force, limited=limited, inputs=used,
@@ -79,7 +79,7 @@ def _actuators(scene: Scene, joints: Sequence[JointEntry], loads: KindList[LoadK
 def _kind(joint: Joint, inputs: Sequence[Input]) -> JointKind:
     if joint.motion is None:
         return JointKind(joint.kind, joint.kind)
-    used = input_kinds(inputs, (joint.motion,))
+    used = inputs_of_expressions(inputs, (joint.motion,))
     return JointKind(f"{joint.kind}_moved", joint.kind, joint.motion, used)
 
 

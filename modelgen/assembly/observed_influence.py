@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from modelgen.assembly.body_motions import bodies_of
+from modelgen.assembly.loads import bodies_of
 from modelgen.scene.scene_types import Scene
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 from math import cos, pi, sin
 
-from modelgen.assembly.contact_kinds import Partner, pair_up, shape_kind
+from modelgen.assembly.contact_kinds import Partner, contact_kind_of, shape_kind
 from modelgen.assembly.feature_pairs import Whole, is_allowed
 from modelgen.assembly.friction_constraints import has_friction
 from modelgen.assembly.kind_list import KindList
@@ -173,9 +173,9 @@ def _support_points(
     parameters, kind, friction_kind = [], -1, -1
     for k in range(SUPPORT_POINTS):
         point = _partner(f.whole, _support_point(f, 2 * pi * k / SUPPORT_POINTS), shapes)
-        kind = kinds.index(pair_up(plane, point, free, where, 1)[0])
+        kind = kinds.index(contact_kind_of(plane, point, free, where, 1)[0])
         if pair.friction is not None and k == 0:
-            friction_kind = kinds.index(pair_up(plane, point, free, where, 6)[0])
+            friction_kind = kinds.index(contact_kind_of(plane, point, free, where, 6)[0])
         parameters.append(plane.parameters + point.parameters)
     return kind, friction_kind, tuple(parameters)
 

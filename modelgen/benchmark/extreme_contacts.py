@@ -1,17 +1,14 @@
-"""Contacts and runs at their ends: friction, restitution, numbers of contacts and steps, single precision."""
+"""Contacts at their ends: coefficients of friction and restitution, and many contacts of one body."""
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 from math import pi, sqrt
 
 import numpy as np
 
-from modelgen.benchmark.extreme_scales_and_spins import rocking_egg
-from modelgen.benchmark.extreme_trials import EPS, RUN, Extreme, G, Trial, against, decades, tried_run
-from modelgen.benchmark.libraries_by_kinds import Variants
-from modelgen.runtime.accuracy import Accuracy
+from modelgen.benchmark.extreme_trials import Extreme, G, Trial, decades, tried_run
+from modelgen.benchmark.libraries_by_kinds import LibrariesByKinds
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.python_scenes import dynamic, fixed, plane, point, scene, sphere
 from modelgen.scene.scene_types import Scene
@@ -39,8 +36,8 @@ def _bowled_error(friction: float, path: Trajectory) -> float:
     return max(float(abs(v * 7 / 15 - 1)), late)
 
 
-def _try_friction(friction: float, variants: Variants) -> Trial:
-    return tried_run(partial(_bowled, friction), variants, partial(_bowled_error, friction))
+def _try_friction(friction: float, libraries: LibrariesByKinds) -> Trial:
+    return tried_run(partial(_bowled, friction), libraries, partial(_bowled_error, friction))
 
 
 def _bouncing(e: float) -> Scene:
@@ -71,11 +68,11 @@ def _bounce_error(e: float, path: Trajectory) -> float:
     return float(np.abs(path.p[:, at, 2] - 0.1 - heights).max()) / 0.1
 
 
-def _try_restitution(e: float, variants: Variants) -> Trial:
-    return tried_run(partial(_bouncing, e), variants, partial(_bounce_error, e))
+def _try_restitution(e: float, libraries: LibrariesByKinds) -> Trial:
+    return tried_run(partial(_bouncing, e), libraries, partial(_bounce_error, e))
 
 
-# ---- numbers of contacts and of steps ----
+# ---- numbers of contacts ----
 
 
 def _table_on_feet(n: float) -> Scene:
@@ -96,33 +93,11 @@ def _feet_error(path: Trajectory) -> float:
     return float(max(weight, np.abs(path.p[:, path.body_names.index("top"), 2] / 0.5 - 1).max()))
 
 
-def _try_feet(n: float, variants: Variants) -> Trial:
-    return tried_run(partial(_table_on_feet, n), variants, _feet_error, samples=2)
+def _try_feet(n: float, libraries: LibrariesByKinds) -> Trial:
+    return tried_run(partial(_table_on_feet, n), libraries, _feet_error, samples=2)
 
 
-LONG_STEP = 1e-4  # s: Runge and Kutta's error is below rounding
-
-
-def _try_steps(n: float, variants: Variants) -> Trial:
-    """The egg for n steps: drift of energy, gap."""
-    what = replace(rocking_egg(), run=replace(rocking_egg().run, until=n * LONG_STEP))
-
-    def error(path: Trajectory) -> float:
-        return max(path.energy_drift, path.gap_max / 0.05)
-
-    return tried_run(lambda: what, variants, error, accuracy=Accuracy.tight().fixed_step(LONG_STEP))
-
-
-def _try_float(until: float, variants: Variants) -> Trial:
-    """The egg in single precision."""
-
-    def make() -> Scene:
-        return replace(rocking_egg(), run=replace(rocking_egg().run, until=until))
-
-    return tried_run(make, variants, against(variants, make), accuracy=Accuracy.balanced(), real="float")
-
-
-EVENTS = (
+CONTACTS = (
     Extreme(
         "friction", "coefficient of a ball that slides until it rolls",
         (0.0, *decades(-3, 2)), (0.0, 1e-3, 1e2),
@@ -137,13 +112,5 @@ EVENTS = (
     Extreme(
         "redundant feet", "points under one body", (3.0, 10.0, 100.0, 300.0, 1000.0), (3.0, 100.0),
         "rounding", lambda x: 1e-13, "sum of the forces over the weight, height", _try_feet, warned=4.0,
-    ),
-    Extreme(
-        "long runs", "steps of RK4", decades(3, 7), (1e3, 1e5),
-        "rounding + 10 eps n", lambda x: 1e-12 + 10 * EPS * x, "drift of energy, gap", _try_steps,
-    ),
-    Extreme(
-        "single precision", "s of rocking in a float build", decades(-2, 1), (1e-1,),
-        "1e-6 + 1e-4 t", lambda x: 1e-6 + 1e-4 * x, RUN, _try_float, warned=5.0,
     ),
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Motions at the ends of double precision: units, distances, masses, spins."""
+"""Scales and spins at the ends of double precision: units, distances, ratios of masses, rad/s."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from math import log10, sqrt
 import numpy as np
 
 from modelgen.benchmark.extreme_trials import EPS, RUN, Extreme, G, Trial, against, decades, run_of, tried_run
-from modelgen.benchmark.libraries_by_kinds import Variants
+from modelgen.benchmark.libraries_by_kinds import LibrariesByKinds
 from modelgen.benchmark.unit_conversion import Units, in_units
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.trajectory import Trajectory
@@ -39,22 +39,22 @@ def rocking_egg(x: float = 0.0) -> Scene:
     )
 
 
-def _try_units(name: str, x: float, variants: Variants) -> Trial:
+def _try_units(name: str, x: float, libraries: LibrariesByKinds) -> Trial:
     """The same egg with its unit of length, mass or time worth x new ones."""
     units = Units(**{name: x})
-    true = run_of(variants.library(rocking_egg()), Accuracy.tight(), samples=50)
+    true = run_of(libraries.library(rocking_egg()), Accuracy.tight(), samples=50)
 
     def error(path: Trajectory) -> float:
         lengths = float(np.abs(path.p / units.length - true.p).max()) / 0.05
         forces = float(np.abs(path.force / units.force - true.force).max() / true.force.max())
         return max(lengths, forces, float(np.abs(path.quaternion - true.quaternion).max()))
 
-    return tried_run(lambda: in_units(rocking_egg(), units), variants, error)
+    return tried_run(lambda: in_units(rocking_egg(), units), libraries, error)
 
 
-def _try_far(x: float, variants: Variants) -> Trial:
+def _try_far(x: float, libraries: LibrariesByKinds) -> Trial:
     make = partial(rocking_egg, x)
-    return tried_run(make, variants, against(variants, make))
+    return tried_run(make, libraries, against(libraries, make))
 
 
 # ---- masses ----
@@ -75,8 +75,8 @@ def _stack_error(ratio: float, path: Trajectory) -> float:
     return float(np.abs(path.force[0] / true - 1).max())
 
 
-def _try_stack(ratio: float, variants: Variants) -> Trial:
-    return tried_run(partial(_stack, ratio), variants, partial(_stack_error, ratio))
+def _try_stack(ratio: float, libraries: LibrariesByKinds) -> Trial:
+    return tried_run(partial(_stack, ratio), libraries, partial(_stack_error, ratio))
 
 
 def _billiards(ratio: float) -> Scene:
@@ -107,8 +107,8 @@ def _billiards_error(ratio: float, path: Trajectory) -> float:
     return float((np.abs(path.v[-1, :, 0] - true) / np.maximum(np.abs(true), 1e-12)).max())
 
 
-def _try_billiards(ratio: float, variants: Variants) -> Trial:
-    return tried_run(partial(_billiards, ratio), variants, partial(_billiards_error, ratio))
+def _try_billiards(ratio: float, libraries: LibrariesByKinds) -> Trial:
+    return tried_run(partial(_billiards, ratio), libraries, partial(_billiards_error, ratio))
 
 
 # ---- spins ----
@@ -127,9 +127,9 @@ def _spinning(spin: float) -> Scene:
     return scene("extreme_spin", [body], gravity=[0.0, 0.0, 0.0], run={"until": 1.0})
 
 
-def _try_spin(spin: float, variants: Variants) -> Trial:
+def _try_spin(spin: float, libraries: LibrariesByKinds) -> Trial:
     make = partial(_spinning, spin)
-    return tried_run(make, variants, against(variants, make))
+    return tried_run(make, libraries, against(libraries, make))
 
 
 def _sleeping(spin: float) -> Scene:
@@ -152,9 +152,9 @@ def _sleeping(spin: float) -> Scene:
     )
 
 
-def _try_sleeping(spin: float, variants: Variants) -> Trial:
+def _try_sleeping(spin: float, libraries: LibrariesByKinds) -> Trial:
     make = partial(_sleeping, spin)
-    return tried_run(make, variants, against(variants, make))
+    return tried_run(make, libraries, against(libraries, make))
 
 
 def _units(name: str, what: str) -> Extreme:
@@ -165,7 +165,7 @@ def _units(name: str, what: str) -> Extreme:
     )  # fmt: skip
 
 
-MOTIONS = (
+SCALES_AND_SPINS = (
     _units("length", "length"),
     _units("mass", "mass"),
     _units("time", "time"),

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.benchmark.extreme_trials import EPS, RUN, Extreme, G, Trial, against, decades, tried_run
-from modelgen.benchmark.libraries_by_kinds import Variants
+from modelgen.benchmark.libraries_by_kinds import LibrariesByKinds
 from modelgen.runtime.closest_points import Extremum, closest_points
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.python_scenes import (
@@ -65,12 +65,12 @@ def _eggs() -> Scene:
     return _resting(two, one, 1.0)
 
 
-def _try_gap(gap: float, variants: Variants) -> Trial:
+def _try_gap(gap: float, libraries: LibrariesByKinds) -> Trial:
     """Two ellipsoids placed so that a gap (m) and its normal are known: the error of both."""
     Q = _turned()
     p = _tip(LARGE_AXES, NORMAL) + gap * NORMAL - Q @ _tip(SMALL_AXES, -Q.T @ NORMAL)
     here, there = np.append(np.zeros(3), np.eye(3).ravel()), np.append(p, Q.ravel(order="F"))
-    found = closest_points(variants.library(_eggs()), "small-large", there, here)
+    found = closest_points(libraries.library(_eggs()), "small-large", there, here)
     turned = float(np.linalg.norm(found.normal[0] + NORMAL))
     error = max(abs(float(found.d[0]) - gap) / max(float(np.abs(p).max()), 0.3), turned)
     told = () if found.certified[0] else (f"outcome {Extremum(int(found.outcome[0])).name}, not certified",)
@@ -112,8 +112,8 @@ def _pendulum_error(x: float, path: Trajectory) -> float:
     return float(np.abs(path.p[:, at] - true).max()) / _arm(x)
 
 
-def _try_ball_in_bowl(x: float, variants: Variants) -> Trial:
-    return tried_run(partial(_ball_in_bowl, x), variants, partial(_pendulum_error, x))
+def _try_ball_in_bowl(x: float, libraries: LibrariesByKinds) -> Trial:
+    return tried_run(partial(_ball_in_bowl, x), libraries, partial(_pendulum_error, x))
 
 
 def _egg_in_cavity(x: float) -> Scene:
@@ -215,11 +215,11 @@ def _at_pole(angle: float) -> Scene:
     return _resting(body, fixed("table", plane()), 0.1)
 
 
-def _compared(make: Callable[[float], Scene]) -> Callable[[float, Variants], Trial]:
+def _compared(make: Callable[[float], Scene]) -> Callable[[float, LibrariesByKinds], Trial]:
     """Runs of scenes in double precision against long double."""
 
-    def attempt(value: float, variants: Variants) -> Trial:
-        return tried_run(partial(make, value), variants, against(variants, partial(make, value)))
+    def attempt(value: float, libraries: LibrariesByKinds) -> Trial:
+        return tried_run(partial(make, value), libraries, against(libraries, partial(make, value)))
 
     return attempt
 

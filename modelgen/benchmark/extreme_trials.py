@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from modelgen.benchmark.libraries_by_kinds import Variants
+from modelgen.benchmark.libraries_by_kinds import LibrariesByKinds
 from modelgen.benchmark.motion_errors import separation
 from modelgen.benchmark.sampled_motion import Bodies, motion_of, uninterrupted
 from modelgen.codegen.library import Library
@@ -57,7 +57,7 @@ class Extreme:
     law: str
     allowed: Callable[[float], float]
     measured: str
-    attempt: Callable[[float, Variants], Trial]
+    attempt: Callable[[float, LibrariesByKinds], Trial]
     warned: float | None = None
     refused: float | None = None
     switched: float | None = None
@@ -113,7 +113,7 @@ class Found:
 
 def tried(
     extremes: Sequence[Extreme],
-    variants: Variants,
+    libraries: LibrariesByKinds,
     quick: bool,
     report: Callable[[str], None],
     found: list[Found],
@@ -122,7 +122,7 @@ def tried(
     for extreme in extremes:
         for value in extreme.quick if quick else extreme.values:
             report(f"{extreme.name}: {value:g}")
-            found.append(Found(extreme, value, extreme.attempt(value, variants)))
+            found.append(Found(extreme, value, extreme.attempt(value, libraries)))
 
 
 def run_of(library: Library, accuracy: Accuracy, samples: int) -> Trajectory:
@@ -132,7 +132,7 @@ def run_of(library: Library, accuracy: Accuracy, samples: int) -> Trajectory:
 
 def tried_run(
     make: Callable[[], Scene],
-    variants: Variants,
+    libraries: LibrariesByKinds,
     error: Callable[[Trajectory], float],
     *,
     accuracy: Accuracy | None = None,
@@ -142,7 +142,7 @@ def tried_run(
     """A run of a scene, judged where it comes to its end; what the scene or the start is refused for else."""
     try:
         what = make()
-        library = variants.library(what, real)
+        library = libraries.library(what, real)
         path = run_of(library, accuracy or Accuracy.tight(), samples)
     except ModelgenError as refused:
         return Trial(None, (str(refused),), "refused")
@@ -153,13 +153,13 @@ def tried_run(
 
 
 def against(
-    variants: Variants, make: Callable[[], Scene], samples: int = 50
+    libraries: LibrariesByKinds, make: Callable[[], Scene], samples: int = 50
 ) -> Callable[[Trajectory], float]:
     """The largest distance of body points, over the length, and of forces, over the largest, from a run in
     long double as fine as can be."""
 
     def error(path: Trajectory) -> float:
-        library = variants.library(make(), "long double")
+        library = libraries.library(make(), "long double")
         true = run_of(library, Accuracy.finest(), samples)
         if not true.outcome.succeeded:
             return inf

@@ -7,14 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from modelgen.benchmark.extreme_contacts import EVENTS
-from modelgen.benchmark.extreme_scales_and_spins import MOTIONS
+from modelgen.benchmark.extreme_contacts import CONTACTS
+from modelgen.benchmark.extreme_runs import RUNS
+from modelgen.benchmark.extreme_scales_and_spins import SCALES_AND_SPINS
 from modelgen.benchmark.extreme_shapes import SHAPES
 from modelgen.benchmark.extreme_trials import Extreme, Found, tried
-from modelgen.benchmark.libraries_by_kinds import Variants
+from modelgen.benchmark.libraries_by_kinds import LibrariesByKinds
 from modelgen.errors import ModelgenError, nearest
 
-EXTREMES: tuple[Extreme, ...] = (*SHAPES, *MOTIONS, *EVENTS)
+EXTREMES: tuple[Extreme, ...] = (*SHAPES, *SCALES_AND_SPINS, *CONTACTS, *RUNS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +56,7 @@ def survey(
     chosen = [_named(name) for name in names] if names else list(EXTREMES)
     found: list[Found] = []
     try:
-        tried(chosen, Variants(Path(root)), quick, on_progress or (lambda text: None), found)
+        tried(chosen, LibrariesByKinds(Path(root)), quick, on_progress or (lambda text: None), found)
     except KeyboardInterrupt:
         return Survey(tuple(found), True)
     return Survey(tuple(found), False)

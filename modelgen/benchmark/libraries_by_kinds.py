@@ -1,4 +1,4 @@
-"""Libraries of scenes that differ in numbers alone: derived and built once, run with the numbers of each."""
+"""Libraries by kinds: scenes that differ in numbers alone share one, which is derived and built once."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ KINDS = ("shape_kinds", "body_kinds", "contact_kinds", "load_kinds", "joint_kind
 
 
 @dataclass
-class Variants:
+class LibrariesByKinds:
     """Libraries built so far, by set of kinds and real type, in folders under `root`."""
 
     root: Path

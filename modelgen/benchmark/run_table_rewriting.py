@@ -19,7 +19,7 @@ RUN_HEADER = re.compile(r"^\s*\[\s*run\s*\]\s*(#.*)?$")
 KEYS = [entry.name for entry in fields(RunSettings)]
 
 
-def with_run(text: str, settings: Settings, source: str) -> str:
+def with_run_table(text: str, settings: Settings, source: str) -> str:
     """The TOML text with these settings, and no others of the knobs, in its [run] table.
 
     Raises ModelgenError where [run] is written in a way that this cannot change, such as `run = {...}`.

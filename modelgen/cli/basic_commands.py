@@ -291,12 +291,8 @@ def _all_schemas() -> dict[str, Any]:
     from modelgen.benchmark.measurement_schema import measured_schema, tuned_schema
     from modelgen.parameter_study.sweep_output import swept_schema
     from modelgen.report.fit_output import fitted_schema
-    from modelgen.report.run_schema import (
-        linearised_schema,
-        result_schema,
-        stability_schema,
-        steady_schema,
-    )
+    from modelgen.report.linearisation_schema import linearised_schema, stability_schema, steady_schema
+    from modelgen.report.run_schema import result_schema
     from modelgen.report.sensitivity_output import sensitivity_schema
     from modelgen.scene.json_schema import scene_schema
 

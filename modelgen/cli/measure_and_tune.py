@@ -166,7 +166,7 @@ def tune(
     """Find the cheapest setting within an error, or the most accurate within a budget, and write it down."""
     from modelgen.benchmark import tune as tuned
     from modelgen.benchmark.measurement_table import print_tuned
-    from modelgen.benchmark.run_table_rewriting import with_run
+    from modelgen.benchmark.run_table_rewriting import with_run_table
     from modelgen.report.summary import print_written
 
     target = _target(scene, out, in_place)
@@ -184,7 +184,7 @@ def tune(
             parameters=read_values(values, "--set"),
             on_progress=report,
         )
-    target.write_text(with_run(text, found.point.settings, str(scene)), encoding="utf-8")
+    target.write_text(with_run_table(text, found.point.settings, str(scene)), encoding="utf-8")
     facts = found.as_json() | {"file": str(target)}
     print_facts(facts, as_json, lambda: print_tuned(found, Console()))
     if not as_json:

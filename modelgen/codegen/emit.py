@@ -16,7 +16,7 @@ from modelgen.codegen.manifest import Json, Manifest
 from modelgen.codegen.manifest_model import instance_of, kinds_of, parameters_of
 from modelgen.codegen.scene_step import MOST_INLINED, inlined
 from modelgen.codegen.shared_jets import shared_kernels, with_calls
-from modelgen.codegen.unused_pose_inputs import unused_inputs
+from modelgen.codegen.unused_pose_inputs import unused_pose_inputs
 from modelgen.derivation import Derivation, Formula
 from modelgen.differentiation import packed_formulas
 from modelgen.errors import expect
@@ -144,7 +144,7 @@ def _kernels(model: Model, formulas: list[Formula]) -> str:
 
 def _entry(formula: Formula) -> Json:
     function = formula.function
-    unused = unused_inputs(function)
+    unused = unused_pose_inputs(function)
     return {
         "inputs": [_argument(name, function.numel_in(name)) for name in function.name_in()],
         "outputs": [_argument(name, function.numel_out(name)) for name in function.name_out()],

@@ -15,7 +15,7 @@ _KEPT = (ca.OP_ASSIGN, ca.OP_NEG, ca.OP_TWICE)
 _SUMS = (ca.OP_ADD, ca.OP_SUB)
 
 
-def hides(f: ca.Function, *of: str) -> bool:
+def may_oscillate(f: ca.Function, *of: str) -> bool:
     """Whether an output of an SX function is no polynomial of degree `SEEN` in entries of the inputs `of`."""
     return degree(f, [f.index_in(name) for name in of]) > SEEN
 

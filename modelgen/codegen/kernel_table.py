@@ -10,7 +10,7 @@ import casadi as ca
 from modelgen.assembly import Q_SIZE, U_SIZE
 from modelgen.assembly.shared_pair_content import eta_size
 from modelgen.codegen.bounds_programs import programs_text
-from modelgen.codegen.hidden_oscillations import hides
+from modelgen.codegen.hidden_oscillations import may_oscillate
 from modelgen.codegen.manifest import CENTRE_CURVES, FEET, have_centre_curves
 from modelgen.codegen.manifest_model import J_SIZE
 from modelgen.codegen.scene_step import scene_step_text
@@ -215,9 +215,9 @@ def _hidden(wrench: ca.Function, kind: LoadKind) -> tuple[int, int]:
     springs do not."""
     if kind.kind == "actuator":
         law = law_of(kind)
-        return int(hides(law, "t")), int(hides(law, "state"))
+        return int(may_oscillate(law, "t")), int(may_oscillate(law, "state"))
     given = kind.kind in ("force", "torque")
-    return int(hides(wrench, "t")), int(given and hides(wrench, "pose_a", "twist_a"))
+    return int(may_oscillate(wrench, "t")), int(given and may_oscillate(wrench, "pose_a", "twist_a"))
 
 
 def _limit_turns(model: Model) -> list[int]:

@@ -1,4 +1,4 @@
-"""Inputs of a kernel that none of its outputs depends on, as a caller should know."""
+"""Poses and twists, or parts of them, on which no output of a kernel depends."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 PARTS = {12: ("position", "rotation", 3), 6: ("velocity", "spin", 3)}  # of a pose and a twist, by their size
 
 
-def unused_inputs(function: ca.Function) -> list[str]:
+def unused_pose_inputs(function: ca.Function) -> list[str]:
     """Names of poses and twists, or of parts of them ("rotation of pose_f"), that change no output.
 
     A frictionless sphere about its centre of mass, for one, is alike in all orientations: its kernel takes

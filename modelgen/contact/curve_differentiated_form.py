@@ -1,4 +1,4 @@
-"""Implicit differentiation of the extremality systems with a curve: the oracle forms.
+"""The differentiated forms with a curve: extremality systems, by implicit differentiation.
 
     curve and chart: g = [ E_o^T (P_f - P_o) ; E_f.N ]
     two curves:      g = [ E_o.(P_f - P_o) ; E_f.(P_f - P_o) ]

@@ -1,4 +1,4 @@
-"""The extremality system of two charts and its implicit differentiation: the oracle form.
+"""The differentiated form: the extremality system of two charts, by implicit differentiation.
 
     g(eta, q) = [ E_o^T (P_f - P_o) ; E_f^T N ] = 0,   eta_dot = -g_eta^-1 g_q q_dot
 

@@ -7,8 +7,7 @@ from collections.abc import Callable
 import casadi as ca
 
 from modelgen.contact.block_form import block_place, block_rates
-from modelgen.contact.centre_centre import sphere_place, sphere_rates
-from modelgen.contact.centre_curve import centre_curve_place, centre_curve_rates
+from modelgen.contact.centre_and_curve import centre_curve_place, centre_curve_rates
 from modelgen.contact.contact_symbols import Layout, Pair, pair
 from modelgen.contact.curve_block_form import curve_block_place, curve_block_rates
 from modelgen.contact.curve_curve import crossing_place, crossing_rates
@@ -49,6 +48,7 @@ from modelgen.contact.parametrisations import (
 )
 from modelgen.contact.plane_support import support_place, support_rates
 from modelgen.contact.tangential_rows import with_tangential_rows
+from modelgen.contact.two_centres import two_centres_place, two_centres_rates
 from modelgen.model import ContactKind, ShapeKind
 
 
@@ -75,7 +75,7 @@ def build_explicit(kind: ContactKind) -> ContactKernels:
     """
     if kind.o.shape.kind == "plane":
         return build_support(kind)
-    return _build(kind, no_layout, sphere_rates, sphere_place)
+    return _build(kind, no_layout, two_centres_rates, two_centres_place)
 
 
 def build_support(kind: ContactKind) -> ContactKernels:

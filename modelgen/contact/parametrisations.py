@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 import casadi as ca
 
-from modelgen.contact.centre_surface import centre_surface_place, centre_surface_rates
+from modelgen.contact.centre_and_surface import centre_surface_place, centre_surface_rates
 from modelgen.contact.contact_symbols import Layout, Pair, Partner
 from modelgen.contact.curve_surface import curve_surface_place, curve_surface_rates
 from modelgen.contact.kernels import Placement, Rates

@@ -34,7 +34,7 @@ from modelgen.runtime.trajectory import EVENT_KINDS, OUTCOME_OF_CODE
 from modelgen.scene.scene_types import Scene
 from modelgen.view.packing import packed_doubles
 from modelgen.view.page import TOLERANCE, running_page_text
-from modelgen.view.self_running_page_data import Shapes, page_of_run_to_come
+from modelgen.view.self_running_page_data import Shapes, self_running_page_data
 from modelgen.view.slider_range import slider_range
 
 MACHINE = ("-target", "wasm32-wasi")
@@ -77,7 +77,7 @@ def browser_page(scene: Scene, library: Library, package: Package, fixed: Collec
     texts |= {"record.h": _record_text(recording), "page.c": source("page.c")}
     instance = session.instance
     model = require(record.scene_again("export"))
-    page = page_of_run_to_come(record, model, library, TOLERANCE)
+    page = self_running_page_data(record, model, library, TOLERANCE)
     ranges = {
         each["name"]: (float(each["value"]), *slider_range(*input_range(each), each["value"]))
         for each in instance.get("parameters", ())

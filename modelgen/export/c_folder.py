@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from modelgen.codegen.amalgamation import HEADER, SOURCE, header_text, runtime_text
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import REAL_FLAGS, Library
-from modelgen.export.memory_footprint import Figures, figures_of
+from modelgen.export.memory_footprint import Footprint, footprint_of
 from modelgen.export.reference_vectors import Vectors, vectors_of
 from modelgen.export.scene_header_and_tables import scene_files, source
 from modelgen.runtime.core_session import Session
@@ -27,7 +27,7 @@ def c_files(library: Library, package: Package, measured: bool = True) -> dict[s
         **{name: source(name) for name in ("example.c", "selftest.c")},
         "CMakeLists.txt": source("CMakeLists.txt").replace("@DEFINITIONS@", " ".join(defines)),
     }
-    figures = figures_of(compiled, defines) if measured else None
+    figures = footprint_of(compiled, defines) if measured else None
     return {**files, "README.md": _readme(session, vectors, figures, defines)}
 
 
@@ -37,7 +37,7 @@ def program_files(session: Session, package: Package) -> dict[str, str]:
     return {**texts, HEADER: header_text(), SOURCE: runtime_text(package.derivatives), **scene_files(session)}
 
 
-def _readme(session: Session, vectors: Vectors, figures: Figures | None, defines: tuple[str, ...]) -> str:
+def _readme(session: Session, vectors: Vectors, figures: Footprint | None, defines: tuple[str, ...]) -> str:
     flags = " ".join(["cc", "-std=c99", "-O2", "-ffp-contract=off", *defines, "scene.c", SOURCE])
     defined = f"Every file is compiled with `{' '.join(defines)}`.\n" if defines else ""
     return source("c_readme.md").format(
@@ -74,7 +74,7 @@ def _told(vectors: Vectors) -> str:
     )
 
 
-def _table(figures: Figures | None, functions: Mapping[str, Mapping[str, int]]) -> str:
+def _table(figures: Footprint | None, functions: Mapping[str, Mapping[str, int]]) -> str:
     lines = ["| | |", "| --- | --- |"]
     if figures is not None:
         if figures.flash is not None:

@@ -22,7 +22,7 @@ EVALUATIONS = 100  # of the right-hand side that are counted
 
 
 @dataclass(frozen=True, slots=True)
-class Figures:
+class Footprint:
     """Bytes and instructions; None where they were not measured.
 
     Attributes:
@@ -46,7 +46,7 @@ class Figures:
     why: tuple[str, ...]
 
 
-def figures_of(files: Mapping[str, str], defines: tuple[str, ...]) -> Figures | None:
+def footprint_of(files: Mapping[str, str], defines: tuple[str, ...]) -> Footprint | None:
     """The figures of an exported folder, given as texts; None without gcc."""
     gcc = shutil.which("gcc")
     if gcc is None:
@@ -60,7 +60,7 @@ def figures_of(files: Mapping[str, str], defines: tuple[str, ...]) -> Figures | 
         tools = _Tools(gcc, folder, defines)
         tools.compile("-c", *APART, "-fcallgraph-info=su", *UNITS)
         missing = (why_not_counted(), "" if shutil.which("size") else NO_SIZES)
-        return Figures(
+        return Footprint(
             tools.machine(),
             tools.flash() if shutil.which("size") else None,
             *tools.sizes(),

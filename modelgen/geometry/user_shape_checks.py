@@ -40,14 +40,14 @@ class Worst:
 
 
 @lru_cache(maxsize=256)
-def check_regular(shape: Shape) -> tuple[str, ...]:
+def check_user_shape(shape: Shape) -> tuple[str, ...]:
     """Warnings on a chart, curve, spline or solid of the user's own; SceneError where no contact could run.
 
     A chart must not degenerate inside its domain; where it does at an end of it, which is no declared pole,
     it is warned. A closed chart or control net must have c_u x c_v pointing outwards.
     """
     if shape.solid is not None:
-        return tuple(text for each in shape.solid.features for text in check_regular(each.shape))
+        return tuple(text for each in shape.solid.features for text in check_user_shape(each.shape))
     if shape.curve is not None or isinstance(shape.spline, ControlPolygon):
         _check_curve(shape)
         return ()

@@ -1,4 +1,4 @@
-"""Reads a file of another program as a scene."""
+"""A file of another program as a scene: the formats, what can be chosen for each, and the import."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Choices:
         floating: of `urdf`, whether the first link moves freely; else it rests.
         until: end of the run, s.
         corners: of `mjcf` and `urdf`, the most corners of a polyhedron that stands for a mesh.
-        without: of `mjcf` and `urdf`, keys of `notes.WITHOUT`: parts of the file that may be left out.
+        without: of `mjcf` and `urdf`, keys of `import_losses.WITHOUT`: parts that may be left out.
         kind: of `profile`, the shape that it becomes: a key of `profile_scene.KINDS`.
         columns: of `profile`, two names or numbers, as "r,z"; the first two when None.
         unit: of `profile`, of the file: m, cm, mm, um or in.

@@ -1,4 +1,4 @@
-"""What of a file a scene has not, or has otherwise."""
+"""What an import leaves out, takes otherwise or refuses, in sentences, and what `--without` may name."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ DIGITS = 10  # of nodes after the point, in m
 
 @dataclass(frozen=True)
 class Reading:
-    """How the file of a profile is read: see `Choices` of importing.py."""
+    """How the file of a profile is read: see `Choices` of import_formats.py."""
 
     kind: str | None
     columns: str | None

@@ -15,9 +15,10 @@ from modelgen.importing.contact_tables import contact_tables
 from modelgen.importing.import_losses import Notes
 from modelgen.importing.mujoco_actuators import actuated
 from modelgen.importing.mujoco_compilation import Compiled, compiled
+from modelgen.importing.mujoco_constraints import constraints
 from modelgen.importing.mujoco_contacts import touches
 from modelgen.importing.mujoco_joints import ModelJoint, jointed
-from modelgen.importing.mujoco_loads import constraints, other_loads, tendons
+from modelgen.importing.mujoco_loads import other_loads, tendons
 from modelgen.importing.mujoco_sensors import sensors
 from modelgen.importing.mujoco_shapes import Shapes, pose_keys, shapes
 from modelgen.importing.scene_writing import Section, moments, scene_text, vector
@@ -28,7 +29,7 @@ DIAGONAL = 1e-12  # an inertia whose other entries are zero, against its largest
 
 @dataclass(frozen=True)
 class Reading:
-    """How a file of MJCF or URDF is read: see `Choices` of importing.py."""
+    """How a file of MJCF or URDF is read: see `Choices` of import_formats.py."""
 
     urdf: bool
     key: str | None

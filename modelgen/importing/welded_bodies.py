@@ -1,4 +1,4 @@
-"""Bodies of a MuJoCo model that move as one: what is welded together, with its mass and its state."""
+"""Welded bodies of a MuJoCo model as one rigid body with its mass and state; poses and motions of members."""
 
 from __future__ import annotations
 

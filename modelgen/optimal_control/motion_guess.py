@@ -1,4 +1,4 @@
-"""A simulated run as a guess of a plan, and a plan followed by a run."""
+"""A simulated run as a guess of a plan: its states, contact forces and rates at given times."""
 
 from __future__ import annotations
 
@@ -14,8 +14,7 @@ from modelgen.codegen.library import Library
 from modelgen.composition.contact_mode import ContactMode
 from modelgen.derivation import Derivation
 from modelgen.errors import ModelgenError
-from modelgen.runtime.core_session import Session
-from modelgen.runtime.settings import accuracy_of
+from modelgen.optimal_control.run_from_state import run_from, set_inputs
 from modelgen.runtime.stepped_simulation import Simulation
 
 Array = np.ndarray[Any, Any]
@@ -33,18 +32,6 @@ class MotionGuess:
     rates: Array
 
 
-def run_from(library: Library, start: Array | None, inputs: Array | None = None) -> Simulation:
-    """A run from q and u (n_q + n_u,), None: those of the scene, with values of all inputs."""
-    session = Session(library, accuracy_of(library.manifest.instance, None, {}))
-    if start is not None:
-        session.x[: len(start)] = start
-    simulation = Simulation(session)
-    if inputs is not None:
-        _set_inputs(simulation, inputs)
-    simulation.begin()
-    return simulation
-
-
 def guessed_motion(
     derivation: Derivation,
     library: Library,
@@ -60,7 +47,7 @@ def guessed_motion(
     functions: dict[ContactMode, ca.Function] = {}
     for k, t in enumerate(times):
         if inputs is not None:
-            _set_inputs(simulation, inputs[k])
+            set_inputs(simulation, inputs[k])
         if simulation.outcome is None:
             simulation.step(float(t))
         states.append(np.array(simulation.state[:-1], dtype=float))
@@ -86,22 +73,3 @@ def _forces_and_rates(
         functions[mode] = solved.function("loads", {"both": ca.horzcat(solved.found.forces, rates)})
     given = [ca.DM(each) for each in rhs_arguments(derivation.model, simulation)]
     return np.array(functions[mode].call(given)[0]).T
-
-
-def followed(library: Library, t: Array, x: Array, inputs: Array) -> Array:
-    """(n + 1, n_x) the states of a run from x[0] under the inputs of a plan, at the ends of its elements."""
-    n = int(library.manifest.instance["n_q"]) + int(library.manifest.instance["n_u"])
-    simulation = run_from(library, x[0][:n], inputs[0] if inputs.shape[1] else None)
-    states = [np.array(simulation.state[:-1], dtype=float)]
-    for until, held in zip(t[1:], inputs, strict=True):
-        if held.size:
-            _set_inputs(simulation, held)
-        if simulation.outcome is None:
-            simulation.step(float(until))
-        states.append(np.array(simulation.state[:-1], dtype=float))
-    return np.array(states)
-
-
-def _set_inputs(simulation: Simulation, values: Array) -> None:
-    names = [each["name"] for each in simulation.session.instance["inputs"]]
-    simulation.inputs.update(dict(zip(names, map(float, values), strict=True)))

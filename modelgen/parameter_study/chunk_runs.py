@@ -23,7 +23,7 @@ from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import with_parameters
 from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.simulate import simulate
-from modelgen.runtime.simulate_lanes import Ended, runs_to_the_end
+from modelgen.runtime.simulate_lanes import Ended, simulate_lanes
 from modelgen.runtime.tables.library_tables import library_tables
 from modelgen.runtime.trajectory import Array
 from modelgen.scene.scene_types import Scene
@@ -97,7 +97,7 @@ def _ended(study: Study, libraries: Sequence[Library], values: Array) -> list[En
     columns = list(zip(study.numbers, values.T, strict=True))
     inputs = {name: np.full(len(values), value) for name, value in study.inputs.items()}
     inputs |= {each.name: column for each, column in columns if each.kind == "input"}
-    return runs_to_the_end(
+    return simulate_lanes(
         libraries,
         until=study.until,
         accuracies=_accuracies(study, libraries),

@@ -1,4 +1,4 @@
-"""The outcomes of a sweep: a row for each run, by columns."""
+"""The table of the outcomes of a sweep, with a row for each run: its columns, and how a folder is read."""
 
 from __future__ import annotations
 

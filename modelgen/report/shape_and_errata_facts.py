@@ -1,4 +1,4 @@
-"""Notes of a page: closed forms of the shapes, singularities, and the errata."""
+"""Facts on a page of formulas: closed forms of the shapes, singularities, and the errata."""
 
 from __future__ import annotations
 

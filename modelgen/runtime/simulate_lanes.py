@@ -33,7 +33,7 @@ FAILED = 10  # outcomes of the core from here on end a run
 Ended = Trajectory | SimulationError  # the error of a run that cannot start
 
 
-def runs_to_the_end(
+def simulate_lanes(
     libraries: Sequence[Library],
     *,
     until: float,

@@ -1,4 +1,4 @@
-"""Open profiles through points along z, without ends: rails, cams' tracks, ways.
+"""The chart of a wall: an open profile through points, along z without ends, as of rails and ways.
 
 (x(u), y(u), v); the exterior is on the right of the direction in which the points follow each other, as that
 of a counterclockwise outline is.

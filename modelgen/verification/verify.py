@@ -9,6 +9,7 @@ from typing import Any
 from modelgen.derivation import Derivation, Formula
 from modelgen.model import JointKind, LimitKind, LoadKind, Model
 from modelgen.verification.bodies import check_body
+from modelgen.verification.closest_point_search import check_search
 from modelgen.verification.contacts import check_contact, sample
 from modelgen.verification.findings import Finding, Status
 from modelgen.verification.joints import Drawn, check_coordinates, check_limit, check_rows, check_spring, draw
@@ -17,7 +18,7 @@ from modelgen.verification.proofs import must_be_proved, prove
 from modelgen.verification.random_configurations import Partnership, partnership
 from modelgen.verification.right_hand_side import check_rhs
 from modelgen.verification.sensors import check_sensors
-from modelgen.verification.shapes import check_search, check_shape
+from modelgen.verification.shapes import check_shape
 
 OF_BODIES = ("pose", "motion", "energy", "path")
 OF_SHAPES = ("surface", "curve", "point")

@@ -48,7 +48,7 @@ def running_page_text(page: Mapping[str, Any], run: Mapping[str, Any]) -> str:
     """The text of a page that computes its run. It loads nothing, from no network.
 
     Args:
-        page: what `page_of_run_to_come` returned.
+        page: what `self_running_page_data` returned.
         run: what run_in_page.js takes as `data.run`.
     """
     return _filled({**page, "run": run}, f"<script>\n{_part('run_in_page.js')}</script>")

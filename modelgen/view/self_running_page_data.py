@@ -23,7 +23,9 @@ if TYPE_CHECKING:
 COARSE = 2e-2  # tolerance of the meshes of a slider, as a part of the size of each shape
 
 
-def page_of_run_to_come(record: Record, model: Model, library: Library, tolerance: float) -> dict[str, Any]:
+def self_running_page_data(
+    record: Record, model: Model, library: Library, tolerance: float
+) -> dict[str, Any]:
     """The contents of a page, as `page_data` has them, less what the run gives.
 
     Args:
@@ -60,7 +62,7 @@ class Shapes:
     """
 
     def __init__(self, record: Record, page: Mapping[str, Any]) -> None:
-        """`record`: a run of the scene; `page`: what `page_of_run_to_come` returned."""
+        """`record`: a run of the scene; `page`: what `self_running_page_data` returned."""
         self._record = record
         self._reach = REACH * float(page["size"]) + float(np.linalg.norm(page["centre"]))
         self._found: list[list[dict[str, Any]]] = []

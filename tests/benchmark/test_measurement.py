@@ -18,7 +18,7 @@ from modelgen.benchmark.measurement_store import NAME
 from modelgen.benchmark.measurement_table import print_measurement, print_tuned
 from modelgen.benchmark.peers import PeerPoints
 from modelgen.benchmark.peers.scene_description import _solid
-from modelgen.benchmark.run_table_rewriting import with_run
+from modelgen.benchmark.run_table_rewriting import with_run_table
 from modelgen.benchmark.sampled_motion import Bodies
 from modelgen.benchmark.scene_under_measurement import Subject
 from modelgen.benchmark.tuning import BAND, tune
@@ -175,7 +175,7 @@ def test_tuning_some_knobs_keeps_what_the_scene_says_of_the_others(root: Path) -
     text = TEXT.replace("samples = 4", 'samples = 4\nlevel = "O1"')
     tuned = tune(thrown(text), error=1e-3, knobs=["tolerance"], root=root)
     assert tuned.point.settings["level"] == tuned.run.level == "O1"
-    assert 'level = "O1"' in with_run(text, tuned.point.settings, "thrown.toml")
+    assert 'level = "O1"' in with_run_table(text, tuned.point.settings, "thrown.toml")
     out = StringIO()
     print_measurement(tuned.measurement, Console(file=out, width=200))
     assert "knobs: method dop853 (not turned), tolerance, level O1 (not turned);" in out.getvalue()

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize
 
-from modelgen.optimal_control.motion_guess import run_from
+from modelgen.optimal_control.run_from_state import run_from
 from tests.examples import masse_shot, throw_a_cube
 from tests.examples.plan_example import Array, PlanExample
 

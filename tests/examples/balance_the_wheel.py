@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 
 from modelgen import build, derive, emit, read, require
-from modelgen.optimal_control.motion_guess import run_from
+from modelgen.optimal_control.run_from_state import run_from
 from modelgen.optimal_control.transcription import Transcription
 from tests.examples.plan_example import Array, PlanExample
 from tests.running import SCENES

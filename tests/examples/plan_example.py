@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from modelgen.codegen.library import Library
-from modelgen.optimal_control.motion_guess import followed
+from modelgen.optimal_control.followed_plan import followed
 from modelgen.optimal_control.relaxation import RELAXATIONS, RelaxedSolver
 from modelgen.optimal_control.transcription import Plan, Transcription
 

@@ -12,8 +12,8 @@ import casadi as ca
 import numpy as np
 
 from modelgen import build, derive, emit, require
-from modelgen.optimal_control.motion_guess import run_from
 from modelgen.optimal_control.relaxation import RELAXATIONS
+from modelgen.optimal_control.run_from_state import run_from
 from modelgen.optimal_control.transcription import Transcription
 from modelgen.scene.read import read_text
 from tests.examples.plan_example import Array, PlanExample, upright

@@ -9,7 +9,7 @@ import pytest
 from modelgen.benchmark.extreme_trials import Extreme, Found, Trial, tried
 from modelgen.benchmark.extremes_survey import EXTREMES, survey
 from modelgen.benchmark.extremes_table import _ranges
-from modelgen.benchmark.libraries_by_kinds import Variants
+from modelgen.benchmark.libraries_by_kinds import LibrariesByKinds
 from modelgen.errors import ModelgenError
 from modelgen.runtime.core_session import Session
 from tests.running import folder
@@ -21,12 +21,12 @@ LONG = {  # each builds libraries of its own
 }
 
 
-VARIANTS = Variants(folder() / "extremes")
+LIBRARIES = LibrariesByKinds(folder() / "extremes")
 
 
 def failures(name: str, quick: bool) -> list[dict[str, object]]:
     found: list[Found] = []
-    tried([each for each in EXTREMES if each.name == name], VARIANTS, quick, lambda text: None, found)
+    tried([each for each in EXTREMES if each.name == name], LIBRARIES, quick, lambda text: None, found)
     assert found
     return [each.as_json() for each in found if not each.holds]
 
@@ -50,7 +50,7 @@ def test_what_is_tried_quickly_is_a_part_of_all() -> None:
 
 
 def extreme(**keys: object) -> Extreme:
-    def attempt(value: float, variants: Variants) -> Trial:
+    def attempt(value: float, libraries: LibrariesByKinds) -> Trial:
         return Trial(value)
 
     what: dict[str, object] = {"warned": 1e-2, "refused": 1e-4, "allowed": lambda x: 1.0} | keys
@@ -102,7 +102,7 @@ def test_ctrl_c_in_any_run_ends_the_survey(
     monkeypatch.setattr(Session, "advance", stopping)
     found: list[Found] = []
     with pytest.raises(KeyboardInterrupt):
-        tried([each for each in EXTREMES if each.name == name], VARIANTS, True, lambda text: None, found)
+        tried([each for each in EXTREMES if each.name == name], LIBRARIES, True, lambda text: None, found)
     assert not found
 
 

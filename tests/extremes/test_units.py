@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from modelgen import read, require, simulate
-from modelgen.benchmark.libraries_by_kinds import Variants
+from modelgen.benchmark.libraries_by_kinds import LibrariesByKinds
 from modelgen.benchmark.unit_conversion import Units, in_units
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.python_scenes import chart, dynamic, fixed, plane, scene
@@ -27,11 +27,11 @@ ROUNDED = {
     "peg_in_hole",
     "user_surface",
 }  # pivots are chosen by size, radians beside metres
-VARIANTS = Variants(folder() / "units")
+LIBRARIES = LibrariesByKinds(folder() / "units")
 
 
 def run(what: Scene, until: float | None = None, accuracy: str = "balanced") -> Trajectory:
-    return simulate(VARIANTS.library(what), accuracy=accuracy, samples=20, until=until)
+    return simulate(LIBRARIES.library(what), accuracy=accuracy, samples=20, until=until)
 
 
 def difference(found: Trajectory, true: Trajectory, units: Units) -> float:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from modelgen.errors import ExpressionError
 from modelgen.scene.expression import Expression, Name, evaluate, number, parse_expression
 from modelgen.scene.expression_algebra import expression_of, substitute, text_of
-from tests.geometry.test_lower import ATOMS, VALUES, grown
+from tests.geometry.test_expression_translation import ATOMS, VALUES, grown
 
 TEXTS = st.recursive(ATOMS, grown, max_leaves=8)
 

@@ -70,7 +70,8 @@ def test_newton_converges_quadratically(o: str, f: str, form: str) -> None:
 @pytest.mark.cases(30)
 @pytest.mark.parametrize(("o", "f", "form"), CASES)
 def test_place_reports_the_same_contact_in_every_form(o: str, f: str, form: str) -> None:
-    """d, points, normal and margin are those of the construction and of the oracle form; residuals vanish."""
+    """d, points, normal and margin are those of the construction and of the differentiated form; residuals
+    vanish."""
     at = random_pairs(SPECIMENS[o], SPECIMENS[f], COUNT, seed=24)
     numbers = parameters(o, f, COUNT)
     inputs = (at.pose_o, at.pose_f, eta_of(eta_layout(kind_of(o, f, form)), at), numbers)

@@ -14,7 +14,7 @@ from modelgen.casadi_functions.complementarity import mpcc
 from modelgen.composition.complementarity_system import complementarity_system
 from modelgen.composition.contact_mode import named_feature_pairs
 from modelgen.errors import ModelgenError
-from modelgen.optimal_control.motion_guess import followed
+from modelgen.optimal_control.followed_plan import followed
 from modelgen.optimal_control.transcription import Transcription
 from tests.benchmarks.plans import NAMES, NEAR, solved
 from tests.examples import masse_shot, throw_a_cube

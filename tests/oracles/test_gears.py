@@ -14,7 +14,7 @@ from modelgen import Accuracy
 from modelgen.codegen.library import Library
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Shape
-from tests.geometry.test_outlines import gear_teeth
+from tests.geometry.test_outline_features import gear_teeth
 from tests.oracles.test_closest_features import RADIUS, gaps_at
 from tests.running import library_of, run
 

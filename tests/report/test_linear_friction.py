@@ -15,7 +15,7 @@ from modelgen import Accuracy, derive, linearise, read, require, simulate
 from modelgen.errors import SimulationError
 from modelgen.linearisation.equilibrium_and_modes import Linearised
 from modelgen.report.linearisation_output import mode_facts, print_modes
-from modelgen.report.run_schema import linearised_schema
+from modelgen.report.linearisation_schema import linearised_schema
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Body, Scene
 from tests.oracles.differenced_motion import differenced, exponents

@@ -1,4 +1,4 @@
-"""Outlines of pieces: as the edge of a thin plate in z = 0, and as sides along z.
+"""Features of outlines of pieces: of the edge of a thin plate in z = 0, and of sides along z.
 
 At a convex corner between two pieces the plate has a vertex, and there is an edge along z between the two
 sides. A concave corner carries no contact. Pieces that meet without an angle lead to each other.

@@ -1,4 +1,4 @@
-"""A point at which a function of slope 1 at most is negative, in a ball; or a bound that there is none."""
+"""Whether a function of Lipschitz constant 1 is negative at a point of a ball, or by how much it is not."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from modelgen.benchmark.run_table_rewriting import with_run
+from modelgen.benchmark.run_table_rewriting import with_run_table
 from modelgen.benchmark.scene_under_measurement import applied
 from modelgen.errors import ModelgenError
 from modelgen.scene.read import read_text
@@ -33,7 +33,7 @@ shape = { kind = "sphere", radius = 0.1 }
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_every_shipped_scene_takes_settings_and_keeps_every_line(path: Path) -> None:
     text = path.read_text(encoding="utf-8")
-    changed = with_run(text, SETTINGS, path.name)
+    changed = with_run_table(text, SETTINGS, path.name)
     before, after = (read_text(each, path.name) for each in (text, changed))
     assert after.run == applied(before.run, SETTINGS)
     assert set(text.splitlines()) - set(changed.splitlines()) <= {
@@ -42,7 +42,7 @@ def test_every_shipped_scene_takes_settings_and_keeps_every_line(path: Path) -> 
 
 
 def test_keys_are_rewritten_with_their_comments_and_what_no_longer_holds_goes() -> None:
-    changed = with_run(TEXT, SETTINGS, "ball.toml")
+    changed = with_run_table(TEXT, SETTINGS, "ball.toml")
     assert "tolerance = 1e-08  # coarse\n" in changed
     assert "until = 2.0  # s\n" in changed
     assert "# a remark\n" in changed
@@ -52,17 +52,19 @@ def test_keys_are_rewritten_with_their_comments_and_what_no_longer_holds_goes() 
 
 def test_a_second_change_leaves_no_trace_of_the_first() -> None:
     other = {"method": "rk4", "step": 0.001, "form": "implicit"}
-    twice, once = (tomllib.loads(with_run(text, other, "")) for text in (with_run(TEXT, SETTINGS, ""), TEXT))
+    twice, once = (
+        tomllib.loads(with_run_table(text, other, "")) for text in (with_run_table(TEXT, SETTINGS, ""), TEXT)
+    )
     assert twice == once
 
 
 def test_a_file_without_a_run_table_gets_one() -> None:
     text = TEXT.replace("[run]", "[other]").split("[other]")[0] + TEXT[TEXT.index("[[body]]") :]
-    assert read_text(with_run(text, SETTINGS, ""), "ball.toml").run.tolerance == 1e-8
+    assert read_text(with_run_table(text, SETTINGS, ""), "ball.toml").run.tolerance == 1e-8
 
 
 @pytest.mark.parametrize("run", ["run = { until = 2.0 }", "run.until = 2.0"])
 def test_a_run_that_is_no_table_of_its_own_is_refused(run: str) -> None:
     text = f"{run}\n{TEXT[TEXT.index('[[body]]') :]}"
     with pytest.raises(ModelgenError, match="write a \\[run\\] table"):
-        with_run(text, SETTINGS, "ball.toml")
+        with_run_table(text, SETTINGS, "ball.toml")

@@ -1,4 +1,4 @@
-"""The manifest names the inputs of a kernel that change no result, and no others."""
+"""The manifest names the poses and twists of a kernel that change no result, and no others."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A lowered expression has the value of the expression itself."""
+"""An expression that is translated to CasADi has the value of the expression itself."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ import pytest
 
 from modelgen.errors import SceneError
 from modelgen.geometry.shape_warnings import declared_limits
-from modelgen.geometry.user_shape_checks import check_regular
+from modelgen.geometry.user_shape_checks import check_user_shape
 from modelgen.scene import python_scenes as build
 from modelgen.scene.scene_types import Shape
 
@@ -46,11 +46,11 @@ FINE = [
 
 @pytest.mark.parametrize("shape", FINE)
 def test_what_is_regular_passes_without_a_word(shape: Shape) -> None:
-    assert check_regular(shape) == ()
+    assert check_user_shape(shape) == ()
 
 
 def test_poles_that_are_not_declared_are_named() -> None:
-    lower, upper = check_regular(ball("-cos(u)*cos(v)", poles=()))
+    lower, upper = check_user_shape(ball("-cos(u)*cos(v)", poles=()))
     assert "shape 'ball': c_u x c_v vanishes at u = -1.5708" in lower
     assert 'poles = ["u_max"]' in upper
 
@@ -70,14 +70,14 @@ def test_poles_that_are_not_declared_are_named() -> None:
 )  # fmt: skip
 def test_what_is_not_is_refused(shape: Shape, found: str) -> None:
     with pytest.raises(SceneError, match=found):
-        check_regular(shape)
+        check_user_shape(shape)
 
 
 def test_the_faces_of_a_solid_are_checked() -> None:
     fold = {"name": "fold", "shape": {"kind": "chart", "x": "u", "y": "v**3", "z": "v**2",
             "domain": [[-1, 1], [-1, 1.1]]}}  # fmt: skip
     with pytest.raises(SceneError, match="c_u x c_v vanishes"):
-        check_regular(build.shape("solid", face=[fold]))
+        check_user_shape(build.shape("solid", face=[fold]))
 
 
 def test_exponents_that_take_curvature_away_are_declared() -> None:

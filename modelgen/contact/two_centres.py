@@ -36,7 +36,7 @@ def centres(pair: Pair) -> Centres:
     return Centres(o, f, distance, between / distance, distance - o.radius - f.radius)
 
 
-def sphere_rates(pair: Pair) -> Rates:
+def two_centres_rates(pair: Pair) -> Rates:
     """d_dot = N.(C_f_dot - C_o_dot); gamma from the turning of N and the centripetal terms of the centres."""
     at = centres(pair)
     V = at.f.velocity - at.o.velocity
@@ -56,7 +56,7 @@ def sphere_rates(pair: Pair) -> Rates:
     )
 
 
-def sphere_place(pair: Pair) -> Placement:
+def two_centres_place(pair: Pair) -> Placement:
     """Gap, points and margin; there is nothing to correct."""
     at = centres(pair)
     return Placement(
