@@ -25,7 +25,6 @@ from modelgen.geometry.support_maps import Support, point
 from modelgen.geometry.surface_catalogue import exterior_sign, surface_of
 from modelgen.model import ShapeKind
 
-
 STRICTLY_CONVEX = ("sphere", "ellipsoid", "superellipsoid")
 
 

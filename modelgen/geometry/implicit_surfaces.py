@@ -100,7 +100,7 @@ def superellipsoid(x: ca.SX, p: ca.SX) -> Implicit:
 
 
 def superellipsoid_hessian(size: ca.SX, sign: ca.SX, scale: ca.SX, P: ca.SX, Q: ca.SX) -> ca.SX:
-    """Hessian (3,3) of (|X|^P + |Y|^P)^(Q/P) + |Z|^Q in x, where X = scale_x x and so on have size and sign."""
+    """Hessian (3,3) of (|X|^P + |Y|^P)^(Q/P) + |Z|^Q in x, with X = scale x and so on of size and sign."""
     s = (size[0] ** P + size[1] ** P) ** (1 / P)
     ratio = size[0:2] / ca.fmax(s, TINY)
     power = ratio ** (P - 1)
