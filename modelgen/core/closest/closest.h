@@ -276,8 +276,9 @@ MG_INTERNAL void mg_insert_minimum(const mg_context *c, mg_minima *kept, const m
 /* Notes a gap in m above which the features may be at many places at once, none of which is a minimum by itself. */
 MG_INTERNAL void mg_note_open_gap(mg_context *c, mg_real gap);
 
-/* Notes a gap of closest points that are not isolated. */
-MG_INTERNAL void mg_note_singular_gap(mg_context *c, mg_real gap);
+/* Notes a gap of closest points that are not isolated; as one that no contact can follow, if the feature pair ends at
+   no border, beyond which edges and faces are followed. */
+MG_INTERNAL void mg_note_singular_gap(mg_context *c, int feature_pair, mg_real gap);
 
 /* Notes the gap of the critical point evaluated last if to rounding it is one of a curve or a surface of them. */
 MG_INTERNAL void mg_note_singular_point(mg_context *c, int feature_pair);

@@ -115,15 +115,15 @@ MG_INTERNAL void mg_note_open_gap(mg_context *c, mg_real gap) {
   if (gap < c->search.open_gap) c->search.open_gap = gap;
 }
 
-MG_INTERNAL void mg_note_singular_gap(mg_context *c, mg_real gap) {
+MG_INTERNAL void mg_note_singular_gap(mg_context *c, int feature_pair, mg_real gap) {
   mg_note_open_gap(c, gap);
-  if (gap < c->search.singular_gap) c->search.singular_gap = gap;
+  if (gap < c->search.singular_gap && mg_is_unconditional_feature_pair(c, feature_pair)) c->search.singular_gap = gap;
 }
 
 MG_INTERNAL void mg_note_singular_point(mg_context *c, int feature_pair) {
   const mg_real d = c->search.placement[0];
   if (fabs(mg_placement_uniqueness(c, c->system->n_contact)) > c->settings->search_margin) return;
-  if (d >= 0 || !mg_is_between_far_sides(c, feature_pair)) mg_note_singular_gap(c, d);
+  if (d >= 0 || !mg_is_between_far_sides(c, feature_pair)) mg_note_singular_gap(c, feature_pair, d);
 }
 
 MG_INTERNAL void mg_keep_minimum_at(mg_context *c, int feature_pair, mg_real *eta, mg_real least, mg_minima *kept) {

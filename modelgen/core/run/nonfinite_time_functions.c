@@ -3,6 +3,7 @@
 #include "run/run.h"
 #include "base/base.h"
 #include "model/model.h"
+#include "forces/forces.h"
 #include "timestep/timestep.h"
 
 /* Largest magnitude of n values and `size`; MG_MAX if one is not finite. */
