@@ -149,6 +149,14 @@ static int mg_transfer_over_vertex(mg_context *c, int from, int corner, const mg
   return 1;
 }
 
+/* True if a minimum belongs to sides of the bodies that face away from each other. */
+static int mg_is_minimum_on_far_sides(mg_context *c, const mg_minimum *found) {
+  mg_real next[6];
+  if (!(found->d < -c->settings->start_gap * c->system->length)) return 0;
+  mg_place_contact(c, mg_use_spare_contact(c, found->feature_pair), found->eta, next);
+  return mg_is_between_far_sides(c, found->feature_pair);
+}
+
 /* Move a contact whose feature pair condition is broken to the adjacent feature pair whose conditions hold, or release
    it. Needs the poses at the run's state. */
 static void mg_change_contact_feature(mg_context *c, mg_events *events, int contact) {
@@ -178,7 +186,8 @@ static void mg_change_contact_feature(mg_context *c, mg_events *events, int cont
     feature_pair = to;
   }
   const int not_found = found.feature_pair < 0 || best < -100 * c->settings->feature_border;
-  if (not_found || mg_is_minimum_tracked(c, c->system->contact_pair[contact], contact, &found)) {
+  if (not_found || mg_is_minimum_on_far_sides(c, &found) ||
+      mg_is_minimum_tracked(c, c->system->contact_pair[contact], contact, &found)) {
     mg_release_contact(c, events, contact);
     return;
   }
