@@ -95,7 +95,6 @@ static int casadi_f6(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   res[2][0]=a08;
   res[2][1]=a08;
   a09=1.;
-  res[3][0]=a09;
   a10=(a01/a04);
   a11=arg[1][11];
   a12=(a08<=a11);
@@ -128,6 +127,9 @@ static int casadi_f6(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a11=(a11+a10);
   a10=1.0000000000000001e-30;
   a11=casadi_fmax(a11,a10);
+  a10=(a01/a11);
+  a10=casadi_fmin(a09,a10);
+  res[3][0]=a10;
   a11=(1./a11);
   res[3][1]=a11;
   res[4][0]=a08;

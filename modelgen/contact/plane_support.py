@@ -25,6 +25,8 @@ from modelgen.geometry.support_maps import Support, point
 from modelgen.geometry.surface_catalogue import exterior_sign, surface_of
 from modelgen.model import ShapeKind
 
+STRICTLY_CONVEX = ("sphere", "ellipsoid", "superellipsoid")
+
 
 @dataclass(frozen=True)
 class SupportTouch:
@@ -96,16 +98,21 @@ def _foot_of_plane(arm: ca.SX, above: ca.SX, past: ca.SX, normal: ca.SX) -> Foot
 
 
 def _margin(pair: Pair, at: SupportTouch, x_f: ca.SX) -> ca.SX:
-    """(1, sigma_min(K_f)), or (0, 0) where f is flat: nothing is solved for, so that curvatures of very
-    different size cost no digits. Of a curve x_f'(n_f) is e e^T/kappa_f, and S = kappa_f against a plane."""
+    """(mu, sigma_min(K_f)): nothing is solved for, so that curvatures of very different size cost no digits.
+
+    mu = 1 where f meets every plane in one point, flat there or not; it is sigma_min times the size of f
+    where f may lie along a circle. Of a curve x_f'(n_f) is e e^T/kappa_f, and S = kappa_f against a plane.
+    """
     if is_point(pair.f.shape):
         return ca.SX([1, NO_LENGTH])
     T = tangent_frame(at.n)
     if is_curve(pair.f.shape):
-        radius = at.support.form(T[:, 0]) + at.support.form(T[:, 1])
-        return ca.vertcat(1, 1 / ca.fmax(radius, FLOOR))
-    sigma = singular_values(implicit_point(pair.f, x_f).curvature(T))[1]
-    return ca.vertcat(sigma / (sigma + FLOOR), sigma)
+        sigma = 1 / ca.fmax(at.support.form(T[:, 0]) + at.support.form(T[:, 1]), FLOOR)
+    else:
+        sigma = singular_values(implicit_point(pair.f, x_f).curvature(T))[1]
+    if pair.f.shape.kind in STRICTLY_CONVEX:
+        return ca.vertcat(1, sigma)
+    return ca.vertcat(ca.fmin(1, ca.sum1(pair.f.parameters) * sigma), sigma)
 
 
 def support_place(pair: Pair) -> Placement:

@@ -95,13 +95,21 @@ def superellipsoid(x: ca.SX, p: ca.SX) -> Implicit:
     slope = ca.sign(x) / p[0:3]
     power = ratio ** (P - 1)
     gradient = ca.vertcat(Q * s ** (Q - 1) * power, Q * size[2] ** (Q - 1)) * slope
-    bend = Q * s ** (Q - 2)
-    axial = bend * ((P - 1) * ratio ** (P - 2) + (Q - P) * power * power) / (p[0:2] * p[0:2])
-    mixed = bend * (Q - P) * power[0] * power[1] * slope[0] * slope[1]
-    vertical = Q * (Q - 1) * size[2] ** (Q - 2) / (p[2] * p[2])
-    matrix = ca.vertcat(
+    hessian = superellipsoid_hessian(size, ca.sign(x), 1 / p[0:3], P, Q)
+    return Implicit(s**Q + size[2] ** Q - 1, gradient, zeros(1), hessian)
+
+
+def superellipsoid_hessian(size: ca.SX, sign: ca.SX, scale: ca.SX, P: ca.SX, Q: ca.SX) -> ca.SX:
+    """Hessian (3,3) of (|X|^P + |Y|^P)^(Q/P) + |Z|^Q in x, with X = scale x and so on of size and sign."""
+    s = (size[0] ** P + size[1] ** P) ** (1 / P)
+    ratio = size[0:2] / ca.fmax(s, TINY)
+    power = ratio ** (P - 1)
+    bend, squares = Q * s ** (Q - 2), scale * scale
+    axial = bend * ((P - 1) * ratio ** (P - 2) + (Q - P) * power * power) * squares[0:2]
+    mixed = bend * (Q - P) * power[0] * power[1] * sign[0] * sign[1] * scale[0] * scale[1]
+    vertical = Q * (Q - 1) * size[2] ** (Q - 2) * squares[2]
+    return ca.vertcat(
         ca.horzcat(axial[0], mixed, zeros(1)),
         ca.horzcat(mixed, axial[1], zeros(1)),
         ca.horzcat(zeros(1, 2), vertical),
     )
-    return Implicit(s**Q + size[2] ** Q - 1, gradient, zeros(1), matrix)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from modelgen.geometry.frames import dot, zeros
-from modelgen.geometry.implicit_surfaces import TINY
+from modelgen.geometry.implicit_surfaces import TINY, superellipsoid_hessian
 
 
 @dataclass(frozen=True)
@@ -82,22 +82,19 @@ def ellipse(n: ca.SX, p: ca.SX) -> Support:
 def superellipsoid(n: ca.SX, p: ca.SX) -> Support:
     """The gradient of the dual gauge h = ((|a n_x|^P + |b n_y|^P)^(Q/P) + |c n_z|^Q)^(1/Q).
 
-    P = p/(p-1) and Q = q/(q-1). Its derivative has no bound where a curvature of the shape vanishes.
+    P = p/(p-1) and Q = q/(q-1). h^Q - 1 is the equation of a superellipsoid too; with its Hessian H,
+    h'' = H/(Q h^(Q-1)) - (Q-1) x x^T/h. h'' has no bound where a curvature of the shape vanishes: sizes
+    |a n_x| count as `TINY` at least, so that it is finite, and that product is zero for an m_x of zero.
     """
-    symbol = ca.SX.sym("n", 3)
     P, Q = p[3] / (p[3] - 1), p[4] / (p[4] - 1)
-    size = ca.fabs(p[0:3] * symbol)
+    size, sign = ca.fabs(p[0:3] * n), ca.sign(n)
     s = (size[0] ** P + size[1] ** P) ** (1 / P)
     height = (s**Q + size[2] ** Q) ** (1 / Q)
     across = (s / height) ** (Q - 1) * (size[0:2] / ca.fmax(s, TINY)) ** (P - 1)
-    along = (size[2] / height) ** (Q - 1)
-    x = ca.vertcat(across, along) * p[0:3] * ca.sign(symbol)
-    core, h = ca.substitute([x, height], [symbol], [n])
-
-    def form(m: ca.SX) -> ca.SX:
-        return ca.substitute(dot(m, ca.jtimes(x, symbol, m)), symbol, n)
+    x = ca.vertcat(across, (size[2] / height) ** (Q - 1)) * p[0:3] * sign
+    hessian = superellipsoid_hessian(ca.fmax(size, TINY), sign, p[0:3], P, Q) / (Q * height ** (Q - 1))
 
     def slope(m: ca.SX) -> ca.SX:
-        return ca.substitute(ca.jtimes(x, symbol, m), symbol, n)
+        return ca.mtimes(hessian, m) - (Q - 1) / height * dot(x, m) * x
 
-    return Support(core, zeros(1), h, form, slope)
+    return Support(x, zeros(1), height, lambda m: dot(m, slope(m)), slope)

@@ -153,7 +153,7 @@ class Accuracy:
         prediction_error_max: rad, or in L: above this estimated error nothing is predicted.
         gap_error_max: a run is not trusted if the gap of a closed contact, or a penetration, exceeded this
             times L.
-        energy_error_max: a run is not trusted if its energy drift exceeds this.
+        energy_error_max: a run is not trusted if its energy drift exceeds this, and what rounding explains.
         overlap_depth: two shapes that no contact lists have passed through each other where a point of both
             lies deeper in them than this times the radius of the smaller one's ball.
     """

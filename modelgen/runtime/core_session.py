@@ -195,10 +195,23 @@ class Session:
     def energy_drift(self, run: Any) -> float:
         """max |E - E_0 - work| of an mg_run, relative to its largest kinetic energy, or to m L^2 / T^2 at
         rest."""
+        return float(run.energy_error_max) / self._moved_energy(run)
+
+    def energy_rounding(self, run: Any) -> float:
+        """What rounding of energy and work in each step may add up to, relative as `energy_drift`."""
+        energies = self._resting_energy() + abs(float(run.energy_0)) + float(run.kinetic_max)
+        eps = float(np.finfo(self.tables.dtype).eps)
+        return (float(run.steps) + 1) * eps * energies / self._moved_energy(run)
+
+    def _resting_energy(self) -> float:
+        """m L^2 / T^2, J."""
         scales = self.instance["scales"]
-        resting = scales["mass"] * (scales["length"] / scales["time"]) ** 2
-        moved = run.kinetic_max > np.finfo(self.tables.dtype).eps * resting
-        return float(run.energy_error_max) / (float(run.kinetic_max) if moved else resting)
+        return float(scales["mass"] * (scales["length"] / scales["time"]) ** 2)
+
+    def _moved_energy(self, run: Any) -> float:
+        """The largest kinetic energy of an mg_run, or m L^2 / T^2 at rest, J."""
+        moved = run.kinetic_max > np.finfo(self.tables.dtype).eps * self._resting_energy()
+        return float(run.kinetic_max) if moved else self._resting_energy()
 
     def batch(self, runs: ctypes.Array[ctypes.Structure], t_stop: float, codes: Array) -> None:
         """Starts and advances each mg_run of an array to t_stop; writes the core's codes."""

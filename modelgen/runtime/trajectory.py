@@ -174,6 +174,7 @@ class Trajectory:
     instructions: dict[str, int]
     accuracy: str
     indeterminate_t: float | None = None  # s: first time at which friction forces left the motion open
+    energy_rounding: float = 0.0  # energy drift that rounding may explain
     penetration_t: float = 0.0  # s, of `penetration_max`
     penetration_pair: str = ""  # the pair that penetrates so deep, "" where none does
     undeclared: tuple[Passage, ...] = ()  # pairs that no contact lists and that overlapped, by time

@@ -58,7 +58,7 @@ def _doubts(
     joint_limit = accuracy.start_joint_gap * instance["scales"]["length"]
     if not path.joint_error_max <= joint_limit:
         yield f"a joint was apart by {path.joint_error_max:.2g} m, above {joint_limit:.2g} m"
-    if not path.energy_drift <= accuracy.energy_error_max:
+    if not path.energy_drift <= max(accuracy.energy_error_max, path.energy_rounding):
         yield f"the energy drift {path.energy_drift:.2g} is above {accuracy.energy_error_max:g}"
     if estimate is not None and estimate.horizon is not None:
         yield f"nothing is predicted beyond {estimate.horizon:.6g} s"

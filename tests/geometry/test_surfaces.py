@@ -7,6 +7,7 @@ from itertools import product
 from math import inf, isinf
 
 import casadi as ca
+import mpmath as mp
 import numpy as np
 import pytest
 from hypothesis import assume, given
@@ -208,3 +209,51 @@ def test_a_cavity_turns_the_normal_and_folding_removes_the_parameters() -> None:
     np.testing.assert_allclose(np.array(x), np.array(y), atol=1e-16)
     np.testing.assert_allclose(np.array(n), -np.array(inward), atol=1e-16)
     assert exterior_sign(Shape("ellipsoid", cavity=True)) == -1
+
+
+NEAR = [0.0, *(10.0**-k for k in range(1, 13))]
+
+
+@cache
+def bent_support() -> ca.Function:
+    """n, m, lengths -> the second derivative of the support function of a superellipsoid along m."""
+    n, m, p = ca.SX.sym("n", 3), ca.SX.sym("m", 3), ca.SX.sym("p", 5)
+    support = SURFACES["superellipsoid"].support
+    assert support is not None
+    at = support(n, p)
+    return ca.Function("bent", [n, m, p], [at.form(m), at.slope(m)])
+
+
+def reach_along(n: list[mp.mpf], lengths: tuple[float, ...]) -> mp.mpf:
+    """The support function of a superellipsoid."""
+    p, q = (mp.mpf(each) / (mp.mpf(each) - 1) for each in lengths[3:])
+    x, y, z = (abs(mp.mpf(a) * each) for a, each in zip(lengths, n, strict=False))
+    return ((x**p + y**p) ** (q / p) + z**q) ** (1 / q)
+
+
+@pytest.mark.parametrize(
+    "exponents", [(2.0, 2.0), (2.5, 2.5), (3.0, 3.0), (4.0, 4.0), (4.0, 2.0), (2.0, 4.0)]
+)
+@pytest.mark.parametrize("pole", range(3))
+def test_support_of_a_superellipsoid_bends_as_it_should_near_its_poles(
+    pole: int, exponents: tuple[float, float]
+) -> None:
+    """The second derivative by differences in 100 digits; nothing bends where the normal rests."""
+    lengths = (1.0, 0.8, 0.6, *exponents)
+    with mp.workdps(100):
+        for off in NEAR:
+            n = np.roll([1.0, off, 0.7 * off], pole)
+            form, slope = bent_support()(n, np.zeros(3), lengths)
+            assert float(form) == 0.0
+            assert not np.array(slope).any()
+            m = np.roll([-0.3 * off, 0.4, 0.5], pole)
+            form = float(bent_support()(n, m, lengths)[0])
+            assert np.isfinite(form)
+            if off == 0.0:
+                continue
+            step = mp.mpf(off) / mp.mpf(10) ** 15
+            there = [
+                reach_along([mp.mpf(a) + k * step * mp.mpf(b) for a, b in zip(n, m, strict=True)], lengths)
+                for k in (-1, 0, 1)
+            ]
+            assert form == pytest.approx(float((there[0] - 2 * there[1] + there[2]) / step**2), rel=1e-9)

@@ -298,3 +298,10 @@ def test_a_body_that_fits_into_a_hollow_is_followed_all_around(seed: int) -> Non
     assert verdict.outcome == "DONE", str(verdict)
     assert all("friction were not unique" in doubt for doubt in verdict.doubts), str(verdict)
     assert verdict.deepest < 3e-6
+
+
+def test_a_contact_that_leaves_its_edge_is_not_taken_to_the_far_side() -> None:
+    """A star flies at a ring: inside the ring, the plane of its face has its only minimum across the hole."""
+    verdict = judge(636)
+    assert verdict.outcome == "DONE", str(verdict)
+    assert verdict.deepest < 1e-9

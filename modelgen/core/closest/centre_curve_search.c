@@ -46,7 +46,8 @@ static void mg_converge_from_centres(mg_context *c, int feature_pair, const mg_c
   mg_start_eta(c, feature_pair, sample, sample + 1, eta);
   const int converged = mg_converge_from_any_start(c, feature_pair, eta) >= 0;
   const mg_real regularity = fmin(fabs(mg_placement_margin(c, c->system->n_contact)), place->regularity);
-  if (!converged || regularity <= c->settings->search_margin) mg_note_open_gap(c, d);
+  if (!converged) mg_note_open_gap(c, d);
+  else if (regularity <= c->settings->search_margin) mg_note_singular_gap(c, feature_pair, d);
   if (converged) mg_keep_minimum_at(c, feature_pair, eta, least, kept);
 }
 
@@ -68,5 +69,5 @@ MG_INTERNAL void mg_search_centre_curves(mg_context *c, int feature_pair, const 
   const int count = mg_stationary_places(of, limits->gap, place);
   for (int k = 0; k < count; k++) mg_converge_from_centres(c, feature_pair, of, place + k, limits, least, kept);
   if (count || (of[0].curve.kind == MG_CENTRE_CIRCLE && of[1].curve.kind == MG_CENTRE_CIRCLE)) return;
-  mg_note_open_gap(c, mg_gap_at_centres(of, of + 1, mg_constant_distance(of)));
+  mg_note_singular_gap(c, feature_pair, mg_gap_at_centres(of, of + 1, mg_constant_distance(of)));
 }

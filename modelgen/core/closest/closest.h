@@ -265,15 +265,20 @@ MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta,
 /* Counts a minimum that no contact can follow, if it is within search_gap, in the report of the run. */
 MG_INTERNAL void mg_report_unfollowed_minimum(const mg_context *c, const mg_minimum *found);
 
-/* Notes that a contact, or closest points of its pair, on a feature pair penetrate by `depth` at the state of the run.
+/* Notes that a contact, or closest points of its pair, on a feature pair penetrate by `depth` at the state of the run,
+   and the outcome of a run that ends by that.
    A rim that stands on three of its points because it is almost flat is lower elsewhere, which is no penetration. */
-MG_INTERNAL void mg_note_penetration(mg_context *c, int contact, int feature_pair, mg_real depth);
+MG_INTERNAL void mg_note_penetration(mg_context *c, int contact, int feature_pair, mg_real depth, int outcome);
 
 /* Inserts a minimum in order of |d|, unless it is known. Beyond MG_MINIMA the farthest is dropped and reported. */
 MG_INTERNAL void mg_insert_minimum(const mg_context *c, mg_minima *kept, const mg_minimum *found);
 
 /* Notes a gap in m above which the features may be at many places at once, none of which is a minimum by itself. */
 MG_INTERNAL void mg_note_open_gap(mg_context *c, mg_real gap);
+
+/* Notes a gap of closest points that are not isolated; as one that no contact can follow, if the feature pair ends at
+   no border, beyond which edges and faces are followed. */
+MG_INTERNAL void mg_note_singular_gap(mg_context *c, int feature_pair, mg_real gap);
 
 /* Notes the gap of the critical point evaluated last if to rounding it is one of a curve or a surface of them. */
 MG_INTERNAL void mg_note_singular_point(mg_context *c, int feature_pair);
@@ -282,6 +287,9 @@ MG_INTERNAL void mg_note_singular_point(mg_context *c, int feature_pair);
 MG_INTERNAL void mg_keep_minimum_at(mg_context *c, int feature_pair, mg_real *eta, mg_real least, mg_minima *kept);
 
 /* minima_search.c */
+
+/* Reports an incomplete search of a pair that always has closest points, of which none were found. */
+MG_INTERNAL void mg_report_lost_points(const mg_context *c, int pair);
 
 /* Lower bound of the distance of two convex solids: the largest over their flat faces of the least gap to the
    features of the other; -MG_MAX if no faces are known. An extremum below it is not a minimum of the distance. */

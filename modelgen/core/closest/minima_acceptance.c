@@ -61,11 +61,11 @@ MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta,
     if (is_wrong_side) mg_reverse_normal(c, feature_pair, eta), mg_place_contact(c, spare, eta, next);
   }
   found->undecided = mg_has_normal_sign(c, feature_pair) && has_no_outside && mg_is_side_undecided(c, feature_pair);
-  if (!(mg_placement_margin(c, spare) > c->settings->search_margin)) return 0;
+  if (!(mg_placement_uniqueness(c, spare) > c->settings->search_margin)) return 0;
   if (mg_most_violated_condition(c, feature_pair, eta, &which) < -c->settings->feature_border) return 0;
   if (mg_least_feature_pair_condition(c, feature_pair, eta, MG_WATCHED, &which) < -c->settings->appear_tilt_sine)
     return 0;
-  found->feature_pair = feature_pair, found->margin = mg_placement_margin(c, spare);
+  found->feature_pair = feature_pair, found->margin = mg_placement_uniqueness(c, spare);
   mg_record_minimum(c, found);
   if (found->d < -c->settings->start_gap * c->system->length && mg_is_between_far_sides(c, feature_pair)) return 0;
   for (int k = 0; k < 6; k++) found->eta[k] = eta[k];
@@ -79,9 +79,10 @@ MG_INTERNAL void mg_report_unfollowed_minimum(const mg_context *c, const mg_mini
   c->run->unfollowed_pair = c->system->feature_pair_owner[found->feature_pair];
 }
 
-MG_INTERNAL void mg_note_penetration(mg_context *c, int contact, int feature_pair, mg_real depth) {
+MG_INTERNAL void mg_note_penetration(mg_context *c, int contact, int feature_pair, mg_real depth, int outcome) {
   if (mg_is_feature_pair_of_tilted_faces(c, feature_pair)) depth -= 2 * c->settings->flat_angle * c->system->length;
-  if (depth > c->search.penetration) c->search.penetration = depth, c->search.penetration_contact = contact;
+  if (depth > c->search.penetration)
+    c->search.penetration = depth, c->search.penetration_contact = contact, c->search.penetration_outcome = outcome;
   if (!(depth > c->run->penetration_max)) return;
   c->run->penetration_max = depth, c->run->penetration_t = c->run->t, c->run->penetration_contact = contact;
 }
@@ -114,10 +115,15 @@ MG_INTERNAL void mg_note_open_gap(mg_context *c, mg_real gap) {
   if (gap < c->search.open_gap) c->search.open_gap = gap;
 }
 
+MG_INTERNAL void mg_note_singular_gap(mg_context *c, int feature_pair, mg_real gap) {
+  mg_note_open_gap(c, gap);
+  if (gap < c->search.singular_gap && mg_is_unconditional_feature_pair(c, feature_pair)) c->search.singular_gap = gap;
+}
+
 MG_INTERNAL void mg_note_singular_point(mg_context *c, int feature_pair) {
   const mg_real d = c->search.placement[0];
-  if (fabs(mg_placement_margin(c, c->system->n_contact)) > c->settings->search_margin) return;
-  if (d >= 0 || !mg_is_between_far_sides(c, feature_pair)) mg_note_open_gap(c, d);
+  if (fabs(mg_placement_uniqueness(c, c->system->n_contact)) > c->settings->search_margin) return;
+  if (d >= 0 || !mg_is_between_far_sides(c, feature_pair)) mg_note_singular_gap(c, feature_pair, d);
 }
 
 MG_INTERNAL void mg_keep_minimum_at(mg_context *c, int feature_pair, mg_real *eta, mg_real least, mg_minima *kept) {

@@ -13,6 +13,13 @@ static void mg_report_incomplete_search(const mg_context *c, int feature_pair) {
   c->run->incomplete_pair = c->system->feature_pair_owner[feature_pair];
 }
 
+MG_INTERNAL void mg_report_lost_points(const mg_context *c, int pair) {
+  const int feature_pair = c->system->pair_feature_pair[pair];
+  if (mg_is_pair_followed_from_anywhere(c, pair) && mg_is_unconditional_feature_pair(c, feature_pair) &&
+      !mg_is_on_feature_pair(c, mg_pair_first_contact(c, pair)))
+    mg_report_incomplete_search(c, feature_pair);
+}
+
 MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair) {
   const mg_system *s = c->system;
   mg_real eta[6] = {0}, next[6], separation = -MG_MAX;
@@ -73,9 +80,15 @@ MG_INTERNAL long mg_search_nearest(mg_context *c, int first, int end, mg_real le
   }
 }
 
-/* Outcome of a start without closest points; if the search was given up, the shapes conform. */
+/* True if closest points that are not isolated touch. */
+static int mg_is_singular_contact(const mg_context *c) {
+  return fabs(c->search.singular_gap) <= c->settings->start_gap * c->system->length;
+}
+
+/* Outcome of a start without closest points; if they are not isolated, or the search was given up, the shapes conform.
+ */
 static int mg_refuse_start(const mg_context *c) {
-  if (!c->run->incomplete_searches) return MG_NO_EXTREMUM;
+  if (!c->run->incomplete_searches && !mg_is_singular_contact(c)) return MG_NO_EXTREMUM;
   c->run->margin_min = 0;
   return MG_MARGIN;
 }
@@ -88,9 +101,9 @@ static void mg_search_at_start(mg_context *c, int first, int end, mg_real least,
   if (found->count) c->run->incomplete_searches = before + incomplete;
 }
 
-/* True if closest points form a curve or a surface, and the pair does not penetrate there. */
+/* True if closest points form a curve or a surface, and the pair neither touches nor penetrates there. */
 static int mg_is_open_gap_allowed(const mg_context *c) {
-  return c->search.open_gap < MG_MAX && mg_is_start_gap_allowed(c, c->search.open_gap);
+  return c->search.open_gap < MG_MAX && mg_is_start_gap_allowed(c, c->search.open_gap) && !mg_is_singular_contact(c);
 }
 
 /* Start of a pair whose contacts have feature pairs of their own. Returns an outcome. */
@@ -141,7 +154,7 @@ MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
   for (int pair = 0; pair < c->system->n_pair; pair++) c->run->unfollowed_gap[pair] = MG_MAX;
   for (int i = 0; i < c->layout.support_begin; i++) mg_set_feature_pair(c, i, -1, 0);
   for (int pair = mg_next_pair(c, -1); pair < c->system->n_pair; pair = mg_next_pair(c, pair)) {
-    c->search.open_gap = MG_MAX;
+    c->search.open_gap = c->search.singular_gap = MG_MAX;
     const int outcome = mg_has_own_feature_pairs(c, pair) ? mg_start_own_feature_pairs(c, pair)
                                                           : mg_start_shared_feature_pairs(c, pair);
     if (outcome) return outcome;

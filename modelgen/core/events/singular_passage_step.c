@@ -78,7 +78,7 @@ static int mg_find_point_after_passage(mg_context *c, int contact, mg_real *eta)
   for (int k = 0; k < n; k++) trial_eta[k] = eta[k];
   if (!n) {
     mg_place_contact(c, contact, trial_eta, next);
-    return mg_placement_margin(c, contact) > c->settings->search_margin && fabs(c->search.placement[0]) <= touching;
+    return mg_placement_uniqueness(c, contact) > c->settings->search_margin && fabs(c->search.placement[0]) <= touching;
   }
   if (mg_newton_on_feature_pair(c, contact, trial_eta) >= 0 && mg_accept_minimum(c, feature_pair, trial_eta, &found))
     mg_insert_minimum(c, &kept, &found);
@@ -121,7 +121,7 @@ static mg_real mg_place_points_after_passage(mg_context *c, mg_real t, mg_real *
     if (!c->run->closed[i]) continue;
     if (!mg_find_point_after_passage(c, i, mg_contact_eta(c, x, i))) return MG_MAX;
     for (int k = 0; k < 3; k++) c->events.passage.landing_point[3 * i + k] = c->search.placement[11 + k];
-    const mg_real margin = mg_placement_margin(c, i);
+    const mg_real margin = mg_contact_margin(c, i);
     if (!(margin >= c->events.passage.margin)) c->events.passage.margin = margin;
     if (mg_has_swapped_contact_points(c, i)) return MG_MAX;
     const mg_real distance =

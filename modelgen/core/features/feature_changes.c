@@ -52,7 +52,7 @@ static mg_real mg_transfer_to_feature_pair(mg_context *c, int from, int to, cons
   *which = -1;
   mg_eta_from_points(c, to, at + (sides_swapped ? 11 : 8), at + (sides_swapped ? 8 : 11), eta);
   if (mg_newton_on_feature_pair(c, probe_contact, eta) < 0 ||
-      !(mg_placement_margin(c, probe_contact) > c->settings->search_margin))
+      !(mg_placement_uniqueness(c, probe_contact) > c->settings->search_margin))
     return -MG_MAX;
   if (mg_has_normal_sign(c, to) && (mg_dot3(c->search.placement + 5, at + 5) < 0) != sides_swapped)
     mg_reverse_normal(c, to, eta), mg_place_contact(c, probe_contact, eta, next);
@@ -149,6 +149,14 @@ static int mg_transfer_over_vertex(mg_context *c, int from, int corner, const mg
   return 1;
 }
 
+/* True if a minimum belongs to sides of the bodies that face away from each other. */
+static int mg_is_minimum_on_far_sides(mg_context *c, const mg_minimum *found) {
+  mg_real next[6];
+  if (!(found->d < -c->settings->start_gap * c->system->length)) return 0;
+  mg_place_contact(c, mg_use_spare_contact(c, found->feature_pair), found->eta, next);
+  return mg_is_between_far_sides(c, found->feature_pair);
+}
+
 /* Move a contact whose feature pair condition is broken to the adjacent feature pair whose conditions hold, or release
    it. Needs the poses at the run's state. */
 static void mg_change_contact_feature(mg_context *c, mg_events *events, int contact) {
@@ -178,7 +186,8 @@ static void mg_change_contact_feature(mg_context *c, mg_events *events, int cont
     feature_pair = to;
   }
   const int not_found = found.feature_pair < 0 || best < -100 * c->settings->feature_border;
-  if (not_found || mg_is_minimum_tracked(c, c->system->contact_pair[contact], contact, &found)) {
+  if (not_found || mg_is_minimum_on_far_sides(c, &found) ||
+      mg_is_minimum_tracked(c, c->system->contact_pair[contact], contact, &found)) {
     mg_release_contact(c, events, contact);
     return;
   }
@@ -373,7 +382,7 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
   const mg_search_limits limits = mg_has_own_feature_pairs(c, pair) ? mg_all_gaps : seen;
   mg_minima found;
   int count = found.count = 0;
-  c->search.open_gap = MG_MAX;
+  c->search.open_gap = c->search.singular_gap = MG_MAX;
   mg_search_free_feature_pairs(c, pair, &limits, least, &found);
   c->run->unfollowed_gap[pair] = mg_max(c->search.open_gap, (mg_real)0);
   for (int k = 0; k < found.count; k++) {
@@ -383,8 +392,12 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
     const int followed = mg_follow_minimum(c, events, pair, each, seen.depth, appearing.depth);
     count += followed == MG_FOLLOWED_NOW;
     if (!followed || !mg_is_time_stepping(c))
-      mg_note_penetration(c, mg_pair_first_contact(c, pair), each->feature_pair, -each->d);
+      mg_note_penetration(c, mg_pair_first_contact(c, pair), each->feature_pair, -each->d, MG_PENETRATED);
   }
+  if (c->search.singular_gap < 0)
+    mg_note_penetration(c, mg_pair_first_contact(c, pair), s->pair_feature_pair[pair], -c->search.singular_gap,
+                        MG_MARGIN);
+  if (!found.count && c->search.open_gap == MG_MAX) mg_report_lost_points(c, pair);
   return count;
 }
 
@@ -407,11 +420,14 @@ static int mg_find_unfollowed_minimum(mg_context *c, int pair, mg_real moved) {
   const mg_system *s = c->system;
   const mg_search_limits limits = mg_penetration_limits(c, pair, moved);
   const mg_real touching = c->settings->start_gap * s->length, least = mg_separating_plane_gap(c, pair) - touching;
-  int kind = MG_ALL_FOLLOWED;
   mg_minima found;
   if (mg_is_only_minimum_followed(c, pair, limits.gap)) return MG_ALL_FOLLOWED;
   found.count = 0;
+  c->search.singular_gap = MG_MAX;
   mg_search_free_feature_pairs(c, pair, &limits, least, &found);
+  int kind = c->search.singular_gap < -touching ? MG_NEW_PENETRATION
+             : c->search.singular_gap < MG_MAX  ? MG_NEW_MINIMUM
+                                                : MG_ALL_FOLLOWED;
   for (int k = 0; k < found.count && kind < MG_NEW_PENETRATION; k++) {
     const mg_minimum *each = found.list + k;
     if (!mg_is_minimum_within_reach(c, each, limits.depth) || mg_is_minimum_tracked(c, pair, -1, each) ||

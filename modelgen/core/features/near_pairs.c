@@ -95,7 +95,7 @@ static void mg_enter_pair(mg_context *c, int pair) {
   if (mg_converge_from_any_start(c, feature_pair, eta) < 0) return;
   mg_set_feature_pair(c, contact, feature_pair, eta);
   mg_place_contact(c, contact, eta, c->search.placement + 32);
-  c->rows.d[contact] = c->search.placement[0], c->run->margin[contact] = mg_placement_margin(c, contact);
+  c->rows.d[contact] = c->search.placement[0], c->run->margin[contact] = mg_placement_uniqueness(c, contact);
 }
 
 /* Lists the pairs that are never left out and those found, both ascending; those found that were left out are kept in

@@ -38,7 +38,7 @@ MG_INTERNAL void mg_update_diagnostics(mg_context *c) {
     const mg_real gap = c->rows.d[i] / s->length, force = c->solution.force[i] / weight;
     if (!mg_is_support_contact(c, i)) mg_update_maximum(&run->complementarity_max, fabs(gap < force ? gap : force));
     if (mg_is_on_feature_pair(c, i) && !mg_is_support_contact(c, i))
-      mg_note_penetration(c, i, c->run->feature_pair[i], -c->rows.d[i]);
+      mg_note_penetration(c, i, c->run->feature_pair[i], -c->rows.d[i], MG_PENETRATED);
     if (!run->closed[i]) continue;
     mg_update_maximum(&run->gap_max, fabs(c->rows.d[i]));
     if (run->rolling_start[i] || run->margin[i] >= run->margin_min ||
@@ -55,7 +55,24 @@ MG_INTERNAL int mg_check_penetration(mg_context *c, mg_real unresolved) {
   const int contact = c->search.penetration_contact;
   if (!(depth > limit + unresolved * mg_pair_speed_bound(c, c->system->contact_pair[contact]))) return MG_DONE;
   c->run->failed_contact = contact;
-  return MG_PENETRATED;
+  if (c->search.penetration_outcome == MG_MARGIN) c->run->margin_min = 0;
+  return c->search.penetration_outcome;
+}
+
+/* True if the gap of a contact is a number, and its rates; Gamma2 only where the gap is held. */
+static int mg_has_finite_rows(const mg_context *c, int contact) {
+  const int is_held = c->run->closed[contact] && !mg_is_time_stepping(c);
+  return mg_all_finite(1, c->rows.d + contact) && mg_all_finite(12, c->rows.J + 12 * contact) &&
+         (!is_held || mg_all_finite(1, c->rows.gamma + contact));
+}
+
+MG_INTERNAL int mg_check_contact_rows(mg_context *c) {
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
+    if (!mg_is_on_feature_pair(c, i) || c->run->rolling_start[i] || mg_has_finite_rows(c, i)) continue;
+    c->run->failed_contact = i;
+    return MG_NOT_FINITE;
+  }
+  return MG_DONE;
 }
 
 MG_INTERNAL int mg_check_margins(mg_context *c, mg_events *events) {

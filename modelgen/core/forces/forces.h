@@ -499,9 +499,12 @@ MG_INTERNAL mg_real mg_energy(mg_context *c, mg_real *kinetic);
 /* Updates the statistics of the run. Needs the rows and forces at run->x. */
 MG_INTERNAL void mg_update_diagnostics(mg_context *c);
 
-/* Ends the run with MG_PENETRATED if a penetration noted in this step is deeper than penetration_limit and than the
-   pair moves within the time `unresolved` (s); else returns MG_DONE. */
+/* Ends the run with the outcome noted with a penetration, if one noted in this step is deeper than penetration_limit
+   and than the pair moves within the time `unresolved` (s); else returns MG_DONE. */
 MG_INTERNAL int mg_check_penetration(mg_context *c, mg_real unresolved);
+
+/* Ends the run with MG_NOT_FINITE if the gap of a contact or its rows are not finite; else returns MG_DONE. */
+MG_INTERNAL int mg_check_contact_rows(mg_context *c);
 
 /* Ends the run with MG_MARGIN if a closed contact is singular; else returns MG_DONE. */
 MG_INTERNAL int mg_check_margins(mg_context *c, mg_events *events);

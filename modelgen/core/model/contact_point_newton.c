@@ -17,6 +17,17 @@ MG_INTERNAL mg_real mg_placement_margin(const mg_context *c, int contact) {
   return c->search.placement[3] < flat ? c->search.placement[3] : flat;
 }
 
+MG_INTERNAL mg_real mg_placement_uniqueness(const mg_context *c, int contact) {
+  return c->kernels->contact_kinds[c->contacts.kind[contact]].n_eta ? mg_placement_margin(c, contact)
+                                                                    : c->search.placement[3];
+}
+
+MG_INTERNAL mg_real mg_contact_margin(const mg_context *c, int contact) {
+  const mg_system *s = c->system;
+  const int is_slow = fabs(c->rows.gamma[contact]) * s->time * s->time <= s->length;
+  return is_slow ? mg_placement_uniqueness(c, contact) : mg_placement_margin(c, contact);
+}
+
 MG_INTERNAL int mg_place_all_contacts(mg_context *c, mg_real t, mg_real *x) {
   const mg_system *s = c->system;
   mg_update_poses(c, t, x);
@@ -25,7 +36,7 @@ MG_INTERNAL int mg_place_all_contacts(mg_context *c, mg_real t, mg_real *x) {
     if (!mg_is_on_feature_pair(c, i)) continue;
     const int n = mg_place_contact(c, i, eta, next), flat = mg_is_tilt_below_flat_limit(c, i);
     c->rows.d[i] = c->search.placement[0];
-    c->run->margin[i] = mg_placement_margin(c, i);
+    c->run->margin[i] = mg_contact_margin(c, i);
     for (int k = 0; k < n && !flat; k++) {
       if (!(fabs(next[k]) <= MG_MAX)) return 0;
       if (c->settings->newton) eta[k] = next[k];

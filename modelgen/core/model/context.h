@@ -276,9 +276,11 @@ typedef struct {
   int *is_searched;        /* [per pair] 1: searched at the end of this step already, and all minima are followed */
   int *cell_pairs;         /* [2 MG_CELL_PAIRS] pairs of cells still to be treated */
   mg_real open_gap;        /* least gap noted in the present search by mg_note_open_gap, m; MG_MAX: none */
+  mg_real singular_gap;    /* the same of closest points that are not isolated, which no contact can follow */
   mg_minima abandoned;     /* minima that contacts have left in this step */
   mg_real penetration;     /* deepest penetration noted in this step, m */
   int penetration_contact; /* its contact, or the first contact of its pair */
+  int penetration_outcome; /* outcome of a run that ends by it */
   mg_real *placement; /* outputs of contact_place: d, residual (2), margin (2), N (3), points of o and f (3, 3); from
                          32 on eta_next */
 } mg_search_workspace;

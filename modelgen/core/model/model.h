@@ -283,6 +283,14 @@ MG_INTERNAL int mg_is_placement_critical(const mg_context *c, int contact);
 /* Margin of the placement evaluated last, dimensionless. */
 MG_INTERNAL mg_real mg_placement_margin(const mg_context *c, int contact);
 
+/* How well the closest points of the placement evaluated last are determined: its margin; where eta is empty, how
+   far the points are from a curve of them, whatever the curvature. */
+MG_INTERNAL mg_real mg_placement_uniqueness(const mg_context *c, int contact);
+
+/* Margin of a contact at the placement evaluated last. A point without curvature where eta is empty is singular only if
+   the contact point moves over it: if Gamma2, as evaluated last, is above the characteristic acceleration. */
+MG_INTERNAL mg_real mg_contact_margin(const mg_context *c, int contact);
+
 /* Takes one Newton step of eta in x for every contact at time t, except for those that are still flat, whose
    points rounding would move; writes d and margins. Returns 0 if eta is not finite. */
 MG_INTERNAL int mg_place_all_contacts(mg_context *c, mg_real t, mg_real *x);

@@ -121,6 +121,7 @@ static int mg_finish_accepted_step(mg_context *c, mg_real h, int event, mg_recor
   if (!outcome) outcome = mg_cross_singular_contacts(c, record, events);
   if (!outcome && !c->events.passage.is_paused) outcome = mg_check_margins(c, events);
   if (!outcome) outcome = mg_check_penetration(c, 0);
+  if (!outcome) outcome = mg_check_contact_rows(c);
   return !outcome && mg_is_progress_too_slow(c) ? MG_STEP_TOO_SMALL : outcome;
 }
 

@@ -20,7 +20,7 @@ static int mg_place_start_contacts(mg_context *c) {
     c->run->closed[i] = c->run->active[i] = c->run->rolling_start[i] = 0;
     if (!mg_is_on_feature_pair(c, i)) continue;
     const int lost = mg_newton_on_feature_pair(c, i, mg_contact_eta(c, c->run->x, i)) < 0 ||
-                     !(mg_placement_margin(c, i) >= c->settings->margin_refuse);
+                     !(mg_placement_uniqueness(c, i) >= c->settings->margin_refuse);
     if (lost && mg_is_contact_of_flat_patch(c, i)) {
       mg_set_feature_pair(c, i, -1, 0);
       continue;
@@ -28,7 +28,7 @@ static int mg_place_start_contacts(mg_context *c) {
     if (mg_newton_on_feature_pair(c, i, mg_contact_eta(c, c->run->x, i)) < 0) return MG_NO_EXTREMUM;
     if (c->search.placement[0] < -touching) return MG_PENETRATION;
     c->run->closed[i] = c->search.placement[0] <= touching;
-    c->run->margin[i] = mg_placement_margin(c, i);
+    c->run->margin[i] = mg_placement_uniqueness(c, i);
     if (c->run->closed[i] && c->run->margin[i] < c->run->margin_min) c->run->margin_min = c->run->margin[i];
     if (c->run->closed[i] && !(c->run->margin[i] >= c->settings->margin_refuse)) return MG_MARGIN;
   }
@@ -104,6 +104,8 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
   if (!outcome) outcome = mg_place_start_contacts(&c);
   if (outcome) return outcome;
   mg_evaluate_run_state(&c);
+  outcome = mg_check_contact_rows(&c);
+  if (outcome) return outcome;
   if (!mg_project_initial_joints(&c)) return MG_JOINT_APART;
   mg_open_separating(&c);
   if (settings->project && !mg_project_initial_pose(&c)) return MG_NO_EXTREMUM;

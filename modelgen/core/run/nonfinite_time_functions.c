@@ -3,6 +3,7 @@
 #include "run/run.h"
 #include "base/base.h"
 #include "model/model.h"
+#include "forces/forces.h"
 #include "timestep/timestep.h"
 
 /* Largest magnitude of n values and `size`; MG_MAX if one is not finite. */
@@ -103,7 +104,8 @@ static int mg_first_unbounded_function(mg_context *c, mg_real ahead, int lasting
 
 MG_INTERNAL int mg_explain_failed_outcome(mg_context *c, int outcome) {
   const mg_real ahead = c->settings->time_resolution * c->system->time;
-  return mg_is_fallback_outcome(outcome) && mg_first_unbounded_function(c, ahead, 1) >= 0 ? MG_NOT_FINITE : outcome;
+  if (!mg_is_fallback_outcome(outcome)) return outcome;
+  return mg_first_unbounded_function(c, ahead, 1) >= 0 || mg_check_contact_rows(c) ? MG_NOT_FINITE : outcome;
 }
 
 /* Length of the step that ended a run as not finite; an adaptive step has been shortened since. */

@@ -65,7 +65,8 @@ MG_INTERNAL int mg_has_peak_at(const mg_context *c, int function, mg_real t);
    power -2/3 of the time left. At a jump, a short pulse or a root it does not. */
 MG_INTERNAL int mg_has_pole_at(const mg_context *c, int function, mg_real t);
 
-/* Outcome of a run that cannot go on: MG_NOT_FINITE if a function of time is unbounded, else the given one. */
+/* Outcome of a run that cannot go on: MG_NOT_FINITE if a function of time is unbounded, or the rows of a contact are
+   not finite, else the given one. */
 MG_INTERNAL int mg_explain_failed_outcome(mg_context *c, int outcome);
 
 /* infinite_load_crossing.c */

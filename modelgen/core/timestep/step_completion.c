@@ -139,7 +139,7 @@ MG_INTERNAL void mg_converge_all_contacts(mg_context *c, mg_events *events) {
     c->events.triggered[i] = c->events.within_border[i] = 0;
     if (!mg_is_on_feature_pair(c, i)) continue;
     if (mg_converge_contact(c, i)) {
-      c->rows.d[i] = c->search.placement[0], c->run->margin[i] = mg_placement_margin(c, i);
+      c->rows.d[i] = c->search.placement[0], c->run->margin[i] = mg_contact_margin(c, i);
       mg_mark_feature_exit(c, i);
     } else mg_release_contact(c, events, i);
   }

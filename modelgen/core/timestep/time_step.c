@@ -83,7 +83,8 @@ MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_eve
     mg_update_rows_at(c, run->t, run->x);
   }
   mg_update_diagnostics(c);
-  return mg_check_penetration(c, 2 * h);
+  const int too_deep = mg_check_penetration(c, 2 * h);
+  return too_deep ? too_deep : mg_check_contact_rows(c);
 }
 
 MG_INTERNAL void mg_record_next_forces(mg_context *c, const mg_record *record) {

@@ -18,6 +18,7 @@ from modelgen.runtime.warnings.time_stepping import stepping_warnings
 POINTS_MAX = 64  # contacts that a pair can have
 
 STEPS_OF_A_PERIOD = 5000  # tried in a characteristic time, on average, above which a run says so
+TURN = 0.1  # rad in a step, on average, above which the turning explains its length
 
 
 def hints(bodies: Sequence[Mapping[str, Any]], touching: Sequence[Any]) -> tuple[str, ...]:
@@ -110,11 +111,30 @@ def _short_steps(session: Session, accuracy: Accuracy) -> list[str]:
     period = session.instance["scales"]["time"]
     if accuracy.method != "dop853" or tried * period <= STEPS_OF_A_PERIOD * max(span, period):
         return []
+    name, spin = _fastest(session)
+    cause = (
+        f"because {name} turns at {spin:.4g} rad/s, with {2 * np.pi * tried / (spin * span):.2g} of them "
+        "in a turn; a looser accuracy takes fewer"
+        if spin * span > TURN * tried
+        else "as where a rim rocks almost flat without friction and its contact point runs round; "
+        'method = "time-stepping" bounds their number'
+    )
     return [
         f"steps were short: {tried} were tried in {span:.4g} s, {tried * period / span:.0f} in a "
-        f"characteristic time of {period:.3g} s, as where a rim rocks almost flat without friction and its "
-        'contact point runs round; method = "time-stepping" bounds their number'
+        f"characteristic time of {period:.3g} s, {cause}"
     ]
+
+
+def _fastest(session: Session) -> tuple[str, float]:
+    """The free body that turns fastest at the end, and its angular velocity in rad/s."""
+    bodies, n_q = session.instance["bodies"], session.instance["n_q"]
+    spins = [
+        (float(np.linalg.norm(session.x[n_q + body["u"] + 3 : n_q + body["u"] + 6])), body["name"])
+        for body in bodies
+        if body["motion"] == "free"
+    ]
+    spin, name = max(spins, default=(0.0, ""))
+    return name, spin
 
 
 def _far(session: Session, accuracy: Accuracy) -> list[str]:
