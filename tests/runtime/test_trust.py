@@ -80,3 +80,15 @@ def test_an_uncertified_run_is_doubted_by_the_estimate_or_by_its_own_reasons() -
     assert doubted(horizon) == ("nothing is predicted beyond 0.2 s",)
     shared = replace(path(), estimate=replace(estimate, uncertified=("something",)))
     assert doubted(shared) == ("uncertified: something",)
+
+
+@pytest.mark.parametrize("height", [0.0, 1.0, 100.0])
+def test_energy_within_rounding_is_trusted(height: float) -> None:
+    """A belt drags a box with a friction of 1e-6: its motion is lost in the rounding of its height."""
+    belt = make.driven("belt", make.plane(), path={"position": ["0.5*t", "0.0", str(height)]})
+    box = make.dynamic("box", make.box(0.1, 0.1, 0.1), density=1000.0, position=[0, 0, height + 0.05])
+    contact = [{"between": ["box", "belt"], "friction": 1e-6}]
+    run = simulate(library_of(make.scene("belt", [belt, box], contact=contact)), until=1.0, samples=3)
+    assert run.is_trusted, run.doubts
+    assert run.energy_drift > 1e-7
+    assert path().energy_rounding < 1e-12

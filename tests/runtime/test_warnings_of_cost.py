@@ -7,6 +7,7 @@ import re
 from modelgen import read, simulate
 from modelgen.runtime.trajectory import Event
 from modelgen.runtime.warnings.slip_changes import MANY, slip_change_warnings
+from modelgen.scene import python_scenes as make
 from tests.benchmarks.cliffs import SHIPPED, rocking_can, spinning_box
 from tests.running import library_of
 
@@ -45,3 +46,10 @@ def test_changes_far_apart_and_at_different_contacts_are_not_told() -> None:
     ]
     assert not slip_change_warnings(changes, 1.0)
     assert len(slip_change_warnings(changes, 10.0)) == 3
+
+
+def test_a_run_of_a_body_that_turns_fast_names_it() -> None:
+    top = make.dynamic("top", make.cylinder(0.02, 0.1), density=7800.0, angular_velocity=[0.0, 0.0, 1e5])
+    path = simulate(library_of(make.scene("top", [top])), until=0.1, samples=2, estimate=False)
+    (told,) = (warning for warning in path.warnings if "steps were short" in warning)
+    assert "because top turns at 1e+05 rad/s" in told
