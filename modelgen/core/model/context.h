@@ -68,8 +68,8 @@ typedef struct {
   mg_real direction[3]; /* exterior normal of a surface or unit tangent of a curve, world axes */
 } mg_sample;
 
-/* A cell of a feature: a box of its coordinates, with bounds of what lies in it. Axes of the shape, and if a
-   search has asked for them with those of its bends. */
+/* A cell of a feature: a box of its coordinates, with bounds of what lies in it. Those of bends are worked out when a
+   search needs them. Axes of the shape. */
 typedef struct {
   mg_real box[4];         /* least and greatest u, least and greatest v */
   mg_real centre[3];      /* point at the middle of the box, m */
