@@ -441,6 +441,7 @@ MG_INTERNAL int mg_are_cells_apart(const mg_cell_view *a, const mg_cell_view *b,
   const mg_search_limits moved = mg_limits_along_normal(a, b, limits);
   mg_real longest = distance + both;
   if (!(both < MG_MAX / 4)) return 0;
+  if (mg_are_directions_apart(a, b)) return 1;
   const int is_surface = a->kind == MG_VIEW_SURFACE || b->kind == MG_VIEW_SURFACE;
   if (b->cell) {
     const mg_real reach = mg_max(is_surface || !mg_is_hollow(a, b) ? moved.gap : limits->depth - a->tube - b->tube,
@@ -448,7 +449,6 @@ MG_INTERNAL int mg_are_cells_apart(const mg_cell_view *a, const mg_cell_view *b,
     if (mg_are_cells_distant(a, b, v, distance, reach)) return 1;
     longest = mg_min(longest, reach);
   }
-  if (mg_are_directions_apart(a, b)) return 1;
   if ((!b->cell || !is_surface) && mg_is_view_distant(a, b, v, distance, limits)) return 1;
   if (b->kind == MG_VIEW_PLANE) return 0;
   for (int side = 0; side < 2; side++) {
