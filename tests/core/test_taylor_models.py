@@ -65,7 +65,7 @@ def bounds(core: ctypes.CDLL, function: ca.Function, box: np.ndarray) -> tuple[l
     memory = (Model * (function.sz_w() + 1))()
     core.bound_over_box(
         rows.ctypes.data_as(ctypes.c_void_p), len(rows), numbers.ctypes.data_as(ctypes.c_void_p),
-        box.ctypes.data_as(ctypes.c_void_p), None, memory, function.sz_w() + 1, out, kink,
+        box.ctypes.data_as(ctypes.c_void_p), None, len(out), memory, function.sz_w() + 1, out, kink,
     )  # fmt: skip
     return list(out), list(kink)
 

@@ -94,6 +94,13 @@ def grid_minima(o: Parametrised, f: Parametrised, pose: Array, offset: float, n:
     return np.hstack([grids[0][row], grids[1][column]])
 
 
+def nearest_on_grid(shape: Parametrised, x: Array, n: int = 200) -> Array:
+    """Coordinates, in rows, of the points of a grid that are nearest to points in the axes of the shape."""
+    at = np.stack(np.meshgrid(*shape.grid(n), indexing="ij"), -1).reshape(-1, shape.size)
+    points, _ = points_of(shape, at)
+    return at[[np.argmin(np.linalg.norm(points - each, axis=1)) for each in x]].reshape(-1, shape.size)
+
+
 def descended(
     o: Parametrised, f: Parametrised, pose: Array, offset: float, w: Array, steps: int = 60
 ) -> tuple[Array, Array]:
@@ -126,10 +133,18 @@ def descended(
 
 
 def exhaustive(
-    o: Parametrised, f: Parametrised, pose: Array, *, offset: float = 0.0, n: int = 32, merge: float = 1e-5
-) -> Minima:
-    """All minima of the signed distance above -offset, sorted; f at `pose` in the axes of o."""
-    w, converged = descended(o, f, pose, offset, grid_minima(o, f, pose, offset, n))
+    o: Parametrised, f: Parametrised, pose: Array, *, near: tuple[Array, Array] | None = None,
+    offset: float = 0.0, n: int = 32, merge: float = 1e-5,
+) -> Minima:  # fmt: skip
+    """All minima of the signed distance above -offset, sorted; f at `pose` in the axes of o.
+
+    near: rows of points on both, in the axes of o, from which Newton's method starts too.
+    """
+    starts = grid_minima(o, f, pose, offset, n)
+    if near is not None:
+        in_f = (near[1] - pose[:3]) @ pose[3:].reshape(3, 3, order="F")
+        starts = np.vstack([starts, np.hstack([nearest_on_grid(o, near[0]), nearest_on_grid(f, in_f)])])
+    w, converged = descended(o, f, pose, offset, starts)
     if not converged.any():
         return Minima(np.zeros(0), np.zeros((0, 3)), np.zeros((0, 3)))
     return described(o, f, pose, offset, w[converged], merge)

@@ -21,12 +21,13 @@ SOME, ALL = 6, 770  # pairs of poses for each pair of shapes: in the tests, and 
 def missed_and_false(o: str, f: str, pose: Array, n: int) -> tuple[list[float], list[float], bool]:
     """Distances of minima that the search did not find, and of those found that are none; complete.
 
-    n: values of each coordinate on the grid of brute force.
+    n: values of each coordinate on the grid of brute force, which starts from the points found too: a grid
+    may miss a minimum, and a point found has to be one by the plain expressions of the shapes.
     """
     first, second = sides()[o].plain, sides()[f].plain
     depth = DEPTH * abs(first.outward)
     found = distance_minima(library(o, f), "a-b", HERE, pose, gap=GAP, depth=depth)
-    true = exhaustive(first, second, pose, offset=1.5 * depth, n=n)
+    true = exhaustive(first, second, pose, near=(found.point_o, found.point_f), offset=1.5 * depth, n=n)
     ours, theirs = (np.hstack([each.point_o, each.point_f]) for each in (found, true))
     apart = np.linalg.norm(ours[:, None] - theirs, axis=2)
     wanted = (true.d > max(-depth, MERGE - depth)) & (true.d < GAP - MERGE)

@@ -120,11 +120,11 @@ MG_INTERNAL int mg_homogeneous_roots(int n, const mg_real *coefficients, mg_real
 
 /* taylor_models.c */
 
-/* Bounds of the outputs of a program over a box u0..u1, v0..v1 of coordinates, at given parameters. memory:
-   program->n_memory. kink[k]: place along the coordinate k, from -1 to 1, of the kink nearest to the middle that a min,
-   max or absolute value has at one value of it; 1: none. */
+/* Bounds of the first outputs of a program, as many as wanted, over a box u0..u1, v0..v1 of coordinates, at given
+   parameters. memory: program->n_memory. kink[k]: place along the coordinate k, from -1 to 1, of the kink nearest to
+   the middle that a min, max or absolute value has at one value of it; 1: none. */
 MG_INTERNAL void mg_bound_over_box(const mg_bounds_program *program, const mg_real *box, const mg_real *parameters,
-                                   mg_taylor_model *memory, mg_taylor_model *out, mg_real *kink);
+                                   int wanted, mg_taylor_model *memory, mg_taylor_model *out, mg_real *kink);
 
 /* Bound of the change of an affine form over its box from its value at the middle. */
 MG_INTERNAL mg_real mg_taylor_change(const mg_taylor_model *a);

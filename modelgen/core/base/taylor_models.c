@@ -6,19 +6,24 @@
 static const mg_taylor_model mg_no_bound = {0, {0, 0}, {0, 0, 0}, MG_MAX};
 
 /* Bounds of the linear and of the quadratic part. */
-static mg_real mg_slope_size(const mg_taylor_model *a) { return fabs(a->slope[0]) + fabs(a->slope[1]); }
+static inline mg_real mg_slope_size(const mg_taylor_model *a) { return fabs(a->slope[0]) + fabs(a->slope[1]); }
 
-static mg_real mg_bend_size(const mg_taylor_model *a) { return fabs(a->bend[0]) + fabs(a->bend[1]) + fabs(a->bend[2]); }
+static inline mg_real mg_bend_size(const mg_taylor_model *a) {
+  return fabs(a->bend[0]) + fabs(a->bend[1]) + fabs(a->bend[2]);
+}
 
 MG_INTERNAL mg_real mg_taylor_change(const mg_taylor_model *a) {
   return a->rest < MG_MAX / 8 ? mg_slope_size(a) + mg_bend_size(a) + a->rest : MG_MAX;
 }
 
-/* A model with its rounding error added; without bounds if it is not finite. */
-static mg_taylor_model mg_rounded(mg_taylor_model a) {
-  const mg_real size = fabs(a.middle) + mg_slope_size(&a) + mg_bend_size(&a) + a.rest;
+/* A model with its rounding error added, of numbers of a size; without bounds if they are not finite. */
+static inline mg_taylor_model mg_rounded_from(mg_taylor_model a, mg_real size) {
   a.rest += 4 * MG_EPS * size;
   return size < MG_MAX / 8 ? a : mg_no_bound;
+}
+
+static inline mg_taylor_model mg_rounded(mg_taylor_model a) {
+  return mg_rounded_from(a, fabs(a.middle) + mg_slope_size(&a) + mg_bend_size(&a) + a.rest);
 }
 
 /* A number between low and high of which nothing else is known. */
@@ -27,23 +32,9 @@ static mg_taylor_model mg_taylor_range(mg_real middle, mg_real low, mg_real high
   return range.rest >= 0 ? mg_rounded(range) : mg_no_bound;
 }
 
-/* True of a model that does not change over the box but for its rest. */
-static int mg_is_level(const mg_taylor_model *a) {
-  return a->slope[0] == 0 && a->slope[1] == 0 && a->bend[0] == 0 && a->bend[1] == 0 && a->bend[2] == 0;
-}
-
-/* A level number with its rounding error added: mg_rounded of it. */
-static mg_taylor_model mg_level(mg_real middle, mg_real rest) {
-  const mg_real size = fabs(middle) + rest;
-  const mg_taylor_model level = {middle, {0, 0}, {0, 0, 0}, rest + 4 * MG_EPS * size};
-  return size < MG_MAX / 8 ? level : mg_no_bound;
-}
-
 /* x a + y b, exactly but for rounding. */
-static mg_taylor_model mg_taylor_sum(mg_real x, const mg_taylor_model *a, mg_real y, const mg_taylor_model *b) {
+static inline mg_taylor_model mg_taylor_sum(mg_real x, const mg_taylor_model *a, mg_real y, const mg_taylor_model *b) {
   mg_taylor_model sum;
-  if (mg_is_level(a) && mg_is_level(b))
-    return mg_level(x * a->middle + y * b->middle, fabs(x) * a->rest + fabs(y) * b->rest);
   sum.middle = x * a->middle + y * b->middle;
   for (int k = 0; k < 2; k++) sum.slope[k] = x * a->slope[k] + y * b->slope[k];
   for (int k = 0; k < 3; k++) sum.bend[k] = x * a->bend[k] + y * b->bend[k];
@@ -52,21 +43,18 @@ static mg_taylor_model mg_taylor_sum(mg_real x, const mg_taylor_model *a, mg_rea
 }
 
 static mg_taylor_model mg_taylor_product(const mg_taylor_model *a, const mg_taylor_model *b) {
-  const mg_real of_a = mg_taylor_change(a), of_b = mg_taylor_change(b);
-  if ((a->middle == 0 && of_a == 0) || (b->middle == 0 && of_b == 0)) return mg_taylor_range(0, 0, 0);
-  if (of_a >= MG_MAX || of_b >= MG_MAX) return mg_no_bound;
-  if (mg_is_level(a) && mg_is_level(b)) {
-    const mg_taylor_model product = mg_taylor_sum(a->middle, b, b->middle, a);
-    return mg_level(a->middle * b->middle, product.rest + a->rest * b->rest);
-  }
   const mg_real slope_a = mg_slope_size(a), slope_b = mg_slope_size(b), rest_a = mg_bend_size(a) + a->rest,
-                rest_b = mg_bend_size(b) + b->rest;
-  mg_taylor_model product = mg_taylor_sum(a->middle, b, b->middle, a);
-  product.middle = a->middle * b->middle;
-  product.bend[0] += a->slope[0] * b->slope[0], product.bend[2] += a->slope[1] * b->slope[1];
-  product.bend[1] += a->slope[0] * b->slope[1] + a->slope[1] * b->slope[0];
-  product.rest += slope_a * rest_b + rest_a * slope_b + rest_a * rest_b;
-  return mg_rounded(product);
+                rest_b = mg_bend_size(b) + b->rest, m = a->middle, n = b->middle;
+  const mg_real size_a = fabs(m) + slope_a + rest_a, size_b = fabs(n) + slope_b + rest_b;
+  if (size_a == 0 || size_b == 0) return mg_taylor_range(0, 0, 0);
+  if (!(a->rest < MG_MAX / 8) || !(b->rest < MG_MAX / 8)) return mg_no_bound;
+  mg_taylor_model product = {m * n,
+                             {m * b->slope[0] + n * a->slope[0], m * b->slope[1] + n * a->slope[1]},
+                             {m * b->bend[0] + n * a->bend[0] + a->slope[0] * b->slope[0],
+                              m * b->bend[1] + n * a->bend[1] + a->slope[0] * b->slope[1] + a->slope[1] * b->slope[0],
+                              m * b->bend[2] + n * a->bend[2] + a->slope[1] * b->slope[1]},
+                             fabs(m) * b->rest + fabs(n) * a->rest + slope_a * rest_b + rest_a * (slope_b + rest_b)};
+  return mg_rounded_from(product, size_a * size_b);
 }
 
 /* A function with its value and derivatives at the middle and a bound of its third derivative over the range. */
@@ -135,8 +123,8 @@ static mg_taylor_model mg_taylor_power(const mg_taylor_model *x, const mg_taylor
 static mg_taylor_model mg_taylor_sine(const mg_taylor_model *a, mg_real phase) {
   const mg_real change = mg_taylor_change(a);
   if (!(change < 2)) return mg_taylor_range(change < MG_MAX ? mg_sin(a->middle + phase) : 0, -1, 1);
-  const mg_real x = a->middle + phase;
-  mg_taylor_model sine = mg_taylor_of(a, mg_sin(x), mg_cos(x), -mg_sin(x), 1);
+  const mg_real x = a->middle + phase, value = mg_sin(x);
+  mg_taylor_model sine = mg_taylor_of(a, value, mg_cos(x), -value, 1);
   sine.rest += 2 * MG_EPS * fabs(x);
   return sine;
 }
@@ -325,11 +313,11 @@ static mg_taylor_model mg_taylor_operation(int operation, const mg_taylor_model 
 }
 
 MG_INTERNAL void mg_bound_over_box(const mg_bounds_program *program, const mg_real *box, const mg_real *parameters,
-                                   mg_taylor_model *memory, mg_taylor_model *out, mg_real *kink) {
+                                   int wanted, mg_taylor_model *memory, mg_taylor_model *out, mg_real *kink) {
   kink[0] = kink[1] = 1;
-  for (int k = 0; k < program->n_instruction; k++) {
+  for (int k = 0, missing = wanted; k < program->n_instruction && missing > 0; k++) {
     const mg_instruction *at = program->instructions + k;
-    if (at->operation == MG_OP_OUTPUT) out[at->result] = memory[at->a];
+    if (at->operation == MG_OP_OUTPUT) out[at->result] = memory[at->a], missing -= at->result < wanted;
     else if (at->operation == MG_OP_INPUT && at->a == 0) {
       const mg_real low = box[2 * at->b], half = (box[2 * at->b + 1] - low) / 2;
       const mg_taylor_model coordinate = {low + half, {at->b == 0 ? half : 0, at->b == 1 ? half : 0}, {0, 0, 0}, 0};

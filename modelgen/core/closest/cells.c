@@ -5,11 +5,13 @@
 #include "base/base.h"
 #include "model/model.h"
 
-#define MG_WIDE_SPREAD ((mg_real)0.5) /* directions in a cell that is divided when its tree begins */
-#define MG_WIDE_REST ((mg_real)0.25)  /* part of the radius that is not linear, in such a cell */
-#define MG_WIDE_LEVELS 10             /* times that it is divided */
 #define MG_NEAR_MIDDLE ((mg_real)0.5) /* place of a kink at which a cell is divided rather than in the middle */
-#define MG_BOUNDS_SIZE 12             /* outputs of the bounds of a surface; 9 of a curve */
+#define MG_DIRECTION_BOUNDS 6         /* bounds of a feature: points and directions */
+#define MG_CURVE_BOUNDS 9             /* of a curve with bends */
+#define MG_SURFACE_BOUNDS 12          /* of a surface with bends */
+#define MG_WIDE_SPREAD ((mg_real)1)   /* directions in a cell that is divided when its tree begins */
+#define MG_WIDE_REST ((mg_real)0.5)   /* part of the radius that is not linear, in such a cell */
+#define MG_WIDE_LEVELS 6              /* times that it is divided */
 
 /* Norm of n numbers, `otherwise` where it is not finite. */
 static mg_real mg_norm_or(int n, const mg_real *x, mg_real otherwise) {
@@ -23,6 +25,15 @@ static mg_real mg_symmetric_norm(const mg_real *a) {
   mg_real sum = 0;
   for (int k = 0; k < 6; k++) sum += (k < 3 ? 1 : 2) * a[k] * a[k];
   return sum < MG_MAX ? sqrt(sum) : MG_MAX;
+}
+
+/* The first bounds of a feature over a box, as many as wanted. */
+static void mg_bound_feature(mg_context *c, int feature_pair, int side, const mg_real *box, int wanted,
+                             mg_taylor_model *out, mg_real *kink) {
+  const mg_system *s = c->system;
+  mg_bound_over_box(c->kernels->shape_bounds + s->feature_shape[2 * feature_pair + side], box,
+                    s->parameters + s->feature_parameters[2 * feature_pair + side], wanted, c->search.bounds_memory,
+                    out, kink);
 }
 
 /* True if three models have bounds. */
@@ -54,32 +65,40 @@ static int mg_is_second_wider(const mg_context *c, int feature_pair, int side, c
   return along[1] > along[0];
 }
 
-/* Bounds of what lies in a cell, from its box. */
+/* Bounds of the points and directions in a cell, from its box. */
 static void mg_bound_cell(mg_context *c, int feature_pair, int side, mg_cell *cell) {
-  const mg_system *s = c->system;
-  const int kind = s->feature_shape[2 * feature_pair + side], is_curve = c->kernels->shape_kinds[kind].dimension == 1;
-  mg_taylor_model out[MG_BOUNDS_SIZE] = {{0}};
-  mg_real change[MG_BOUNDS_SIZE] = {0}, rest[3], kink[2];
-  mg_bound_over_box(c->kernels->shape_bounds + kind, cell->box,
-                    s->parameters + s->feature_parameters[2 * feature_pair + side], c->search.bounds_memory, out, kink);
-  for (int k = 0; k < MG_BOUNDS_SIZE; k++) change[k] = mg_taylor_change(out + k);
+  const int is_curve = mg_feature_dimension(c, feature_pair, side) == 1;
+  mg_taylor_model out[MG_SURFACE_BOUNDS];
+  mg_real change[3], rest[3], kink[2];
+  mg_bound_feature(c, feature_pair, side, cell->box, MG_DIRECTION_BOUNDS, out, kink);
   for (int k = 0; k < 3; k++) {
     const mg_taylor_model *x = out + k;
-    cell->centre[k] = x->middle, cell->direction[k] = out[3 + k].middle, cell->extent[k] = change[k];
+    cell->centre[k] = x->middle, cell->direction[k] = out[3 + k].middle;
+    cell->extent[k] = mg_taylor_change(x), change[k] = mg_taylor_change(out + 3 + k);
     cell->slope[0][k] = x->slope[0], cell->slope[1][k] = x->slope[1];
     rest[k] = fabs(x->bend[0]) + fabs(x->bend[1]) + fabs(x->bend[2]) + x->rest;
   }
-  for (int k = 0; k < 6; k++) cell->bend[k] = out[6 + k].middle, cell->bend_change[k] = change[6 + k];
-  cell->radius = mg_norm_or(3, change, MG_MAX), cell->spread = mg_min(mg_norm_or(3, change + 3, 2), (mg_real)2);
+  cell->radius = mg_norm_or(3, cell->extent, MG_MAX), cell->spread = mg_min(mg_norm_or(3, change, 2), (mg_real)2);
   cell->rest = mg_norm_or(3, rest, MG_MAX);
   if (is_curve) cell->radius /= mg_max(1 - cell->spread * cell->spread / 2, 1 / MG_MAX);
   if (!(cell->radius <= MG_MAX)) cell->radius = MG_MAX;
   if (!(cell->rest <= MG_MAX)) cell->rest = MG_MAX;
-  cell->bend_size = is_curve ? mg_norm_or(3, cell->bend, MG_MAX) : mg_symmetric_norm(cell->bend);
-  cell->bend_error = is_curve ? mg_norm_or(3, cell->bend_change, MG_MAX) : mg_symmetric_norm(cell->bend_change);
   cell->direction_to_divide = !is_curve && mg_is_second_wider(c, feature_pair, side, cell->box, out);
   const mg_real kink_at = kink[cell->direction_to_divide];
   cell->place_to_divide = fabs(kink_at) <= MG_NEAR_MIDDLE ? kink_at : 0;
+}
+
+MG_INTERNAL void mg_bound_bends(mg_context *c, int feature_pair, int side, int number) {
+  const int is_curve = mg_feature_dimension(c, feature_pair, side) == 1;
+  mg_cell *cell = c->search.cells + number;
+  mg_taylor_model out[MG_SURFACE_BOUNDS] = {{0}};
+  mg_real kink[2];
+  if (cell->has_bends) return;
+  cell->has_bends = 1;
+  mg_bound_feature(c, feature_pair, side, cell->box, is_curve ? MG_CURVE_BOUNDS : MG_SURFACE_BOUNDS, out, kink);
+  for (int k = 0; k < 6; k++) cell->bend[k] = out[6 + k].middle, cell->bend_change[k] = mg_taylor_change(out + 6 + k);
+  cell->bend_size = is_curve ? mg_norm_or(3, cell->bend, MG_MAX) : mg_symmetric_norm(cell->bend);
+  cell->bend_error = is_curve ? mg_norm_or(3, cell->bend_change, MG_MAX) : mg_symmetric_norm(cell->bend_change);
 }
 
 /* The same of the centre curve of a feature. Over an angle of 2 `half` of a circle, vectors that turn with it change by
@@ -115,7 +134,7 @@ static int mg_new_cell(mg_context *c, int feature_pair, int side, int is_of_cent
   if (*c->search.n_cells >= c->system->n_cell) return 0;
   mg_cell *cell = c->search.cells + *c->search.n_cells;
   for (int k = 0; k < 4; k++) cell->box[k] = box[k];
-  cell->halves = 0, cell->is_of_centres = is_of_centres;
+  cell->halves = 0, cell->is_of_centres = cell->has_bends = is_of_centres;
   if (is_of_centres) mg_bound_centre_cell(c, feature_pair, side, cell);
   else mg_bound_cell(c, feature_pair, side, cell);
   return (*c->search.n_cells)++;

@@ -123,6 +123,9 @@ MG_INTERNAL void mg_keep_cells_of_same_shapes(mg_context *c);
    can be near the other feature. Returns 0 if there is no room. */
 MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side, int is_of_centres);
 
+/* Bounds the bends of a cell, unless that is done. */
+MG_INTERNAL void mg_bound_bends(mg_context *c, int feature_pair, int side, int number);
+
 /* Number of the first of the two halves of a cell; 0 if there is no room. */
 MG_INTERNAL int mg_divide_cell(mg_context *c, int feature_pair, int side, int cell);
 
@@ -235,7 +238,11 @@ typedef struct {
   mg_real tube;            /* distance of the surface from the point or curve shown, m; negative: a cavity */
 } mg_cell_view;
 
-/* Whether two cells can hold critical pairs of points: MG_CELLS_APART .. . A plane or a point is b. */
+/* True if the points and directions of two cells rule out critical pairs of points within the limits. A plane or a
+   point is b. */
+MG_INTERNAL int mg_are_cells_apart(const mg_cell_view *a, const mg_cell_view *b, const mg_search_limits *limits);
+
+/* Whether two cells can hold critical pairs of points: MG_CELLS_APART .., from the bends of both. */
 MG_INTERNAL int mg_judge_cells(const mg_cell_view *a, const mg_cell_view *b, const mg_search_limits *limits);
 
 /* critical_point_search.c */

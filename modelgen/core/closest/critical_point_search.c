@@ -26,6 +26,9 @@ typedef struct {
   int n_known;                      /* critical points known */
   mg_real known[MG_CRITICAL][6];    /* their points on the first and the other feature, axes of the first shape, m */
   mg_real known_uv[MG_CRITICAL][4]; /* their coordinates on both; MG_MAX where eta does not hold them */
+  int seen[2];                      /* cells of both features looked at last; -1: none */
+  mg_cell_view view[2];             /* their views */
+  int is_beyond[2];                 /* 1: they lie where no contact is allowed */
   mg_real best_merit; /* m: distance of the middles of the likeliest pair of cells, and mismatch of directions */
   int best[2];        /* its cells */
   mg_real least;      /* m: minima with smaller gaps are dropped */
@@ -56,33 +59,31 @@ static void mg_set_closed_view(mg_critical_search *s) {
   for (int k = 0; k < 3; k++) view->centre[k] = s->origin[k];
 }
 
-/* Views of cells: of the first side, and of the other in the axes of the first. */
-static void mg_view_first(const mg_critical_search *s, int cell, mg_cell_view *view) {
-  const mg_cell *at = s->c->search.cells + cell;
-  view->kind = s->curves & 1 ? MG_VIEW_CURVE : MG_VIEW_SURFACE, view->cell = at, view->rotation = 0;
-  view->radius = at->radius, view->spread = at->spread, view->tube = s->centre[0].tube;
-  view->rest = at->rest;
-  for (int k = 0; k < 3; k++) {
-    view->centre[k] = at->centre[k], view->direction[k] = at->direction[k];
-    view->slope[0][k] = at->slope[0][k], view->slope[1][k] = at->slope[1][k];
-  }
+/* A point in the axes of the first shape, from those of the other; a vector, without `origin`. */
+static void mg_turn_to_first_axes(const mg_critical_search *s, const mg_real *x, const mg_real *origin, mg_real *out) {
+  const mg_real *R = s->rotation, y[3] = {x[0], x[1], x[2]};
+  for (int k = 0; k < 3; k++) out[k] = (origin ? origin[k] : 0) + R[k] * y[0] + R[3 + k] * y[1] + R[6 + k] * y[2];
 }
 
-static void mg_view_other(const mg_critical_search *s, int cell, mg_cell_view *view) {
-  if (!s->has_cells) {
+/* A cell of the first (0) or the other feature (1) as a view in the axes of the first shape. */
+static void mg_view_cell(const mg_critical_search *s, int which, int cell, mg_cell_view *view) {
+  if (which && !s->has_cells) {
     *view = s->other;
     return;
   }
   const mg_cell *at = s->c->search.cells + cell;
-  const mg_real *R = s->rotation;
-  view->kind = s->curves & 2 ? MG_VIEW_CURVE : MG_VIEW_SURFACE, view->cell = at, view->rotation = R;
-  view->radius = at->radius, view->spread = at->spread, view->tube = s->centre[1].tube;
-  view->rest = at->rest;
+  view->kind = s->curves & (1 << which) ? MG_VIEW_CURVE : MG_VIEW_SURFACE, view->cell = at;
+  view->rotation = which ? s->rotation : 0;
+  view->radius = at->radius, view->spread = at->spread, view->tube = s->centre[which].tube, view->rest = at->rest;
+  if (which) {
+    mg_turn_to_first_axes(s, at->centre, s->origin, view->centre);
+    mg_turn_to_first_axes(s, at->direction, 0, view->direction);
+    for (int a = 0; a < 2; a++) mg_turn_to_first_axes(s, at->slope[a], 0, view->slope[a]);
+    return;
+  }
   for (int k = 0; k < 3; k++) {
-    const mg_real x = R[k], y = R[3 + k], z = R[6 + k];
-    view->centre[k] = s->origin[k] + x * at->centre[0] + y * at->centre[1] + z * at->centre[2];
-    view->direction[k] = x * at->direction[0] + y * at->direction[1] + z * at->direction[2];
-    for (int a = 0; a < 2; a++) view->slope[a][k] = x * at->slope[a][0] + y * at->slope[a][1] + z * at->slope[a][2];
+    view->centre[k] = at->centre[k], view->direction[k] = at->direction[k];
+    view->slope[0][k] = at->slope[0][k], view->slope[1][k] = at->slope[1][k];
   }
 }
 
@@ -130,12 +131,6 @@ static const mg_real *mg_coordinates_in_eta(const mg_context *c, int feature_pai
   return at + mg_parametrisation_size[parametrisation];
 }
 
-/* A point in the axes of the first shape, from those of the other. */
-static void mg_point_in_first_axes(const mg_critical_search *s, const mg_real *x, mg_real *out) {
-  const mg_real *R = s->rotation, y[3] = {x[0], x[1], x[2]};
-  for (int k = 0; k < 3; k++) out[k] = s->origin[k] + R[k] * y[0] + R[3 + k] * y[1] + R[6 + k] * y[2];
-}
-
 /* A world point on the first (0) or the other feature (1), or what stands for it on the centre curve, axes of the first
    shape. */
 static void mg_point_of_view(const mg_critical_search *s, int which, const mg_real *world, mg_real *x) {
@@ -146,7 +141,7 @@ static void mg_point_of_view(const mg_critical_search *s, int which, const mg_re
   mg_real local[3];
   mg_point_in_shape_axes(s->c, s->feature_pair, which ? 1 - s->first : s->first, world, local);
   mg_foot_on_centre_curve(s->centre + which, local, x);
-  if (which) mg_point_in_first_axes(s, x, x);
+  if (which) mg_turn_to_first_axes(s, x, s->origin, x);
 }
 
 /* Keeps the points of the placement evaluated last, at eta, as known. */
@@ -214,7 +209,7 @@ static int mg_converge_from_cells(mg_critical_search *s, int a, int b) {
   mg_sample at[2];
   mg_real eta[6] = {0};
   mg_cell_view A, B;
-  mg_view_first(s, a, &A), mg_view_other(s, b, &B);
+  mg_view_cell(s, 0, a, &A), mg_view_cell(s, 1, b, &B);
   if (s->is_centred[0]) mg_sample_about_centre(s, 0, &A, &B, at + s->first);
   else mg_sample_cell(s, s->first, a, 0, at + s->first);
   if (s->is_centred[1]) mg_sample_about_centre(s, 1, &B, &A, at + 1 - s->first);
@@ -251,9 +246,10 @@ static int mg_is_first_wider(const mg_critical_search *s, const mg_cell_view *a,
 
 /* Squared distance of the middles of two cells. */
 static mg_real mg_middles_apart(const mg_critical_search *s, int a, int b) {
-  mg_cell_view A, B;
-  mg_view_first(s, a, &A), mg_view_other(s, b, &B);
-  return mg_square_distance(A.centre, B.centre);
+  const mg_cell *cells = s->c->search.cells;
+  mg_real other[3];
+  if (s->has_cells) mg_turn_to_first_axes(s, cells[b].centre, s->origin, other);
+  return mg_square_distance(cells[a].centre, s->has_cells ? other : s->other.centre);
 }
 
 /* Divides one of two cells and puts both pairs on the list, the nearer one at the end, which is looked at first.
@@ -293,29 +289,45 @@ static mg_real mg_least_distance(const mg_cell_view *a, const mg_cell_view *b) {
   return (a->tube < 0 || b->tube < 0 ? -tube - distance : distance - tube) - both;
 }
 
+/* Looks at a cell of the first (0) or the other feature (1). */
+static void mg_look_at_cell(mg_critical_search *s, int which, int cell) {
+  if (s->seen[which] == cell) return;
+  s->seen[which] = cell;
+  s->is_beyond[which] = (!which || s->has_cells) && mg_is_cell_beyond(s->c, cell, s->allowed + which);
+  mg_view_cell(s, which, cell, s->view + which);
+}
+
+/* Whether two cells can hold critical points. */
+static int mg_judge_pair(mg_critical_search *s, int a, int b) {
+  const mg_cell_view *A = s->view, *B = s->view + 1;
+  mg_look_at_cell(s, 0, a), mg_look_at_cell(s, 1, b);
+  if (s->is_beyond[0] || s->is_beyond[1] || mg_are_cells_apart(A, B, &s->limits)) return MG_CELLS_APART;
+  if (!(A->radius + B->radius < MG_MAX / 4) || A->spread + B->spread > 1) return MG_CELLS_OPEN;
+  mg_bound_bends(s->c, s->feature_pair, s->first, a);
+  if (s->has_cells) mg_bound_bends(s->c, s->feature_pair, 1 - s->first, b);
+  return mg_judge_cells(A, B, &s->limits);
+}
+
 /* Treats one pair of cells; returns the length of the list of open pairs. */
 static int mg_treat_cells(mg_critical_search *s, int a, int b, int count, int *is_complete) {
-  mg_cell_view A, B;
-  if (mg_is_cell_beyond(s->c, a, s->allowed) || (s->has_cells && mg_is_cell_beyond(s->c, b, s->allowed + 1)))
-    return count;
-  mg_view_first(s, a, &A), mg_view_other(s, b, &B);
-  const int verdict = mg_judge_cells(&A, &B, &s->limits);
+  const mg_cell_view *A = s->view, *B = s->view + 1;
+  const int verdict = mg_judge_pair(s, a, b);
   if (verdict == MG_CELLS_APART) return count;
-  mg_remember_likeliest(s, a, b, &A, &B);
-  const int is_small = A.radius + B.radius <= s->smallest;
-  if (verdict == MG_CELLS_SINGLE && mg_is_critical_point_known(s, &A, &B)) return count;
+  mg_remember_likeliest(s, a, b, A, B);
+  const int is_small = A->radius + B->radius <= s->smallest;
+  if (verdict == MG_CELLS_SINGLE && mg_is_critical_point_known(s, A, B)) return count;
   if (verdict == MG_CELLS_REGULAR || is_small) {
-    if (mg_is_critical_point_known(s, &A, &B) || mg_converge_from_cells(s, a, b)) return count;
+    if (mg_is_critical_point_known(s, A, B) || mg_converge_from_cells(s, a, b)) return count;
     if (is_small) {
-      const mg_real gap = mg_least_distance(&A, &B);
+      const mg_real gap = mg_least_distance(A, B);
       if (gap >= -s->smallest) mg_note_open_gap(s->c, gap);
       return count;
     }
   }
-  const int longer = mg_divide_pair(s, a, b, mg_is_first_wider(s, &A, &B), count);
+  const int longer = mg_divide_pair(s, a, b, mg_is_first_wider(s, A, B), count);
   if (longer == count) {
     *is_complete = 0;
-    if (!mg_is_critical_point_known(s, &A, &B)) mg_converge_from_cells(s, a, b);
+    if (!mg_is_critical_point_known(s, A, B)) mg_converge_from_cells(s, a, b);
   }
   return longer;
 }
@@ -343,6 +355,7 @@ static int mg_is_flat_against_plane(mg_critical_search *s) {
 static int mg_plant_roots(mg_critical_search *s, int *root) {
   mg_context *c = s->c;
   if (*c->search.n_cells > c->system->n_cell / 4 * 3) mg_forget_cells(c);
+  s->seen[0] = s->seen[1] = -1;
   root[0] = mg_root_cell(c, s->feature_pair, s->first, s->is_centred[0]);
   root[1] = s->has_cells ? mg_root_cell(c, s->feature_pair, 1 - s->first, s->is_centred[1]) : 0;
   return root[0] && (root[1] || !s->has_cells);
@@ -352,22 +365,20 @@ static int mg_plant_roots(mg_critical_search *s, int *root) {
    if it cannot be given. */
 static mg_real mg_bound_gap_by_cells(mg_critical_search *s, const int *root, mg_real size) {
   mg_context *c = s->c;
+  const mg_cell_view *A = s->view, *B = s->view + 1;
   mg_real least = MG_MAX;
   int count = 1;
   c->search.cell_pairs[0] = root[0], c->search.cell_pairs[1] = root[1];
   for (long looked = 0; count > 0; looked++) {
     const int *pair = c->search.cell_pairs + 2 * --count, a = pair[0], b = pair[1];
-    mg_cell_view A, B;
     if (looked >= s->limits.effort) return -MG_MAX;
-    if (mg_is_cell_beyond(c, a, s->allowed) || (s->has_cells && mg_is_cell_beyond(c, b, s->allowed + 1))) continue;
-    mg_view_first(s, a, &A), mg_view_other(s, b, &B);
-    const int verdict = mg_judge_cells(&A, &B, &s->limits);
-    if (verdict == MG_CELLS_APART || (verdict != MG_CELLS_OPEN && mg_is_critical_point_known(s, &A, &B))) continue;
-    if (A.radius + B.radius <= size) {
-      least = mg_min(least, mg_least_distance(&A, &B));
+    const int verdict = mg_judge_pair(s, a, b);
+    if (verdict == MG_CELLS_APART || (verdict != MG_CELLS_OPEN && mg_is_critical_point_known(s, A, B))) continue;
+    if (A->radius + B->radius <= size) {
+      least = mg_min(least, mg_least_distance(A, B));
       continue;
     }
-    const int longer = mg_divide_pair(s, a, b, mg_is_first_wider(s, &A, &B), count);
+    const int longer = mg_divide_pair(s, a, b, mg_is_first_wider(s, A, B), count);
     if (longer == count) return -MG_MAX;
     count = longer;
   }

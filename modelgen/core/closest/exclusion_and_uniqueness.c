@@ -435,21 +435,22 @@ static int mg_are_directions_apart(const mg_cell_view *a, const mg_cell_view *b)
 
 /* True if the directions or the distance of the cells rule out a critical pair within the limits. The line between
    critical points is no longer than the limits allow. */
-static int mg_are_cells_apart(const mg_cell_view *a, const mg_cell_view *b, const mg_real *v,
-                              const mg_search_limits *limits) {
-  const mg_real distance = sqrt(mg_dot3(v, v)), both = a->radius + b->radius;
+MG_INTERNAL int mg_are_cells_apart(const mg_cell_view *a, const mg_cell_view *b, const mg_search_limits *limits) {
+  const mg_real v[3] = {b->centre[0] - a->centre[0], b->centre[1] - a->centre[1], b->centre[2] - a->centre[2]};
+  const mg_real back[3] = {-v[0], -v[1], -v[2]}, distance = sqrt(mg_dot3(v, v)), both = a->radius + b->radius;
+  const mg_search_limits moved = mg_limits_along_normal(a, b, limits);
   mg_real longest = distance + both;
+  if (!(both < MG_MAX / 4)) return 0;
   if (mg_are_directions_apart(a, b)) return 1;
-  const int surfaces = (a->kind == MG_VIEW_SURFACE) + (b->kind == MG_VIEW_SURFACE);
-  if ((!b->cell || !surfaces) && mg_is_view_distant(a, b, v, distance, limits)) return 1;
-  if (b->kind == MG_VIEW_PLANE) return 0;
+  const int is_surface = a->kind == MG_VIEW_SURFACE || b->kind == MG_VIEW_SURFACE;
   if (b->cell) {
-    const mg_search_limits moved = mg_limits_along_normal(a, b, limits);
-    const mg_real reach = mg_max(surfaces || !mg_is_hollow(a, b) ? moved.gap : limits->depth - a->tube - b->tube,
-                                 surfaces ? moved.depth : 0);
+    const mg_real reach = mg_max(is_surface || !mg_is_hollow(a, b) ? moved.gap : limits->depth - a->tube - b->tube,
+                                 is_surface ? moved.depth : 0);
     if (mg_are_cells_distant(a, b, v, distance, reach)) return 1;
     longest = mg_min(longest, reach);
   }
+  if ((!b->cell || !is_surface) && mg_is_view_distant(a, b, v, distance, limits)) return 1;
+  if (b->kind == MG_VIEW_PLANE) return 0;
   for (int side = 0; side < 2; side++) {
     const mg_cell_view *at = side ? b : a;
     if (at->kind == MG_VIEW_POINT) continue;
@@ -459,17 +460,13 @@ static int mg_are_cells_apart(const mg_cell_view *a, const mg_cell_view *b, cons
       return 1;
     if (at->kind == MG_VIEW_SURFACE && at->spread < 1 && mg_is_beside(at, side ? a : b, v, longest)) return 1;
   }
-  return 0;
+  return b->cell && (mg_is_gap_beyond(a, b, v, &moved) || mg_is_gap_beyond(b, a, back, &moved));
 }
 
 MG_INTERNAL int mg_judge_cells(const mg_cell_view *a, const mg_cell_view *b, const mg_search_limits *limits) {
   const mg_real v[3] = {b->centre[0] - a->centre[0], b->centre[1] - a->centre[1], b->centre[2] - a->centre[2]};
-  if (!(a->radius + b->radius < MG_MAX / 4)) return MG_CELLS_OPEN;
   const mg_real back[3] = {-v[0], -v[1], -v[2]};
-  if (mg_are_cells_apart(a, b, v, limits)) return MG_CELLS_APART;
   const mg_search_limits moved = mg_limits_along_normal(a, b, limits);
-  if (b->cell && (mg_is_gap_beyond(a, b, v, &moved) || mg_is_gap_beyond(b, a, back, &moved))) return MG_CELLS_APART;
-  if (a->spread + b->spread > 1) return MG_CELLS_OPEN;
   const int curve = a->kind == MG_VIEW_CURVE;
   switch (b->kind) {
     case MG_VIEW_PLANE:

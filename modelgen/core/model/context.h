@@ -68,7 +68,8 @@ typedef struct {
   mg_real direction[3]; /* exterior normal of a surface or unit tangent of a curve, world axes */
 } mg_sample;
 
-/* A cell of a feature: a box of its coordinates, with bounds of what lies in it. Axes of the shape. */
+/* A cell of a feature: a box of its coordinates, with bounds of what lies in it. Those of bends are worked out when a
+   search needs them. Axes of the shape. */
 typedef struct {
   mg_real box[4];         /* least and greatest u, least and greatest v */
   mg_real centre[3];      /* point at the middle of the box, m */
@@ -85,6 +86,7 @@ typedef struct {
   int halves;             /* first of the two cells into which this one is divided; 0: not divided yet */
   mg_real place_to_divide; /* place at which it is divided, from -1 to 1 */
   int direction_to_divide; /* coordinate along which it is divided: 0 u, 1 v */
+  int has_bends;           /* 1: bends are bounded */
   int is_of_centres;       /* 1: it bounds the centre curve of the feature at these coordinates */
 } mg_cell;
 
