@@ -10,18 +10,28 @@ from typing import Any
 
 import numpy as np
 
+from modelgen.assembly.coaxial_supports import (
+    coaxial_supports_of,
+    eccentric,
+    holds_coaxially,
+    is_coaxial_support,
+    seen_from_body,
+)
 from modelgen.assembly.contact_form_choice import Owner, Partner, pair_up, shape_kind
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.rim_support_points import is_support_point, lies_flat, support_points_of, tilted
 from modelgen.contact.form_table import eta_layout, regular_forms
 from modelgen.errors import SceneError, nearest
 from modelgen.geometry.composites.feature_constructors import vertex
+from modelgen.geometry.curvature_bounds import touches_once
 from modelgen.geometry.extent import bounding_ball
 from modelgen.geometry.shape_features import features_of, is_convex
 from modelgen.model import ENDS, WATCHED, ContactKind, FeatureCondition, FeaturePairEntry, ShapeKind
 from modelgen.rotations import rotation_of
 from modelgen.scene.pose_arithmetic import compose, to_outer
 from modelgen.scene.scene_types import Condition, ContactPair, Feature, Pose, Shape, Vector
+
+Array = np.ndarray[Any, Any]
 
 STRAIGHT = frozenset({"plane", "line", "segment", "edge", "cylinder", "cone"})  # touch a plane along a line
 CONES = ("wing", "direction")  # conditions of the normal; the others are of the place
@@ -51,9 +61,11 @@ class Whole:
 
     @cached_property
     def features(self) -> tuple[Feature, ...]:
-        """Its features, with the support points of those that can lie flat."""
+        """Its features, with the support points of those that can lie flat, and the coaxial supports."""
         features = features_of(self.shape).features
-        return (*features, *(point for feature in features for point in support_points_of(feature)))
+        points = (point for feature in features for point in support_points_of(feature))
+        parts = (part for feature in features for part in coaxial_supports_of(feature))
+        return (*features, *points, *parts)
 
     def placed(self, feature: Feature, shapes: KindList[ShapeKind]) -> tuple[Feature, Partner]:
         """The shape with the feature in place of the whole, made once for each feature; a vertex has its
@@ -134,15 +146,18 @@ def _candidates(
 ) -> dict[tuple[str, str], Candidate]:
     sides = _ended([whole.features for whole in (a, b)])
     _check_restriction(pair, sides, where)
-    alone = len(sides[0]) == len(sides[1]) == 1
+    alone = all(sum(not is_coaxial_support(each) for each in side) == 1 for side in sides)
+    once = touches_once(a.shape, b.shape)
     found: dict[tuple[str, str], Candidate] = {}
     joined = [{feature.name: _joined(feature, side) for feature in side} for side in sides]
     for features in product(*sides):
         names = (features[0].name, features[1].name)
-        wanted = all(not name or is_allowed(name, pair) for name in names)
-        if not wanted or not (alone or _touch_in_points(*features)):
+        wanted = all(_is_wanted(name, pair) for name in names)
+        if not wanted or not _may_touch(*features, alone, once):
             continue
         features = _flattened(*features)
+        if not once:
+            features = _off_axis(*features)
         (one, first), (two, second) = (
             whole.placed(feature, shapes) for whole, feature in zip((a, b), features, strict=True)
         )
@@ -155,6 +170,11 @@ def _candidates(
     if not found:
         raise SceneError(where, "no two features of these shapes can touch in a point", "", "")
     return found
+
+
+def _is_wanted(feature: str, pair: ContactPair) -> bool:
+    """Whether a feature, or what a coaxial support is a part of, may touch."""
+    return not feature or is_allowed(feature, pair)
 
 
 def is_allowed(feature: str, pair: ContactPair) -> bool:
@@ -191,6 +211,14 @@ def _ends_of(segment: Shape) -> tuple[Feature, ...]:
     return vertex("end_bottom", (0.0, 0.0, -length / 2)), vertex("end_top", (0.0, 0.0, length / 2))
 
 
+def _may_touch(a: Feature, b: Feature, alone: bool, once: bool) -> bool:
+    """`alone`: the shapes have one feature each; `once`: they touch in one point at a time."""
+    for part, ball in ((a, b), (b, a)):
+        if is_coaxial_support(part):
+            return ball.shape.kind == "sphere" and not is_coaxial_support(ball) and not once
+    return alone or _touch_in_points(a, b)
+
+
 def _touch_in_points(a: Feature, b: Feature) -> bool:
     orders = ((a, b), (b, a))
     if a.shape.kind == b.shape.kind == "point":
@@ -206,6 +234,15 @@ def _flattened(a: Feature, b: Feature) -> tuple[Feature, Feature]:
     return (
         tilted(a) if b.shape.kind == "plane" and lies_flat(a) else a,
         tilted(b) if a.shape.kind == "plane" and lies_flat(b) else b,
+    )
+
+
+def _off_axis(a: Feature, b: Feature) -> tuple[Feature, Feature]:
+    """The condition by which a ring or funnel hands over to its coaxial supports where a ball is on its
+    axis."""
+    return (
+        eccentric(a) if holds_coaxially(a, b) else a,
+        eccentric(b) if holds_coaxially(b, a) else b,
     )
 
 
@@ -225,6 +262,7 @@ def _placed(whole: Whole, feature: Feature, shapes: KindList[ShapeKind]) -> tupl
         numbers = tuple(zip("xyz", map(float, at), strict=True))
         shape = replace(shape, parameters=numbers, pose=Pose(whole.owner.centre))
         feature = _turned(feature, rotation_of(pose.quaternion))
+    feature = seen_from_body(feature, whole.shape.pose, whole.owner.centre)
     return feature, Partner(whole.owner, shape, shapes.named(shape_kind(shape, whole.owner.fold)))
 
 
@@ -302,12 +340,16 @@ def _is_moot(condition: Condition, other: Feature, faces: frozenset[str]) -> boo
     return other.shape.kind == "plane" and (condition.kind in CONES or condition.next in faces)
 
 
-def _turned(feature: Feature, rotation: np.ndarray[Any, Any]) -> Feature:
+def _turned(feature: Feature, rotation: Array) -> Feature:
     """The edge directions of a vertex, expressed in other axes."""
     return replace(
         feature,
         conditions=tuple(
-            replace(each, numbers=(*map(float, rotation @ np.array(each.numbers[:3])), *each.numbers[3:]))
+            each
+            if each.kind == "coaxial"
+            else replace(
+                each, numbers=(*map(float, rotation @ np.array(each.numbers[:3])), *each.numbers[3:])
+            )
             for each in feature.conditions
         ),
     )

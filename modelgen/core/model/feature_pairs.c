@@ -118,6 +118,36 @@ MG_INTERNAL int mg_is_within_border(const mg_context *c, int feature_pair, int s
   return 1;
 }
 
+/* Value of an MG_CONDITION_COAXIAL of a side. */
+static mg_real mg_coaxial_condition(const mg_context *c, int feature_pair, int side, const mg_real *a) {
+  const mg_real *pose = c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side);
+  mg_real arm[3], off[3];
+  mg_to_world(c->bodies.pose + 12 * mg_feature_body(c, feature_pair, 1 - side),
+              mg_feature_numbers(c, feature_pair, 1 - side) + MG_FEATURE_PLACEMENT, 1, arm);
+  for (int k = 0; k < 3; k++) arm[k] -= pose[k];
+  mg_rotate_back(pose + 3, arm, arm);
+  for (int k = 0; k < 3; k++) arm[k] -= a[k];
+  mg_cross_product(a + 3, arm, off);
+  return a[6] * (c->settings->search_merge_distance - sqrt(mg_dot3(off, off)) / c->system->length);
+}
+
+MG_INTERNAL int mg_hands_over_coaxially(const mg_context *c, int feature_pair) {
+  for (int k = c->system->feature_pair_condition[feature_pair]; k < c->system->feature_pair_condition[feature_pair + 1];
+       k++)
+    if (c->system->condition_kind[k] == MG_CONDITION_COAXIAL) return 1;
+  return 0;
+}
+
+MG_INTERNAL int mg_is_replaced_coaxially(const mg_context *c, int feature_pair) {
+  const mg_system *s = c->system;
+  for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++)
+    if (s->condition_kind[k] == MG_CONDITION_COAXIAL &&
+        mg_coaxial_condition(c, feature_pair, s->condition_feature[k], s->numbers + s->condition_numbers[k]) <
+            -c->settings->feature_border)
+      return 1;
+  return 0;
+}
+
 /* Contact point, normal out of the feature, and coordinates on one side of a feature pair, in the axes of its shape. */
 typedef struct {
   int side;
@@ -152,6 +182,8 @@ static mg_real mg_condition_value(const mg_context *c, int feature_pair, int k, 
       return mg_wing_condition(c, feature_pair, side, a, view->x, view->uv, view->N);
     case MG_CONDITION_TILT:
       return a[3] * (mg_sine_between(a, view->N) - c->settings->flat_angle);
+    case MG_CONDITION_COAXIAL:
+      return mg_coaxial_condition(c, feature_pair, side, a);
     default:
       return -mg_dot3(a, view->N);
   }

@@ -102,6 +102,13 @@ MG_INTERNAL void mg_point_in_shape_axes(const mg_context *c, int feature_pair, i
 /* Sine of the angle between two unit vectors. */
 MG_INTERNAL mg_real mg_sine_between(const mg_real *a, const mg_real *b);
 
+/* True if the feature pair is of a feature of revolution and a ball, or of a part of it that holds the ball instead
+   while that is on the axis. */
+MG_INTERNAL int mg_hands_over_coaxially(const mg_context *c, int feature_pair);
+
+/* True if at the present poses the other one of these holds the ball. */
+MG_INTERNAL int mg_is_replaced_coaxially(const mg_context *c, int feature_pair);
+
 /* Value of condition k at eta; it holds if >= 0. Needs mg_place_contact at eta. */
 MG_INTERNAL mg_real mg_feature_pair_condition(const mg_context *c, int feature_pair, int k, const mg_real *eta);
 

@@ -1,0 +1,87 @@
+"""Coaxial supports: a ball on the axis of a ring touches all of it at once, at no point by itself; three parts
+of the ring, a third of a turn apart, hold it there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import cos, pi, sin
+
+from modelgen.rotations import rotation_of
+from modelgen.scene.pose_arithmetic import compose, to_outer
+from modelgen.scene.scene_types import Condition, Feature, Pose, Shape, Vector
+
+SUPPORTS = 3
+
+
+def coaxial_supports_of(feature: Feature) -> tuple[Feature, ...]:
+    """Parts of a feature of revolution that touch a ball while its centre is on the axis.
+
+    Each belongs to the material, so that it penetrates nothing wherever the ball is. None of other features.
+    """
+    part = _part(feature)
+    if part is None:
+        return ()
+    supports = []
+    for k in range(SUPPORTS):
+        half = pi * k / SUPPORTS
+        turn = compose(feature.shape.pose, Pose(quaternion=(cos(half), 0.0, 0.0, sin(half))))
+        name = f"{feature.name or feature.shape.kind}.coaxial{k + 1}"
+        dimension, shape = _at(part, compose(turn, part.pose))
+        supports.append(Feature(name, dimension, shape, (_on_axis_of(feature, 1.0),)))
+    return tuple(supports)
+
+
+def _part(feature: Feature) -> Shape | None:
+    """The part of the feature at azimuth 0, in its axes."""
+    shape = feature.shape
+    parameters = dict(shape.parameters)
+    if shape.kind == "circle":
+        return Shape(
+            "point", (("x", 0.0), ("y", 0.0), ("z", 0.0)), pose=Pose((parameters["radius"], 0.0, 0.0))
+        )
+    if shape.kind == "torus" and not shape.cavity and not feature.conditions:
+        return Shape("sphere", (("radius", parameters["minor"]),), pose=Pose((parameters["major"], 0.0, 0.0)))
+    return None
+
+
+def _at(part: Shape, pose: Pose) -> tuple[int, Shape]:
+    """The dimension of the part, and its shape at the pose."""
+    if part.kind != "point":
+        return 2, replace(part, pose=pose)
+    return 0, Shape("point", tuple(zip("xyz", map(float, pose.position), strict=True)))
+
+
+def _on_axis_of(feature: Feature, sign: float) -> Condition:
+    axis = rotation_of(feature.shape.pose.quaternion)[:, 2]
+    return Condition("coaxial", (*feature.shape.pose.position, *map(float, axis), sign), None)
+
+
+def is_coaxial_support(feature: Feature) -> bool:
+    return any(each.kind == "coaxial" and each.numbers[-1] > 0 for each in feature.conditions)
+
+
+def holds_coaxially(feature: Feature, other: Feature) -> bool:
+    """Whether supports of the feature replace it while the other one is on its axis."""
+    return other.shape.kind == "sphere" and _part(feature) is not None
+
+
+def eccentric(feature: Feature) -> Feature:
+    """A feature of revolution as it touches a ball: not while that is on the axis."""
+    return replace(feature, conditions=(*feature.conditions, _on_axis_of(feature, -1.0)))
+
+
+def seen_from_body(feature: Feature, pose: Pose, centre: Vector) -> Feature:
+    """The feature of a shape at the pose, with the axes of its conditions in the axes of the body, from its
+    centre of mass: the same numbers for all that hand over to each other."""
+    return replace(
+        feature,
+        conditions=tuple(
+            replace(each, numbers=_moved(each.numbers, pose, centre)) if each.kind == "coaxial" else each
+            for each in feature.conditions
+        ),
+    )
+
+
+def _moved(numbers: tuple[float, ...], pose: Pose, centre: Vector) -> tuple[float, ...]:
+    point, axis = to_outer(pose, numbers[:3]) - centre, rotation_of(pose.quaternion) @ numbers[3:6]
+    return (*map(float, point), *map(float, axis), numbers[6])
