@@ -26,7 +26,8 @@ CENTRE_CURVES = {
     "line": 1,
     "torus": 2,
     "circle": 2,
-}  # MG_CENTRE_LINE, MG_CENTRE_CIRCLE: shapes at a constant distance from a line or a circle
+    "sphere": 3,
+}  # MG_CENTRE_LINE, MG_CENTRE_CIRCLE, MG_CENTRE_POINT: shapes at a constant distance from a line, a circle or a point
 
 
 def have_centre_curves(shapes: Iterable[str]) -> bool:

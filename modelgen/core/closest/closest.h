@@ -79,16 +79,16 @@ MG_INTERNAL void mg_shape_rotation(const mg_context *c, int feature_pair, int si
 
 /* centre_curve_features.c */
 
-/* The line or circle at a constant distance from which a feature lies, in the axes of the shape: the third axis, or
-   about it. */
+/* The line, circle or point at a constant distance from which a feature lies, in the axes of the shape: the third axis,
+   about it, or the origin. */
 typedef struct {
-  int kind;       /* MG_CENTRE_LINE or MG_CENTRE_CIRCLE */
+  int kind;       /* MG_CENTRE_LINE .. */
   int coordinate; /* that of the feature which runs along the curve: 0 u, 1 v */
   mg_real radius; /* of the circle, m */
   mg_real tube;   /* distance of the feature, m; negative: a cavity, 0: the curve itself */
 } mg_centre_curve;
 
-/* True if the critical points of a feature pair follow from lines or circles in closed form. */
+/* True if the critical points of a feature pair follow from lines, circles or points in closed form. */
 MG_INTERNAL int mg_has_centre_curves(const mg_context *c, int feature_pair);
 
 /* True if a feature is a surface that has a centre curve. */
@@ -162,7 +162,7 @@ enum { MG_STATIONARY = 64 }; /* most places of two centre curves */
 
 /* A place on both centre curves at which their distance is stationary. */
 typedef struct {
-  mg_real where[2];   /* angle of a circle, rad; distance along a line, m */
+  mg_real where[2];   /* angle of a circle, rad; distance along a line, m; of a point nothing */
   mg_real regularity; /* of two circles the determinant of the second derivatives of the squared distance, as a part of
                          their size: 0 where it is constant along a curve; else 1 */
 } mg_stationary_place;
@@ -188,11 +188,11 @@ MG_INTERNAL void mg_centre_point(const mg_centred_feature *at, mg_real where, mg
 MG_INTERNAL int mg_normal_to_both(const mg_centred_feature *of, const mg_real *where, mg_real *normal);
 
 /* Stationary places of two centre curves; of two circles those with gaps up to `gap` at which it can be a minimum.
-   Returns their number. It is 0 of a line and a curve whose distance is constant. `place` has room for MG_STATIONARY.
+   Returns their number. It is 0 of a line or point and a curve whose distance is constant. `place` has room for MG_STATIONARY.
  */
 MG_INTERNAL int mg_stationary_places(const mg_centred_feature *of, mg_real gap, mg_stationary_place *place);
 
-/* Distance of a line from a line or circle where it is constant, m. */
+/* Distance of a line or point from another centre curve where it is constant, m. */
 MG_INTERNAL mg_real mg_constant_distance(const mg_centred_feature *of);
 
 /* circle_single_minimum.c */

@@ -248,7 +248,7 @@ MG_INTERNAL int mg_is_minimum_accepted(const mg_context *c, const mg_minimum *fo
   const int flat =
       mg_is_feature_pair_of_tilted_faces(c, found->feature_pair); /* its margin is small near flat, not near a fold */
   if (mg_is_followed_to_singularity(c, found->feature_pair, found->d))
-    return found->margin >= c->settings->search_margin;
+    return found->margin >= mg_least_margin(c, found->feature_pair);
   return found->margin >= (own || flat ? c->settings->margin_refuse : c->settings->appear_margin);
 }
 

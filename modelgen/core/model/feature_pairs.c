@@ -128,7 +128,7 @@ static mg_real mg_coaxial_condition(const mg_context *c, int feature_pair, int s
   mg_rotate_back(pose + 3, arm, arm);
   for (int k = 0; k < 3; k++) arm[k] -= a[k];
   mg_cross_product(a + 3, arm, off);
-  return a[6] * (c->settings->search_merge_distance - sqrt(mg_dot3(off, off)) / c->system->length);
+  return a[6] * (1 - sqrt(mg_dot3(off, off)) / (c->settings->search_margin * c->system->length));
 }
 
 MG_INTERNAL int mg_hands_over_coaxially(const mg_context *c, int feature_pair) {
@@ -136,6 +136,10 @@ MG_INTERNAL int mg_hands_over_coaxially(const mg_context *c, int feature_pair) {
        k++)
     if (c->system->condition_kind[k] == MG_CONDITION_COAXIAL) return 1;
   return 0;
+}
+
+MG_INTERNAL mg_real mg_least_margin(const mg_context *c, int feature_pair) {
+  return mg_hands_over_coaxially(c, feature_pair) ? 0 : c->settings->search_margin;
 }
 
 MG_INTERNAL int mg_is_replaced_coaxially(const mg_context *c, int feature_pair) {

@@ -106,6 +106,9 @@ MG_INTERNAL mg_real mg_sine_between(const mg_real *a, const mg_real *b);
    while that is on the axis. */
 MG_INTERNAL int mg_hands_over_coaxially(const mg_context *c, int feature_pair);
 
+/* Margin that a contact on the feature pair needs: none if it hands over. */
+MG_INTERNAL mg_real mg_least_margin(const mg_context *c, int feature_pair);
+
 /* True if at the present poses the other one of these holds the ball. */
 MG_INTERNAL int mg_is_replaced_coaxially(const mg_context *c, int feature_pair);
 
