@@ -1,11 +1,12 @@
-"""Coaxial supports: a ball on the axis of a ring touches all of it at once, at no point by itself; three parts
-of the ring, a third of a turn apart, hold it there."""
+"""Coaxial supports: a ball on the axis of a ring touches all of it at once, at no point by itself; three
+parts of the ring, a third of a turn apart, hold it there."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from math import cos, pi, sin
 
+from modelgen.geometry.meridians import meridian_of
 from modelgen.rotations import rotation_of
 from modelgen.scene.pose_arithmetic import compose, to_outer
 from modelgen.scene.scene_types import Condition, Feature, Pose, Shape, Vector
@@ -14,41 +15,34 @@ SUPPORTS = 3
 
 
 def coaxial_supports_of(feature: Feature) -> tuple[Feature, ...]:
-    """Parts of a feature of revolution that touch a ball while its centre is on the axis.
+    """Meridians of a feature of revolution: they touch a ball while its centre is on the axis.
 
     Each belongs to the material, so that it penetrates nothing wherever the ball is. None of other features.
     """
-    part = _part(feature)
-    if part is None:
+    meridian = meridian_of(feature)
+    if meridian is None:
         return ()
-    supports = []
+    supports, condition = [], _on_axis_of(feature, 1.0)
     for k in range(SUPPORTS):
         half = pi * k / SUPPORTS
         turn = compose(feature.shape.pose, Pose(quaternion=(cos(half), 0.0, 0.0, sin(half))))
-        name = f"{feature.name or feature.shape.kind}.coaxial{k + 1}"
-        dimension, shape = _at(part, compose(turn, part.pose))
-        supports.append(Feature(name, dimension, shape, (_on_axis_of(feature, 1.0),)))
+        supports.append(
+            replace(
+                meridian,
+                name=f"{feature.name or feature.shape.kind}.coaxial{k + 1}",
+                shape=_moved_shape(meridian.shape, turn),
+                conditions=(*meridian.conditions, condition),
+            )
+        )
     return tuple(supports)
 
 
-def _part(feature: Feature) -> Shape | None:
-    """The part of the feature at azimuth 0, in its axes."""
-    shape = feature.shape
-    parameters = dict(shape.parameters)
-    if shape.kind == "circle":
-        return Shape(
-            "point", (("x", 0.0), ("y", 0.0), ("z", 0.0)), pose=Pose((parameters["radius"], 0.0, 0.0))
-        )
-    if shape.kind == "torus" and not shape.cavity and not feature.conditions:
-        return Shape("sphere", (("radius", parameters["minor"]),), pose=Pose((parameters["major"], 0.0, 0.0)))
-    return None
-
-
-def _at(part: Shape, pose: Pose) -> tuple[int, Shape]:
-    """The dimension of the part, and its shape at the pose."""
-    if part.kind != "point":
-        return 2, replace(part, pose=pose)
-    return 0, Shape("point", tuple(zip("xyz", map(float, pose.position), strict=True)))
+def _moved_shape(shape: Shape, pose: Pose) -> Shape:
+    """The shape seen from the frame in which the pose is given; of a point, its coordinates."""
+    if shape.kind != "point":
+        return replace(shape, pose=compose(pose, shape.pose))
+    at = to_outer(pose, [value for _, value in shape.parameters])
+    return replace(shape, parameters=tuple(zip("xyz", map(float, at), strict=True)))
 
 
 def _on_axis_of(feature: Feature, sign: float) -> Condition:
@@ -62,7 +56,7 @@ def is_coaxial_support(feature: Feature) -> bool:
 
 def holds_coaxially(feature: Feature, other: Feature) -> bool:
     """Whether supports of the feature replace it while the other one is on its axis."""
-    return other.shape.kind == "sphere" and _part(feature) is not None
+    return other.shape.kind == "sphere" and meridian_of(feature) is not None
 
 
 def eccentric(feature: Feature) -> Feature:

@@ -153,7 +153,7 @@ def _candidates(
     for features in product(*sides):
         names = (features[0].name, features[1].name)
         wanted = all(_is_wanted(name, pair) for name in names)
-        if not wanted or not _may_touch(*features, alone, once):
+        if not wanted or not _may_touch(features[0], features[1], alone, once):
             continue
         features = _flattened(*features)
         if not once:

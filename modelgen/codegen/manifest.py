@@ -27,7 +27,7 @@ CENTRE_CURVES = {
     "torus": 2,
     "circle": 2,
     "sphere": 3,
-}  # MG_CENTRE_LINE, MG_CENTRE_CIRCLE, MG_CENTRE_POINT: shapes at a constant distance from a line, a circle or a point
+}  # MG_CENTRE_LINE ..: shapes at a constant distance from a line, a circle or a point
 
 
 def have_centre_curves(shapes: Iterable[str]) -> bool:
