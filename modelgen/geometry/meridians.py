@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import inf, isfinite, pi
+from typing import Any
 
 import numpy as np
 
 from modelgen.geometry.composites.feature_constructors import at_least, at_most, below
+from modelgen.geometry.coordinate_domains import domain_of
+from modelgen.geometry.face_regions import points_of
 from modelgen.rotations import rotation_of
 from modelgen.scene.expression import Binary, Expression, Name, Node, Number, Unary
 from modelgen.scene.expression_building import cos, expression_of, over, sin, substitute, times
 from modelgen.scene.scene_types import Chart, Condition, Curve, Feature, Pose, Shape
+
+SAMPLES = 65  # of a profile, for the side of its exterior
 
 U, T, ZERO = Name("u"), Name("t"), Number(0.0)
 
@@ -31,7 +36,7 @@ def meridian_of(feature: Feature) -> Feature | None:
     if shape.kind == "cone" and shape.cavity:
         line = _part(1, "line", _along_cone(values["half_angle"]))
         return replace(line, conditions=_seen_from(line.shape.pose, (*conditions, below(0.0, None))))
-    curve = _curve_of(shape)
+    curve = _curve_of(feature)
     if curve is None:
         return None
     return Feature("", 1, Shape("curve", shape.parameters, curve=curve), _along(curve, conditions))
@@ -58,11 +63,12 @@ def _seen_from(pose: Pose, conditions: tuple[Condition, ...]) -> tuple[Condition
     return tuple(turned)
 
 
-def _curve_of(shape: Shape) -> Curve | None:
+def _curve_of(feature: Feature) -> Curve | None:
     """The meridian in the plane y = 0, x >= 0."""
+    shape = feature.shape
     values = dict(shape.parameters)
     if shape.chart is not None:
-        return _profile_of(shape.chart)
+        return _profile_of(feature, shape.chart)
     if (
         shape.kind == "paraboloid"
         and values["rho_x"] == values["rho_y"]
@@ -76,17 +82,30 @@ def _curve_of(shape: Shape) -> Curve | None:
     return None
 
 
-def _profile_of(chart: Chart) -> Curve | None:
-    """That of a chart (r(v) cos u, +-r(v) sin u, z(v))."""
+def _profile_of(feature: Feature, chart: Chart) -> Curve | None:
+    """That of a chart (r(v) cos u, +-r(v) sin u, z(v)) that is closed or faces its axis."""
     x, y, z = (each.tree for each in chart.components)
+    turned = isinstance(y, Unary)
     y = y.x if isinstance(y, Unary) else y
     if not (isinstance(x, Binary) and isinstance(y, Binary) and chart.periodic[0]):
         return None
-    if (x, y) != (times(x.a, cos(U)), times(x.a, sin(U))) or "u" in expression_of(x.a).names | expression_of(
-        z
-    ).names:
+    if (x, y) != (times(x.a, cos(U)), times(x.a, sin(U))):
         return None
-    return Curve((_by_t(x.a), expression_of(ZERO), _by_t(z)), chart.domain[1], chart.periodic[1])
+    if "u" in expression_of(x.a).names | expression_of(z).names:
+        return None
+    curve = Curve((_by_t(x.a), expression_of(ZERO), _by_t(z)), chart.domain[1], chart.periodic[1])
+    closed = chart.periodic[1] or all(each.next for each in feature.conditions)
+    rises = np.diff(_heights(Shape("curve", feature.shape.parameters, curve=curve)))
+    outward = (
+        -1.0 if turned != feature.shape.cavity else 1.0
+    )  # c_u x c_v points away from the axis where z rises
+    return curve if closed or (outward * rises <= 0).all() else None
+
+
+def _heights(curve: Shape) -> np.ndarray[Any, Any]:
+    """z at samples of a curve, m."""
+    ((low, high),) = domain_of(curve)
+    return points_of(curve, np.linspace(low, high, SAMPLES))[:, 2]
 
 
 def _by_t(tree: Node) -> Expression:

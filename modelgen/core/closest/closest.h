@@ -127,15 +127,21 @@ MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side, int is_o
 MG_INTERNAL int mg_divide_cell(mg_context *c, int feature_pair, int side, int cell);
 
 /* Where the conditions of a feature pair allow contacts on one side: coordinates u, v in a box and in a disc about 0,
-   and points within the quadrics. */
+   and points within the quadrics; and where its critical points are. */
 typedef struct {
   mg_real box[4];
   mg_real disc;
+  mg_real meridian[3]; /* unit normal of the plane through the third axis in which they are; 0: it is not known */
+  mg_real off_plane;   /* by how much of their distance from the origin they may be off it to rounding */
   int feature_pair, side;
 } mg_feature_limits;
 
 /* Limits of one side of a feature pair. */
 MG_INTERNAL void mg_limit_feature(const mg_context *c, int feature_pair, int side, mg_feature_limits *limits);
+
+/* Adds the plane through the axis of a surface of revolution and the centre of a ball: their closest points are in it,
+   because all normals of the surface meet its axis. */
+MG_INTERNAL void mg_limit_to_meridian(const mg_context *c, int feature_pair, mg_feature_limits *limits);
 
 /* True if all of a cell lies beyond the limits. */
 MG_INTERNAL int mg_is_cell_beyond(const mg_context *c, int cell, const mg_feature_limits *limits);

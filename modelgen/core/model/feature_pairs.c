@@ -138,6 +138,15 @@ MG_INTERNAL int mg_hands_over_coaxially(const mg_context *c, int feature_pair) {
   return 0;
 }
 
+MG_INTERNAL int mg_is_revolved(const mg_context *c, int feature_pair, int side) {
+  const mg_system *s = c->system;
+  for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++)
+    if (s->condition_kind[k] == MG_CONDITION_COAXIAL && s->condition_feature[k] == side &&
+        s->numbers[s->condition_numbers[k] + 6] < 0)
+      return 1;
+  return 0;
+}
+
 MG_INTERNAL mg_real mg_least_margin(const mg_context *c, int feature_pair) {
   return mg_hands_over_coaxially(c, feature_pair) ? 0 : c->settings->search_margin;
 }

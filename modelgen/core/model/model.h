@@ -109,6 +109,9 @@ MG_INTERNAL int mg_hands_over_coaxially(const mg_context *c, int feature_pair);
 /* Margin that a contact on the feature pair needs: none if it hands over. */
 MG_INTERNAL mg_real mg_least_margin(const mg_context *c, int feature_pair);
 
+/* True if the feature of that side is a feature of revolution that hands over. */
+MG_INTERNAL int mg_is_revolved(const mg_context *c, int feature_pair, int side);
+
 /* True if at the present poses the other one of these holds the ball. */
 MG_INTERNAL int mg_is_replaced_coaxially(const mg_context *c, int feature_pair);
 
