@@ -194,7 +194,8 @@ MG_INTERNAL void mg_centre_point(const mg_centred_feature *at, mg_real where, mg
 MG_INTERNAL int mg_normal_to_both(const mg_centred_feature *of, const mg_real *where, mg_real *normal);
 
 /* Stationary places of two centre curves; of two circles those with gaps up to `gap` at which it can be a minimum.
-   Returns their number. It is 0 of a line or point and a curve whose distance is constant. `place` has room for MG_STATIONARY.
+   Returns their number. It is 0 of a line or point and a curve whose distance is constant. `place` has room for
+   MG_STATIONARY.
  */
 MG_INTERNAL int mg_stationary_places(const mg_centred_feature *of, mg_real gap, mg_stationary_place *place);
 

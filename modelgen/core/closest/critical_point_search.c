@@ -215,10 +215,12 @@ static int mg_converge_search(const mg_critical_search *s, mg_real *eta) {
   mg_real next[6];
   if (mg_converge_from_any_start(c, s->feature_pair, eta) < 0) return 0;
   if (!mg_is_revolved(c, s->feature_pair, 0) && !mg_is_revolved(c, s->feature_pair, 1)) return 1;
-  for (int step = 0; step < 3; step++) {
-    if (step) memcpy(eta, next, sizeof next);
-    mg_place_contact(c, c->system->n_contact, eta, next);
+  const int spare = c->system->n_contact, n = c->kernels->contact_kinds[c->contacts.kind[spare]].n_eta;
+  for (int step = 0; step < 2; step++) {
+    mg_place_contact(c, spare, eta, next);
+    for (int k = 0; k < n; k++) eta[k] = next[k];
   }
+  mg_place_contact(c, spare, eta, next);
   return 1;
 }
 
