@@ -1,12 +1,13 @@
-"""Coaxial supports: a ball on the axis of a ring touches all of it at once, at no point by itself; three
-parts of the ring, a third of a turn apart, hold it there."""
+"""Coaxial supports: a ball on the axis of a ring, or another body of revolution coaxial with it, touches all
+of it at once, at no point by itself; three parts of the ring, a third of a turn apart, hold it there."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from math import cos, pi, sin
 
-from modelgen.geometry.meridians import meridian_of
+from modelgen.geometry.meridians import is_of_revolution, meridian_of
 from modelgen.rotations import rotation_of
 from modelgen.scene.pose_arithmetic import compose, to_outer
 from modelgen.scene.scene_types import Condition, Feature, Pose, Shape, Vector
@@ -15,9 +16,9 @@ SUPPORTS = 3
 
 
 def coaxial_supports_of(feature: Feature) -> tuple[Feature, ...]:
-    """Meridians of a feature of revolution: they touch a ball while its centre is on the axis.
+    """Meridians of a feature of revolution: they touch another feature while that is coaxial.
 
-    Each belongs to the material, so that it penetrates nothing wherever the ball is. None of other features.
+    Each belongs to the material, so that nothing that it touches is free to go on. None of other features.
     """
     meridian = meridian_of(feature)
     if meridian is None:
@@ -29,7 +30,7 @@ def coaxial_supports_of(feature: Feature) -> tuple[Feature, ...]:
         supports.append(
             replace(
                 meridian,
-                name=f"{feature.name or feature.shape.kind}.coaxial{k + 1}",
+                name=f"{_label(feature)}.coaxial{k + 1}",
                 shape=_moved_shape(meridian.shape, turn),
                 conditions=(*meridian.conditions, condition),
             )
@@ -54,13 +55,33 @@ def is_coaxial_support(feature: Feature) -> bool:
     return any(each.kind == "coaxial" and each.numbers[-1] > 0 for each in feature.conditions)
 
 
-def holds_coaxially(feature: Feature, other: Feature) -> bool:
-    """Whether supports of the feature replace it while the other one is on its axis."""
-    return other.shape.kind == "sphere" and meridian_of(feature) is not None
+def bearer_of(support: Feature, features: Sequence[Feature]) -> Feature:
+    """The one of the features that the support is a part of."""
+    return next(each for each in features if support.name.startswith(f"{_label(each)}.coaxial"))
+
+
+def _label(feature: Feature) -> str:
+    return feature.name or feature.shape.kind
+
+
+def has_coaxial_supports(feature: Feature, other: Feature) -> bool:
+    """Whether supports of the feature replace it while it is coaxial with the other one.
+
+    That is a ball, or another surface of revolution. Where both could have supports, those of the lower
+    dimension are taken.
+    """
+    mine, theirs = meridian_of(feature), meridian_of(other)
+    if mine is None or other.dimension < 2 or is_coaxial_support(other):
+        return False
+    if other.shape.kind == "sphere":
+        return True
+    if not is_of_revolution(other.shape):
+        return False
+    return theirs is None or (mine.dimension, feature.name) <= (theirs.dimension, other.name)
 
 
 def eccentric(feature: Feature) -> Feature:
-    """A feature of revolution as it touches a ball: not while that is on the axis."""
+    """A feature of revolution as it touches another one: not while they are coaxial."""
     return replace(feature, conditions=(*feature.conditions, _on_axis_of(feature, -1.0)))
 
 

@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 
 from modelgen.assembly.coaxial_supports import (
+    bearer_of,
     coaxial_supports_of,
     eccentric,
-    holds_coaxially,
+    has_coaxial_supports,
     is_coaxial_support,
     seen_from_body,
 )
@@ -87,6 +88,7 @@ class Candidate:
 
 
 Candidates = Mapping[tuple[str, str], Candidate]
+Two = tuple[Feature, Feature]
 Face = tuple[int, str]  # of the first or second shape; its name
 
 
@@ -152,11 +154,12 @@ def _candidates(
     joined = [{feature.name: _joined(feature, side) for feature in side} for side in sides]
     for features in product(*sides):
         names = (features[0].name, features[1].name)
-        wanted = all(_is_wanted(name, pair) for name in names)
-        if not wanted or not _may_touch(features[0], features[1], alone, once):
+        bearers = (_bearer(features[0], sides[0]), _bearer(features[1], sides[1]))
+        wanted = all(not each.name or is_allowed(each.name, pair) for each in bearers)
+        if not wanted or not _may_touch((features[0], features[1]), bearers, alone, once):
             continue
         features = _flattened(*features)
-        if not once:
+        if not once and features == bearers:
             features = _off_axis(*features)
         (one, first), (two, second) = (
             whole.placed(feature, shapes) for whole, feature in zip((a, b), features, strict=True)
@@ -170,11 +173,6 @@ def _candidates(
     if not found:
         raise SceneError(where, "no two features of these shapes can touch in a point", "", "")
     return found
-
-
-def _is_wanted(feature: str, pair: ContactPair) -> bool:
-    """Whether a feature, or what a coaxial support is a part of, may touch."""
-    return not feature or is_allowed(feature, pair)
 
 
 def is_allowed(feature: str, pair: ContactPair) -> bool:
@@ -211,12 +209,18 @@ def _ends_of(segment: Shape) -> tuple[Feature, ...]:
     return vertex("end_bottom", (0.0, 0.0, -length / 2)), vertex("end_top", (0.0, 0.0, length / 2))
 
 
-def _may_touch(a: Feature, b: Feature, alone: bool, once: bool) -> bool:
-    """`alone`: the shapes have one feature each; `once`: they touch in one point at a time."""
-    for part, ball in ((a, b), (b, a)):
-        if is_coaxial_support(part):
-            return ball.shape.kind == "sphere" and not is_coaxial_support(ball) and not once
-    return alone or _touch_in_points(a, b)
+def _bearer(feature: Feature, side: Sequence[Feature]) -> Feature:
+    """What a coaxial support is a part of; of other features they themselves."""
+    return bearer_of(feature, side) if is_coaxial_support(feature) else feature
+
+
+def _may_touch(features: Two, bearers: Two, alone: bool, once: bool) -> bool:
+    """`bearers`: what the features are parts of, or they themselves; `alone`: the shapes have one feature
+    each; `once`: they touch in one point at a time."""
+    for support, bearer, other in zip(features, bearers, reversed(features), strict=True):
+        if is_coaxial_support(support):
+            return not once and has_coaxial_supports(bearer, other)
+    return alone or _touch_in_points(*features)
 
 
 def _touch_in_points(a: Feature, b: Feature) -> bool:
@@ -237,12 +241,12 @@ def _flattened(a: Feature, b: Feature) -> tuple[Feature, Feature]:
     )
 
 
-def _off_axis(a: Feature, b: Feature) -> tuple[Feature, Feature]:
-    """The condition by which a ring or funnel hands over to its coaxial supports where a ball is on its
-    axis."""
+def _off_axis(a: Feature, b: Feature) -> Two:
+    """The condition by which a ring or funnel hands over to its coaxial supports where it is coaxial with
+    another body."""
     return (
-        eccentric(a) if holds_coaxially(a, b) else a,
-        eccentric(b) if holds_coaxially(b, a) else b,
+        eccentric(a) if has_coaxial_supports(a, b) else a,
+        eccentric(b) if has_coaxial_supports(b, a) else b,
     )
 
 

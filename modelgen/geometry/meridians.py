@@ -82,8 +82,19 @@ def _curve_of(feature: Feature) -> Curve | None:
     return None
 
 
-def _profile_of(feature: Feature, chart: Chart) -> Curve | None:
-    """That of a chart (r(v) cos u, +-r(v) sin u, z(v)) that is closed or faces its axis."""
+def is_of_revolution(shape: Shape) -> bool:
+    """Whether a surface is one about its third axis. A cylinder counts for none: another surface about that
+    axis touches it at no radius but its own."""
+    values = dict(shape.parameters)
+    if shape.chart is not None:
+        return _revolved(shape.chart) is not None
+    if shape.kind in ("paraboloid", "ellipsoid"):
+        return len(set(list(values.values())[:2])) == 1
+    return shape.kind in ("cone", "torus")
+
+
+def _revolved(chart: Chart) -> tuple[Curve, bool] | None:
+    """The meridian of a chart (r(v) cos u, +-r(v) sin u, z(v)), and whether the sign is negative."""
     x, y, z = (each.tree for each in chart.components)
     turned = isinstance(y, Unary)
     y = y.x if isinstance(y, Unary) else y
@@ -93,7 +104,15 @@ def _profile_of(feature: Feature, chart: Chart) -> Curve | None:
         return None
     if "u" in expression_of(x.a).names | expression_of(z).names:
         return None
-    curve = Curve((_by_t(x.a), expression_of(ZERO), _by_t(z)), chart.domain[1], chart.periodic[1])
+    return Curve((_by_t(x.a), expression_of(ZERO), _by_t(z)), chart.domain[1], chart.periodic[1]), turned
+
+
+def _profile_of(feature: Feature, chart: Chart) -> Curve | None:
+    """That of a chart that is closed or faces its axis."""
+    found = _revolved(chart)
+    if found is None:
+        return None
+    curve, turned = found
     closed = chart.periodic[1] or all(each.next for each in feature.conditions)
     rises = np.diff(_heights(Shape("curve", feature.shape.parameters, curve=curve)))
     outward = (
