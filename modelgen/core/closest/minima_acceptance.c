@@ -80,7 +80,7 @@ MG_INTERNAL void mg_report_unfollowed_minimum(const mg_context *c, const mg_mini
 }
 
 MG_INTERNAL void mg_note_penetration(mg_context *c, int contact, int feature_pair, mg_real depth) {
-  if (mg_is_feature_pair_of_tilted_faces(c, feature_pair) || mg_is_almost_coaxial(c, feature_pair))
+  if (mg_is_feature_pair_of_tilted_faces(c, feature_pair) || mg_is_handed_over_early(c, feature_pair))
     depth -= 2 * c->settings->flat_angle * c->system->length;
   if (depth > c->search.penetration) c->search.penetration = depth, c->search.penetration_contact = contact;
   if (!(depth > c->run->penetration_max)) return;
