@@ -31,8 +31,10 @@ CENTRE_CURVES = {
 
 
 def have_centre_curves(shapes: Iterable[str]) -> bool:
-    """Whether closest points of these kinds of shapes follow from their centre curves in closed form."""
-    return all(shape in CENTRE_CURVES for shape in shapes)
+    """Whether closest points of these kinds of shapes follow from their centre curves in closed form; not of
+    two spheres."""
+    kinds = set(shapes)
+    return kinds <= set(CENTRE_CURVES) and kinds != {"sphere"}
 
 
 Json = dict[str, Any]
