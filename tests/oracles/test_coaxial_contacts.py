@@ -50,7 +50,6 @@ SEATS = {
         make.revolution("0.01 + t", "t", domain=(0.0, 0.1), cavity=True), BALL * sqrt(2) - 0.01
     ),
 }
-BY_CELLS = ("cone", "paraboloid", "ellipsoid", "revolution")  # whose searches near the axis take longer
 
 
 def fallen(name: str, offset: float, until: float = 0.4, **terms: object) -> Trajectory:
@@ -60,7 +59,7 @@ def fallen(name: str, offset: float, until: float = 0.4, **terms: object) -> Tra
     return ran([seat.body(), ball("ball", start, BALL)], until, [{"between": ["ball", "seat"], **terms}])
 
 
-@pytest.mark.cases(12)
+@pytest.mark.cases(9)
 @pytest.mark.parametrize("name", SEATS)
 @pytest.mark.parametrize("offset", OFFSETS)
 def test_a_ball_comes_to_rest_all_around(name: str, offset: float) -> None:
