@@ -185,7 +185,7 @@ def _names(written: str, feature: str) -> bool:
 
 
 def _check_restriction(pair: ContactPair, sides: list[tuple[Feature, ...]], where: str) -> None:
-    known = {feature.name for side in sides for feature in side if feature.name}
+    known = {each.name for side in sides for each in side if each.name and not is_coaxial_support(each)}
     for name in pair.features:
         if not any(_names(name, each) for each in known):
             raise SceneError(
