@@ -165,6 +165,11 @@ class FeaturePairEntry:
     face_group: int = -1  # of feature pairs of one flat face with the other of two convex solids
     conditions: tuple[FeatureCondition, ...] = ()
 
+    @property
+    def is_coaxial_support(self) -> bool:
+        """Whether it replaces another one while two features of revolution are coaxial."""
+        return any(each.kind == "coaxial" and each.numbers[-1] > 0 for each in self.conditions)
+
 
 @dataclass(frozen=True, slots=True)
 class FrictionConstraint:

@@ -10,18 +10,29 @@ from typing import Any
 
 import numpy as np
 
+from modelgen.assembly.coaxial_supports import (
+    bearer_of,
+    coaxial_supports_of,
+    eccentric,
+    has_coaxial_supports,
+    is_coaxial_support,
+    seen_from_body,
+)
 from modelgen.assembly.contact_kinds import Owner, Partner, contact_kind_of, shape_kind
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.rim_support_points import is_support_point, lies_flat, support_points_of, tilted
 from modelgen.contact.form_table import eta_layout, regular_forms
 from modelgen.errors import SceneError, nearest
 from modelgen.geometry.composites.feature_constructors import vertex
+from modelgen.geometry.curvature_bounds import touches_once
 from modelgen.geometry.extent import bounding_ball
 from modelgen.geometry.shape_features import features_of, is_convex
 from modelgen.model import ENDS, WATCHED, ContactKind, FeatureCondition, FeaturePairEntry, ShapeKind
 from modelgen.rotations import rotation_of
 from modelgen.scene.pose_arithmetic import compose, to_outer
 from modelgen.scene.scene_types import Condition, ContactPair, Feature, Pose, Shape, Vector
+
+Array = np.ndarray[Any, Any]
 
 STRAIGHT = frozenset({"plane", "line", "segment", "edge", "cylinder", "cone"})  # touch a plane along a line
 CONES = ("wing", "direction")  # conditions of the normal; the others are of the place
@@ -51,9 +62,11 @@ class Whole:
 
     @cached_property
     def features(self) -> tuple[Feature, ...]:
-        """Its features, with the support points of those that can lie flat."""
+        """Its features, with the support points of those that can lie flat, and the coaxial supports."""
         features = features_of(self.shape).features
-        return (*features, *(point for feature in features for point in support_points_of(feature)))
+        points = (point for feature in features for point in support_points_of(feature))
+        parts = (part for feature in features for part in coaxial_supports_of(feature))
+        return (*features, *points, *parts)
 
     def placed(self, feature: Feature, shapes: KindList[ShapeKind]) -> tuple[Feature, Partner]:
         """The shape with the feature in place of the whole, made once for each feature; a vertex has its
@@ -75,6 +88,7 @@ class Candidate:
 
 
 Candidates = Mapping[tuple[str, str], Candidate]
+Two = tuple[Feature, Feature]
 Face = tuple[int, str]  # of the first or second shape; its name
 
 
@@ -134,15 +148,19 @@ def _candidates(
 ) -> dict[tuple[str, str], Candidate]:
     sides = _ended([whole.features for whole in (a, b)])
     _check_restriction(pair, sides, where)
-    alone = len(sides[0]) == len(sides[1]) == 1
+    alone = all(sum(not is_coaxial_support(each) for each in side) == 1 for side in sides)
+    once = touches_once(a.shape, b.shape)
     found: dict[tuple[str, str], Candidate] = {}
     joined = [{feature.name: _joined(feature, side) for feature in side} for side in sides]
     for features in product(*sides):
         names = (features[0].name, features[1].name)
-        wanted = all(not name or is_allowed(name, pair) for name in names)
-        if not wanted or not (alone or _touch_in_points(*features)):
+        bearers = (_bearer(features[0], sides[0]), _bearer(features[1], sides[1]))
+        wanted = all(not each.name or is_allowed(each.name, pair) for each in bearers)
+        if not wanted or not _may_touch((features[0], features[1]), bearers, alone, once):
             continue
         features = _flattened(*features)
+        if not once and features == bearers:
+            features = _off_axis(*features)
         (one, first), (two, second) = (
             whole.placed(feature, shapes) for whole, feature in zip((a, b), features, strict=True)
         )
@@ -167,7 +185,7 @@ def _names(written: str, feature: str) -> bool:
 
 
 def _check_restriction(pair: ContactPair, sides: list[tuple[Feature, ...]], where: str) -> None:
-    known = {feature.name for side in sides for feature in side if feature.name}
+    known = {each.name for side in sides for each in side if each.name and not is_coaxial_support(each)}
     for name in pair.features:
         if not any(_names(name, each) for each in known):
             raise SceneError(
@@ -191,6 +209,20 @@ def _ends_of(segment: Shape) -> tuple[Feature, ...]:
     return vertex("end_bottom", (0.0, 0.0, -length / 2)), vertex("end_top", (0.0, 0.0, length / 2))
 
 
+def _bearer(feature: Feature, side: Sequence[Feature]) -> Feature:
+    """What a coaxial support is a part of; of other features they themselves."""
+    return bearer_of(feature, side) if is_coaxial_support(feature) else feature
+
+
+def _may_touch(features: Two, bearers: Two, alone: bool, once: bool) -> bool:
+    """`bearers`: what the features are parts of, or they themselves; `alone`: the shapes have one feature
+    each; `once`: they touch in one point at a time."""
+    for support, bearer, other in zip(features, bearers, reversed(features), strict=True):
+        if is_coaxial_support(support):
+            return not once and has_coaxial_supports(bearer, other)
+    return alone or _touch_in_points(*features)
+
+
 def _touch_in_points(a: Feature, b: Feature) -> bool:
     orders = ((a, b), (b, a))
     if a.shape.kind == b.shape.kind == "point":
@@ -206,6 +238,15 @@ def _flattened(a: Feature, b: Feature) -> tuple[Feature, Feature]:
     return (
         tilted(a) if b.shape.kind == "plane" and lies_flat(a) else a,
         tilted(b) if a.shape.kind == "plane" and lies_flat(b) else b,
+    )
+
+
+def _off_axis(a: Feature, b: Feature) -> Two:
+    """The condition by which a ring or funnel hands over to its coaxial supports where it is coaxial with
+    another body."""
+    return (
+        eccentric(a) if has_coaxial_supports(a, b) else a,
+        eccentric(b) if has_coaxial_supports(b, a) else b,
     )
 
 
@@ -225,6 +266,7 @@ def _placed(whole: Whole, feature: Feature, shapes: KindList[ShapeKind]) -> tupl
         numbers = tuple(zip("xyz", map(float, at), strict=True))
         shape = replace(shape, parameters=numbers, pose=Pose(whole.owner.centre))
         feature = _turned(feature, rotation_of(pose.quaternion))
+    feature = seen_from_body(feature, whole.shape.pose, whole.owner.centre)
     return feature, Partner(whole.owner, shape, shapes.named(shape_kind(shape, whole.owner.fold)))
 
 
@@ -302,12 +344,16 @@ def _is_moot(condition: Condition, other: Feature, faces: frozenset[str]) -> boo
     return other.shape.kind == "plane" and (condition.kind in CONES or condition.next in faces)
 
 
-def _turned(feature: Feature, rotation: np.ndarray[Any, Any]) -> Feature:
+def _turned(feature: Feature, rotation: Array) -> Feature:
     """The edge directions of a vertex, expressed in other axes."""
     return replace(
         feature,
         conditions=tuple(
-            replace(each, numbers=(*map(float, rotation @ np.array(each.numbers[:3])), *each.numbers[3:]))
+            each
+            if each.kind == "coaxial"
+            else replace(
+                each, numbers=(*map(float, rotation @ np.array(each.numbers[:3])), *each.numbers[3:])
+            )
             for each in feature.conditions
         ),
     )

@@ -26,12 +26,15 @@ CENTRE_CURVES = {
     "line": 1,
     "torus": 2,
     "circle": 2,
-}  # MG_CENTRE_LINE, MG_CENTRE_CIRCLE: shapes at a constant distance from a line or a circle
+    "sphere": 3,
+}  # MG_CENTRE_LINE ..: shapes at a constant distance from a line, a circle or a point
 
 
 def have_centre_curves(shapes: Iterable[str]) -> bool:
-    """Whether closest points of these kinds of shapes follow from their centre curves in closed form."""
-    return all(shape in CENTRE_CURVES for shape in shapes)
+    """Whether closest points of these kinds of shapes follow from their centre curves in closed form; not of
+    two spheres."""
+    kinds = set(shapes)
+    return kinds <= set(CENTRE_CURVES) and kinds != {"sphere"}
 
 
 Json = dict[str, Any]

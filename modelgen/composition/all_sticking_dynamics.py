@@ -8,7 +8,12 @@ from __future__ import annotations
 
 import casadi as ca
 
-from modelgen.composition.contact_mode import ContactMode, friction_of_contacts, held_mode
+from modelgen.composition.contact_mode import (
+    ContactMode,
+    friction_of_contacts,
+    held_mode,
+    lone_feature_pairs,
+)
 from modelgen.composition.moving_bodies import Functions
 from modelgen.composition.right_hand_side import WrittenScene, in_mode, slip_speeds, written_scene
 from modelgen.composition.shared_reciprocals import with_shared_reciprocals
@@ -25,7 +30,7 @@ def why_not_closed(model: Model) -> str:
     if len(model.pairs) > MAX_CONTACTS:
         return f"{len(model.pairs)} contacts"
     for pair in model.pairs:
-        n = pair.feature_pairs[1] - pair.feature_pairs[0]
+        n = len(lone_feature_pairs(model, pair))
         if n != 1:
             return f"contact {pair.name!r} goes over {n} pairs of faces, edges, vertices, pieces or caps"
         if pair.friction and len(model.pairs) > 1:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from modelgen.errors import ModelgenError
-from modelgen.model import ENDS, ContactEntry, FrictionConstraint, LimitEntry, Model
+from modelgen.model import ENDS, ContactEntry, FrictionConstraint, LimitEntry, Model, PairEntry
 
 Vector = tuple[float, float, float]
 FrictionState = Literal["off", "sticks", "slips"]
@@ -82,15 +82,21 @@ def friction_of_contacts(model: Model) -> list[tuple[int, FrictionConstraint]]:
     ]
 
 
+def lone_feature_pairs(model: Model, pair: PairEntry) -> list[int]:
+    """The feature pairs of a pair that are no coaxial supports."""
+    return [k for k in range(*pair.feature_pairs) if not model.feature_pairs[k].is_coaxial_support]
+
+
 def own_feature_pairs(model: Model) -> tuple[int, ...]:
-    """Of each contact the one feature pair that it can follow, or -1 where there are several.
+    """Of each contact the one feature pair that it can follow, or -1 where there are several; coaxial
+    supports are left out.
 
     Of contacts of one pair that compete for its feature pair, the first follows it.
     """
     found, taken = [], set()
     for contact in model.contacts:
-        first, end = model.pairs[contact.pair].feature_pairs
-        own = contact.feature_pair if contact.feature_pair >= 0 or end - first > 1 else first
+        lone = lone_feature_pairs(model, model.pairs[contact.pair])
+        own = contact.feature_pair if contact.feature_pair >= 0 or len(lone) > 1 else lone[0]
         found.append(own if own not in taken else NO_FEATURE_PAIR)
         taken.add(own)
     return tuple(found)

@@ -132,6 +132,8 @@ def _user_curve(curve: Curve, names: tuple[str, ...]) -> SpaceCurve:
 
     def bounding(p: Sequence[float]) -> float:
         """Largest distance from the origin on a grid, plus the largest step of the grid."""
+        if not np.isfinite(curve.domain).all():
+            return inf
         grid = np.linspace(*curve.domain, SAMPLES).reshape(1, -1)
         x = np.asarray(_point(curve, names)(grid, ca.DM(list(p))))
         steps = np.linalg.norm(np.diff(x, axis=1), axis=0)

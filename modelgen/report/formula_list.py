@@ -27,7 +27,14 @@ from modelgen.report.formula_text_and_latex import symbol_latex
 from modelgen.report.inputs_at_closest_points import ClosestInputs
 from modelgen.verification.formula_inputs import Numbers, inputs_at, own_inputs, substituted
 from modelgen.verification.sympy_translation import LONGEST, Line, definition, leading_to
-from modelgen.verification.verify import claimed, is_of_joint, is_of_limit, joint_kind, verified
+from modelgen.verification.verify import (
+    OF_CONTACTS,
+    claimed,
+    is_of_joint,
+    is_of_limit,
+    joint_kind,
+    verified,
+)
 
 
 @dataclass(frozen=True)
@@ -104,14 +111,17 @@ def formula_facts(
         name: of a formula, of a role such as "rates", or of a quantity such as "gamma", which is then
             written with what leads to it and nothing else; all formulas when None.
         style: how expressions are written.
-        roles: the roles to show when there is no name; all when empty.
+        roles: the roles to show when there is no name, and without coaxial supports; all when empty.
         view: where numbers are substituted, and how often formulas are verified.
 
     Raises ModelgenError if nothing has that name.
     """
     manifest, view = emit(derivation).manifest, view or View()
+    of_supports = _kinds_of_supports(derivation.model)
     found = []
     for formula in derivation.formulas:
+        if roles and formula.role in OF_CONTACTS and formula.kind in of_supports:
+            continue
         whole = name in (None, formula.name, formula.role) and (name or not roles or formula.role in roles)
         function, steps = _written_out(formula, derivation.model)
         if whole or name in function.name_out():
@@ -124,6 +134,14 @@ def formula_facts(
     if not found:
         raise _unknown(str(name), derivation)
     return found
+
+
+def _kinds_of_supports(model: Model) -> set[int]:
+    """The kinds of contact that coaxial supports alone have."""
+    kinds: dict[bool, set[int]] = {True: set(), False: set()}
+    for each in model.feature_pairs:
+        kinds[each.is_coaxial_support].add(each.kind)
+    return kinds[True] - kinds[False]
 
 
 def _unknown(name: str, derivation: Derivation) -> ModelgenError:

@@ -64,7 +64,7 @@ class ClosestInputs:
 
     def _with_lengths(self, parameters: Sequence[float]) -> Library:
         """The library of the pair of shapes that is inspected, with other lengths."""
-        (entry,) = self.library.manifest.instance["feature_pairs"]
+        entry = self.library.manifest.instance["feature_pairs"][0]  # coaxial supports come after it
         names = self.library.manifest.kinds["contact"][entry["kind"]]["parameters"]
         lengths: dict[str, dict[str, float]] = {"o": {}, "f": {}}
         for name, value in zip(names, parameters, strict=True):

@@ -136,11 +136,13 @@ class Accuracy:
             face that a vertex or edge is found above.
         lcp_iterations: bound on the active-set changes of one complementarity problem.
         events_at_once_max: bound on the transitions at one time.
-        search_margin: a search for closest points drops results with a smaller margin.
+        search_margin: a search for closest points drops results with a smaller margin; a ball whose centre is
+            within this times L of the axis of a ring touches three parts of it.
         search_merge_distance: closest points nearer to each other than this times P are one.
         search_gap: a search follows contacts with gaps up to this times P.
         search_movement: a pair that can touch more than once is searched again after moving by this times P.
-        flat_angle: rad; a rim closer to a plane than this angle stands on three of its points.
+        flat_angle: rad; a rim closer to a plane than this angle stands on three of its points, and so does
+            what is closer to coaxial with another body than this and this times L.
         parallel_angle: rad; straight sides and edges closer to parallel than this are held at both ends of
             their line of contact: in event-driven runs where they are too nearly parallel (search_margin) to
             be followed between its ends.

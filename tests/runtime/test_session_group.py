@@ -134,7 +134,7 @@ def test_runs_of_other_scenes_may_take_turns_on_one_scratch_memory() -> None:
     assert made > 1000
 
 
-@pytest.mark.parametrize("name", ["egg_on_spline", "gears", "ball_in_torus"])
+@pytest.mark.parametrize("name", ["egg_on_spline", "gears", "coin_in_bowl"])
 def test_bounds_are_those_of_the_parameters_of_the_shapes(name: str) -> None:
     """The digest by which bounds are recognised, first in the scratch memory, changes with every parameter of
     a shape that is searched, and with no start, load or mass."""

@@ -256,6 +256,7 @@ MG_INTERNAL void mg_limit_feature(const mg_context *c, int feature_pair, int sid
   const mg_real slack = 8 * c->settings->feature_border,
                 *scale = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_UV_SCALE;
   limits->feature_pair = feature_pair, limits->side = side;
+  limits->meridian[0] = limits->meridian[1] = limits->meridian[2] = limits->off_plane = 0;
   limits->box[0] = limits->box[2] = -MG_MAX, limits->box[1] = limits->box[3] = limits->disc = MG_MAX;
   for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++) {
     const mg_real *a = s->numbers + s->condition_numbers[k];
@@ -266,6 +267,19 @@ MG_INTERNAL void mg_limit_feature(const mg_context *c, int feature_pair, int sid
     if (a[1] > 0) ends[0] = mg_max(ends[0], a[2] - slack * scale[(int)a[0]] / a[1]);
     if (a[1] < 0) ends[1] = mg_min(ends[1], a[2] - slack * scale[(int)a[0]] / a[1]);
   }
+}
+
+MG_INTERNAL void mg_limit_to_meridian(const mg_context *c, int feature_pair, mg_feature_limits *limits) {
+  const int side = limits->side;
+  const mg_real *pose = c->bodies.pose + 12 * mg_feature_body(c, feature_pair, 1 - side);
+  mg_real centre[3], x[3];
+  if (!mg_is_revolved(c, feature_pair, side)) return;
+  mg_to_world(pose, mg_feature_numbers(c, feature_pair, 1 - side) + MG_FEATURE_PLACEMENT, 1, centre);
+  mg_point_in_shape_axes(c, feature_pair, side, centre, x);
+  const mg_real off_axis = mg_hypot(x[0], x[1]);
+  if (!(off_axis > 0)) return;
+  limits->meridian[0] = -x[1] / off_axis, limits->meridian[1] = x[0] / off_axis;
+  limits->off_plane = 64 * MG_EPS * (sqrt(mg_dot3(centre, centre)) + sqrt(mg_dot3(x, x))) / off_axis;
 }
 
 /* Upper bound of a quadric over the ball around a cell. */
@@ -291,8 +305,15 @@ static int mg_is_cell_outside_quadrics(const mg_context *c, const mg_cell *cell,
   return 0;
 }
 
+/* True if all of a cell is off the plane of the critical points. */
+static int mg_is_cell_off_meridian(const mg_cell *cell, const mg_feature_limits *limits) {
+  const mg_real slack = limits->off_plane * sqrt(mg_dot3(cell->centre, cell->centre));
+  return fabs(mg_dot3(limits->meridian, cell->centre)) > cell->radius + slack;
+}
+
 MG_INTERNAL int mg_is_cell_beyond(const mg_context *c, int cell, const mg_feature_limits *limits) {
   const mg_real *box = c->search.cells[cell].box, *inside = limits->box;
+  if (mg_is_cell_off_meridian(c->search.cells + cell, limits)) return 1;
   if (box[1] < inside[0] || box[0] > inside[1] || box[3] < inside[2] || box[2] > inside[3]) return 1;
   if (mg_is_cell_outside_quadrics(c, c->search.cells + cell, limits)) return 1;
   if (!(limits->disc < MG_MAX)) return 0;

@@ -1,5 +1,5 @@
-/* Features that lie at a constant distance from a straight line or a circle, their centre curve: cylinders and lines
-   (about a line), tori and circles (about a circle). */
+/* Features that lie at a constant distance from a straight line, a circle or a point, their centre curve: cylinders and
+   lines (about a line), tori and circles (about a circle), spheres (about a point). */
 #include "closest/closest.h"
 #include "base/base.h"
 #include "model/model.h"
@@ -9,12 +9,12 @@ MG_INTERNAL int mg_has_centre_curves(const mg_context *c, int feature_pair) {
   if (mg_parametrisation(c, feature_pair, 1) == MG_NONE) return 0; /* as of limits of joints, which have no shapes */
   for (int side = 0; side < 2; side++)
     kind[side] = c->kernels->shape_kinds[c->system->feature_shape[2 * feature_pair + side]].centre_curve;
-  return kind[0] && kind[1];
+  return kind[0] && kind[1] && !(kind[0] == MG_CENTRE_POINT && kind[1] == MG_CENTRE_POINT);
 }
 
 MG_INTERNAL int mg_is_about_centre_curve(const mg_context *c, int feature_pair, int side) {
   const mg_shape_kind *kind = c->kernels->shape_kinds + c->system->feature_shape[2 * feature_pair + side];
-  return kind->centre_curve && kind->dimension == 2;
+  return kind->centre_curve && kind->centre_curve != MG_CENTRE_POINT && kind->dimension == 2;
 }
 
 MG_INTERNAL void mg_read_centre_curve(const mg_context *c, int feature_pair, int side, mg_centre_curve *at) {

@@ -1,9 +1,9 @@
-/* Critical points of the distance of features that lie at a constant distance from a straight line or a circle, in
-   closed form: a cylinder or a line (about a line), a torus or a circle (about a circle). The line through the closest
-   points of two such features is normal to both centre curves, whatever the radii, so that they follow from places on
-   the centre curves at which their distance is stationary (centre_curve_stationary_points.c). Where the distance is the
-   same along a curve, as of coaxial features, no point is critical by itself; the gap there is noted instead
-   (c->search.open_gap). World axes. */
+/* Critical points of the distance of features that lie at a constant distance from a straight line, a circle or a
+   point, in closed form: a cylinder or a line (about a line), a torus or a circle (about a circle), a sphere. The line
+   through the closest points of two such features is normal to both centre curves, whatever the radii, so that they
+   follow from places on the centre curves at which their distance is stationary (centre_curve_stationary_points.c).
+   Where the distance is the same along a curve, as of coaxial features, no point is critical by itself; the gap there
+   is noted instead (c->search.open_gap). World axes. */
 #include "closest/closest.h"
 #include "base/base.h"
 #include "model/model.h"
@@ -47,7 +47,7 @@ static void mg_converge_from_centres(mg_context *c, int feature_pair, const mg_c
   const int converged = mg_converge_from_any_start(c, feature_pair, eta) >= 0;
   const mg_real regularity = fmin(fabs(mg_placement_margin(c, c->system->n_contact)), place->regularity);
   if (!converged) mg_note_open_gap(c, d);
-  else if (regularity <= c->settings->search_margin) mg_note_singular_gap(c, feature_pair, d);
+  else if (regularity <= mg_least_margin(c, feature_pair)) mg_note_singular_gap(c, feature_pair, d);
   if (converged) mg_keep_minimum_at(c, feature_pair, eta, least, kept);
 }
 

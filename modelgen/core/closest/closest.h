@@ -79,16 +79,16 @@ MG_INTERNAL void mg_shape_rotation(const mg_context *c, int feature_pair, int si
 
 /* centre_curve_features.c */
 
-/* The line or circle at a constant distance from which a feature lies, in the axes of the shape: the third axis, or
-   about it. */
+/* The line, circle or point at a constant distance from which a feature lies, in the axes of the shape: the third axis,
+   about it, or the origin. */
 typedef struct {
-  int kind;       /* MG_CENTRE_LINE or MG_CENTRE_CIRCLE */
+  int kind;       /* MG_CENTRE_LINE .. */
   int coordinate; /* that of the feature which runs along the curve: 0 u, 1 v */
   mg_real radius; /* of the circle, m */
   mg_real tube;   /* distance of the feature, m; negative: a cavity, 0: the curve itself */
 } mg_centre_curve;
 
-/* True if the critical points of a feature pair follow from lines or circles in closed form. */
+/* True if the critical points of a feature pair follow from lines, circles or points in closed form. */
 MG_INTERNAL int mg_has_centre_curves(const mg_context *c, int feature_pair);
 
 /* True if a feature is a surface that has a centre curve. */
@@ -130,15 +130,21 @@ MG_INTERNAL void mg_bound_bends(mg_context *c, int feature_pair, int side, int n
 MG_INTERNAL int mg_divide_cell(mg_context *c, int feature_pair, int side, int cell);
 
 /* Where the conditions of a feature pair allow contacts on one side: coordinates u, v in a box and in a disc about 0,
-   and points within the quadrics. */
+   and points within the quadrics; and where its critical points are. */
 typedef struct {
   mg_real box[4];
   mg_real disc;
+  mg_real meridian[3]; /* unit normal of the plane through the third axis in which they are; 0: it is not known */
+  mg_real off_plane;   /* by how much of their distance from the origin they may be off it to rounding */
   int feature_pair, side;
 } mg_feature_limits;
 
 /* Limits of one side of a feature pair. */
 MG_INTERNAL void mg_limit_feature(const mg_context *c, int feature_pair, int side, mg_feature_limits *limits);
+
+/* Adds the plane through the axis of a surface of revolution and the centre of a ball: their closest points are in it,
+   because all normals of the surface meet its axis. */
+MG_INTERNAL void mg_limit_to_meridian(const mg_context *c, int feature_pair, mg_feature_limits *limits);
 
 /* True if all of a cell lies beyond the limits. */
 MG_INTERNAL int mg_is_cell_beyond(const mg_context *c, int cell, const mg_feature_limits *limits);
@@ -165,7 +171,7 @@ enum { MG_STATIONARY = 64 }; /* most places of two centre curves */
 
 /* A place on both centre curves at which their distance is stationary. */
 typedef struct {
-  mg_real where[2];   /* angle of a circle, rad; distance along a line, m */
+  mg_real where[2];   /* angle of a circle, rad; distance along a line, m; of a point nothing */
   mg_real regularity; /* of two circles the determinant of the second derivatives of the squared distance, as a part of
                          their size: 0 where it is constant along a curve; else 1 */
 } mg_stationary_place;
@@ -191,11 +197,12 @@ MG_INTERNAL void mg_centre_point(const mg_centred_feature *at, mg_real where, mg
 MG_INTERNAL int mg_normal_to_both(const mg_centred_feature *of, const mg_real *where, mg_real *normal);
 
 /* Stationary places of two centre curves; of two circles those with gaps up to `gap` at which it can be a minimum.
-   Returns their number. It is 0 of a line and a curve whose distance is constant. `place` has room for MG_STATIONARY.
+   Returns their number. It is 0 of a line or point and a curve whose distance is constant. `place` has room for
+   MG_STATIONARY.
  */
 MG_INTERNAL int mg_stationary_places(const mg_centred_feature *of, mg_real gap, mg_stationary_place *place);
 
-/* Distance of a line from a line or circle where it is constant, m. */
+/* Distance of a line or point from another centre curve where it is constant, m. */
 MG_INTERNAL mg_real mg_constant_distance(const mg_centred_feature *of);
 
 /* circle_pair_single_minimum.c */

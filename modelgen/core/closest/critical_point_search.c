@@ -203,6 +203,22 @@ static void mg_leave_out_farther_gaps(mg_critical_search *s) {
   s->limits.gap = mg_min(s->limits.gap, most), s->limits.depth = mg_min(s->limits.depth, most);
 }
 
+/* Newton's method from eta. Of a surface of revolution two steps more: where a ball is almost on the axis, points on
+   both sides of the closest one already satisfy the equations within the goal. Returns 0 if it does not converge. */
+static int mg_converge_search(const mg_critical_search *s, mg_real *eta) {
+  mg_context *c = s->c;
+  mg_real next[6];
+  if (mg_converge_from_any_start(c, s->feature_pair, eta) < 0) return 0;
+  if (!mg_is_revolved(c, s->feature_pair, 0) && !mg_is_revolved(c, s->feature_pair, 1)) return 1;
+  const int spare = c->system->n_contact, n = c->kernels->contact_kinds[c->contacts.kind[spare]].n_eta;
+  for (int step = 0; step < 2; step++) {
+    mg_place_contact(c, spare, eta, next);
+    for (int k = 0; k < n; k++) eta[k] = next[k];
+  }
+  mg_place_contact(c, spare, eta, next);
+  return 1;
+}
+
 /* Converges from the middles of two cells and keeps what it finds. Returns 0 if it does not converge. */
 static int mg_converge_from_cells(mg_critical_search *s, int a, int b) {
   mg_context *c = s->c;
@@ -215,7 +231,7 @@ static int mg_converge_from_cells(mg_critical_search *s, int a, int b) {
   if (s->is_centred[1]) mg_sample_about_centre(s, 1, &B, &A, at + 1 - s->first);
   else mg_sample_cell(s, 1 - s->first, b, at + s->first, at + 1 - s->first);
   mg_start_eta(c, s->feature_pair, at, at + 1, eta);
-  if (mg_converge_from_any_start(c, s->feature_pair, eta) < 0) return 0;
+  if (!mg_converge_search(s, eta)) return 0;
   mg_note_singular_point(c, s->feature_pair);
   mg_add_known_point(s, eta);
   mg_keep_minimum_at(c, s->feature_pair, eta, s->least, s->kept);
@@ -403,6 +419,7 @@ MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const
   s.has_cells = !mg_has_nearest_point(c, feature_pair, 1 - s.first);
   mg_limit_feature(c, feature_pair, s.first, s.allowed);
   mg_limit_feature(c, feature_pair, 1 - s.first, s.allowed + 1);
+  for (int which = 0; which < 2; which++) mg_limit_to_meridian(c, feature_pair, s.allowed + which);
   s.smallest = c->settings->search_merge_distance * mg_pair_length(c, c->system->feature_pair_owner[feature_pair]) / 4;
   for (int which = 0; which < 2; which++) {
     const int side = which ? 1 - s.first : s.first;

@@ -61,7 +61,7 @@ MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta,
     if (is_wrong_side) mg_reverse_normal(c, feature_pair, eta), mg_place_contact(c, spare, eta, next);
   }
   found->undecided = mg_has_normal_sign(c, feature_pair) && has_no_outside && mg_is_side_undecided(c, feature_pair);
-  if (!(mg_placement_uniqueness(c, spare) > c->settings->search_margin)) return 0;
+  if (!(mg_placement_uniqueness(c, spare) > mg_least_margin(c, feature_pair))) return 0;
   if (mg_most_violated_condition(c, feature_pair, eta, &which) < -c->settings->feature_border) return 0;
   if (mg_least_feature_pair_condition(c, feature_pair, eta, MG_WATCHED, &which) < -c->settings->appear_tilt_sine)
     return 0;
@@ -80,7 +80,8 @@ MG_INTERNAL void mg_report_unfollowed_minimum(const mg_context *c, const mg_mini
 }
 
 MG_INTERNAL void mg_note_penetration(mg_context *c, int contact, int feature_pair, mg_real depth, int outcome) {
-  if (mg_is_feature_pair_of_tilted_faces(c, feature_pair)) depth -= 2 * c->settings->flat_angle * c->system->length;
+  if (mg_is_feature_pair_of_tilted_faces(c, feature_pair) || mg_is_handed_over_early(c, feature_pair))
+    depth -= 2 * c->settings->flat_angle * c->system->length;
   if (depth > c->search.penetration)
     c->search.penetration = depth, c->search.penetration_contact = contact, c->search.penetration_outcome = outcome;
   if (!(depth > c->run->penetration_max)) return;

@@ -41,7 +41,7 @@ MG_INTERNAL int mg_is_curved_edge_crossing(const mg_context *c, int feature_pair
 
 MG_INTERNAL int mg_is_followed_to_singularity(const mg_context *c, int feature_pair, mg_real d) {
   const int pair = c->system->feature_pair_owner[feature_pair];
-  if (!mg_has_centre_curves(c, feature_pair)) return 0;
+  if (!mg_has_centre_curves(c, feature_pair) && !mg_is_almost_coaxial(c, feature_pair)) return 0;
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
     if (c->run->closed[i]) return 1;
   return d < c->settings->margin_refuse * mg_pair_length(c, pair);
@@ -50,8 +50,9 @@ MG_INTERNAL int mg_is_followed_to_singularity(const mg_context *c, int feature_p
 MG_INTERNAL mg_real mg_fold_margin_limit(const mg_context *c, int contact) {
   const int feature_pair = c->run->feature_pair[contact], closed = c->run->closed[contact];
   const int is_crossing = closed && mg_is_curved_edge_crossing(c, feature_pair);
-  return is_crossing || mg_is_followed_to_singularity(c, feature_pair, c->rows.d[contact]) ? c->settings->search_margin
-                                                                                           : c->settings->margin_refuse;
+  return is_crossing || mg_is_followed_to_singularity(c, feature_pair, c->rows.d[contact])
+             ? mg_least_margin(c, feature_pair)
+             : c->settings->margin_refuse;
 }
 
 MG_INTERNAL int mg_is_contact_singular(const mg_context *c, int contact) {

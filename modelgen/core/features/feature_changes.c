@@ -257,7 +257,7 @@ MG_INTERNAL int mg_is_minimum_accepted(const mg_context *c, const mg_minimum *fo
   const int flat =
       mg_is_feature_pair_of_tilted_faces(c, found->feature_pair); /* its margin is small near flat, not near a fold */
   if (mg_is_followed_to_singularity(c, found->feature_pair, found->d))
-    return found->margin >= c->settings->search_margin;
+    return found->margin >= mg_least_margin(c, found->feature_pair);
   return found->margin >= (own || flat ? c->settings->margin_refuse : c->settings->appear_margin);
 }
 
@@ -401,12 +401,24 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
   return count;
 }
 
+/* The only feature pair of a pair that no other one replaces, or -1. */
+static int mg_only_feature_pair(const mg_context *c, int pair) {
+  int only = -1;
+  for (int k = c->system->pair_feature_pair[pair]; k < c->system->pair_feature_pair[pair + 1]; k++) {
+    if (mg_is_replaced_coaxially(c, k)) continue;
+    if (only >= 0) return -1;
+    only = k;
+  }
+  return only;
+}
+
 /* True if a contact of the pair is at the only minimum of its only feature pair with a gap up to `gap`. */
 static int mg_is_only_minimum_followed(const mg_context *c, int pair, mg_real gap) {
-  const int feature_pair = c->system->pair_feature_pair[pair];
-  if (c->system->pair_feature_pair[pair + 1] != feature_pair + 1) return 0;
+  const int feature_pair = mg_only_feature_pair(c, pair);
+  if (feature_pair < 0) return 0;
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
-    if (mg_is_on_feature_pair(c, i) && fabs(c->rows.d[i]) <= gap && c->run->margin[i] > c->settings->search_margin)
+    if (c->run->feature_pair[i] == feature_pair && fabs(c->rows.d[i]) <= gap &&
+        c->run->margin[i] > c->settings->search_margin)
       return mg_has_one_minimum(c, feature_pair, gap);
   return 0;
 }

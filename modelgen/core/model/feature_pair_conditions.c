@@ -3,6 +3,8 @@
 #include "model/model.h"
 #include "base/base.h"
 
+#define MG_ALMOST_COAXIAL 64 /* margins of features so many times farther from coaxial than margin_refuse exceed it */
+
 MG_INTERNAL int mg_is_unconditional_feature_pair(const mg_context *c, int feature_pair) {
   return c->system->feature_pair_condition[feature_pair] == c->system->feature_pair_condition[feature_pair + 1];
 }
@@ -118,6 +120,71 @@ MG_INTERNAL int mg_is_within_border(const mg_context *c, int feature_pair, int s
   return 1;
 }
 
+/* True if a side of a feature pair is a sphere. */
+static int mg_is_ball(const mg_context *c, int feature_pair, int side) {
+  return c->kernels->shape_kinds[c->system->feature_shape[2 * feature_pair + side]].nearest_point == MG_NEAREST_SPHERE;
+}
+
+/* How far the other feature is from coaxial with an axis in the axes of the body of a side: the distance of its origin
+   over the characteristic length; of all but spheres at least the sine of the angle between the axes. */
+static mg_real mg_off_axis(const mg_context *c, int feature_pair, int side, const mg_real *axis) {
+  const mg_real *pose = c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side),
+                *other = c->bodies.pose + 12 * mg_feature_body(c, feature_pair, 1 - side),
+                *place = mg_feature_numbers(c, feature_pair, 1 - side) + MG_FEATURE_PLACEMENT;
+  mg_real arm[3], off[3];
+  mg_to_world(other, place, 1, arm);
+  for (int k = 0; k < 3; k++) arm[k] -= pose[k];
+  mg_rotate_back(pose + 3, arm, arm);
+  for (int k = 0; k < 3; k++) arm[k] -= axis[k];
+  mg_cross_product(axis + 3, arm, off);
+  const mg_real distance = sqrt(mg_dot3(off, off)) / c->system->length;
+  if (mg_is_ball(c, feature_pair, 1 - side)) return distance;
+  mg_to_world(other, place + 9, 0, arm), mg_rotate_back(pose + 3, arm, arm);
+  return mg_max(distance, mg_sine_between(axis + 3, arm));
+}
+
+/* Value of an MG_CONDITION_COAXIAL of a side. */
+static mg_real mg_coaxial_condition(const mg_context *c, int feature_pair, int side, const mg_real *a) {
+  const mg_real limit = mg_is_ball(c, feature_pair, 1 - side) ? c->settings->search_margin : c->settings->flat_angle;
+  return a[6] * (1 - mg_off_axis(c, feature_pair, side, a) / limit);
+}
+
+/* The number of the MG_CONDITION_COAXIAL of a feature pair, or -1. */
+static int mg_coaxial_condition_of(const mg_context *c, int feature_pair) {
+  const int end = c->system->feature_pair_condition[feature_pair + 1];
+  for (int k = c->system->feature_pair_condition[feature_pair]; k < end; k++)
+    if (c->system->condition_kind[k] == MG_CONDITION_COAXIAL) return k;
+  return -1;
+}
+
+MG_INTERNAL int mg_is_almost_coaxial(const mg_context *c, int feature_pair) {
+  const int k = mg_coaxial_condition_of(c, feature_pair);
+  return k >= 0 && mg_off_axis(c, feature_pair, c->system->condition_feature[k],
+                               c->system->numbers + c->system->condition_numbers[k]) <
+                       MG_ALMOST_COAXIAL * c->settings->margin_refuse;
+}
+
+MG_INTERNAL int mg_is_handed_over_early(const mg_context *c, int feature_pair) {
+  return mg_is_almost_coaxial(c, feature_pair) && !mg_is_ball(c, feature_pair, 0) && !mg_is_ball(c, feature_pair, 1);
+}
+
+MG_INTERNAL int mg_is_revolved(const mg_context *c, int feature_pair, int side) {
+  const int k = mg_coaxial_condition_of(c, feature_pair);
+  return k >= 0 && c->system->condition_feature[k] == side && mg_is_ball(c, feature_pair, 1 - side) &&
+         c->system->numbers[c->system->condition_numbers[k] + 6] < 0;
+}
+
+MG_INTERNAL mg_real mg_least_margin(const mg_context *c, int feature_pair) {
+  return mg_is_almost_coaxial(c, feature_pair) ? 0 : c->settings->search_margin;
+}
+
+MG_INTERNAL int mg_is_replaced_coaxially(const mg_context *c, int feature_pair) {
+  const int k = mg_coaxial_condition_of(c, feature_pair);
+  return k >= 0 &&
+         mg_coaxial_condition(c, feature_pair, c->system->condition_feature[k],
+                              c->system->numbers + c->system->condition_numbers[k]) < -c->settings->feature_border;
+}
+
 /* Contact point, normal out of the feature, and coordinates on one side of a feature pair, in the axes of its shape. */
 typedef struct {
   int side;
@@ -152,6 +219,8 @@ static mg_real mg_condition_value(const mg_context *c, int feature_pair, int k, 
       return mg_wing_condition(c, feature_pair, side, a, view->x, view->uv, view->N);
     case MG_CONDITION_TILT:
       return a[3] * (mg_sine_between(a, view->N) - c->settings->flat_angle);
+    case MG_CONDITION_COAXIAL:
+      return mg_coaxial_condition(c, feature_pair, side, a);
     default:
       return -mg_dot3(a, view->N);
   }

@@ -102,6 +102,24 @@ MG_INTERNAL void mg_point_in_shape_axes(const mg_context *c, int feature_pair, i
 /* Sine of the angle between two unit vectors. */
 MG_INTERNAL mg_real mg_sine_between(const mg_real *a, const mg_real *b);
 
+/* True if a feature of revolution and another one, or a part of it that replaces it while they are coaxial, are so
+   nearly coaxial that the margin of their closest points may be small only because of that. */
+MG_INTERNAL int mg_is_almost_coaxial(const mg_context *c, int feature_pair);
+
+/* True if that holds and none of them is a ball: parts replace the feature where they are up to flat_angle from
+ * coaxial.
+ */
+MG_INTERNAL int mg_is_handed_over_early(const mg_context *c, int feature_pair);
+
+/* True if a side of a feature pair is a feature of revolution that parts of it replace while a ball is on its axis. */
+MG_INTERNAL int mg_is_revolved(const mg_context *c, int feature_pair, int side);
+
+/* Margin that closest points of the feature pair need. */
+MG_INTERNAL mg_real mg_least_margin(const mg_context *c, int feature_pair);
+
+/* True if at the present poses parts of the feature replace it, or it replaces this part of it. */
+MG_INTERNAL int mg_is_replaced_coaxially(const mg_context *c, int feature_pair);
+
 /* Value of condition k at eta; it holds if >= 0. Needs mg_place_contact at eta. */
 MG_INTERNAL mg_real mg_feature_pair_condition(const mg_context *c, int feature_pair, int k, const mg_real *eta);
 

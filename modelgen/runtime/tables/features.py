@@ -13,7 +13,15 @@ Entry = Mapping[str, Any]
 Found = TypeVar("Found")
 
 CELLS_PER_TREE, CELLS_MIN, CELLS_MAX = 4096, 32768, 1 << 20
-CONDITIONS = ("quadric", "parameter", "disc", "wing", "direction", "tilt")  # MG_CONDITION_QUADRIC ..
+CONDITIONS = (
+    "quadric",
+    "parameter",
+    "disc",
+    "wing",
+    "direction",
+    "tilt",
+    "coaxial",
+)  # MG_CONDITION_QUADRIC ..
 
 
 class FeatureTables:

@@ -1,0 +1,102 @@
+"""Coaxial supports: a ball on the axis of a ring, or another body of revolution coaxial with it, touches all
+of it at once, at no point by itself; three parts of the ring, a third of a turn apart, hold it there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from math import cos, pi, sin
+
+from modelgen.geometry.meridians import is_of_revolution, meridian_of
+from modelgen.rotations import rotation_of
+from modelgen.scene.pose_arithmetic import compose, to_outer
+from modelgen.scene.scene_types import Condition, Feature, Pose, Shape, Vector
+
+SUPPORTS = 3
+
+
+def coaxial_supports_of(feature: Feature) -> tuple[Feature, ...]:
+    """Meridians of a feature of revolution: they touch another feature while that is coaxial.
+
+    Each belongs to the material, so that nothing that it touches is free to go on. None of other features.
+    """
+    meridian = meridian_of(feature)
+    if meridian is None:
+        return ()
+    supports, condition = [], _on_axis_of(feature, 1.0)
+    for k in range(SUPPORTS):
+        half = pi * k / SUPPORTS
+        turn = compose(feature.shape.pose, Pose(quaternion=(cos(half), 0.0, 0.0, sin(half))))
+        supports.append(
+            replace(
+                meridian,
+                name=f"{_label(feature)}.coaxial{k + 1}",
+                shape=_moved_shape(meridian.shape, turn),
+                conditions=(*meridian.conditions, condition),
+            )
+        )
+    return tuple(supports)
+
+
+def _moved_shape(shape: Shape, pose: Pose) -> Shape:
+    """The shape seen from the frame in which the pose is given; of a point, its coordinates."""
+    if shape.kind != "point":
+        return replace(shape, pose=compose(pose, shape.pose))
+    at = to_outer(pose, [value for _, value in shape.parameters])
+    return replace(shape, parameters=tuple(zip("xyz", map(float, at), strict=True)))
+
+
+def _on_axis_of(feature: Feature, sign: float) -> Condition:
+    axis = rotation_of(feature.shape.pose.quaternion)[:, 2]
+    return Condition("coaxial", (*feature.shape.pose.position, *map(float, axis), sign), None)
+
+
+def is_coaxial_support(feature: Feature) -> bool:
+    return any(each.kind == "coaxial" and each.numbers[-1] > 0 for each in feature.conditions)
+
+
+def bearer_of(support: Feature, features: Sequence[Feature]) -> Feature:
+    """The one of the features that the support is a part of."""
+    return next(each for each in features if support.name.startswith(f"{_label(each)}.coaxial"))
+
+
+def _label(feature: Feature) -> str:
+    return feature.name or feature.shape.kind
+
+
+def has_coaxial_supports(feature: Feature, other: Feature) -> bool:
+    """Whether supports of the feature replace it while it is coaxial with the other one.
+
+    That is a ball, or another surface of revolution. Where both could have supports, those of the lower
+    dimension are taken.
+    """
+    mine, theirs = meridian_of(feature), meridian_of(other)
+    if mine is None or other.dimension < 2 or is_coaxial_support(other):
+        return False
+    if other.shape.kind == "sphere":
+        return True
+    if not is_of_revolution(other.shape):
+        return False
+    return theirs is None or (mine.dimension, feature.name) <= (theirs.dimension, other.name)
+
+
+def eccentric(feature: Feature) -> Feature:
+    """A feature of revolution as it touches another one: not while they are coaxial."""
+    return replace(feature, conditions=(*feature.conditions, _on_axis_of(feature, -1.0)))
+
+
+def seen_from_body(feature: Feature, pose: Pose, centre: Vector) -> Feature:
+    """The feature of a shape at the pose, with the axes of its conditions in the axes of the body, from its
+    centre of mass: the same numbers for all that hand over to each other."""
+    return replace(
+        feature,
+        conditions=tuple(
+            replace(each, numbers=_moved(each.numbers, pose, centre)) if each.kind == "coaxial" else each
+            for each in feature.conditions
+        ),
+    )
+
+
+def _moved(numbers: tuple[float, ...], pose: Pose, centre: Vector) -> tuple[float, ...]:
+    point, axis = to_outer(pose, numbers[:3]) - centre, rotation_of(pose.quaternion) @ numbers[3:6]
+    return (*map(float, point), *map(float, axis), numbers[6])
