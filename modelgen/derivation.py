@@ -29,9 +29,9 @@ from modelgen.geometry.points import is_point, point_kernel
 from modelgen.geometry.surface_kernel import surface_kernel
 from modelgen.joint import joint_springs
 from modelgen.joint.joint_actuators import actuator_kernel
+from modelgen.joint.joint_equations import FORMS as FORMS_OF_JOINTS
+from modelgen.joint.joint_kernels import coordinates_kernel, row_count, rows_kernel
 from modelgen.joint.joint_limits import CITATION, limit_kernels
-from modelgen.joint.joint_rows import coordinates_kernel, row_count, rows_kernel
-from modelgen.joint.joint_table import FORMS as FORMS_OF_JOINTS
 from modelgen.model import LoadKind, Model, ShapeKind
 
 Role = Literal[

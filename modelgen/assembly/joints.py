@@ -10,8 +10,8 @@ from modelgen.assembly.contact_kinds import find_body
 from modelgen.assembly.inputs_of_expressions import inputs_of_expressions
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.masses import pose_numbers
+from modelgen.joint.joint_kernels import row_count
 from modelgen.joint.joint_limits import is_turn
-from modelgen.joint.joint_rows import row_count
 from modelgen.model import JointEntry, JointKind, LimitEntry, LimitKind, LoadEntry, LoadKind
 from modelgen.scene.scene_types import Input, Joint, Scene, Vector
 

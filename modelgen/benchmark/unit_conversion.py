@@ -10,7 +10,7 @@ from modelgen.errors import SceneError
 from modelgen.scene.expression import Expression, Name, Number
 from modelgen.scene.expression_algebra import expression_of, over, substitute, times
 from modelgen.scene.free_form_values import ControlPolygon, HeightField, Net, Polyline, Spline
-from modelgen.scene.outline_pieces import Outline
+from modelgen.scene.outline_piece_kinds import Outline
 from modelgen.scene.scene_types import (
     Body,
     ContactPair,

@@ -20,9 +20,9 @@ from modelgen.dynamics.sensors import need_rates
 from modelgen.geometry.coordinate_domains import dimension_of
 from modelgen.geometry.curves import may_bend
 from modelgen.joint.joint_actuators import law_of
+from modelgen.joint.joint_equations import FORMS
+from modelgen.joint.joint_kernels import row_count
 from modelgen.joint.joint_limits import is_turn
-from modelgen.joint.joint_rows import row_count
-from modelgen.joint.joint_table import FORMS
 from modelgen.model import ContactKind, JointKind, LoadKind, Model
 from modelgen.scene.sensors import sensor_sizes
 

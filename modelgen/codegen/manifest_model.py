@@ -20,8 +20,8 @@ from modelgen.geometry.curves import curve_of, is_curve
 from modelgen.geometry.extent import bounding_ball
 from modelgen.geometry.points import is_point
 from modelgen.geometry.surface_catalogue import surface_of
-from modelgen.joint.joint_rows import row_count
-from modelgen.joint.joint_table import FORMS as FORMS_OF_JOINTS
+from modelgen.joint.joint_equations import FORMS as FORMS_OF_JOINTS
+from modelgen.joint.joint_kernels import row_count
 from modelgen.model import (
     BodyEntry,
     BodyKind,

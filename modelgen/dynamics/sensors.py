@@ -13,8 +13,8 @@ from modelgen.dynamics.symbolic_rotations import quaternion
 from modelgen.geometry.expression_translation import lower
 from modelgen.geometry.frames import cross, frame_of
 from modelgen.joint.joint_frames import meeting
+from modelgen.joint.joint_kernels import numbers_of, parameters_of
 from modelgen.joint.joint_limits import coordinate_of
-from modelgen.joint.joint_rows import numbers_of, parameters_of
 from modelgen.model import InputKind, Model
 from modelgen.notation import component_names
 from modelgen.scene.scene_types import Measurand, Sensor, Vector

@@ -7,8 +7,8 @@ import casadi as ca
 from modelgen.dynamics.inputs import input_argument, input_values
 from modelgen.geometry.expression_translation import lower
 from modelgen.joint.joint_frames import meeting
+from modelgen.joint.joint_kernels import numbers_of, parameters_of
 from modelgen.joint.joint_limits import coordinate_of
-from modelgen.joint.joint_rows import numbers_of, parameters_of
 from modelgen.model import LoadKind
 
 

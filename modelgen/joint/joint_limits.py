@@ -9,9 +9,9 @@ from __future__ import annotations
 import casadi as ca
 
 from modelgen.geometry.frames import zeros
+from modelgen.joint.joint_equations import FORMS, Coordinate
 from modelgen.joint.joint_frames import Meeting, meeting
-from modelgen.joint.joint_rows import numbers_of, parameters_of
-from modelgen.joint.joint_table import FORMS, Coordinate
+from modelgen.joint.joint_kernels import numbers_of, parameters_of
 from modelgen.model import LimitKind
 
 CITATION = "limit of a joint's coordinate as a complementarity condition (2.6)"

@@ -5,8 +5,8 @@ from __future__ import annotations
 import casadi as ca
 
 from modelgen.joint.joint_frames import Meeting, meeting
+from modelgen.joint.joint_kernels import numbers_of, parameters_of
 from modelgen.joint.joint_limits import coordinate_of, is_turn
-from modelgen.joint.joint_rows import numbers_of, parameters_of
 from modelgen.model import LoadKind
 
 

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.report.displayed_bodies import Actor, Stage, pose_at
+from modelgen.report.displayed_bodies import Actor, Stage
+from modelgen.report.picture_space import pose_at
 from modelgen.report.run_record import Record
 
 Array = np.ndarray[Any, Any]

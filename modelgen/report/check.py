@@ -11,7 +11,7 @@ from rich.text import Text
 
 from modelgen.contact.form_table import contact_kernels, regular_forms
 from modelgen.derivation import Derivation
-from modelgen.joint.joint_table import FORMS as JOINTS
+from modelgen.joint.joint_equations import FORMS as JOINTS
 from modelgen.model import ContactKind, Model
 from modelgen.report.possible_resting_faces import patch_names, print_patches
 from modelgen.runtime.warnings import hints

@@ -18,8 +18,8 @@ from modelgen.contact.form_table import FORMS, contact_kernels
 from modelgen.contact.tangential_rows import with_tangential_rows
 from modelgen.derivation import Derivation, Formula
 from modelgen.errors import ModelgenError, nearest
-from modelgen.joint.joint_rows import coordinates_kernel, rows_kernel
-from modelgen.joint.joint_table import FORMS as FORMS_OF_JOINTS
+from modelgen.joint.joint_equations import FORMS as FORMS_OF_JOINTS
+from modelgen.joint.joint_kernels import coordinates_kernel, rows_kernel
 from modelgen.model import Model
 from modelgen.notation import notation
 from modelgen.report import mathml

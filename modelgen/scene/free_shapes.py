@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from modelgen.scene.free_form_values import Spline
-from modelgen.scene.outline_format import OUTLINE_FIELDS, read_outline
+from modelgen.scene.outline_format import OUTLINE_FIELDS
+from modelgen.scene.outline_joining import read_outline
 from modelgen.scene.profile_wall_chart import read_profile_wall
 from modelgen.scene.revolution_chart import read_revolution
 from modelgen.scene.scalar_types import NUMBER, POSITIVE, ExpressionText, Switch

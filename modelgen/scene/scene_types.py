@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from modelgen.scene.expression import Expression
 from modelgen.scene.free_form_values import Spline
-from modelgen.scene.outline_pieces import Outline
+from modelgen.scene.outline_piece_kinds import Outline
 
 Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]

@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from modelgen.scene.extrusion_profile import read_profile, spline_profile
-from modelgen.scene.outline_format import OUTLINE_FIELDS, read_outline
+from modelgen.scene.outline_format import OUTLINE_FIELDS
+from modelgen.scene.outline_joining import read_outline
 from modelgen.scene.pose_input import VECTOR
 from modelgen.scene.scalar_types import NUMBER, POSITIVE, ExpressionText, Switch
 from modelgen.scene.shape_catalogue import CURVE_PARAMETER_NAMES, ShapeSpec, torus_constraint

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from modelgen import derive, require
-from modelgen.joint.joint_table import FORMS as JOINTS
+from modelgen.joint.joint_equations import FORMS as JOINTS
 from modelgen.report.formula_inspection import inspected, written
 from tests.verification.test_status import PAIRS
 

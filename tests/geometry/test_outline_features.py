@@ -17,7 +17,7 @@ from modelgen.geometry.mass_properties import mass_properties
 from modelgen.geometry.shape_features import features_of
 from modelgen.scene import python_scenes as make
 from modelgen.scene.expression import evaluate
-from modelgen.scene.outline_pieces import Arc, Involute, Line, Piece, formulas_of, numbers_of, rotated
+from modelgen.scene.outline_piece_kinds import Arc, Involute, Line, Piece, formulas_of, numbers_of, rotated
 from modelgen.scene.scene_types import Shape
 
 Written = Sequence[Mapping[str, object]]

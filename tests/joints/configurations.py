@@ -9,7 +9,7 @@ import mpmath as mp
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from modelgen.joint.joint_table import FORMS
+from modelgen.joint.joint_equations import FORMS
 from modelgen.model import JointKind
 from modelgen.scene.expression import parse_expression
 from tests.laws.differenced import moved

@@ -11,8 +11,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+from modelgen.joint.joint_kernels import coordinates_kernel, rows_kernel
 from modelgen.joint.joint_limits import is_turn, limit_kernels
-from modelgen.joint.joint_rows import coordinates_kernel, rows_kernel
 from modelgen.joint.joint_springs import spring_kernel
 from modelgen.model import JointKind, LimitKind, LoadKind
 from tests.joints.configurations import KINDS, LENGTH, SPRUNG, Motion, motion, parameters, unit

@@ -7,7 +7,7 @@ from math import prod
 import pytest
 
 from modelgen import derive, require
-from modelgen.joint.joint_table import FORMS
+from modelgen.joint.joint_equations import FORMS
 from modelgen.report.formula_list import OF_A_JOINT, formula_facts
 from modelgen.report.kind_scenes import kind_scene
 

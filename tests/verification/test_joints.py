@@ -10,13 +10,16 @@ import pytest
 
 from modelgen import derive, require
 from modelgen.derivation import Derivation
-from modelgen.joint import joint_table
+from modelgen.joint import joint_equations
 from modelgen.report.kind_scenes import kind_scene
 from modelgen.verification.verify import verified
 from tests.verification.test_status import corrupted
 
 N = 6
-KINDS = (*joint_table.FORMS, *(f"{kind}:motion" for kind, form in joint_table.FORMS.items() if form.given))
+KINDS = (
+    *joint_equations.FORMS,
+    *(f"{kind}:motion" for kind, form in joint_equations.FORMS.items() if form.given),
+)
 
 
 def joint(kind: str) -> Derivation:
@@ -59,17 +62,17 @@ def test_a_corrupted_formula_of_a_joint_is_reported(kind: str, role: str, output
 
 
 @pytest.mark.cases(5)
-@pytest.mark.parametrize("kind", [kind for kind in joint_table.FORMS if kind != "rope"])
+@pytest.mark.parametrize("kind", [kind for kind in joint_equations.FORMS if kind != "rope"])
 def test_a_row_that_keeps_something_else_is_reported(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """One row of the table is moved by a millionth of the turn between the frames."""
-    true = joint_table.FORMS[kind]
+    true = joint_equations.FORMS[kind]
 
     def wrong(m: Any, numbers: ca.SX) -> list[ca.SX]:
         first, *others = true.rows(m, numbers)
         return [first + 1e-6 * m.length * (1 + m.cosine("xa", "yb")), *others]
 
-    monkeypatch.setattr(joint_table, "FORMS", joint_table.FORMS)
-    monkeypatch.setitem(joint_table.FORMS, kind, replace(true, rows=wrong))  # type: ignore[arg-type]
+    monkeypatch.setattr(joint_equations, "FORMS", joint_equations.FORMS)
+    monkeypatch.setitem(joint_equations.FORMS, kind, replace(true, rows=wrong))  # type: ignore[arg-type]
     derivation = joint(kind)
     (rows,) = (f for f in derivation.formulas if f.role == "rows")
     found = {f.quantity for f in verified(rows, derivation, N, 5).findings if f.status == "failed"}

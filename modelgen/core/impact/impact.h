@@ -22,7 +22,7 @@ typedef struct {
    end. */
 MG_INTERNAL int mg_integrate_impact_path(mg_impact_path *b, int law, mg_real e);
 
-/* impact_impulses.c */
+/* approach_and_restitution.c */
 
 /* True if the gap closes faster than rest_speed, so that the contact may bounce. */
 MG_INTERNAL int mg_is_approaching(const mg_context *c, int contact);
@@ -39,6 +39,8 @@ MG_INTERNAL mg_real mg_remaining_bounce_time(mg_context *c, int contact);
 /* Set the velocities that the impulses must cancel on supports and joints; the supports of a face that lands flat
    rebound with one coefficient. */
 MG_INTERNAL void mg_set_support_impact_rates(mg_context *c);
+
+/* applied_impulses.c */
 
 /* Add the impulses of the first n listed rows to the velocities of the run's state, and the work they do on the
    moving bodies to its work. */

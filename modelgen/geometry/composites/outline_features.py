@@ -22,7 +22,7 @@ from modelgen.geometry.composites.feature_constructors import (
 from modelgen.geometry.composites.moments import Moments, prism
 from modelgen.scene.expression import Name, constant_expression
 from modelgen.scene.expression_algebra import expression_of, substitute, times
-from modelgen.scene.outline_pieces import Outline, Piece, Side, direction, formulas_of, numbers_of
+from modelgen.scene.outline_piece_kinds import Outline, Piece, Side, direction, formulas_of, numbers_of
 from modelgen.scene.pose_arithmetic import frame
 from modelgen.scene.scene_types import Chart, Composite, Condition, Curve, Feature, Shape
 

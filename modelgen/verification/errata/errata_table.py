@@ -13,7 +13,12 @@ from typing import Any, Literal
 
 import numpy as np
 
-from modelgen.verification.errata import curve_errata, singularity_errata, surface_errata
+from modelgen.verification.errata import (
+    curve_errata,
+    planar_contact_errata,
+    singularity_errata,
+    surface_errata,
+)
 from modelgen.verification.errata.surface_errata import Errors
 
 AGREE = 1e-8  # largest error, of quantities of order 1, of a statement that holds
@@ -136,11 +141,11 @@ ERRATA = (
     ),
     Erratum(
         "Section 5.3", "φ_f = π of the rim of an upright glass", "φ_f = 0 or π, by the sense of the rim",
-        "claim", "φ_f, rad", singularity_errata.upright_glass,
+        "claim", "φ_f, rad", planar_contact_errata.upright_glass,
     ),
     Erratum(
         "Corollary 5.2", "three positive forces λ̃_j > 0", "three forces λ̃_j ≥ 0", "claim", COUNTED,
-        singularity_errata.three_forces,
+        planar_contact_errata.three_forces,
     ),
     Erratum(
         "Appendix E.1, Lemma B.1", "M = diag(|c_u|, |c_v|), axes c_u/|c_u|, c_v/|c_v|",

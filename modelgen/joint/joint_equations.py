@@ -1,4 +1,4 @@
-"""The kinds of joint, one table: what two frames keep (Theta of (2.3)), and the coordinates that they leave.
+"""Equations of each kind of joint: what two frames keep (Theta of (2.3)), and the coordinates they leave.
 
 Every row is in metres: angles are measured by the characteristic length. A row that holds an angle uses its
 sine, so that no branch of an arc tangent is met.

@@ -8,8 +8,8 @@ import casadi as ca
 
 from modelgen.dynamics.inputs import input_argument, input_values
 from modelgen.geometry.expression_translation import lower
+from modelgen.joint.joint_equations import FORMS
 from modelgen.joint.joint_frames import Meeting, meeting
-from modelgen.joint.joint_table import FORMS
 from modelgen.model import JointKind
 
 
