@@ -149,3 +149,34 @@ def test_the_events_of_a_body_that_settles_across_the_end_of_a_line_are_few(
     assert path.outcome.succeeded
     assert len(path.events) < 200
     assert path.penetration_max < WITHIN
+
+
+def chase(lower: Shape, upper: Shape, tilt: float, yaw: float) -> Scene:
+    """A body that falls tilted onto a floor, and above it a level one, turned about the vertical; angles in
+    rad. As the lower rocks, the closest points of both run from end to end."""
+    along = float(np.pi / 2)
+    low, up = (
+        make.dynamic("low", lower, density=500.0, position=[0, 0, RADIUS + 0.002], rpy=[along - tilt, 0, 0]),
+        make.dynamic(
+            "up", upper, density=500.0, position=[0, 0.013, 3 * RADIUS + 0.004], rpy=[along, 0, yaw]
+        ),
+    )
+    pairs = [("low", "floor"), ("up", "low"), ("up", "floor")]
+    contact = [{"between": list(pair)} for pair in pairs]
+    return make.scene("chase", [make.fixed("floor", make.plane()), low, up], contact=contact)
+
+
+@pytest.mark.cases(22)
+@pytest.mark.parametrize("yaw", [1e-6, 1e-5, 1e-4, 3e-4])
+@pytest.mark.parametrize("lower", ["capsule", "cylinder"])
+@pytest.mark.parametrize("upper", ["capsule", "cylinder"])
+@pytest.mark.parametrize("ratio", [1.0, 0.3, 0.1, 0.03])
+def test_a_body_is_not_lost_as_its_closest_points_run_from_end_to_end(
+    yaw: float, lower: str, upper: str, ratio: float
+) -> None:
+    """They pass the line in less than 1e-8 s, between feature pairs none of which has a minimum then."""
+    scene = chase(SHAPES[lower](0.08), SHAPES[upper](0.08), yaw / ratio, yaw)
+    path = simulate(library_of(scene), until=0.05, samples=20, estimate=False)
+    assert path.outcome.succeeded
+    assert path.penetration_max < WITHIN
+    assert any(each.kind == "touch-down" and each.contact.startswith("up-low") for each in path.events)
