@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from modelgen import simulate
 from modelgen.codegen.library import Library
-from modelgen.runtime.trajectory import Trajectory
+from modelgen.runtime.trajectory import Outcome, Trajectory
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Body, Scene, Shape
 from tests.benchmarks.groups import Ran, deepest
@@ -180,3 +180,23 @@ def test_a_body_is_not_lost_as_its_closest_points_run_from_end_to_end(
     assert path.outcome.succeeded
     assert path.penetration_max < WITHIN
     assert any(each.kind == "touch-down" and each.contact.startswith("up-low") for each in path.events)
+
+
+@pytest.mark.cases(16)
+@pytest.mark.parametrize("lower", [0.08, 0.4, 0.1])
+@pytest.mark.parametrize("tilt", [-2e-6, -3e-7, 3e-7, 2e-6])
+@pytest.mark.parametrize("roll", [-7e-9, 7e-9])
+@pytest.mark.parametrize("yaw", [-8e-9, 2e-9])
+def test_a_box_that_falls_flush_onto_a_box_does_not_penetrate_it_unseen(
+    lower: float, tilt: float, roll: float, yaw: float
+) -> None:
+    """Where its edges pass those of the lower box within nm, an open contact across is no cover for points
+    that are deep below."""
+    ground = make.fixed("ground", SHAPES["box"](lower), rpy=[float(np.pi / 2), 0, 0])
+    rpy = [float(np.pi / 2) + tilt, roll, yaw]
+    place = [0.0, 0.013, 2 * RADIUS + 0.005]
+    body = make.dynamic("body", SHAPES["box"](0.08), density=500.0, position=place, rpy=rpy)
+    library = library_of(make.scene("flush", [ground, body], contact=[{"between": ["body", "ground"]}]))
+    path = simulate(library, until=0.06, samples=20, estimate=False)
+    assert path.outcome is not Outcome.PENETRATED
+    assert path.penetration_max < 1e-6 * RADIUS
