@@ -45,6 +45,11 @@ MODEL_HEAD = """/* The kernels of one scene's kinds, and the table through which
 #else
 #define MG_INLINE static inline
 #endif
+#if defined(__GNUC__) && !defined(__clang__) /* GCC does not schedule before registers unless told to */
+#define MG_SCHEDULED __attribute__((optimize("schedule-insns")))
+#else
+#define MG_SCHEDULED
+#endif
 #define casadi_int long long
 #define casadi_real mg_real
 #define CASADI_SYMBOL_EXPORT MG_API
@@ -138,7 +143,8 @@ def _kernels(model: Model, formulas: list[Formula]) -> str:
         {k: shared[each.name()] for k, each in enumerate(functions) if each.name() in shared},
         {jet.name(): k for k, jet in enumerate(jets, start=len(functions))},
     ) + entries_text(functions, "casadi")
-    small = [k for k, each in enumerate(formulas) if each.role == "rhs" and each.instructions <= MOST_INLINED]
+    most = MOST_COMPOSED if model.scene.fold else MOST_INLINED
+    small = [k for k, each in enumerate(formulas) if each.role == "rhs" and each.instructions <= most]
     return inlined(text, [f"casadi_f{k}" for k in small])  # which stands for PREFIX_f{k}
 
 

@@ -1,7 +1,8 @@
 """A step of the classical Runge-Kutta method with the composed right-hand side of a scene, in C.
 
 Sizes are numbers in the text and a small right-hand side becomes part of it, so that the states of the stages
-stay in registers and what depends on parameters alone is computed once a step.
+stay in registers and what depends on parameters alone is computed once a step. Instructions are scheduled
+over all stages: what follows from orientations can run while the forces of the stage before are computed.
 """
 
 from __future__ import annotations
@@ -11,9 +12,10 @@ from collections.abc import Iterable
 
 import casadi as ca
 
-MOST_INLINED = 250  # instructions; a larger one gains less than its copies cost the compiler
-TEXT = """static void scene_step(const mg_real *t, const mg_real *x, mg_real h, const mg_real *gravity,
-                       const mg_real *parameters, const mg_real *slope, mg_real *force, mg_real *end) {{
+MOST_INLINED = 250  # instructions; copies of a larger one cost the compiler much, which `fold` asks for
+TEXT = """MG_SCHEDULED static void scene_step(const mg_real *t, const mg_real *x, mg_real h,
+                                    const mg_real *gravity, const mg_real *parameters,
+                                    const mg_real *slope, mg_real *force, mg_real *end) {{
   const mg_real half = h / 2, sixth = h / 6;
   mg_real at[{size}], k[4][{size}];
   if (slope) {{

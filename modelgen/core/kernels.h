@@ -216,9 +216,9 @@ typedef struct {
                     const mg_real *gravity, const mg_real *parameters, mg_real *qdot, mg_real *udot, mg_real *eta_dot,
                     mg_real *force);
 
-  /* A step h of the classical Runge-Kutta method of order 4 with this right-hand side, from x = [q, u, eta] to `end`;
-     slope: that at x, or 0; force: those of scene_rhs at the four stages, not at the first if its slope is given.
-     Present with scene_rhs. */
+  /* A step h of the classical Runge-Kutta method of order 4 with this right-hand side, from x = [q, u, eta] to `end`,
+     which may be x; slope: that at x, or 0; force: those of scene_rhs at the four stages, not at the first if its
+     slope is given. Present with scene_rhs. */
   void (*scene_step)(const mg_real *t, const mg_real *x, mg_real h, const mg_real *gravity, const mg_real *parameters,
                      const mg_real *slope, mg_real *force, mg_real *end);
 

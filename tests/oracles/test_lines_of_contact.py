@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from modelgen import simulate
 from modelgen.codegen.library import Library
-from modelgen.runtime.trajectory import Trajectory
+from modelgen.runtime.trajectory import Outcome, Trajectory
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Body, Scene, Shape
 from tests.benchmarks.groups import Ran, deepest
@@ -149,3 +149,54 @@ def test_the_events_of_a_body_that_settles_across_the_end_of_a_line_are_few(
     assert path.outcome.succeeded
     assert len(path.events) < 200
     assert path.penetration_max < WITHIN
+
+
+def chase(lower: Shape, upper: Shape, tilt: float, yaw: float) -> Scene:
+    """A body that falls tilted onto a floor, and above it a level one, turned about the vertical; angles in
+    rad. As the lower rocks, the closest points of both run from end to end."""
+    along = float(np.pi / 2)
+    low, up = (
+        make.dynamic("low", lower, density=500.0, position=[0, 0, RADIUS + 0.002], rpy=[along - tilt, 0, 0]),
+        make.dynamic(
+            "up", upper, density=500.0, position=[0, 0.013, 3 * RADIUS + 0.004], rpy=[along, 0, yaw]
+        ),
+    )
+    pairs = [("low", "floor"), ("up", "low"), ("up", "floor")]
+    contact = [{"between": list(pair)} for pair in pairs]
+    return make.scene("chase", [make.fixed("floor", make.plane()), low, up], contact=contact)
+
+
+@pytest.mark.cases(22)
+@pytest.mark.parametrize("yaw", [1e-6, 1e-5, 1e-4, 3e-4])
+@pytest.mark.parametrize("lower", ["capsule", "cylinder"])
+@pytest.mark.parametrize("upper", ["capsule", "cylinder"])
+@pytest.mark.parametrize("ratio", [1.0, 0.3, 0.1, 0.03])
+def test_a_body_is_not_lost_as_its_closest_points_run_from_end_to_end(
+    yaw: float, lower: str, upper: str, ratio: float
+) -> None:
+    """They pass the line in less than 1e-8 s, between feature pairs none of which has a minimum then."""
+    scene = chase(SHAPES[lower](0.08), SHAPES[upper](0.08), yaw / ratio, yaw)
+    path = simulate(library_of(scene), until=0.05, samples=20, estimate=False)
+    assert path.outcome.succeeded
+    assert path.penetration_max < WITHIN
+    assert any(each.kind == "touch-down" and each.contact.startswith("up-low") for each in path.events)
+
+
+@pytest.mark.cases(16)
+@pytest.mark.parametrize("lower", [0.08, 0.4, 0.1])
+@pytest.mark.parametrize("tilt", [-2e-6, -3e-7, 3e-7, 2e-6])
+@pytest.mark.parametrize("roll", [-7e-9, 7e-9])
+@pytest.mark.parametrize("yaw", [-8e-9, 2e-9])
+def test_a_box_that_falls_flush_onto_a_box_does_not_penetrate_it_unseen(
+    lower: float, tilt: float, roll: float, yaw: float
+) -> None:
+    """Where its edges pass those of the lower box within nm, an open contact across is no cover for points
+    that are deep below."""
+    ground = make.fixed("ground", SHAPES["box"](lower), rpy=[float(np.pi / 2), 0, 0])
+    rpy = [float(np.pi / 2) + tilt, roll, yaw]
+    place = [0.0, 0.013, 2 * RADIUS + 0.005]
+    body = make.dynamic("body", SHAPES["box"](0.08), density=500.0, position=place, rpy=rpy)
+    library = library_of(make.scene("flush", [ground, body], contact=[{"between": ["body", "ground"]}]))
+    path = simulate(library, until=0.06, samples=20, estimate=False)
+    assert path.outcome is not Outcome.PENETRATED
+    assert path.penetration_max < 1e-6 * RADIUS

@@ -132,5 +132,5 @@ MG_INTERNAL void mg_keep_minimum_at(mg_context *c, int feature_pair, mg_real *et
   if (!mg_accept_minimum(c, feature_pair, eta, &found) || found.d < least) return;
   const int fate = mg_fate_of_abandoned_minimum(c, &found);
   if (fate == MG_MINIMUM_STAYS) mg_insert_minimum(c, kept, &found);
-  if (fate == MG_MINIMUM_LOST) mg_note_open_gap(c, found.d);
+  else mg_note_open_gap(c, found.d);
 }

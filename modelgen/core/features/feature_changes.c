@@ -268,10 +268,11 @@ static int mg_is_feature_pair_in_use(const mg_context *c, int pair, int feature_
   return 0;
 }
 
-/* True if a point of the minimum coincides with that of a contact that is closed, or less deep: a point in a corner is
-   as deep as it is below the nearest of the faces. */
+/* True if a point of the minimum coincides with that of a contact that is closed, or penetrates less: a point in a
+   corner is as deep as it is below the nearest of the faces. */
 static int mg_is_minimum_touched(mg_context *c, const mg_minimum *found) {
-  const mg_real near = c->settings->search_merge_distance * c->system->length;
+  const mg_real near = c->settings->search_merge_distance * c->system->length,
+                touching = c->settings->start_gap * c->system->length;
   const int pair = c->system->feature_pair_owner[found->feature_pair];
   mg_real eta[6];
   mg_minimum other;
@@ -280,7 +281,7 @@ static int mg_is_minimum_touched(mg_context *c, const mg_minimum *found) {
     mg_place_contact(c, i, mg_contact_eta(c, c->run->x, i), eta);
     other.feature_pair = c->run->feature_pair[i];
     mg_record_minimum(c, &other);
-    if (!c->run->closed[i] && fabs(other.d) > fabs(found->d) / 2) continue;
+    if (!c->run->closed[i] && (other.d > touching || fabs(other.d) > fabs(found->d) / 2)) continue;
     mg_real first = 0, second = 0;
     for (int k = 0; k < 3; k++) {
       const mg_real apart = found->point[k] - other.point[k],

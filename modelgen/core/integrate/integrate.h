@@ -21,8 +21,10 @@ MG_INTERNAL void mg_watch_event_signs(mg_context *c);
 /* Takes a step h from (t, x) to c->step.end. Needs the slope at (t, x) in row 0 of c->step.slopes. */
 MG_INTERNAL void mg_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h);
 
-/* The same by the composed right-hand side of the scene, in whose mode the run must be; slope: that at (t, x), or 0. */
-MG_INTERNAL void mg_scene_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h, const mg_real *slope);
+/* The same to `end`, which may be x, by the composed right-hand side of the scene, in whose mode the run must be;
+   slope: that at (t, x), or 0. */
+MG_INTERNAL void mg_scene_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h, const mg_real *slope,
+                              mg_real *end);
 
 /* dop853.c */
 

@@ -6,10 +6,11 @@
 /* Forces at the stages of mg_scene_rk4: rows of slopes that it does not need otherwise. */
 static mg_real *mg_scene_step_forces(const mg_context *c) { return c->step.slopes + c->layout.n_states; }
 
-MG_INTERNAL void mg_scene_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h, const mg_real *slope) {
+MG_INTERNAL void mg_scene_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h, const mg_real *slope,
+                              mg_real *end) {
   const mg_system *s = c->system;
-  c->kernels->scene_step(&t, x, h, s->gravity, s->parameters, slope, mg_scene_step_forces(c), c->step.end);
-  c->step.end[c->layout.work_state] = x[c->layout.work_state];
+  c->kernels->scene_step(&t, x, h, s->gravity, s->parameters, slope, mg_scene_step_forces(c), end);
+  end[c->layout.work_state] = x[c->layout.work_state];
   c->run->rhs_evals += slope ? 3 : 4;
 }
 
@@ -32,7 +33,7 @@ MG_INTERNAL void mg_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   const int n = c->layout.n_states, is_composed = mg_is_in_mode_of_scene_rhs(c);
   mg_real *K = c->step.slopes;
   if (is_composed && c->settings->newton <= 1) {
-    mg_scene_rk4(c, t, x, h, K);
+    mg_scene_rk4(c, t, x, h, K, c->step.end);
     mg_watch_scene_stages(c);
     return;
   }
