@@ -286,9 +286,9 @@ MG_INTERNAL void mg_add_correction(const mg_context *c, const mg_real *x, int of
 /* Carries the derivatives over the corrections of mg_begin. Returns a reason or 0. */
 MG_INTERNAL int mg_start_tangent(mg_context *c, mg_sensitivity *s, const mg_real *given);
 
-/* Restores for start_correction_adjoint.c the blow of a part of these corrections, MG_JOINTS_HOLD or MG_CONTACTS_STRIKE, between
-   s->before and the state of the run, or the state after all, MG_START_SETTLED. Marks in s->closed_before the contacts
-   that touch. Returns 0 where that part changes nothing, or cannot be differentiated. */
+/* Restores for start_correction_adjoint.c the blow of a part of these corrections, MG_JOINTS_HOLD or
+   MG_CONTACTS_STRIKE, between s->before and the state of the run, or the state after all, MG_START_SETTLED. Marks in
+   s->closed_before the contacts that touch. Returns 0 where that part changes nothing, or cannot be differentiated. */
 enum { MG_START_SETTLED = 0, MG_JOINTS_HOLD = 1, MG_CONTACTS_STRIKE = 2 };
 MG_INTERNAL int mg_restore_start(mg_context *c, mg_sensitivity *s, const mg_real *given, int part);
 

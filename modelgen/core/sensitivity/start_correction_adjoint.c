@@ -1,4 +1,5 @@
-/* Adjoint of the derivatives over the corrections of mg_begin (start_correction_tangent.c), its parts in reverse order. */
+/* Adjoint of the derivatives over the corrections of mg_begin (start_correction_tangent.c), its parts in reverse order.
+ */
 #include "sensitivity/sensitivity.h"
 #include "model/model.h"
 #include "forces/forces.h"
