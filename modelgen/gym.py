@@ -11,7 +11,8 @@ import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.codegen.sensor_expressions_function import expressions_function
-from modelgen.errors import ModelgenError, nearest
+from modelgen.errors import ModelgenError
+from modelgen.name_suggestions import nearest
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_span
 from modelgen.runtime.stepped_simulations import Simulations, start_many

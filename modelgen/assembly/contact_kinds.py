@@ -9,8 +9,9 @@ from functools import cached_property
 from modelgen.assembly.friction_constraints import rows_of
 from modelgen.assembly.masses import pose_numbers
 from modelgen.contact.form_table import FORMS, choose_form, order, refuse_points
-from modelgen.errors import SceneError, nearest
+from modelgen.errors import SceneError
 from modelgen.model import BodyMotion, ContactKind, Rows, ShapeKind, Side
+from modelgen.name_suggestions import nearest
 from modelgen.scene.contacts_and_loads import pair_names
 from modelgen.scene.scene_types import IDENTITY_QUATERNION, Body, ContactPair, Scene, Shape, Vector
 

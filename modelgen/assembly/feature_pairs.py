@@ -22,12 +22,13 @@ from modelgen.assembly.contact_kinds import Owner, Partner, contact_kind_of, sha
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.rim_support_points import is_support_point, lies_flat, support_points_of, tilted
 from modelgen.contact.form_table import eta_layout, regular_forms
-from modelgen.errors import SceneError, nearest
+from modelgen.errors import SceneError
 from modelgen.geometry.composites.feature_constructors import vertex
 from modelgen.geometry.curvature_bounds import touches_once
 from modelgen.geometry.extent import bounding_ball
 from modelgen.geometry.shape_features import features_of, is_convex
 from modelgen.model import ENDS, WATCHED, ContactKind, FeatureCondition, FeaturePairEntry, ShapeKind
+from modelgen.name_suggestions import nearest
 from modelgen.rotations import rotation_of
 from modelgen.scene.pose_arithmetic import compose, to_outer
 from modelgen.scene.scene_types import Condition, ContactPair, Feature, Pose, Shape, Vector

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from modelgen.errors import SceneError, nearest
+from modelgen.errors import SceneError
+from modelgen.name_suggestions import nearest
 from modelgen.scene.scene_types import Scene
 
 BODY_QUANTITIES = ("position", "orientation", "velocity", "angular_velocity")

@@ -13,7 +13,8 @@ from modelgen.benchmark.extreme_scales_and_spins import SCALES_AND_SPINS
 from modelgen.benchmark.extreme_shapes import SHAPES
 from modelgen.benchmark.extreme_trials import Extreme, Found, tried
 from modelgen.benchmark.libraries_by_kinds import LibrariesByKinds
-from modelgen.errors import ModelgenError, nearest
+from modelgen.errors import ModelgenError
+from modelgen.name_suggestions import nearest
 
 EXTREMES: tuple[Extreme, ...] = (*SHAPES, *SCALES_AND_SPINS, *CONTACTS, *RUNS)
 

@@ -16,7 +16,8 @@ from modelgen.benchmark.peers import PEERS, Peer, PeerPoints, peer_points
 from modelgen.benchmark.scene_under_measurement import Subject
 from modelgen.benchmark.setting_evaluation import Bench, counted, point_of, scaled
 from modelgen.benchmark.work_precision_front import Point, front, place, spaced
-from modelgen.errors import ModelgenError, expect, nearest
+from modelgen.errors import ModelgenError, expect
+from modelgen.name_suggestions import nearest
 from modelgen.scene.parameter_rereading import scene_with
 from modelgen.scene.scene_types import Scene
 

@@ -23,8 +23,9 @@ from modelgen.composition.right_hand_side import (
 )
 from modelgen.composition.scene_symbols import parameter_values
 from modelgen.derivation import Derivation, derive
-from modelgen.errors import ModelgenError, nearest
+from modelgen.errors import ModelgenError
 from modelgen.model import Model
+from modelgen.name_suggestions import nearest
 from modelgen.runtime.stepped_simulation import Simulation
 from modelgen.scene.parameter_rereading import SceneReader
 from modelgen.scene.scene_types import Origin

@@ -10,7 +10,8 @@ import typer
 from rich.console import Console
 
 from modelgen.cli.output import guarded
-from modelgen.errors import ModelgenError, nearest
+from modelgen.errors import ModelgenError
+from modelgen.name_suggestions import nearest
 
 FOLDER = Path(__file__).parent.parent / "manual"
 TOPICS = (

@@ -9,7 +9,8 @@ import typer
 
 from modelgen.cli.options import AsJson
 from modelgen.cli.output import check_file, guarded, print_facts, write_text
-from modelgen.errors import ModelgenError, nearest
+from modelgen.errors import ModelgenError
+from modelgen.name_suggestions import nearest
 
 FOLDER = Path(__file__).parents[1] / "scene" / "templates"
 

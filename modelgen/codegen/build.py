@@ -25,7 +25,8 @@ from modelgen.codegen.core_cache import announce, runtime_hash, runtime_object
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import REAL_FLAGS, Library
 from modelgen.codegen.manifest import INSTANCE, STRUCTURE, BuildRecord, record_name
-from modelgen.errors import CompilerMissing, LibraryError, expect, nearest
+from modelgen.errors import CompilerMissing, LibraryError, expect
+from modelgen.name_suggestions import nearest
 
 MANY = 300_000  # pairs of features of which the cost is told before
 PAIR_S, PAIR_BYTES = 1.6e-5, 4000  # s of CPU time before the first step, and memory, for each

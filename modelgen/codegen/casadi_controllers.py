@@ -10,7 +10,8 @@ import casadi as ca
 from modelgen.codegen.compiler import LIBRARIES, SHARED, find_compiler, run_compiler
 from modelgen.codegen.core_cache import cache_folder, compiled_once, content_hash
 from modelgen.codegen.sensor_expressions_function import expressions_function
-from modelgen.errors import SimulationError, nearest
+from modelgen.errors import SimulationError
+from modelgen.name_suggestions import nearest
 
 SOURCE, ENTRY = "controller.c", "mg_controller_call"
 Slots = Sequence[tuple[str, int]]  # names and sizes of what stands in a row

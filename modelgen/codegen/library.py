@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from modelgen.codegen.manifest import INSTANCE, STRUCTURE, BuildRecord, Json, Manifest, record_name
-from modelgen.errors import LibraryError, nearest, path_of
+from modelgen.errors import LibraryError, path_of
+from modelgen.name_suggestions import nearest
 
 Array = np.ndarray[Any, Any]
 

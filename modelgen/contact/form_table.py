@@ -25,11 +25,12 @@ from modelgen.contact.parametrisations import (
 )
 from modelgen.contact.plane_support import support_of
 from modelgen.contact.sphere_centres import has_centre
-from modelgen.errors import SceneError, nearest
+from modelgen.errors import SceneError
 from modelgen.geometry.curves import CURVES, is_curve, is_straight
 from modelgen.geometry.points import is_point
 from modelgen.geometry.surface_catalogue import SURFACES, surface_of
 from modelgen.model import ContactKind, Rows, ShapeKind, Side
+from modelgen.name_suggestions import nearest
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from modelgen.codegen.build import build
 from modelgen.codegen.emit import Package, emit
 from modelgen.codegen.library import Library
 from modelgen.derivation import Derivation
-from modelgen.errors import ModelgenError, nearest
+from modelgen.errors import ModelgenError
 from modelgen.export.browser_page import browser_page
 from modelgen.export.c_folder import c_files
 from modelgen.export.casadi_folder import casadi_files
@@ -19,6 +19,7 @@ from modelgen.export.fmu import fmu_files
 from modelgen.export.jax_folder import jax_files
 from modelgen.export.mjcf_file import check_mjcf, mjcf_files, setup_of
 from modelgen.export.urdf_file import check_urdf, left_out, urdf_files
+from modelgen.name_suggestions import nearest
 from modelgen.runtime.arguments import with_parameters
 
 Content = str | bytes

@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.errors import SimulationError, nearest
+from modelgen.errors import SimulationError
 from modelgen.identification.recordings import Array, Recording
+from modelgen.name_suggestions import nearest
 from modelgen.runtime.sensitivity import outputs_of
 
 QUATERNION = 4  # components of an orientation, which is compared by the turn from measured to computed

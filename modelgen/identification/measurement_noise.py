@@ -8,9 +8,10 @@ from math import isfinite
 
 import numpy as np
 
-from modelgen.errors import SimulationError, nearest
+from modelgen.errors import SimulationError
 from modelgen.identification.recording_residuals import RecordedRun
 from modelgen.identification.recordings import Array
+from modelgen.name_suggestions import nearest
 from modelgen.runtime.arguments import is_number
 
 FLOOR = float(np.sqrt(np.finfo(float).eps))  # of an estimated noise, in spreads of what was measured

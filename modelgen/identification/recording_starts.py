@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from modelgen.codegen.library import Library
-from modelgen.errors import SimulationError, nearest
+from modelgen.errors import SimulationError
 from modelgen.identification.recordings import Array, Recording
 from modelgen.identification.unknowns import Unknown
+from modelgen.name_suggestions import nearest
 from modelgen.notation import component_names
 from modelgen.runtime.sensitivity import outputs_of
 from modelgen.runtime.sensitivity_directions import QUANTITIES, body_entry, turned

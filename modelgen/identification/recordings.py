@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.errors import SimulationError, nearest
+from modelgen.errors import SimulationError
+from modelgen.name_suggestions import nearest
 from modelgen.notation import component_names
 
 Array = np.ndarray[Any, Any]

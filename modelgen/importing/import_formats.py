@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import TypedDict, Unpack
 from xml.etree import ElementTree
 
-from modelgen.errors import ModelgenError, nearest, path_of
+from modelgen.errors import ModelgenError, path_of
 from modelgen.importing import profile_scene, robot_scene
 from modelgen.importing.import_losses import Notes, check_without
 from modelgen.importing.mujoco_shapes import CORNERS
+from modelgen.name_suggestions import nearest
 from modelgen.scene.read import LARGEST, read_text
 from modelgen.scene.scene_types import Scene
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass, field
 
-from modelgen.errors import ModelgenError, nearest
+from modelgen.errors import ModelgenError
+from modelgen.name_suggestions import nearest
 
 WITHOUT = {  # what `--without` may name
     "actuators": "actuators that are not motors or linear feedback on a joint, or forces at a site",

@@ -11,8 +11,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from modelgen.errors import ModelgenError, nearest
+from modelgen.errors import ModelgenError
 from modelgen.importing.import_losses import Notes
+from modelgen.name_suggestions import nearest
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 START_KEYS = ("start", "home")  # keyframes that a run begins with, unless one is named

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from modelgen.errors import ModelgenError, nearest
+from modelgen.errors import ModelgenError
 from modelgen.importing.profile_fit import Array
+from modelgen.name_suggestions import nearest
 
 UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254}
 LARGEST = 64 * 2**20  # bytes

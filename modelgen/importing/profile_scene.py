@@ -9,12 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.errors import ModelgenError, nearest
+from modelgen.errors import ModelgenError
 from modelgen.importing.import_losses import Notes
 from modelgen.importing.name_conversion import Names
 from modelgen.importing.profile_file import read_points
 from modelgen.importing.profile_fit import Array, Fitted, fit_profile
 from modelgen.importing.scene_writing import Section, scene_text
+from modelgen.name_suggestions import nearest
 
 KINDS: Mapping[str, tuple[bool, str]] = {  # shape: whether its profile closes, and what its columns are
     "revolution": (False, "r, z"),

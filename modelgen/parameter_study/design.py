@@ -9,7 +9,8 @@ from math import prod
 
 import numpy as np
 
-from modelgen.errors import ModelgenError, SceneError, nearest
+from modelgen.errors import ModelgenError, SceneError
+from modelgen.name_suggestions import nearest
 from modelgen.runtime.trajectory import Array
 from modelgen.scene.scalar_types import NUMBER
 from modelgen.scene.source_location import Place

@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.errors import ModelgenError, nearest, path_of
+from modelgen.errors import ModelgenError, path_of
+from modelgen.name_suggestions import nearest
 from modelgen.parameter_study.rows import TEXT
 from modelgen.parameter_study.sweep_folder import SweepFolder
 from modelgen.runtime.trajectory import Array

@@ -13,7 +13,8 @@ from typing import Any, Unpack
 
 from modelgen import __version__
 from modelgen.codegen.library import Library
-from modelgen.errors import ModelgenError, expect, nearest, path_of
+from modelgen.errors import ModelgenError, expect, path_of
+from modelgen.name_suggestions import nearest
 from modelgen.parameter_study.chunk_runs import Chunk, Study, run_chunk
 from modelgen.parameter_study.dask_workers import chunks_of_workers, connected, worker_threads
 from modelgen.parameter_study.design import Variation, design_points, variations_of

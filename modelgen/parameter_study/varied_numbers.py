@@ -8,7 +8,8 @@ from math import inf
 from typing import Any
 
 from modelgen.codegen.library import Library
-from modelgen.errors import ModelgenError, nearest
+from modelgen.errors import ModelgenError
+from modelgen.name_suggestions import nearest
 from modelgen.parameter_study.design import Variation
 from modelgen.runtime.arguments import input_range
 

@@ -17,10 +17,11 @@ from modelgen.codegen.manifest_model import parameters_of_joint
 from modelgen.contact.form_table import FORMS, contact_kernels
 from modelgen.contact.tangential_rows import with_tangential_rows
 from modelgen.derivation import Derivation, Formula
-from modelgen.errors import ModelgenError, nearest
+from modelgen.errors import ModelgenError
 from modelgen.joint.joint_equations import FORMS as FORMS_OF_JOINTS
 from modelgen.joint.joint_kernels import coordinates_kernel, rows_kernel
 from modelgen.model import Model
+from modelgen.name_suggestions import nearest
 from modelgen.notation import notation
 from modelgen.report import mathml
 from modelgen.report.formula_text_and_latex import symbol_latex

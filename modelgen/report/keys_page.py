@@ -7,7 +7,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
-from modelgen.errors import ModelgenError, nearest
+from modelgen.errors import ModelgenError
+from modelgen.name_suggestions import nearest
 from modelgen.scene.json_schema import scene_schema
 
 Schema = dict[str, Any]

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from modelgen.contact.form_table import FORMS
-from modelgen.errors import ModelgenError, nearest
+from modelgen.errors import ModelgenError
 from modelgen.joint.joint_equations import FORMS as JOINTS
+from modelgen.name_suggestions import nearest
 from modelgen.scene.expression import parse_expression
 from modelgen.scene.scene_types import Body, ContactPair, Joint, Pose, Scene, Shape, Vector
 from modelgen.scene.shape_catalogue import SHAPES

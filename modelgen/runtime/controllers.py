@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.errors import SimulationError, nearest
+from modelgen.errors import SimulationError
+from modelgen.name_suggestions import nearest
 from modelgen.runtime.arguments import check_span, is_number
 from modelgen.runtime.core_session import Session
 from modelgen.runtime.sensors import Readings

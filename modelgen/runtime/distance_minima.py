@@ -34,7 +34,8 @@ from typing import Any
 import numpy as np
 
 from modelgen.codegen.library import Library
-from modelgen.errors import SimulationError, nearest
+from modelgen.errors import SimulationError
+from modelgen.name_suggestions import nearest
 from modelgen.notation import ETA_SIZE
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import common_rows, rows_of

@@ -10,7 +10,8 @@ from typing import Any, Unpack
 import numpy as np
 
 from modelgen.codegen.library import Library
-from modelgen.errors import SimulationError, expect, nearest
+from modelgen.errors import SimulationError, expect
+from modelgen.name_suggestions import nearest
 from modelgen.notation import component_names
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_keywords, with_parameters

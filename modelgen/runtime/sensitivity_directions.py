@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from modelgen.codegen.library import Library
-from modelgen.errors import SimulationError, nearest
+from modelgen.errors import SimulationError
+from modelgen.name_suggestions import nearest
 from modelgen.notation import SETTING_SIZE
 from modelgen.runtime.arguments import with_parameters
 from modelgen.runtime.tables.ctypes_structures import INTEGER, Array, address

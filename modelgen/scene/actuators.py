@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from modelgen.errors import nearest
+from modelgen.name_suggestions import nearest
 from modelgen.scene.joint_format import NAME, SPRUNG_KINDS
 from modelgen.scene.prescribed_motions import TIME
 from modelgen.scene.scalar_types import LIMIT, NUMBER, ExpressionText

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import combinations
 from typing import Any
 
-from modelgen.errors import nearest
+from modelgen.name_suggestions import nearest
 from modelgen.scene.contacts_and_loads import Bodies, Partner, named
 from modelgen.scene.scene_types import Body, ContactPair, Joint
 from modelgen.scene.source_location import Place

@@ -8,7 +8,7 @@ from itertools import combinations, product
 from math import hypot
 from typing import Any
 
-from modelgen.errors import nearest
+from modelgen.name_suggestions import nearest
 from modelgen.scene.finite_expressions import triple
 from modelgen.scene.free_shapes import FREE_SHAPES
 from modelgen.scene.quaternions import conjugate, turned

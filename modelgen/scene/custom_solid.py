@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from math import hypot
 from typing import Any
 
-from modelgen.errors import nearest
+from modelgen.name_suggestions import nearest
 from modelgen.scene.custom_solid_checks import check_places
 from modelgen.scene.pose_input import VECTOR
 from modelgen.scene.scalar_types import NUMBER, Switch, Text, Type

@@ -15,7 +15,8 @@ from functools import lru_cache
 from math import e as euler
 from math import isfinite, pi
 
-from modelgen.errors import ExpressionError, nearest
+from modelgen.errors import ExpressionError
+from modelgen.name_suggestions import nearest
 from modelgen.scene.expression_functions import BINARY, FUNCTIONS, evaluate_binary, evaluate_call
 
 MAX_LENGTH = 20_000  # characters

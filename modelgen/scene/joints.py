@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.errors import nearest
+from modelgen.name_suggestions import nearest
 from modelgen.scene.expression import Expression
 from modelgen.scene.finite_expressions import finite
 from modelgen.scene.plausibility_remarks import remark_on_angles

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from modelgen.errors import nearest, synonym
+from modelgen.name_suggestions import nearest, synonym
 
 _RUN = "it belongs to [run]"
 _CONTACT = "it belongs to a [[contact]]"

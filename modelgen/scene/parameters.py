@@ -8,7 +8,8 @@ from math import isfinite
 from numbers import Real
 from typing import Any
 
-from modelgen.errors import SimulationError, nearest
+from modelgen.errors import SimulationError
+from modelgen.name_suggestions import nearest
 from modelgen.scene.constants import NAME_OF_CONSTANT
 from modelgen.scene.scalar_types import HUGE, NUMBER, Text
 from modelgen.scene.scene_types import Parameter

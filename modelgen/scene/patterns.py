@@ -7,7 +7,7 @@ from dataclasses import replace
 from math import cos, pi, sin
 from typing import Any
 
-from modelgen.errors import nearest
+from modelgen.name_suggestions import nearest
 from modelgen.scene.pose_input import VECTOR
 from modelgen.scene.quaternions import Quaternion, product, turned
 from modelgen.scene.scalar_types import Choice, Text, Whole

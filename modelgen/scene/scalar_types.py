@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from math import pi
 from typing import Any, Protocol
 
-from modelgen.errors import nearest
+from modelgen.name_suggestions import nearest
 from modelgen.scene.source_location import Place, describe
 
 HUGE = 1e30  # beyond it no number of a scene is meaningful

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
-from modelgen.errors import nearest
+from modelgen.name_suggestions import nearest
 from modelgen.notation import component_names
 from modelgen.scene.contacts_and_loads import pair_names
 from modelgen.scene.prescribed_motions import TIME

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, is_dataclass
 from typing import Any
 
-from modelgen.errors import SYNONYMS, synonym
+from modelgen.name_suggestions import SYNONYMS, synonym
 from modelgen.scene.key_remedies import meant
 from modelgen.scene.scalar_types import NUMBER, Choice, Schema, Type
 from modelgen.scene.source_location import Place, describe

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.errors import ModelgenError, nearest
+from modelgen.errors import ModelgenError
+from modelgen.name_suggestions import nearest
 from modelgen.report.run_record import Array, Record
 from modelgen.view.packing import packed
 
