@@ -61,8 +61,10 @@ def _knot(t: ca.SX) -> tuple[ca.SX, ...]:
 
 
 def _round(radius: float, outward: float) -> Parametrised:
-    def at(turn: ca.SX, z: ca.SX) -> tuple[ca.SX, ...]:
-        return radius * ca.cos(turn), radius * ca.sin(turn), z
+    """A cylinder up to 200 m from its middle: axes that are almost parallel come nearest far away."""
+
+    def at(turn: ca.SX, along: ca.SX) -> tuple[ca.SX, ...]:
+        return radius * ca.cos(turn), radius * ca.sin(turn), ca.sinh(along)
 
     return Parametrised(f"cylinder {radius}", at, ((0.0, TURN), (-6.0, 6.0)), (True, False), outward)
 
