@@ -480,10 +480,11 @@ static mg_real mg_least_closed_margin(const mg_context *c, int pair) {
 
 /* Movement of a pair, m, after which it is searched again: at most half the gap of closest points that no contact
    follows, so that they are seen before they touch. Beside a closed contact the gap is less by the factor of its
-   margin, and so is the gap of closest points that become a minimum there. */
+   margin, and so is the gap of closest points that become a minimum there. It is at least the least movement: steps
+   do not vanish where the margin does. */
 static mg_real mg_movement_until_search(const mg_context *c, int pair) {
   const mg_real most = c->settings->search_movement * mg_least_closed_margin(c, pair) * mg_pair_length(c, pair);
-  return mg_min(most, mg_max(c->run->unfollowed_gap[pair] / 2, mg_least_movement(c, pair)));
+  return mg_max(mg_min(most, c->run->unfollowed_gap[pair] / 2), mg_least_movement(c, pair));
 }
 
 /* True if a pair that has moved so far since its last search is to be searched. */
