@@ -70,13 +70,15 @@ def has_coaxial_supports(feature: Feature, other: Feature) -> bool:
     That is a ball, or another surface of revolution. Where both could have supports, those of the lower
     dimension are taken.
     """
-    mine, theirs = meridian_of(feature), meridian_of(other)
-    if mine is None or other.dimension < 2 or is_coaxial_support(other):
+    if other.dimension < 2 or is_coaxial_support(other):
         return False
-    if other.shape.kind == "sphere":
-        return True
-    if not is_of_revolution(other.shape):
+    is_ball = other.shape.kind == "sphere"
+    if not (is_ball or is_of_revolution(other.shape)):
         return False
+    mine = meridian_of(feature)
+    if mine is None or is_ball:
+        return mine is not None
+    theirs = meridian_of(other)
     return theirs is None or (mine.dimension, feature.name) <= (theirs.dimension, other.name)
 
 

@@ -153,13 +153,11 @@ def _candidates(
     once = touches_once(a.shape, b.shape)
     found: dict[tuple[str, str], Candidate] = {}
     joined = [{feature.name: _joined(feature, side) for feature in side} for side in sides]
-    for features in product(*sides):
-        names = (features[0].name, features[1].name)
-        bearers = (_bearer(features[0], sides[0]), _bearer(features[1], sides[1]))
-        wanted = all(not each.name or is_allowed(each.name, pair) for each in bearers)
-        if not wanted or not _may_touch((features[0], features[1]), bearers, alone, once):
+    for (one, bearer_one), (two, bearer_two) in product(*(_allowed(side, pair) for side in sides)):
+        names, bearers = (one.name, two.name), (bearer_one, bearer_two)
+        if not _may_touch((one, two), bearers, alone, once):
             continue
-        features = _flattened(*features)
+        features = _flattened(one, two)
         if not once and features == bearers:
             features = _off_axis(*features)
         (one, first), (two, second) = (
@@ -210,9 +208,15 @@ def _ends_of(segment: Shape) -> tuple[Feature, ...]:
     return vertex("end_bottom", (0.0, 0.0, -length / 2)), vertex("end_top", (0.0, 0.0, length / 2))
 
 
-def _bearer(feature: Feature, side: Sequence[Feature]) -> Feature:
-    """What a coaxial support is a part of; of other features they themselves."""
-    return bearer_of(feature, side) if is_coaxial_support(feature) else feature
+def _allowed(side: Sequence[Feature], pair: ContactPair) -> list[Two]:
+    """The features that the scene lets touch, each with what it is a part of: a coaxial support with the
+    feature that it replaces, others with themselves."""
+    bearers = [bearer_of(each, side) if is_coaxial_support(each) else each for each in side]
+    return [
+        (feature, bearer)
+        for feature, bearer in zip(side, bearers, strict=True)
+        if not bearer.name or is_allowed(bearer.name, pair)
+    ]
 
 
 def _may_touch(features: Two, bearers: Two, alone: bool, once: bool) -> bool:

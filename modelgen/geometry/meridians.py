@@ -115,9 +115,7 @@ def _profile_of(feature: Feature, chart: Chart) -> Curve | None:
     curve, turned = found
     closed = chart.periodic[1] or all(each.next for each in feature.conditions)
     rises = np.diff(_heights(Shape("curve", feature.shape.parameters, curve=curve)))
-    outward = (
-        -1.0 if turned != feature.shape.cavity else 1.0
-    )  # c_u x c_v points away from the axis where z rises
+    outward = -1.0 if turned != feature.shape.cavity else 1.0  # where z rises: c_u x c_v is off the axis
     return curve if closed or (outward * rises <= 0).all() else None
 
 
@@ -134,10 +132,8 @@ def _by_t(tree: Node) -> Expression:
 def _along(curve: Curve, conditions: tuple[Condition, ...]) -> tuple[Condition, ...]:
     """Ends of the curve, and those of the face that a turn about the axis leaves as they are."""
     low, high = curve.domain
-    ends = (
-        []
-        if curve.periodic
-        else [at_least(0, low, None)] + ([at_most(0, high, None)] if isfinite(high) else [])
-    )
+    ends = [] if curve.periodic else [at_least(0, low, None)]
+    if ends and isfinite(high):
+        ends.append(at_most(0, high, None))
     kept = [replace(each, next=None) for each in conditions if each.kind == "quadric"]
     return (*ends, *kept)
