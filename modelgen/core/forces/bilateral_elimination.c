@@ -1,10 +1,9 @@
 /* Friction problems with slipping patches: the friction of a patch makes the columns of its supports unsymmetric,
-   so the bilateral rows (supports, joints) are eliminated here by a QR factorisation; the friction solver
-   eliminates symmetric rows only. Reads the assembled problem; writes its solution. */
+   so the bilateral rows (supports, joints) are eliminated here; the friction solver eliminates symmetric rows only.
+   Reads the assembled problem; writes its solution. */
 #include "forces/forces.h"
 #include "base/base.h"
 #include "model/model.h"
-#include "solve/lcp/lcp_solvers.h"
 #include "solve/friction/friction_solvers.h"
 
 /* True if a patch with friction slips. */
@@ -14,21 +13,10 @@ static int mg_has_slipping_patch(const mg_context *c) {
   return 0;
 }
 
-/* Solve A_bb x = -y of least norm over the bilateral rows, those from m on, by a rank-revealing QR factorisation
-   in the scale of the rows. */
+/* Solve A_bb x = -y of least norm over the bilateral rows, those from m on. */
 static void mg_solve_bilateral_forces(mg_context *c, const mg_friction_problem *p, int m, const mg_real *y,
                                       mg_real *x) {
-  const int k = p->n - m;
-  mg_real *R = c->lcp.work, *b = R + k * k, *d = b + k, *scaled = d + k, *beta = scaled + k;
-  for (int i = 0; i < k; i++) {
-    const int row = c->lcp.rows[m + i];
-    d[i] = 1 / mg_diagonal_scale(mg_delassus_entry(c, row, row)), b[i] = -y[i] * d[i];
-  }
-  for (int j = 0; j < k; j++)
-    for (int i = 0; i < k; i++) R[i + k * j] = p->A[m + i + p->n * (m + j)] * d[i] * d[j];
-  const int rank = mg_factor_pivoted_qr(k, R, b, c->lcp.iwork, MG_LCP_RANK(k));
-  mg_solve_least_norm_qr(k, rank, R, b, scaled, beta);
-  for (int i = 0; i < k; i++) x[c->lcp.iwork[i]] = scaled[i] * d[c->lcp.iwork[i]];
+  mg_solve_least_norm_rows(c, c->lcp.rows + m, p->n - m, p->A + m + p->n * m, p->n, y, x);
 }
 
 /* True if bilateral rows hold the slip of the contact k of a problem along one of its tangents, and forces of least

@@ -203,6 +203,11 @@ MG_INTERNAL int mg_count_held_slip(mg_context *c, const mg_friction_problem *p, 
 
 /* unsymmetric_rows.c */
 
+/* Solves A z = -b over listed rows, of least norm in the scale of the rows, by a rank-revealing QR factorisation in
+   that scale; A has columns `stride` apart. Its memory is the first n (n + 4) of c->lcp.work. */
+MG_INTERNAL void mg_solve_least_norm_rows(mg_context *c, const int *list, int n, const mg_real *A, int stride,
+                                          const mg_real *b, mg_real *z);
+
 /* Rank of the assembled unsymmetric matrix over listed rows. */
 MG_INTERNAL int mg_unsymmetric_rank(mg_context *c, const int *list, int n);
 

@@ -6,18 +6,27 @@
 #include "model/model.h"
 #include "solve/lcp/lcp_solvers.h"
 
-/* Factor the assembled matrix over listed rows, scaled by the square roots d of the diagonal of J M^-1 J^T;
-   returns the rank. */
-static int mg_factor_scaled_rows(mg_context *c, const int *list, int n, mg_real *R, mg_real *y, mg_real *d) {
-  for (int i = 0; i < n; i++)
-    d[i] = 1 / mg_diagonal_scale(mg_delassus_entry(c, list[i], list[i])), y[i] = -c->lcp.b[i] * d[i];
+/* Factors A over listed rows, scaled by the square roots d of the diagonal of J M^-1 J^T, and scales y = -b; returns
+   the rank. */
+static int mg_factor_scaled_rows(mg_context *c, const int *list, int n, const mg_real *A, int stride, const mg_real *b,
+                                 mg_real *R, mg_real *y, mg_real *d) {
+  for (int i = 0; i < n; i++) d[i] = 1 / mg_diagonal_scale(mg_delassus_entry(c, list[i], list[i])), y[i] = -b[i] * d[i];
   for (int j = 0; j < n; j++)
-    for (int i = 0; i < n; i++) R[i + n * j] = c->lcp.A[i + n * j] * d[i] * d[j];
+    for (int i = 0; i < n; i++) R[i + n * j] = A[i + stride * j] * d[i] * d[j];
   return mg_factor_pivoted_qr(n, R, y, c->lcp.iwork, MG_LCP_RANK(n));
 }
 
+MG_INTERNAL void mg_solve_least_norm_rows(mg_context *c, const int *list, int n, const mg_real *A, int stride,
+                                          const mg_real *b, mg_real *z) {
+  mg_real *R = c->lcp.work, *y = R + n * n, *d = y + n, *x = d + n, *beta = x + n;
+  const int rank = mg_factor_scaled_rows(c, list, n, A, stride, b, R, y, d);
+  mg_solve_least_norm_qr(n, rank, R, y, x, beta);
+  for (int i = 0; i < n; i++) z[c->lcp.iwork[i]] = x[i] * d[c->lcp.iwork[i]];
+}
+
 MG_INTERNAL int mg_unsymmetric_rank(mg_context *c, const int *list, int n) {
-  return mg_factor_scaled_rows(c, list, n, c->lcp.work, c->lcp.work + n * n, c->lcp.work + n * n + n);
+  mg_real *R = c->lcp.work, *y = R + n * n, *d = y + n;
+  return mg_factor_scaled_rows(c, list, n, c->lcp.A, n, c->lcp.b, R, y, d);
 }
 
 enum { MG_FEW_ROWS = 24 }; /* rows up to which the orthogonal factorisation, which is more accurate, costs little */
@@ -98,8 +107,5 @@ static int mg_solve_by_changed_columns(mg_context *c, int n, mg_real *z) {
 
 MG_INTERNAL void mg_solve_unsymmetric_rows(mg_context *c, const int *list, int n, mg_real *z) {
   if (n > MG_FEW_ROWS && mg_solve_by_changed_columns(c, n, z)) return;
-  mg_real *R = c->lcp.work, *y = R + n * n, *d = y + n, *x = d + n, *beta = x + n;
-  const int rank = mg_factor_scaled_rows(c, list, n, R, y, d);
-  mg_solve_least_norm_qr(n, rank, R, y, x, beta);
-  for (int i = 0; i < n; i++) z[c->lcp.iwork[i]] = x[i] * d[c->lcp.iwork[i]];
+  mg_solve_least_norm_rows(c, list, n, c->lcp.A, n, c->lcp.b, z);
 }
