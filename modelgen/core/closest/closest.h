@@ -37,8 +37,8 @@ MG_INTERNAL int mg_is_minimum(const mg_real *placed);
 
 /* probe_contact.c */
 
-/* Puts the spare contact, numbered n_contact, on a feature pair; returns its number. */
-MG_INTERNAL int mg_use_spare_contact(mg_context *c, int feature_pair);
+/* Puts the probe contact, numbered n_contact, on a feature pair; returns its number. */
+MG_INTERNAL int mg_use_probe_contact(mg_context *c, int feature_pair);
 
 /* Finds closest points on a feature pair from any eta; of convex shapes without a start. Returns -1 if it fails.
    c->search.placement holds the placement. */

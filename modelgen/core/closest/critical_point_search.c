@@ -210,12 +210,12 @@ static int mg_converge_search(const mg_critical_search *s, mg_real *eta) {
   mg_real next[6];
   if (mg_converge_from_any_start(c, s->feature_pair, eta) < 0) return 0;
   if (!mg_is_revolved(c, s->feature_pair, 0) && !mg_is_revolved(c, s->feature_pair, 1)) return 1;
-  const int spare = c->system->n_contact, n = c->kernels->contact_kinds[c->contacts.kind[spare]].n_eta;
+  const int probe = c->system->n_contact, n = c->kernels->contact_kinds[c->contacts.kind[probe]].n_eta;
   for (int step = 0; step < 2; step++) {
-    mg_place_contact(c, spare, eta, next);
+    mg_place_contact(c, probe, eta, next);
     for (int k = 0; k < n; k++) eta[k] = next[k];
   }
-  mg_place_contact(c, spare, eta, next);
+  mg_place_contact(c, probe, eta, next);
   return 1;
 }
 
@@ -352,7 +352,7 @@ static int mg_treat_cells(mg_critical_search *s, int a, int b, int count, int *i
 static int mg_is_flat_against_plane(mg_critical_search *s) {
   mg_context *c = s->c;
   const mg_system *system = c->system;
-  const int spare = mg_use_spare_contact(c, s->feature_pair);
+  const int probe = mg_use_probe_contact(c, s->feature_pair);
   int is_placed = 0;
   for (int k = system->feature_pair_condition[s->feature_pair]; k < system->feature_pair_condition[s->feature_pair + 1];
        k++) {
@@ -360,7 +360,7 @@ static int mg_is_flat_against_plane(mg_critical_search *s) {
       continue;
     const mg_real *window = mg_feature_numbers(c, s->feature_pair, s->first) + MG_FEATURE_DOMAIN;
     mg_real eta[6] = {window[0], window[2], 0, 0, 0, 0}, next[6];
-    if (!is_placed++) mg_place_contact(c, spare, eta, next);
+    if (!is_placed++) mg_place_contact(c, probe, eta, next);
     if (mg_feature_pair_condition(c, s->feature_pair, k, eta) < -c->settings->feature_border) return 1;
   }
   return 0;

@@ -50,22 +50,22 @@ MG_INTERNAL int mg_is_same_minimum(const mg_context *c, const mg_minimum *a, con
 }
 
 MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta, mg_minimum *found) {
-  const int spare = mg_use_spare_contact(c, feature_pair), has_no_outside = mg_has_no_outside(c, feature_pair);
+  const int probe = mg_use_probe_contact(c, feature_pair), has_no_outside = mg_has_no_outside(c, feature_pair);
   int which;
   mg_real next[6];
-  mg_place_contact(c, spare, eta, next);
+  mg_place_contact(c, probe, eta, next);
   if (mg_has_normal_sign(c, feature_pair)) {
     const int is_wrong_side =
         has_no_outside ? mg_is_on_wrong_side(c, feature_pair)
                        : mg_most_violated_condition(c, feature_pair, eta, &which) < -c->settings->feature_border;
-    if (is_wrong_side) mg_reverse_normal(c, feature_pair, eta), mg_place_contact(c, spare, eta, next);
+    if (is_wrong_side) mg_reverse_normal(c, feature_pair, eta), mg_place_contact(c, probe, eta, next);
   }
   found->undecided = mg_has_normal_sign(c, feature_pair) && has_no_outside && mg_is_side_undecided(c, feature_pair);
-  if (!(mg_placement_uniqueness(c, spare) > mg_least_margin(c, feature_pair))) return 0;
+  if (!(mg_placement_uniqueness(c, probe) > mg_least_margin(c, feature_pair))) return 0;
   if (mg_most_violated_condition(c, feature_pair, eta, &which) < -c->settings->feature_border) return 0;
   if (mg_least_feature_pair_condition(c, feature_pair, eta, MG_WATCHED, &which) < -c->settings->appear_tilt_sine)
     return 0;
-  found->feature_pair = feature_pair, found->margin = mg_placement_uniqueness(c, spare);
+  found->feature_pair = feature_pair, found->margin = mg_placement_uniqueness(c, probe);
   mg_record_minimum(c, found);
   if (found->d < -c->settings->start_gap * c->system->length && mg_is_between_far_sides(c, feature_pair)) return 0;
   for (int k = 0; k < 6; k++) found->eta[k] = eta[k];

@@ -1,9 +1,9 @@
-/* The spare contact, on which closest points of any feature pair are sought without a contact of the run. Writes its
+/* The probe contact, on which closest points of any feature pair are sought without a contact of the run. Writes its
    entries of c->contacts and c->search.placement. */
 #include "closest/closest.h"
 #include "model/model.h"
 
-MG_INTERNAL int mg_use_spare_contact(mg_context *c, int feature_pair) {
+MG_INTERNAL int mg_use_probe_contact(mg_context *c, int feature_pair) {
   mg_place_on_feature_pair(c, c->system->n_contact, feature_pair);
   return c->system->n_contact;
 }
@@ -33,10 +33,10 @@ static mg_shape_pair mg_shape_pair_of(const mg_context *c, int contact) {
 }
 
 MG_INTERNAL int mg_converge_from_any_start(mg_context *c, int feature_pair, mg_real *eta) {
-  const int spare = mg_use_spare_contact(c, feature_pair);
-  const mg_shape_pair p = mg_shape_pair_of(c, spare);
+  const int probe = mg_use_probe_contact(c, feature_pair);
+  const mg_shape_pair p = mg_shape_pair_of(c, probe);
   mg_real reach[MG_MAX_ETA];
-  const mg_newton_goal goal = {c->contacts.length[spare], c->settings->extremality_residual, reach};
+  const mg_newton_goal goal = {c->contacts.length[probe], c->settings->extremality_residual, reach};
   mg_eta_step_limit(c, feature_pair, reach);
   if (p.kernels->contact_kinds[p.kind].is_convex)
     return mg_closest_convex(&p, &goal, 0, eta, c->search.placement) == MG_CLOSEST_NOT_FOUND ? -1 : 0;

@@ -15,7 +15,7 @@ MG_INTERNAL void mg_extrapolate_poses(mg_context *c) {
 MG_INTERNAL int mg_fate_of_minimum(mg_context *c, const mg_minimum *found) {
   mg_real eta[6], next[6];
   int which;
-  const int probe_contact = mg_use_spare_contact(c, found->feature_pair);
+  const int probe_contact = mg_use_probe_contact(c, found->feature_pair);
   for (int k = 0; k < 6; k++) eta[k] = found->eta[k];
   mg_place_contact(c, probe_contact, eta, next);
   const mg_real now = mg_most_violated_condition(c, found->feature_pair, eta, &which);

@@ -47,7 +47,7 @@ static void mg_eta_from_points(mg_context *c, int feature_pair, const mg_real *p
 static mg_real mg_transfer_to_feature_pair(mg_context *c, int from, int to, const mg_real *at, mg_real *eta,
                                            int *which) {
   const int sides_swapped = mg_feature_body(c, from, 0) != mg_feature_body(c, to, 0),
-            probe_contact = mg_use_spare_contact(c, to);
+            probe_contact = mg_use_probe_contact(c, to);
   mg_real next[6];
   *which = -1;
   mg_eta_from_points(c, to, at + (sides_swapped ? 11 : 8), at + (sides_swapped ? 8 : 11), eta);
@@ -153,7 +153,7 @@ static int mg_transfer_over_vertex(mg_context *c, int from, int corner, const mg
 static int mg_is_minimum_on_far_sides(mg_context *c, const mg_minimum *found) {
   mg_real next[6];
   if (!(found->d < -c->settings->start_gap * c->system->length)) return 0;
-  mg_place_contact(c, mg_use_spare_contact(c, found->feature_pair), found->eta, next);
+  mg_place_contact(c, mg_use_probe_contact(c, found->feature_pair), found->eta, next);
   return mg_is_between_far_sides(c, found->feature_pair);
 }
 

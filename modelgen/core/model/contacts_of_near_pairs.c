@@ -25,7 +25,7 @@ static void mg_append_range(mg_listing *l, int begin, int end) {
   l->n_range++;
 }
 
-/* Last members of the lists while they are made; the spare contact stands between contacts and other rows. */
+/* Last members of the lists while they are made; the probe contact stands between contacts and other rows. */
 typedef struct {
   int contact, friction_row, constraint;
 } mg_list_ends;

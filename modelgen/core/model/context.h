@@ -4,7 +4,7 @@
    the caller's `work` and `iwork`. Scratch is valid within one call, except the cells of c->search, which last as long
    as the shapes are the same.
 
-   Rows are the scalar equations of all constraints, in this order: the normal row of each contact, one of a spare
+   Rows are the scalar equations of all constraints, in this order: the normal row of each contact, one of a probe
    contact (which tries feature pairs out), rows of joints, friction rows, springs. The number of a contact is the
    number of its normal row. [per row] and the like give the shapes of arrays; J has 12 columns, of body o, then of body
    f. */

@@ -155,7 +155,7 @@ MG_INTERNAL int mg_has_no_outside(const mg_context *c, int feature_pair);
 
 /* contacts_of_near_pairs.c */
 
-/* Contact or row after `row` (-1: the first) of those that take part; beyond contacts the spare one, beyond rows the
+/* Contact or row after `row` (-1: the first) of those that take part; beyond contacts the probe, beyond rows the
    number of all. */
 static inline int mg_next_row(const mg_context *c, int row) { return c->listed.row[row + 1]; }
 
@@ -366,7 +366,7 @@ MG_INTERNAL mg_real *mg_contact_eta(const mg_context *c, mg_real *x, int contact
 /* Parameters of the contact kind of a contact; of a support point with the point that the run holds. */
 MG_INTERNAL const mg_real *mg_contact_parameters(mg_context *c, int contact);
 
-/* Sets kind, parameters and bodies of a contact (n_contact: the spare one) to those of a feature pair. */
+/* Sets kind, parameters and bodies of a contact (n_contact: the probe) to those of a feature pair. */
 MG_INTERNAL void mg_place_on_feature_pair(mg_context *c, int contact, int feature_pair);
 
 /* First contact of a pair of shapes. */

@@ -26,7 +26,7 @@ static int mg_search_query(mg_context *c, const mg_minima_queries *q, mg_minima 
 /* Writes one minimum to row `row` of the results, seen from body_o. */
 static void mg_write_minimum(mg_context *c, const mg_minima_queries *q, const mg_minimum *at, long row) {
   mg_real next[6];
-  mg_place_contact(c, mg_use_spare_contact(c, at->feature_pair), at->eta, next);
+  mg_place_contact(c, mg_use_probe_contact(c, at->feature_pair), at->eta, next);
   const mg_real *placed = c->search.placement;
   const int turned = mg_feature_body(c, at->feature_pair, 0) != q->body_o;
   const int n_eta = c->kernels->contact_kinds[c->system->feature_pair_kind[at->feature_pair]].n_eta;

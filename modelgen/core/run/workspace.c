@@ -13,7 +13,7 @@
 /* Length of the state x. */
 static long mg_state_count(const mg_system *s) { return (long)s->n_q + s->n_u + s->n_eta + 1; }
 
-/* Rows of all constraints: contacts, one spare, joint rows, friction rows, springs. */
+/* Rows of all constraints: contacts, the probe, joint rows, friction rows, springs. */
 static long mg_row_count(const mg_system *s) {
   return (long)s->n_contact + 1 + s->n_joint_row + s->n_friction_row + mg_spring_count(s);
 }
