@@ -46,7 +46,7 @@
 #include "solve/lcp/lcp.h"
 #include "base/real.h"
 
-#define MG_ABI 22 /* version of these structures; a library and its caller must agree on it (mg_abi) */
+#define MG_ABI 23 /* version of these structures; a library and its caller must agree on it (mg_abi) */
 
 /* Kind of a condition of a feature pair. A condition is a function of the contact point x of one feature in its shape's
    axes, of the chart coordinates (u, v) of x, and of the normal N out of that feature's shape. It holds where the
@@ -409,6 +409,7 @@ typedef struct {
   mg_real *point;    /* [3 n_contact] of a support point or a contact that starts from flat: the point of f, m,
                         in the axes of its body */
   mg_real *moved_since_search; /* [n_pair] relative movement since the pair was searched, m */
+  int *is_search_due;          /* [n_pair] 1: the pair is searched at the end of the next step */
   mg_real *unfollowed_gap;     /* [n_pair] least gap found by that search that no contact was free to follow, m */
   int *is_far;                 /* [n_pair] 1: left out, because its shapes are far apart */
   mg_real *ball_at;            /* [4 n_ball] centre when near pairs were last looked for, m, world axes, and how far it

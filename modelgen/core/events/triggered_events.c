@@ -76,8 +76,7 @@ MG_INTERNAL void mg_mark_contacts_within_border(mg_context *c) {
     const int still_on_border = was_on_border && (value < 0 || !c->run->closed[i]);
     c->events.within_border[i] =
         value >= -c->settings->feature_border && (!still_on_border || mg_is_returning_to_border(c, i, value));
-    if (!c->events.within_border[i])
-      c->run->moved_since_search[c->system->contact_pair[i]] = MG_SEARCH_DUE; /* searched at the end of the step */
+    if (!c->events.within_border[i]) c->run->is_search_due[c->system->contact_pair[i]] = 1;
   }
 }
 

@@ -25,7 +25,7 @@ MG_INTERNAL void mg_merge_contacts(mg_context *c, mg_events *events) {
     for (int i = c->layout.support_begin - 1; i >= 0; i--) {
       if (!mg_is_on_feature_pair(c, i) || c->run->closed[i] != closed) continue;
       const int pair = c->system->contact_pair[i];
-      if (closed) c->run->moved_since_search[pair] = MG_SEARCH_DUE; /* is searched at once */
+      if (closed) c->run->is_search_due[pair] = 1;
       mg_place_contact(c, i, mg_contact_eta(c, c->run->x, i), next);
       found.feature_pair = c->run->feature_pair[i];
       mg_record_minimum(c, &found);

@@ -113,7 +113,7 @@ MG_INTERNAL void mg_release_contact(mg_context *c, mg_events *events, int contac
   }
   const int unreported = mg_is_feature_pair_unreported(c, c->run->feature_pair[contact], c->rows.d[contact]);
   mg_set_feature_pair(c, contact, -1, none);
-  c->run->moved_since_search[c->system->contact_pair[contact]] = MG_SEARCH_DUE; /* is searched at once */
+  c->run->is_search_due[c->system->contact_pair[contact]] = 1;
   if (!unreported) mg_apply_contact_transition(c, events, contact, MG_CONTACT_VANISHES, c->run->t, 0);
 }
 
@@ -203,9 +203,7 @@ MG_INTERNAL int mg_change_marked_features(mg_context *c, mg_events *events) {
     if (cause != MG_LEAVES_FEATURE && cause != MG_PASSES_BORDER) continue;
     c->events.triggered[i] = 0;
     if (cause == MG_LEAVES_FEATURE) mg_change_contact_feature(c, events, i);
-    else
-      c->events.within_border[i] = MG_PASSES_BORDER,
-      c->run->moved_since_search[c->system->contact_pair[i]] = MG_SEARCH_DUE; /* is searched at once */
+    else c->events.within_border[i] = MG_PASSES_BORDER, c->run->is_search_due[c->system->contact_pair[i]] = 1;
     count += cause == MG_LEAVES_FEATURE;
   }
   return count;
@@ -222,7 +220,7 @@ static void mg_release_distant_rim_points(mg_context *c) {
     mg_place_contact(c, i, mg_contact_eta(c, c->run->x, i), next);
     if (mg_most_violated_condition(c, c->run->feature_pair[i], none, &which) >= -c->settings->feature_border) continue;
     mg_set_feature_pair(c, i, -1, none);
-    c->run->moved_since_search[c->system->contact_pair[i]] = MG_SEARCH_DUE; /* is searched at once */
+    c->run->is_search_due[c->system->contact_pair[i]] = 1;
   }
 }
 
@@ -330,7 +328,6 @@ static void mg_search_free_feature_pairs(mg_context *c, int pair, const mg_searc
 static mg_search_limits mg_penetration_limits(const mg_context *c, int pair, mg_real moved) {
   const mg_real radius_o = mg_pair_ball(c, pair, 0)[3], radius_f = mg_pair_ball(c, pair, 1)[3];
   mg_search_limits limits = mg_appearance_limits(c, pair);
-  if (!(moved < MG_SEARCH_DUE)) return limits;
   if (radius_o >= 0) moved = mg_min(moved, radius_o / 2);
   if (radius_f >= 0) moved = mg_min(moved, radius_f / 2);
   limits.depth = mg_max(limits.depth, moved);
@@ -356,7 +353,7 @@ static int mg_follow_minimum(mg_context *c, mg_events *events, int pair, const m
   if (mg_is_minimum_tracked(c, pair, -1, each)) return MG_FOLLOWED_BEFORE;
   if (!mg_is_minimum_accepted(c, each, seen_depth)) {
     mg_note_unfollowed_gap(c, pair, each->d);
-    if (each->d / 2 < mg_least_movement(c, pair)) c->run->moved_since_search[pair] = MG_SEARCH_DUE;
+    if (each->d / 2 < mg_least_movement(c, pair)) c->run->is_search_due[pair] = 1;
     return MG_NOT_FOLLOWED;
   }
   if (each->d < -appearing_depth) return MG_NOT_FOLLOWED;
@@ -464,7 +461,7 @@ static int mg_is_pair_without_contacts(const mg_context *c, int pair) {
 static int mg_is_search_needless(const mg_context *c, int pair) {
   const int search = c->system->pair_search[pair];
   if (search != MG_SEARCH_APART) return search == MG_SEARCH_NEVER && !mg_is_pair_without_contacts(c, pair);
-  if (c->run->moved_since_search[pair] >= MG_SEARCH_DUE) return 0;
+  if (c->run->is_search_due[pair]) return 0;
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
     if (c->run->closed[i]) return 1;
   return 0;
@@ -491,7 +488,24 @@ static mg_real mg_movement_until_search(const mg_context *c, int pair) {
 static int mg_is_search_due(const mg_context *c, int pair, mg_real moved) {
   const int search = c->system->pair_search[pair];
   if (mg_is_search_needless(c, pair)) return 0;
-  return (search != MG_SEARCH_MOVED && search != MG_SEARCH_APART) || moved >= mg_movement_until_search(c, pair);
+  return c->run->is_search_due[pair] || (search != MG_SEARCH_MOVED && search != MG_SEARCH_APART) ||
+         moved >= mg_movement_until_search(c, pair);
+}
+
+/* True if the contact ends at a fold: its minimum has met a saddle. */
+static int mg_is_contact_at_fold(const mg_context *c, int contact) {
+  if (!mg_is_on_feature_pair(c, contact) || c->run->margin[contact] >= mg_fold_margin_limit(c, contact)) return 0;
+  if (c->system->pair_search[c->system->contact_pair[contact]] == MG_SEARCH_NEVER) return 0;
+  return !c->run->closed[contact] || mg_is_curved_edge_crossing(c, c->run->feature_pair[contact]);
+}
+
+/* True if a contact of the pair ends at a fold. `gap`: the least gap of those at the start of the step, m. */
+static int mg_is_pair_at_fold(const mg_context *c, int pair, mg_real *gap) {
+  int is_folded = 0;
+  *gap = MG_MAX;
+  for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
+    if (mg_is_contact_at_fold(c, i)) is_folded = 1, *gap = mg_min(*gap, fabs(c->events.gap_before[2 * i]));
+  return is_folded;
 }
 
 MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
@@ -501,7 +515,10 @@ MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
   for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) {
     const mg_real moved = c->run->moved_since_search[pair] + h * mg_pair_speed_bound(c, pair);
     const int guided = mg_has_own_feature_pairs(c, pair) && s->pair_search[pair] != MG_SEARCH_NEVER;
-    if (guided || !mg_is_search_due(c, pair, moved) || mg_pair_clearance(c, pair) > 0) continue;
+    mg_real gap;
+    const int is_folded = mg_is_pair_at_fold(c, pair, &gap), is_due = mg_is_search_due(c, pair, moved) || is_folded;
+    if (guided || !is_due || mg_pair_clearance(c, pair) > 0) continue;
+    if (is_folded && h * mg_pair_speed_bound(c, pair) > mg_max(gap, mg_least_movement(c, pair))) return 1;
     c->run->x = c->step.settled;
     const int found = mg_find_unfollowed_minimum(c, pair, moved);
     c->run->x = start;
@@ -511,7 +528,7 @@ MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
     const int was_there = mg_find_unfollowed_minimum(c, pair, moved) == MG_NEW_PENETRATION;
     mg_update_poses(c, c->run->t + h, c->step.settled);
     if (was_there) continue;
-    c->run->moved_since_search[pair] = MG_SEARCH_DUE;
+    c->run->is_search_due[pair] = 1;
     return 1;
   }
   return 0;
@@ -522,7 +539,7 @@ static mg_real mg_remaining_search_range(const mg_context *c, int pair) {
   const mg_real most = mg_movement_until_search(c, pair), moved = c->run->moved_since_search[pair],
                 reach = mg_search_reach(c, pair),
                 range = c->run->unfollowed_gap[pair] < reach ? mg_min(reach, 2 * most) : reach;
-  return range - (moved < most ? moved : most);
+  return range - (moved < most && !c->run->is_search_due[pair] ? moved : most);
 }
 
 MG_INTERNAL mg_real mg_search_step_limit(const mg_context *c) {
@@ -543,16 +560,9 @@ MG_INTERNAL mg_real mg_search_step_limit(const mg_context *c) {
 /* True if a pair is to be searched after the next step too: no contact was found for closest points that are nearer
    than the least movement between searches, and the pair has no contact, or penetrated in a step that was not accepted.
  */
-static int mg_is_search_due_again(const mg_context *c, int pair, mg_real moved) {
+static int mg_is_search_due_again(const mg_context *c, int pair, int was_due) {
   return c->run->unfollowed_gap[pair] / 2 < mg_least_movement(c, pair) &&
-         (moved >= MG_SEARCH_DUE || mg_is_pair_without_contacts(c, pair));
-}
-
-/* True if the contact ends at a fold: its minimum has met a saddle. */
-static int mg_is_contact_at_fold(const mg_context *c, int contact) {
-  if (!mg_is_on_feature_pair(c, contact) || c->run->margin[contact] >= mg_fold_margin_limit(c, contact)) return 0;
-  if (c->system->pair_search[c->system->contact_pair[contact]] == MG_SEARCH_NEVER) return 0;
-  return !c->run->closed[contact] || mg_is_curved_edge_crossing(c, c->run->feature_pair[contact]);
+         (was_due || mg_is_pair_without_contacts(c, pair));
 }
 
 /* Release the contacts that end at a fold: a minimum of the distance meets a saddle, or two crossings of edges of
@@ -576,11 +586,11 @@ MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h)
     c->run->moved_since_search[pair] += h * mg_pair_speed_bound(c, pair);
     if (!mg_is_search_due(c, pair, c->run->moved_since_search[pair])) continue;
     const mg_real moved = c->run->moved_since_search[pair];
-    const int is_done = c->search.is_searched[pair] && moved < MG_SEARCH_DUE;
+    const int was_due = c->run->is_search_due[pair], is_done = c->search.is_searched[pair] && !was_due;
     c->search.is_searched[pair] = 0;
-    c->run->moved_since_search[pair] = mg_has_opening_patch(c, pair) ? MG_SEARCH_DUE : 0;
+    c->run->moved_since_search[pair] = 0, c->run->is_search_due[pair] = mg_has_opening_patch(c, pair);
     const int found = is_done ? 0 : mg_search_pair_contacts(c, events, pair, moved);
-    if (!found && mg_is_search_due_again(c, pair, moved)) c->run->moved_since_search[pair] = MG_SEARCH_DUE;
+    if (!found && mg_is_search_due_again(c, pair, was_due)) c->run->is_search_due[pair] = 1;
     count += found;
   }
   return count;

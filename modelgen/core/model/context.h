@@ -27,7 +27,6 @@
 #define MG_MAX_ETA 8           /* room for the eta of one contact */
 #define MG_STAGES 17           /* rows of c->step.slopes: 16 of DOP853, one for the right-hand side at other states */
 
-#define MG_SEARCH_DUE (MG_MAX / 4)            /* moved_since_search of a pair that is searched after the next step, m */
 #define MG_NONFINITE_STEP_CUT ((mg_real)0.2)  /* factor of the step after one whose end is not finite */
 #define MG_STEP_GROWTH ((mg_real)6)           /* most by which a step is longer than the one before it */
 #define MG_COMPANION_STEP_GROWTH ((mg_real)2) /* the same in a companion run, which so takes the shorter steps */

@@ -165,7 +165,7 @@ MG_INTERNAL int mg_has_held_patch(const mg_context *c, int pair) {
 
 MG_INTERNAL void mg_request_pair_searches(mg_context *c, int patch) {
   for (int pair = mg_next_pair(c, -1); pair < c->system->n_pair; pair = mg_next_pair(c, pair))
-    if (mg_is_patch_of_pair(c, patch, pair)) c->run->moved_since_search[pair] = MG_SEARCH_DUE;
+    if (mg_is_patch_of_pair(c, patch, pair)) c->run->is_search_due[pair] = 1;
 }
 
 MG_INTERNAL int mg_patch_body(const mg_context *c, int patch, int side) {

@@ -130,7 +130,7 @@ static void mg_mark_feature_exit(mg_context *c, int contact) {
   if (!mg_may_leave_feature_pair(c, contact)) return;
   if (mg_is_off_feature_pair(c, contact, eta)) c->events.triggered[contact] = MG_LEAVES_FEATURE;
   else if (mg_least_line_end_condition(c, feature_pair, -1, eta) < -c->settings->feature_border)
-    c->run->moved_since_search[c->system->contact_pair[contact]] = MG_SEARCH_DUE;
+    c->run->is_search_due[c->system->contact_pair[contact]] = 1;
 }
 
 MG_INTERNAL void mg_converge_all_contacts(mg_context *c, mg_events *events) {

@@ -147,6 +147,7 @@ RUN_ARRAYS = (
         "feature_pair",
         "point",
         "moved_since_search",
+        "is_search_due",
         "unfollowed_gap",
         "is_far",
         "ball_at",

@@ -146,7 +146,7 @@ def _sizes_of_run(
     }
     integers = {
         **dict.fromkeys(("feature_pair", "closed", "active", "rolling_start"), m),
-        "is_far": len(instance["pairs"]) + len(instance["limits"]) + 1,
+        **dict.fromkeys(("is_search_due", "is_far"), len(instance["pairs"]) + len(instance["limits"]) + 1),
         "friction_mode": groups + 1,
         "patch_mode": slots + 1,
         **dict.fromkeys(("joint_row_independent", "joint_row_ever_independent"), int(system.n_joint_row) + 1),

@@ -1,0 +1,109 @@
+"""A ball whose centre crosses the axis of a shape of revolution, where the nearest point leaps across."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import cos, hypot, sin
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from modelgen import Accuracy
+from modelgen.runtime.trajectory import Outcome
+from tests.oracles.pieces import G, ball, ran, times
+from tests.oracles.test_coaxial_contacts import ANGLE, BALL, FALL, RING, SEATS, TUBE
+
+Place = tuple[float, float]  # distance from the axis, height, m
+RESTITUTION = 0.3
+SCAN, SHORTEST = 2e-5, 2e-3  # s: of gaps; a flight after which impacts are compared no more
+IMPACTS = 4
+
+
+@dataclass(frozen=True)
+class Meridian:
+    """Distance of a place from a profile, and the unit normal from there to the place."""
+
+    distance: Callable[[Place], float]
+    normal: Callable[[Place], Place]
+
+
+def about(radius: float, height: float = 0.0, tube: float = 0.0) -> Meridian:
+    """A circle about the axis, or a tube about it."""
+
+    def normal(at: Place) -> Place:
+        length = hypot(at[0] - radius, at[1] - height)
+        return (at[0] - radius) / length, (at[1] - height) / length
+
+    return Meridian(lambda at: hypot(at[0] - radius, at[1] - height) - tube, normal)
+
+
+def wall(angle: float, radius: float = 0.0) -> Meridian:
+    """The inside of a cone, at the radius in the plane z = 0."""
+    inward = (-cos(angle), sin(angle))
+    return Meridian(lambda at: (at[0] - radius) * inward[0] + at[1] * inward[1], lambda at: inward)
+
+
+MERIDIANS = {
+    "circle": about(RING),
+    "torus": about(RING, tube=TUBE),
+    "tube": about(RING, height=0.04),
+    "cone": wall(ANGLE),
+    "revolution": wall(np.pi / 4, 0.01),
+}
+
+
+def impacts(seat: Meridian, start: tuple[float, float, float]) -> list[float]:
+    """Times of the first impacts of a frictionless ball, s, from its parabolas and reflections."""
+    p, v, t, found = np.array(start), np.zeros(3), 0.0, list[float]()
+
+    def at(s: float) -> np.ndarray:
+        return p + v * s - [0.0, 0.0, G / 2 * s * s]
+
+    def gap(s: float) -> float:
+        x = at(s)
+        return seat.distance((hypot(x[0], x[1]), x[2])) - BALL
+
+    while len(found) < IMPACTS:
+        first = SCAN if found else 0.0
+        s = first
+        while gap(s) > 0:
+            s += SCAN
+        if s == first:
+            break
+        s = brentq(gap, s - SCAN, s, xtol=1e-16)
+        if found and s < SHORTEST:
+            break
+        p, v = at(s), v - [0.0, 0.0, G * s]
+        across = hypot(p[0], p[1])
+        n_across, n_up = seat.normal((across, p[2]))
+        n = np.array([n_across * p[0] / across, n_across * p[1] / across, n_up])
+        v -= (1 + RESTITUTION) * (v @ n) * n
+        t += s
+        found.append(t)
+    return found
+
+
+@pytest.mark.parametrize("accuracy", [Accuracy.fast, Accuracy.balanced], ids=["fast", "balanced"])
+@pytest.mark.parametrize("aside", [0.0, 1e-9, 1e-4, 0.03, 0.3])
+@pytest.mark.parametrize("offset", [1e-3, 3e-3])
+@pytest.mark.parametrize("name", MERIDIANS)
+def test_a_ball_that_crosses_the_axis_strikes_the_other_side(
+    name: str, offset: float, aside: float, accuracy: Callable[[], Accuracy]
+) -> None:
+    start = (offset, aside * offset, SEATS[name].height + FALL)
+    expected = impacts(MERIDIANS[name], start)
+    path = ran(
+        [SEATS[name].body(), ball("ball", start, BALL)],
+        expected[-1] + SHORTEST / 4,
+        [{"between": ["ball", "seat"], "restitution": RESTITUTION}],
+        accuracy=accuracy(),
+        samples=100,
+    )
+    assert path.outcome is Outcome.DONE
+    assert path.penetration_max < 1e-9
+    np.testing.assert_allclose(times(path, "impact")[: len(expected)], expected, atol=1e-6)
+    centres = path.p[:, -1].astype(float)
+    inside = [MERIDIANS[name].distance((hypot(x, y), z)) - BALL for x, y, z in centres]
+    assert min(inside) > -1e-8
