@@ -496,7 +496,8 @@ static int mg_is_search_due(const mg_context *c, int pair, mg_real moved) {
 static int mg_is_contact_at_fold(const mg_context *c, int contact) {
   if (!mg_is_on_feature_pair(c, contact) || c->run->margin[contact] >= mg_fold_margin_limit(c, contact)) return 0;
   if (c->system->pair_search[c->system->contact_pair[contact]] == MG_SEARCH_NEVER) return 0;
-  return !c->run->closed[contact] || mg_is_curved_edge_crossing(c, c->run->feature_pair[contact]);
+  return !c->run->closed[contact] || mg_is_time_stepping(c) ||
+         mg_is_curved_edge_crossing(c, c->run->feature_pair[contact]);
 }
 
 /* True if a contact of the pair ends at a fold. `gap`: the least gap of those at the start of the step, m. */
@@ -532,6 +533,17 @@ MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
     return 1;
   }
   return 0;
+}
+
+MG_INTERNAL int mg_request_penetration_searches(mg_context *c) {
+  int count = 0;
+  for (int pair = mg_next_pair(c, -1); pair < c->system->n_pair; pair = mg_next_pair(c, pair)) {
+    const mg_real moved = c->run->moved_since_search[pair];
+    if (!(moved > 0) || mg_is_search_needless(c, pair) || mg_pair_clearance(c, pair) > 0) continue;
+    if (mg_find_unfollowed_minimum(c, pair, moved) != MG_NEW_PENETRATION) continue;
+    c->run->is_search_due[pair] = 1, count++;
+  }
+  return count;
 }
 
 /* Gap in m up to which the last search of a pair is still valid after its movement since. */

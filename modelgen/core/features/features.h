@@ -38,6 +38,10 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
    contact follows and that is not there at its start: closest points have appeared within the step. */
 MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h);
 
+/* Requests a search of each pair that has moved since its last one and penetrates where no contact follows. Needs the
+   poses at the run's state. Returns their number. */
+MG_INTERNAL int mg_request_penetration_searches(mg_context *c);
+
 /* Longest step in s in which no pair moves beyond what its next search finds. */
 MG_INTERNAL mg_real mg_search_step_limit(const mg_context *c);
 

@@ -5,6 +5,7 @@
 #include "model/model.h"
 #include "forces/forces.h"
 #include "integrate/integrate.h"
+#include "features/features.h"
 #include "patch/patch.h"
 #include "impact/impact.h"
 #include "events/events.h"
@@ -12,6 +13,7 @@
 enum {
   MG_FALLBACK_STEPS = 8,      /* steps of a fallback */
   MG_FALLBACK_DOUBLINGS = 12, /* most doublings of that number */
+  MG_FOLLOWING_STEPS = 2,     /* steps that follow a penetration and remove it */
   MG_PROGRESS_TRIES = 2000    /* tries after which progress is checked */
 };
 
@@ -118,9 +120,14 @@ static int mg_resume_event_driven(mg_context *c) {
   return MG_DONE;
 }
 
-/* Prolongs a fallback at whose end events would again cost too much; returns whether it does. */
+/* Prolongs a fallback at whose end bodies penetrate where no contact follows, or events would again cost too much;
+   returns whether it does. */
 static int mg_prolong_fallback(mg_context *c) {
   mg_run *run = c->run;
+  if (mg_request_penetration_searches(c)) {
+    run->fallback_left = MG_FOLLOWING_STEPS * run->fallback_step;
+    return 1;
+  }
   if (run->present_cause != MG_CHATTER) return 0;
   const long steps = mg_fallback_steps(c, MG_CHATTER);
   if (!mg_would_chatter(c, run->fallback_transitions, steps)) return 0;
