@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import cos, hypot, sin
+from math import cos, hypot, sin, sqrt
 
 import numpy as np
 import pytest
@@ -107,3 +107,16 @@ def test_a_ball_that_crosses_the_axis_strikes_the_other_side(
     centres = path.p[:, -1].astype(float)
     inside = [MERIDIANS[name].distance((hypot(x, y), z)) - BALL for x, y, z in centres]
     assert min(inside) > -1e-8
+
+
+@pytest.mark.parametrize("start", [(0.005, 0.0), (0.005, 2.5e-9), (0.005, 5e-7), (0.01, 1e-4)])
+def test_a_ball_that_has_bounced_across_a_ring_comes_to_rest_on_it(start: tuple[float, float]) -> None:
+    path = ran(
+        [SEATS["torus"].body(), ball("ball", [*start, 0.12], RING)],
+        0.6,
+        [{"between": ["ball", "seat"], "restitution": RESTITUTION, "friction": 0.2}],
+    )
+    assert path.outcome is Outcome.DONE
+    assert path.penetration_max < 1e-8
+    height = sqrt((RING + TUBE) ** 2 - RING**2)
+    np.testing.assert_allclose(path.p[-1, -1].astype(float), [0.0, 0.0, height], atol=1e-8)
