@@ -410,6 +410,8 @@ typedef struct {
                         in the axes of its body */
   mg_real *moved_since_search; /* [n_pair] relative movement since the pair was searched, m */
   int *is_search_due;          /* [n_pair] 1: the pair is searched at the end of the next step */
+  mg_real *watched_movement;   /* [n_pair] movement during which the pair is searched after each step, m: what has been
+                                  rejected because bodies would penetrate at its end */
   mg_real *unfollowed_gap;     /* [n_pair] least gap found by that search that no contact was free to follow, m */
   int *is_far;                 /* [n_pair] 1: left out, because its shapes are far apart */
   mg_real *ball_at;            /* [4 n_ball] centre when near pairs were last looked for, m, world axes, and how far it

@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 
 from modelgen import Accuracy
 from modelgen.runtime.trajectory import Outcome
+from modelgen.scene import python_scenes as make
 from tests.oracles.pieces import G, ball, ran, times
 from tests.oracles.test_coaxial_contacts import ANGLE, BALL, FALL, RING, SEATS, TUBE
 
@@ -86,7 +87,7 @@ def impacts(seat: Meridian, start: tuple[float, float, float]) -> list[float]:
 
 
 @pytest.mark.parametrize("accuracy", [Accuracy.fast, Accuracy.balanced], ids=["fast", "balanced"])
-@pytest.mark.parametrize("aside", [0.0, 1e-9, 1e-4, 0.03, 0.3])
+@pytest.mark.parametrize("aside", [0.0, 1e-9, 0.03, 0.3])
 @pytest.mark.parametrize("offset", [1e-3, 3e-3])
 @pytest.mark.parametrize("name", MERIDIANS)
 def test_a_ball_that_crosses_the_axis_strikes_the_other_side(
@@ -120,3 +121,23 @@ def test_a_ball_that_has_bounced_across_a_ring_comes_to_rest_on_it(start: tuple[
     assert path.penetration_max < 1e-8
     height = sqrt((RING + TUBE) ** 2 - RING**2)
     np.testing.assert_allclose(path.p[-1, -1].astype(float), [0.0, 0.0, height], atol=1e-8)
+
+
+@pytest.mark.parametrize("flattening", [0.3, 0.1, 0.01, 1e-3])
+@pytest.mark.parametrize("start", [(-1.3e-4, 1.4e-6), (-1.2e-4, 1.9e-5), (-1e-3, 7.8e-4)])
+def test_a_ball_in_an_ellipse_strikes_where_a_nearest_point_begins(
+    flattening: float, start: tuple[float, float]
+) -> None:
+    a, b, radius = RING, RING * (1 - flattening), 0.034
+    path = ran(
+        [make.fixed("seat", make.ellipse_curve(a, b)), ball("ball", [*start, 0.06], radius)],
+        0.2,
+        [{"between": ["ball", "seat"], "restitution": RESTITUTION}],
+        accuracy=Accuracy.balanced(),
+    )
+    at = np.linspace(0.0, 2 * np.pi, 20001)
+    curve = np.stack([a * np.cos(at), b * np.sin(at), 0 * at], axis=1)
+    nearest = [np.linalg.norm(curve - centre, axis=1).min() for centre in path.p[:, -1].astype(float)]
+    assert path.outcome is Outcome.DONE
+    assert path.penetration_max < 1e-9
+    assert min(nearest) > radius - 1e-8

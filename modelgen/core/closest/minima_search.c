@@ -160,7 +160,8 @@ MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
                                                           : mg_start_shared_feature_pairs(c, pair);
     if (outcome) return outcome;
     c->run->unfollowed_gap[pair] = mg_min(c->run->unfollowed_gap[pair], mg_max(c->search.open_gap, (mg_real)0));
-    c->run->moved_since_search[pair] = 0, c->run->is_search_due[pair] = c->search.open_gap < MG_MAX;
+    c->run->moved_since_search[pair] = c->run->watched_movement[pair] = 0;
+    c->run->is_search_due[pair] = c->search.open_gap < MG_MAX;
   }
   return MG_DONE;
 }

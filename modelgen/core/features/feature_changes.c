@@ -477,19 +477,18 @@ static mg_real mg_least_closed_margin(const mg_context *c, int pair) {
 
 /* Movement of a pair, m, after which it is searched again: at most half the gap of closest points that no contact
    follows, so that they are seen before they touch. Beside a closed contact the gap is less by the factor of its
-   margin, and so is the gap of closest points that become a minimum there. It is at least the least movement: steps
-   do not vanish where the margin does. */
+   margin, and so is the gap of closest points that become a minimum there. */
 static mg_real mg_movement_until_search(const mg_context *c, int pair) {
   const mg_real most = c->settings->search_movement * mg_least_closed_margin(c, pair) * mg_pair_length(c, pair);
-  return mg_max(mg_min(most, c->run->unfollowed_gap[pair] / 2), mg_least_movement(c, pair));
+  return mg_min(most, c->run->unfollowed_gap[pair] / 2);
 }
 
 /* True if a pair that has moved so far since its last search is to be searched. */
 static int mg_is_search_due(const mg_context *c, int pair, mg_real moved) {
   const int search = c->system->pair_search[pair];
   if (mg_is_search_needless(c, pair)) return 0;
-  return c->run->is_search_due[pair] || (search != MG_SEARCH_MOVED && search != MG_SEARCH_APART) ||
-         moved >= mg_movement_until_search(c, pair);
+  return c->run->is_search_due[pair] || c->run->watched_movement[pair] > 0 ||
+         (search != MG_SEARCH_MOVED && search != MG_SEARCH_APART) || moved >= mg_movement_until_search(c, pair);
 }
 
 /* True if the contact ends at a fold: its minimum has met a saddle. */
@@ -529,7 +528,7 @@ MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
     const int was_there = mg_find_unfollowed_minimum(c, pair, moved) == MG_NEW_PENETRATION;
     mg_update_poses(c, c->run->t + h, c->step.settled);
     if (was_there) continue;
-    c->run->is_search_due[pair] = 1;
+    c->run->watched_movement[pair] = mg_max(c->run->watched_movement[pair], h * mg_pair_speed_bound(c, pair));
     return 1;
   }
   return 0;
@@ -546,10 +545,11 @@ MG_INTERNAL int mg_request_penetration_searches(mg_context *c) {
   return count;
 }
 
-/* Gap in m up to which the last search of a pair is still valid after its movement since. */
+/* Gap in m up to which the last search of a pair is still valid after its movement since. It allows the least movement:
+   steps do not vanish where a margin does. */
 static mg_real mg_remaining_search_range(const mg_context *c, int pair) {
-  const mg_real most = mg_movement_until_search(c, pair), moved = c->run->moved_since_search[pair],
-                reach = mg_search_reach(c, pair),
+  const mg_real most = mg_max(mg_movement_until_search(c, pair), mg_least_movement(c, pair)),
+                moved = c->run->moved_since_search[pair], reach = mg_search_reach(c, pair),
                 range = c->run->unfollowed_gap[pair] < reach ? mg_min(reach, 2 * most) : reach;
   return range - (moved < most && !c->run->is_search_due[pair] ? moved : most);
 }
@@ -595,13 +595,15 @@ MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h)
   mg_release_distant_rim_points(c);
   for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER && mg_is_search_needless(c, pair)) continue;
-    c->run->moved_since_search[pair] += h * mg_pair_speed_bound(c, pair);
+    const mg_real step = h * mg_pair_speed_bound(c, pair);
+    c->run->moved_since_search[pair] += step;
     if (!mg_is_search_due(c, pair, c->run->moved_since_search[pair])) continue;
     const mg_real moved = c->run->moved_since_search[pair];
     const int was_due = c->run->is_search_due[pair], is_done = c->search.is_searched[pair] && !was_due;
     c->search.is_searched[pair] = 0;
     c->run->moved_since_search[pair] = 0, c->run->is_search_due[pair] = mg_has_opening_patch(c, pair);
     const int found = is_done ? 0 : mg_search_pair_contacts(c, events, pair, moved);
+    c->run->watched_movement[pair] = found ? 0 : mg_max(c->run->watched_movement[pair] - step, (mg_real)0);
     if (!found && mg_is_search_due_again(c, pair, was_due)) c->run->is_search_due[pair] = 1;
     count += found;
   }

@@ -89,7 +89,8 @@ static void mg_enter_pair(mg_context *c, int pair) {
   mg_real eta[MG_MAX_ETA] = {0};
   mg_clear_pair(c, pair);
   if (!mg_is_pair_followed_from_anywhere(c, pair)) {
-    c->run->is_search_due[pair] = 1, c->run->moved_since_search[pair] = 0, c->run->unfollowed_gap[pair] = MG_MAX;
+    c->run->is_search_due[pair] = 1, c->run->unfollowed_gap[pair] = MG_MAX;
+    c->run->moved_since_search[pair] = c->run->watched_movement[pair] = 0;
     return;
   }
   if (mg_converge_from_any_start(c, feature_pair, eta) < 0) return;

@@ -51,6 +51,7 @@ static void mg_move_run(mg_stream *stream, const mg_system *s, mg_run *run) {
   mg_move_reals(stream, run->point, 3L * s->n_contact);
   mg_move_reals(stream, run->moved_since_search, s->n_pair);
   mg_move_ints(stream, run->is_search_due, s->n_pair);
+  mg_move_reals(stream, run->watched_movement, s->n_pair);
   mg_move_reals(stream, run->unfollowed_gap, s->n_pair);
   mg_move_ints(stream, run->is_far, s->n_pair);
   mg_move_reals(stream, run->ball_at, 4L * s->n_ball);

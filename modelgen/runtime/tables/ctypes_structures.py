@@ -148,6 +148,7 @@ RUN_ARRAYS = (
         "point",
         "moved_since_search",
         "is_search_due",
+        "watched_movement",
         "unfollowed_gap",
         "is_far",
         "ball_at",

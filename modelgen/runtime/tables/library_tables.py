@@ -127,11 +127,11 @@ def _sizes_of_run(
     """Lengths of the arrays of an mg_run, with one entry to spare, reals and integers."""
     m, groups = n_contact + 1, int(system.n_friction)
     states = instance["n_q"] + instance["n_u"] + instance["n_eta"] + 1
+    pairs = len(instance["pairs"]) + len(instance["limits"]) + 1
     reals = {
         "x": states,
         "point": 3 * n_contact + 1,
-        "moved_since_search": len(instance["pairs"]) + len(instance["limits"]) + 1,
-        "unfollowed_gap": len(instance["pairs"]) + len(instance["limits"]) + 1,
+        **dict.fromkeys(("moved_since_search", "watched_movement", "unfollowed_gap"), pairs),
         "ball_at": 4 * int(system.n_ball) + 1,
         "slip_direction": 3 * groups + 1,
         "patch_slip_direction": 4 * slots + 1,
@@ -146,7 +146,7 @@ def _sizes_of_run(
     }
     integers = {
         **dict.fromkeys(("feature_pair", "closed", "active", "rolling_start"), m),
-        **dict.fromkeys(("is_search_due", "is_far"), len(instance["pairs"]) + len(instance["limits"]) + 1),
+        **dict.fromkeys(("is_search_due", "is_far"), pairs),
         "friction_mode": groups + 1,
         "patch_mode": slots + 1,
         **dict.fromkeys(("joint_row_independent", "joint_row_ever_independent"), int(system.n_joint_row) + 1),
