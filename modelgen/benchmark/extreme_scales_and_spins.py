@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from functools import partial
-from math import log10, sqrt
+from math import cos, log10, sin, sqrt
 
 import numpy as np
 
 from modelgen.benchmark.extreme_trials import EPS, RUN, Extreme, G, Trial, against, decades, run_of, tried_run
 from modelgen.benchmark.libraries_by_kinds import LibrariesByKinds
+from modelgen.benchmark.tilted_spheroid import tilted_spheroid
 from modelgen.benchmark.unit_conversion import Units, in_units
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.trajectory import Trajectory
@@ -134,16 +135,8 @@ def _try_spin(spin: float, libraries: LibrariesByKinds) -> Trial:
 
 def _sleeping(spin: float) -> Scene:
     """A spheroid that sleeps upright on a table, leaning by 0.1 rad."""
-    a, c, turned = 0.04, 0.06, 0.1
-    height = sqrt((a * np.sin(turned)) ** 2 + (c * np.cos(turned)) ** 2)
-    egg = dynamic(
-        "egg",
-        ellipsoid(a, a, c),
-        density=1000.0,
-        position=[0.0, 0.0, height],
-        rpy=[turned, 0.0, 0.0],
-        angular_velocity=[0.0, -spin * float(np.sin(turned)), spin * float(np.cos(turned))],
-    )
+    turned = 0.1
+    egg = tilted_spheroid(0.04, 0.06, turned, [0.0, -spin * sin(turned), spin * cos(turned)])
     return scene(
         "extreme_sleeper",
         [fixed("table", plane()), egg],

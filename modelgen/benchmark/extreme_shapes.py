@@ -11,6 +11,7 @@ import numpy as np
 
 from modelgen.benchmark.extreme_trials import EPS, RUN, Extreme, G, Trial, against, decades, tried_run
 from modelgen.benchmark.libraries_by_kinds import LibrariesByKinds
+from modelgen.benchmark.tilted_spheroid import tilted_spheroid
 from modelgen.runtime.closest_points import Extremum, closest_points
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.python_scenes import (
@@ -147,15 +148,7 @@ def _dome_on_dome(x: float) -> Scene:
 def _egg_on_plane(ratio: float, turned: float = 0.2) -> Scene:
     """A spheroid about z of this ratio of height to width, the larger 0.1 m, tilted, at rest on a table."""
     a, c = (0.1, 0.1 * ratio) if ratio <= 1 else (0.1 / ratio, 0.1)
-    height = sqrt((a * sin(turned)) ** 2 + (c * cos(turned)) ** 2)
-    egg = dynamic(
-        "egg",
-        ellipsoid(a, a, c),
-        density=1000.0,
-        position=[0.0, 0.0, height],
-        rpy=[turned, 0.0, 0.0],
-        angular_velocity=[0.0, 1.0, 0.5],
-    )
+    egg = tilted_spheroid(a, c, turned, [0.0, 1.0, 0.5])
     return _resting(egg, fixed("table", plane()), 0.5)
 
 

@@ -14,9 +14,8 @@ from modelgen.contact.contact_symbols import Pair
 from modelgen.contact.curve_block_form import chart_curve_placement, curve_block
 from modelgen.contact.curve_curve import crossing, crossing_place
 from modelgen.contact.curve_surface import CurveSystem
-from modelgen.contact.differentiated_form import along, slides
+from modelgen.contact.differentiated_form import along, rates_by_differentiation
 from modelgen.contact.kernels import Placement, Rates
-from modelgen.contact.normal_row import Levers, feet, jacobian_rows, passing
 from modelgen.geometry.frames import dot, solve2, zeros
 
 
@@ -24,7 +23,7 @@ def curve_differentiated_rates(pair: Pair) -> Rates:
     """A curve on a chart."""
     at, g = curve_block(pair), _on_surface(pair)
     moved = along(pair, g, ca.SX(3, 1))
-    return _differentiated(pair, at.N, at.levers, -_solve_on_surface(pair, g, moved), g)
+    return rates_by_differentiation(pair, at.N, at.levers, -_solve_on_surface(pair, g, moved), {"g": g})
 
 
 def curve_differentiated_place(pair: Pair) -> Placement:
@@ -51,29 +50,7 @@ def curves_differentiated_rates(pair: Pair) -> Rates:
     at = crossing(pair)
     g = ca.vertcat(dot(at.E_o, at.between), dot(at.E_f, at.between))
     rate = -solve2(ca.jacobian(g, pair.eta)[:, 0:2], along(pair, g, ca.SX(4, 1)))
-    return _differentiated(pair, at.N, at.levers, ca.vertcat(rate, zeros(2)), g)
+    return rates_by_differentiation(pair, at.N, at.levers, ca.vertcat(rate, zeros(2)), {"g": g})
 
 
 curves_differentiated_place = crossing_place  # its Newton step has the exact derivatives
-
-
-def _differentiated(pair: Pair, N: ca.SX, at: Levers, eta_dot: ca.SX, g: ca.SX) -> Rates:
-    J_o, J_f = jacobian_rows(pair, N, at)
-    u_o, u_f = pair.o.twist[: pair.o.columns], pair.f.twist[: pair.f.columns]
-    speed = ca.mtimes(J_o.T, u_o) + ca.mtimes(J_f.T, u_f)
-    N_dot = along(pair, N, eta_dot)
-    foot_o, foot_f = feet(pair, N, at)
-    return Rates(
-        d=dot(N, at.point_f - at.point_o),
-        J_o=J_o,
-        J_f=J_f,
-        gamma=along(pair, speed, eta_dot),
-        eta_dot=eta_dot,
-        normal=N,
-        normal_rate=N_dot,
-        turning=pair.o.seen(N, N_dot),
-        foot_o=foot_o,
-        foot_f=foot_f,
-        passing=passing(pair, at, *slides(pair, at, eta_dot)),
-        steps={"normal": N, "point_o": at.point_o, "point_f": at.point_f, "g": g},
-    )

@@ -8,6 +8,7 @@ with u held. Everything after g and J is algorithmic differentiation.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import casadi as ca
@@ -76,35 +77,37 @@ def slides(pair: Pair, at: Levers, eta_dot: ca.SX) -> tuple[ca.SX, ca.SX]:
 
 
 def differentiated_rates(pair: Pair) -> Rates:
-    """eta_dot, N_dot and gamma by implicit differentiation of g and of J u."""
+    """Two surfaces: eta_dot by implicit differentiation of g."""
     system = extremality(pair)
     still = ca.SX(4, 1)
     moved_o, moved_f = (along(pair, g, still) for g in (system.g_o, system.g_f))
     eta_dot = -solve_extremality(pair, system, moved_o, moved_f)
-    J_o, J_f = jacobian_rows(pair, system.N, system.levers)
+    equations = {"g_o": system.g_o, "g_f": system.g_f}
+    return rates_by_differentiation(pair, system.N, system.levers, eta_dot, equations)
+
+
+def rates_by_differentiation(
+    pair: Pair, N: ca.SX, at: Levers, eta_dot: ca.SX, equations: Mapping[str, ca.SX]
+) -> Rates:
+    """N_dot and gamma by differentiation of N and of J u along the motion."""
+    J_o, J_f = jacobian_rows(pair, N, at)
     u_o, u_f = pair.o.twist[: pair.o.columns], pair.f.twist[: pair.f.columns]
     speed = ca.mtimes(J_o.T, u_o) + ca.mtimes(J_f.T, u_f)
-    N_dot = along(pair, system.N, eta_dot)
-    foot_o, foot_f = feet(pair, system.N, system.levers)
+    N_dot = along(pair, N, eta_dot)
+    foot_o, foot_f = feet(pair, N, at)
     return Rates(
-        d=_gap(system),
+        d=dot(N, at.point_f - at.point_o),
         J_o=J_o,
         J_f=J_f,
         gamma=along(pair, speed, eta_dot),
         eta_dot=eta_dot,
-        normal=system.N,
+        normal=N,
         normal_rate=N_dot,
-        turning=pair.o.seen(system.N, N_dot),
+        turning=pair.o.seen(N, N_dot),
         foot_o=foot_o,
         foot_f=foot_f,
-        passing=passing(pair, system.levers, *slides(pair, system.levers, eta_dot)),
-        steps={
-            "normal": system.N,
-            "point_o": system.levers.point_o,
-            "point_f": system.levers.point_f,
-            "g_o": system.g_o,
-            "g_f": system.g_f,
-        },
+        passing=passing(pair, at, *slides(pair, at, eta_dot)),
+        steps={"normal": N, "point_o": at.point_o, "point_f": at.point_f, **equations},
     )
 
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from modelgen.importing.import_losses import Notes
 from modelgen.importing.mujoco_compilation import Compiled
-from modelgen.importing.mujoco_loads import Bodies, Ends, site_end
 from modelgen.importing.mujoco_shapes import pose_keys
+from modelgen.importing.mujoco_tendons import Bodies, Ends, site_end
 from modelgen.importing.name_conversion import Names
 from modelgen.importing.scene_writing import Section
 from modelgen.importing.welded_bodies import WORLD, attached, pose_at, pose_in

@@ -18,9 +18,10 @@ from modelgen.importing.mujoco_compilation import Compiled, compiled
 from modelgen.importing.mujoco_constraints import constraints
 from modelgen.importing.mujoco_contacts import touches
 from modelgen.importing.mujoco_joints import ModelJoint, jointed
-from modelgen.importing.mujoco_loads import other_loads, tendons
+from modelgen.importing.mujoco_loads import other_loads
 from modelgen.importing.mujoco_sensors import sensors
 from modelgen.importing.mujoco_shapes import Shapes, pose_keys, shapes
+from modelgen.importing.mujoco_tendons import tendons
 from modelgen.importing.scene_writing import Section, moments, scene_text, vector
 from modelgen.importing.welded_bodies import RigidBody, rigid_bodies
 
