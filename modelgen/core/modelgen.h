@@ -46,7 +46,7 @@
 #include "solve/lcp/lcp.h"
 #include "base/real.h"
 
-#define MG_ABI 22 /* version of these structures; a library and its caller must agree on it (mg_abi) */
+#define MG_ABI 23 /* version of these structures; a library and its caller must agree on it (mg_abi) */
 
 /* Kind of a condition of a feature pair. A condition is a function of the contact point x of one feature in its shape's
    axes, of the chart coordinates (u, v) of x, and of the normal N out of that feature's shape. It holds where the
@@ -409,7 +409,10 @@ typedef struct {
   mg_real *point;    /* [3 n_contact] of a support point or a contact that starts from flat: the point of f, m,
                         in the axes of its body */
   mg_real *moved_since_search; /* [n_pair] relative movement since the pair was searched, m */
+  mg_real *path_since_search;  /* [n_pair] the same, also where a search is due for another reason, m */
   mg_real *unfollowed_gap;     /* [n_pair] least gap found by that search that no contact was free to follow, m */
+  mg_real *last_effort;        /* [n_pair] pairs of cells that the last search of the pair looked at */
+  mg_real *withheld_effort;    /* [n_pair] pairs of cells by which its searches look at fewer than usual */
   int *is_far;                 /* [n_pair] 1: left out, because its shapes are far apart */
   mg_real *ball_at;            /* [4 n_ball] centre when near pairs were last looked for, m, world axes, and how far it
                                   may move before that is due again, m */
@@ -455,6 +458,7 @@ typedef struct {
   long redundant_max;        /* most active contacts beyond the rank of their rows; forces then are of minimum norm */
   long unfollowed_minima;   /* how often a search found closest points within search_gap that no contact could follow */
   long incomplete_searches; /* searches of feature pairs that were given up before all closest points were found */
+  long search_effort;       /* pairs of cells looked at in searches for closest points */
 
   mg_real t_event;          /* time of the last transition, s */
   mg_real t_roundoff;       /* rounding error of t so far, s: the exact time is t + t_roundoff */

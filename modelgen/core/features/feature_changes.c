@@ -319,10 +319,12 @@ static int mg_is_line_held_at_end(mg_context *c, int pair, int feature_pair) {
 static void mg_search_free_feature_pairs(mg_context *c, int pair, const mg_search_limits *limits, mg_real least,
                                          mg_minima *kept) {
   const mg_system *s = c->system;
+  const long before = c->run->search_effort;
   for (int feature_pair = s->pair_feature_pair[pair]; feature_pair < s->pair_feature_pair[pair + 1]; feature_pair++)
     if (!mg_is_feature_pair_in_use(c, pair, feature_pair) && !mg_is_out_of_reach(c, feature_pair) &&
         !mg_is_feature_pair_covered(c, feature_pair) && !mg_is_line_held_at_end(c, pair, feature_pair))
       mg_search_feature_pair(c, feature_pair, limits, least, kept);
+  c->run->last_effort[pair] = (mg_real)(c->run->search_effort - before);
 }
 
 /* Gaps of interest for a pair that has moved since its last search: a penetration since then is no deeper than that,
@@ -330,7 +332,7 @@ static void mg_search_free_feature_pairs(mg_context *c, int pair, const mg_searc
 static mg_search_limits mg_penetration_limits(const mg_context *c, int pair, mg_real moved) {
   const mg_real radius_o = mg_pair_ball(c, pair, 0)[3], radius_f = mg_pair_ball(c, pair, 1)[3];
   mg_search_limits limits = mg_appearance_limits(c, pair);
-  if (!(moved < MG_SEARCH_DUE)) return limits;
+  if (!(moved < MG_SEARCH_DUE)) moved = c->run->path_since_search[pair];
   if (radius_o >= 0) moved = mg_min(moved, radius_o / 2);
   if (radius_f >= 0) moved = mg_min(moved, radius_f / 2);
   limits.depth = mg_max(limits.depth, moved);
@@ -380,8 +382,9 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
   if (mg_pair_clearance(c, pair) > mg_search_reach(c, pair)) return 0;
   const mg_real least = mg_separating_plane_gap(c, pair) - c->settings->start_gap * s->length;
   const mg_search_limits seen = mg_penetration_limits(c, pair, moved), appearing = mg_appearance_limits(c, pair);
-  const mg_search_limits limits = mg_has_own_feature_pairs(c, pair) ? mg_all_gaps : seen;
+  mg_search_limits limits = seen;
   mg_minima found;
+  if (mg_has_own_feature_pairs(c, pair)) limits.gap = limits.depth = MG_MAX;
   int count = found.count = 0;
   c->search.open_gap = c->search.singular_gap = MG_MAX;
   mg_search_free_feature_pairs(c, pair, &limits, least, &found);
@@ -434,9 +437,9 @@ static int mg_find_unfollowed_minimum(mg_context *c, int pair, mg_real moved) {
   const mg_search_limits limits = mg_penetration_limits(c, pair, moved);
   const mg_real touching = c->settings->start_gap * s->length, least = mg_separating_plane_gap(c, pair) - touching;
   mg_minima found;
+  c->search.open_gap = c->search.singular_gap = MG_MAX;
   if (mg_is_only_minimum_followed(c, pair, limits.gap)) return MG_ALL_FOLLOWED;
   found.count = 0;
-  c->search.singular_gap = MG_MAX;
   mg_search_free_feature_pairs(c, pair, &limits, least, &found);
   int kind = c->search.singular_gap < -touching ? MG_NEW_PENETRATION
              : c->search.singular_gap < MG_MAX  ? MG_NEW_MINIMUM
@@ -487,17 +490,36 @@ static mg_real mg_movement_until_search(const mg_context *c, int pair) {
   return mg_max(mg_min(most, c->run->unfollowed_gap[pair] / 2), mg_least_movement(c, pair));
 }
 
+/* True if searches of a pair are long, or have been given up. */
+static int mg_is_search_costly(const mg_context *c, int pair) {
+  return c->run->last_effort[pair] > MG_LEAST_EFFORT || c->run->withheld_effort[pair] > 0;
+}
+
+/* Movement of a pair, m, after which a costly search is repeated where searches are due at every step: half the least
+   gap, within which nothing can touch. One that was given up is repeated after no less than what a search resolves: at
+   nearly the same poses it is given up again. */
+static mg_real mg_movement_until_costly_search(const mg_context *c, int pair) {
+  const mg_real resolved = c->settings->search_merge_distance * mg_pair_length(c, pair);
+  mg_real gap = c->run->unfollowed_gap[pair];
+  for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
+    if (mg_is_on_feature_pair(c, i)) gap = mg_min(gap, mg_max(c->rows.d[i], (mg_real)0));
+  const mg_real least = c->run->withheld_effort[pair] > 0 ? mg_max(gap / 2, resolved) : gap / 2;
+  return mg_min(least, mg_movement_until_search(c, pair));
+}
+
 /* True if a pair that has moved so far since its last search is to be searched. */
 static int mg_is_search_due(const mg_context *c, int pair, mg_real moved) {
   const int search = c->system->pair_search[pair];
   if (mg_is_search_needless(c, pair)) return 0;
-  return (search != MG_SEARCH_MOVED && search != MG_SEARCH_APART) || moved >= mg_movement_until_search(c, pair);
+  if (search == MG_SEARCH_MOVED || search == MG_SEARCH_APART) return moved >= mg_movement_until_search(c, pair);
+  return !mg_is_search_costly(c, pair) || moved >= mg_movement_until_costly_search(c, pair);
 }
 
 MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
   const mg_system *s = c->system;
   mg_real *const start = c->run->x;
-  for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) c->search.is_searched[pair] = 0;
+  for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair))
+    c->search.searched_gap[pair] = -1;
   for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) {
     const mg_real moved = c->run->moved_since_search[pair] + h * mg_pair_speed_bound(c, pair);
     const int guided = mg_has_own_feature_pairs(c, pair) && s->pair_search[pair] != MG_SEARCH_NEVER;
@@ -505,7 +527,7 @@ MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
     c->run->x = c->step.settled;
     const int found = mg_find_unfollowed_minimum(c, pair, moved);
     c->run->x = start;
-    c->search.is_searched[pair] = found == MG_ALL_FOLLOWED;
+    if (found == MG_ALL_FOLLOWED) c->search.searched_gap[pair] = mg_max(c->search.open_gap, (mg_real)0);
     if (found != MG_NEW_PENETRATION) continue;
     mg_update_poses(c, c->run->t, start);
     const int was_there = mg_find_unfollowed_minimum(c, pair, moved) == MG_NEW_PENETRATION;
@@ -573,14 +595,22 @@ MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h)
   mg_release_distant_rim_points(c);
   for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER && mg_is_search_needless(c, pair)) continue;
-    c->run->moved_since_search[pair] += h * mg_pair_speed_bound(c, pair);
+    const mg_real path = h * mg_pair_speed_bound(c, pair);
+    c->run->moved_since_search[pair] += path, c->run->path_since_search[pair] += path;
     if (!mg_is_search_due(c, pair, c->run->moved_since_search[pair])) continue;
     const mg_real moved = c->run->moved_since_search[pair];
-    const int is_done = c->search.is_searched[pair] && moved < MG_SEARCH_DUE;
-    c->search.is_searched[pair] = 0;
-    c->run->moved_since_search[pair] = mg_has_opening_patch(c, pair) ? MG_SEARCH_DUE : 0;
+    const int is_done = c->search.searched_gap[pair] >= 0 && moved < MG_SEARCH_DUE;
+    if (is_done) c->run->unfollowed_gap[pair] = c->search.searched_gap[pair];
+    c->search.searched_gap[pair] = -1;
+    c->run->moved_since_search[pair] = 0;
     const int found = is_done ? 0 : mg_search_pair_contacts(c, events, pair, moved);
-    if (!found && mg_is_search_due_again(c, pair, moved)) c->run->moved_since_search[pair] = MG_SEARCH_DUE;
+    c->run->path_since_search[pair] = 0;
+    if (c->run->moved_since_search[pair] > 0 || (!found && mg_is_search_due_again(c, pair, moved)))
+      c->run->moved_since_search[pair] =
+          c->run->withheld_effort[pair] > 0
+              ? mg_movement_until_search(c, pair) - mg_movement_until_costly_search(c, pair)
+              : MG_SEARCH_DUE;
+    if (mg_has_opening_patch(c, pair)) c->run->moved_since_search[pair] = MG_SEARCH_DUE;
     count += found;
   }
   return count;

@@ -147,7 +147,10 @@ RUN_ARRAYS = (
         "feature_pair",
         "point",
         "moved_since_search",
+        "path_since_search",
         "unfollowed_gap",
+        "last_effort",
+        "withheld_effort",
         "is_far",
         "ball_at",
         "closed",
@@ -182,6 +185,7 @@ RUN_COUNTS = (
     "redundant_max",
     "unfollowed_minima",
     "incomplete_searches",
+    "search_effort",
 )
 RUN_REALS = (
     *("t_event", "t_roundoff", "energy_0", "energy_error_max", "kinetic_max"),
