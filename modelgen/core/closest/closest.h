@@ -86,7 +86,10 @@ typedef struct {
   mg_real tube;   /* distance of the feature, m; negative: a cavity, 0: the curve itself */
 } mg_centre_curve;
 
-/* True if the critical points of a feature pair follow from lines, circles or points in closed form. */
+/* True if both features of a feature pair lie at constant distances from lines, circles or points. */
+MG_INTERNAL int mg_are_features_centred(const mg_context *c, int feature_pair);
+
+/* True if the critical points of a feature pair follow from lines or circles, and points, in closed form. */
 MG_INTERNAL int mg_has_centre_curves(const mg_context *c, int feature_pair);
 
 /* True if a feature is a surface that has a centre curve. */
@@ -352,8 +355,8 @@ MG_INTERNAL int mg_fate_of_minimum(mg_context *c, const mg_minimum *found);
 /* True if the feature pair is a crossing of two edges of solids that are not both straight. */
 MG_INTERNAL int mg_is_curved_edge_crossing(const mg_context *c, int feature_pair);
 
-/* True if a contact with the gap d is followed as near to a singularity as it can be: between features that have centre
-   curves, where the margin is small for as long as they are almost coaxial. */
+/* True if a contact with the gap d is followed as near to a singularity as it can be: between features about centre
+   curves or points, where the margin is small for as long as they are almost coaxial or concentric. */
 MG_INTERNAL int mg_is_followed_to_singularity(const mg_context *c, int feature_pair, mg_real d);
 
 /* Margin at which a contact ends at a fold: less where it is small for long, as at crossing edges and where features
