@@ -413,6 +413,8 @@ typedef struct {
   mg_real *watched_movement;   /* [n_pair] movement during which the pair is searched after each step, m: what has been
                                   rejected because bodies would penetrate at its end */
   mg_real *unfollowed_gap;     /* [n_pair] least gap found by that search that no contact was free to follow, m */
+  mg_real *last_effort;        /* [n_pair] pairs of cells that the last search of the pair looked at */
+  mg_real *withheld_effort;    /* [n_pair] pairs of cells by which its searches look at fewer than usual */
   int *is_far;                 /* [n_pair] 1: left out, because its shapes are far apart */
   mg_real *ball_at;            /* [4 n_ball] centre when near pairs were last looked for, m, world axes, and how far it
                                   may move before that is due again, m */
@@ -458,6 +460,7 @@ typedef struct {
   long redundant_max;        /* most active contacts beyond the rank of their rows; forces then are of minimum norm */
   long unfollowed_minima;   /* how often a search found closest points within search_gap that no contact could follow */
   long incomplete_searches; /* searches of feature pairs that were given up before all closest points were found */
+  long search_effort;       /* pairs of cells looked at in searches for closest points */
 
   mg_real t_event;          /* time of the last transition, s */
   mg_real t_roundoff;       /* rounding error of t so far, s: the exact time is t + t_roundoff */

@@ -154,6 +154,9 @@ _PROPERTIES = {
         "searches for the closest points of two features that were given up before all were found, as where "
         "surfaces conform; above 0 a contact may be missed",
     ),
+    "search_effort": entry(
+        "integer", "pairs of cells of surfaces and curves looked at in searches for closest points", minimum=0
+    ),
     "undeclared": entry(
         "array",
         "pairs of shapes that no contact lists and that passed through each other, in order of time",

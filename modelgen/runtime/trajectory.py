@@ -170,6 +170,7 @@ class Trajectory:
         int  # how often a search found closest points within reach that no contact could follow
     )
     incomplete_searches: int  # searches of a pair of features given up before all closest points were found
+    search_effort: int  # pairs of cells of surfaces and curves looked at in searches for closest points
     kinds: tuple[str, ...]
     instructions: dict[str, int]
     accuracy: str
@@ -269,6 +270,7 @@ class Trajectory:
             "indeterminate_t": self.indeterminate_t,
             "unfollowed_minima": self.unfollowed_minima,
             "incomplete_searches": self.incomplete_searches,
+            "search_effort": self.search_effort,
             "undeclared": [{"between": list(each.between), "t": each.t} for each in self.undeclared],
             "events": [
                 {"t": e.t, "kind": e.kind, "contact": e.contact, "speed": e.speed, "features": e.features}

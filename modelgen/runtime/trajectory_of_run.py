@@ -75,6 +75,7 @@ def trajectory_of(
         indeterminate_t=float(run.indeterminate_t) if run.indeterminate else None,
         unfollowed_minima=int(run.unfollowed_minima),
         incomplete_searches=int(run.incomplete_searches),
+        search_effort=int(run.search_effort),
         kinds=shared.kind_names,
         instructions=dict(shared.instructions),
         accuracy=record.name,

@@ -21,6 +21,8 @@ import subprocess
 import sys
 import tempfile
 from functools import partial
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -88,8 +90,9 @@ def start_all(folder: Path, n: int) -> list[list[int]]:
     """Starts of each pair: the first of a session at each pose, then all poses in one; their outcomes."""
     from modelgen import Accuracy
     from modelgen.codegen.library import Library
-    from modelgen.runtime.core_session import Session
 
+    module = "core_session" if find_spec("modelgen.runtime.core_session") else "session"  # its name before
+    Session = import_module(f"modelgen.runtime.{module}").Session
     counted = ctypes.CDLL(str(folder / "counted_call.so")).counted_call
     outcomes = []
     for k, (o, _) in enumerate(PAIRS):

@@ -4,12 +4,19 @@
 #include "base/base.h"
 #include "model/model.h"
 
+/* Centre curve of the feature of a side: MG_CENTRE_LINE .., or 0. */
+static int mg_centre_curve_kind(const mg_context *c, int feature_pair, int side) {
+  return c->kernels->shape_kinds[c->system->feature_shape[2 * feature_pair + side]].centre_curve;
+}
+
+MG_INTERNAL int mg_are_features_centred(const mg_context *c, int feature_pair) {
+  return mg_centre_curve_kind(c, feature_pair, 0) && mg_centre_curve_kind(c, feature_pair, 1);
+}
+
 MG_INTERNAL int mg_has_centre_curves(const mg_context *c, int feature_pair) {
-  int kind[2];
   if (mg_parametrisation(c, feature_pair, 1) == MG_NONE) return 0; /* as of limits of joints, which have no shapes */
-  for (int side = 0; side < 2; side++)
-    kind[side] = c->kernels->shape_kinds[c->system->feature_shape[2 * feature_pair + side]].centre_curve;
-  return kind[0] && kind[1] && !(kind[0] == MG_CENTRE_POINT && kind[1] == MG_CENTRE_POINT);
+  return mg_are_features_centred(c, feature_pair) && !(mg_centre_curve_kind(c, feature_pair, 0) == MG_CENTRE_POINT &&
+                                                       mg_centre_curve_kind(c, feature_pair, 1) == MG_CENTRE_POINT);
 }
 
 MG_INTERNAL int mg_is_about_centre_curve(const mg_context *c, int feature_pair, int side) {

@@ -34,7 +34,10 @@ static void mg_converge_from_centres(mg_context *c, int feature_pair, const mg_c
   for (int k = 0; k < 3; k++) normal[k] = at[1][k] - at[0][k];
   const mg_real d = mg_gap_at_centres(of, of + 1, sqrt(mg_dot3(normal, normal)));
   if (d > limits->gap || d < -limits->depth) return;
-  if (!mg_normalise3(normal) && !mg_normal_to_both(of, where, normal)) return;
+  if (!mg_normalise3(normal) && !mg_normal_to_both(of, where, normal)) {
+    mg_note_open_gap(c, d);
+    return;
+  }
   const mg_real sign = of[0].curve.tube < 0 || of[1].curve.tube < 0 ? -1 : 1;
   for (int k = 0; k < 3; k++)
     at[0][k] += sign * of[0].curve.tube * normal[k], at[1][k] -= sign * of[1].curve.tube * normal[k];

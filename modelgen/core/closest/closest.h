@@ -5,7 +5,8 @@
 
 #include "model/context.h"
 
-#define MG_EFFORT 100000 /* most pairs of cells looked at in one search of a feature pair during a run */
+#define MG_EFFORT 100000     /* most pairs of cells looked at in one search of a feature pair during a run, */
+#define MG_LEAST_EFFORT 2000 /* and where searches of the pair have been given up before, at least */
 
 /* What a search asks for, and where it is given up. */
 typedef struct {
@@ -13,9 +14,6 @@ typedef struct {
   long effort;        /* most pairs of cells looked at for one feature pair */
   mg_real all_within; /* m: once a minimum is found, only gaps up to |d| of the nearest one, or up to this, count */
 } mg_search_limits;
-
-/* All gaps. */
-static const mg_search_limits mg_all_gaps = {MG_MAX, MG_MAX, MG_EFFORT, MG_MAX};
 
 /* convex_closest_points.c */
 
@@ -88,7 +86,10 @@ typedef struct {
   mg_real tube;   /* distance of the feature, m; negative: a cavity, 0: the curve itself */
 } mg_centre_curve;
 
-/* True if the critical points of a feature pair follow from lines, circles or points in closed form. */
+/* True if both features of a feature pair lie at constant distances from lines, circles or points. */
+MG_INTERNAL int mg_are_features_centred(const mg_context *c, int feature_pair);
+
+/* True if the critical points of a feature pair follow from lines or circles, and points, in closed form. */
 MG_INTERNAL int mg_has_centre_curves(const mg_context *c, int feature_pair);
 
 /* True if a feature is a surface that has a centre curve. */
@@ -294,8 +295,9 @@ MG_INTERNAL void mg_note_open_gap(mg_context *c, mg_real gap);
    no border, beyond which edges and faces are followed. */
 MG_INTERNAL void mg_note_singular_gap(mg_context *c, int feature_pair, mg_real gap);
 
-/* Notes the gap of the critical point evaluated last if to rounding it is one of a curve or a surface of them. */
-MG_INTERNAL void mg_note_singular_point(mg_context *c, int feature_pair);
+/* Notes the gap of the critical point at eta, evaluated last, if to rounding it is one of a curve or a surface of them
+   and not beyond the borders of its feature pair by more than a pair moves between searches. */
+MG_INTERNAL void mg_note_singular_point(mg_context *c, int feature_pair, const mg_real *eta);
 
 /* Adds the critical point at eta to the minima kept, if it is one and not below `least`. */
 MG_INTERNAL void mg_keep_minimum_at(mg_context *c, int feature_pair, mg_real *eta, mg_real least, mg_minima *kept);
@@ -312,8 +314,13 @@ MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair);
 /* Gaps at which a contact of a pair may appear during a run. */
 MG_INTERNAL mg_search_limits mg_appearance_limits(const mg_context *c, int pair);
 
-/* Adds the minima of a feature pair with gaps within the limits and not below `least` to those kept. A search that had
-   to be given up is reported. */
+/* Adds the minima of a feature pair with gaps within the limits and not below `least` to those kept. Returns 0 if the
+   search had to be given up. */
+MG_INTERNAL int mg_find_minima_of_feature_pair(mg_context *c, int feature_pair, const mg_search_limits *limits,
+                                               mg_real least, mg_minima *kept);
+
+/* The same for a run, which is uncertified if the search is given up; the effort of it is withheld from the next ones.
+ */
 MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, const mg_search_limits *limits, mg_real least,
                                         mg_minima *kept);
 
@@ -348,8 +355,8 @@ MG_INTERNAL int mg_fate_of_minimum(mg_context *c, const mg_minimum *found);
 /* True if the feature pair is a crossing of two edges of solids that are not both straight. */
 MG_INTERNAL int mg_is_curved_edge_crossing(const mg_context *c, int feature_pair);
 
-/* True if a contact with the gap d is followed as near to a singularity as it can be: between features that have centre
-   curves, where the margin is small for as long as they are almost coaxial. */
+/* True if a contact with the gap d is followed as near to a singularity as it can be: between features about centre
+   curves or points, where the margin is small for as long as they are almost coaxial or concentric. */
 MG_INTERNAL int mg_is_followed_to_singularity(const mg_context *c, int feature_pair, mg_real d);
 
 /* Margin at which a contact ends at a fold: less where it is small for long, as at crossing edges and where features

@@ -232,7 +232,7 @@ static int mg_converge_from_cells(mg_critical_search *s, int a, int b) {
   else mg_sample_cell(s, 1 - s->first, b, at + s->first, at + 1 - s->first);
   mg_start_eta(c, s->feature_pair, at, at + 1, eta);
   if (!mg_converge_search(s, eta)) return 0;
-  mg_note_singular_point(c, s->feature_pair);
+  mg_note_singular_point(c, s->feature_pair, eta);
   mg_add_known_point(s, eta);
   mg_keep_minimum_at(c, s->feature_pair, eta, s->least, s->kept);
   mg_leave_out_farther_gaps(s);
@@ -316,6 +316,7 @@ static void mg_look_at_cell(mg_critical_search *s, int which, int cell) {
 /* Whether two cells can hold critical points. */
 static int mg_judge_pair(mg_critical_search *s, int a, int b) {
   const mg_cell_view *A = s->view, *B = s->view + 1;
+  s->c->run->search_effort++;
   mg_look_at_cell(s, 0, a), mg_look_at_cell(s, 1, b);
   if (s->is_beyond[0] || s->is_beyond[1] || mg_are_cells_apart(A, B, &s->limits)) return MG_CELLS_APART;
   if (!(A->radius + B->radius < MG_MAX / 4) || A->spread + B->spread > 1) return MG_CELLS_OPEN;

@@ -121,9 +121,11 @@ MG_INTERNAL void mg_note_singular_gap(mg_context *c, int feature_pair, mg_real g
   if (gap < c->search.singular_gap && mg_is_unconditional_feature_pair(c, feature_pair)) c->search.singular_gap = gap;
 }
 
-MG_INTERNAL void mg_note_singular_point(mg_context *c, int feature_pair) {
+MG_INTERNAL void mg_note_singular_point(mg_context *c, int feature_pair, const mg_real *eta) {
   const mg_real d = c->search.placement[0];
+  int which;
   if (fabs(mg_placement_uniqueness(c, c->system->n_contact)) > c->settings->search_margin) return;
+  if (mg_most_violated_condition(c, feature_pair, eta, &which) < -c->settings->search_movement) return;
   if (d >= 0 || !mg_is_between_far_sides(c, feature_pair)) mg_note_singular_gap(c, feature_pair, d);
 }
 

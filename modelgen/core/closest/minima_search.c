@@ -4,13 +4,14 @@
 #include "model/model.h"
 
 /* Counts a search that was given up in the report of the run, but where flat faces may lie on each other, which patches
-   treat. */
-static void mg_report_incomplete_search(const mg_context *c, int feature_pair) {
+   treat. Returns 1 if it was counted. */
+static int mg_report_incomplete_search(const mg_context *c, int feature_pair) {
   for (int patch = 0; patch < c->system->n_patch; patch++)
-    if (mg_is_feature_pair_in_patch(c, patch, feature_pair)) return;
-  if (c->run->incomplete_searches++) return;
+    if (mg_is_feature_pair_in_patch(c, patch, feature_pair)) return 0;
+  if (c->run->incomplete_searches++) return 1;
   c->run->incomplete_t = c->run->t;
   c->run->incomplete_pair = c->system->feature_pair_owner[feature_pair];
+  return 1;
 }
 
 MG_INTERNAL void mg_report_lost_points(const mg_context *c, int pair) {
@@ -36,29 +37,44 @@ MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair) {
   return separation;
 }
 
+/* Most pairs of cells that a search of a pair looks at during a run: what searches that were given up have looked at is
+   withheld until as many have been looked at by others. */
+static long mg_search_effort(const mg_context *c, int pair) {
+  return (long)mg_max(MG_EFFORT - c->run->withheld_effort[pair], (mg_real)MG_LEAST_EFFORT);
+}
+
 MG_INTERNAL mg_search_limits mg_appearance_limits(const mg_context *c, int pair) {
   const mg_search_limits limits = {mg_search_reach(c, pair), c->settings->appear_depth * mg_pair_length(c, pair),
-                                   MG_EFFORT, MG_MAX};
+                                   mg_search_effort(c, pair), MG_MAX};
   return limits;
+}
+
+MG_INTERNAL int mg_find_minima_of_feature_pair(mg_context *c, int feature_pair, const mg_search_limits *limits,
+                                               mg_real least, mg_minima *kept) {
+  const mg_contact_kind *kind = c->kernels->contact_kinds + c->system->feature_pair_kind[feature_pair];
+  const int turn = mg_parametrisation(c, feature_pair, 0) == MG_TURN;
+  if (mg_is_replaced_coaxially(c, feature_pair)) return 1;
+  if (!kind->is_convex && kind->n_eta > 0 && mg_has_centre_curves(c, feature_pair)) {
+    mg_search_centre_curves(c, feature_pair, limits, least, kept);
+    return 1;
+  }
+  if (!kind->is_convex && kind->n_eta > 0 && !turn && mg_parametrisation(c, feature_pair, 0) != MG_SIGN)
+    return mg_search_critical_points(c, feature_pair, limits, least, kept);
+  mg_real eta[6] = {turn ? 0 : 1, 0, 0, 0, 0, 0};
+  if (mg_converge_from_any_start(c, feature_pair, eta) < 0) return 1;
+  if (kind->n_eta == 0) mg_note_singular_point(c, feature_pair, eta);
+  mg_keep_minimum_at(c, feature_pair, eta, least, kept);
+  return 1;
 }
 
 MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, const mg_search_limits *limits, mg_real least,
                                         mg_minima *kept) {
-  const mg_contact_kind *kind = c->kernels->contact_kinds + c->system->feature_pair_kind[feature_pair];
-  const int turn = mg_parametrisation(c, feature_pair, 0) == MG_TURN;
-  if (mg_is_replaced_coaxially(c, feature_pair)) return;
-  if (!kind->is_convex && kind->n_eta > 0 && mg_has_centre_curves(c, feature_pair)) {
-    mg_search_centre_curves(c, feature_pair, limits, least, kept);
-    return;
-  }
-  if (!kind->is_convex && kind->n_eta > 0 && !turn && mg_parametrisation(c, feature_pair, 0) != MG_SIGN) {
-    if (!mg_search_critical_points(c, feature_pair, limits, least, kept)) mg_report_incomplete_search(c, feature_pair);
-    return;
-  }
-  mg_real eta[6] = {turn ? 0 : 1, 0, 0, 0, 0, 0};
-  if (mg_converge_from_any_start(c, feature_pair, eta) < 0) return;
-  if (kind->n_eta == 0) mg_note_singular_point(c, feature_pair);
-  mg_keep_minimum_at(c, feature_pair, eta, least, kept);
+  mg_real *withheld = c->run->withheld_effort + c->system->feature_pair_owner[feature_pair];
+  const long before = c->run->search_effort;
+  const int is_complete = mg_find_minima_of_feature_pair(c, feature_pair, limits, least, kept);
+  const mg_real looked = (mg_real)(c->run->search_effort - before);
+  if (is_complete) *withheld = mg_max(*withheld - looked, (mg_real)0);
+  else if (mg_report_incomplete_search(c, feature_pair)) *withheld = mg_min(*withheld + looked, (mg_real)MG_EFFORT);
 }
 
 /* True if the gap is not below -start_gap. */
@@ -78,6 +94,7 @@ MG_INTERNAL long mg_search_nearest(mg_context *c, int first, int end, mg_real le
     const mg_real nearest = mg_min(found->count ? fabs(found->list[0].d) : MG_MAX, c->search.open_gap);
     if (nearest <= limits.gap || !(limits.gap < MG_MAX)) return incomplete;
     limits.gap = limits.depth = limits.gap < 1000 * length ? mg_max(8 * limits.gap, length / 8) : MG_MAX;
+    if (limits.effort > mg_search_effort(c, pair)) limits.effort = mg_search_effort(c, pair);
   }
 }
 
@@ -100,6 +117,7 @@ static void mg_search_at_start(mg_context *c, int first, int end, mg_real least,
   const long before = c->run->incomplete_searches,
              incomplete = mg_search_nearest(c, first, end, least, MG_EFFORT, found);
   if (found->count) c->run->incomplete_searches = before + incomplete;
+  c->run->withheld_effort[c->system->feature_pair_owner[first]] = 0;
 }
 
 /* True if closest points form a curve or a surface, and the pair neither touches nor penetrates there. */
@@ -152,7 +170,8 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
 }
 
 MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
-  for (int pair = 0; pair < c->system->n_pair; pair++) c->run->unfollowed_gap[pair] = MG_MAX;
+  for (int pair = 0; pair < c->system->n_pair; pair++)
+    c->run->unfollowed_gap[pair] = MG_MAX, c->run->last_effort[pair] = c->run->withheld_effort[pair] = 0;
   for (int i = 0; i < c->layout.support_begin; i++) mg_set_feature_pair(c, i, -1, 0);
   for (int pair = mg_next_pair(c, -1); pair < c->system->n_pair; pair = mg_next_pair(c, pair)) {
     c->search.open_gap = c->search.singular_gap = MG_MAX;

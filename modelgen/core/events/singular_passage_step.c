@@ -66,15 +66,15 @@ static void mg_store_passage_start(mg_context *c) {
   }
 }
 
-/* Move eta to the minimum that continues the contact after the passage; returns 0 where there is none at zero
-   gap. */
+/* Move eta to the minimum that continues the contact after the passage; returns 0 where none is found at zero gap.
+   Others may be left unseen. */
 static int mg_find_point_after_passage(mg_context *c, int contact, mg_real *eta) {
   const mg_real touching = c->settings->contact_gap * c->system->length;
   const int n = c->contacts.n_eta[contact], feature_pair = c->run->feature_pair[contact];
   mg_real next[6], trial_eta[6] = {0};
   mg_minimum found;
   mg_minima kept = {0};
-  const mg_search_limits limits = {touching, touching, MG_EFFORT, MG_MAX};
+  const mg_search_limits limits = {touching, touching, MG_LEAST_EFFORT, MG_MAX};
   for (int k = 0; k < n; k++) trial_eta[k] = eta[k];
   if (!n) {
     mg_place_contact(c, contact, trial_eta, next);
@@ -84,7 +84,8 @@ static int mg_find_point_after_passage(mg_context *c, int contact, mg_real *eta)
     mg_insert_minimum(c, &kept, &found);
   if (!kept.count || fabs(kept.list[0].d) > touching)
     mg_search_near_contact_point(c, contact, eta, c->settings->margin_refuse, &kept);
-  if (!kept.count || fabs(kept.list[0].d) > touching) mg_search_feature_pair(c, feature_pair, &limits, -MG_MAX, &kept);
+  if (!kept.count || fabs(kept.list[0].d) > touching)
+    mg_find_minima_of_feature_pair(c, feature_pair, &limits, -MG_MAX, &kept);
   if (!kept.count || fabs(kept.list[0].d) > touching) return 0;
   for (int k = 0; k < n; k++) eta[k] = kept.list[0].eta[k];
   mg_place_contact(c, contact, eta, next);

@@ -317,10 +317,12 @@ static int mg_is_line_held_at_end(mg_context *c, int pair, int feature_pair) {
 static void mg_search_free_feature_pairs(mg_context *c, int pair, const mg_search_limits *limits, mg_real least,
                                          mg_minima *kept) {
   const mg_system *s = c->system;
+  const long before = c->run->search_effort;
   for (int feature_pair = s->pair_feature_pair[pair]; feature_pair < s->pair_feature_pair[pair + 1]; feature_pair++)
     if (!mg_is_feature_pair_in_use(c, pair, feature_pair) && !mg_is_out_of_reach(c, feature_pair) &&
         !mg_is_feature_pair_covered(c, feature_pair) && !mg_is_line_held_at_end(c, pair, feature_pair))
       mg_search_feature_pair(c, feature_pair, limits, least, kept);
+  c->run->last_effort[pair] = (mg_real)(c->run->search_effort - before);
 }
 
 /* Gaps of interest for a pair that has moved since its last search: a penetration since then is no deeper than that,
@@ -339,6 +341,11 @@ static mg_real mg_least_movement(const mg_context *c, int pair) {
   return c->settings->appear_depth / MG_SEARCHES_IN_DEPTH * mg_pair_length(c, pair);
 }
 
+/* Movement of a pair, m, after which a search finds closest points that it did not tell apart before. */
+static mg_real mg_resolved_movement(const mg_context *c, int pair) {
+  return c->settings->search_merge_distance * mg_pair_length(c, pair);
+}
+
 /* Notes that no contact follows a minimum of a pair with the gap d. */
 static void mg_note_unfollowed_gap(mg_context *c, int pair, mg_real d) {
   c->run->unfollowed_gap[pair] = mg_min(c->run->unfollowed_gap[pair], mg_max(d, (mg_real)0));
@@ -353,7 +360,8 @@ static int mg_follow_minimum(mg_context *c, mg_events *events, int pair, const m
   if (mg_is_minimum_tracked(c, pair, -1, each)) return MG_FOLLOWED_BEFORE;
   if (!mg_is_minimum_accepted(c, each, seen_depth)) {
     mg_note_unfollowed_gap(c, pair, each->d);
-    if (each->d / 2 < mg_least_movement(c, pair)) c->run->is_search_due[pair] = 1;
+    if (each->d / 2 < mg_least_movement(c, pair) && !(c->run->withheld_effort[pair] > 0))
+      c->run->is_search_due[pair] = 1;
     return MG_NOT_FOLLOWED;
   }
   if (each->d < -appearing_depth) return MG_NOT_FOLLOWED;
@@ -377,8 +385,9 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
   if (mg_pair_clearance(c, pair) > mg_search_reach(c, pair)) return 0;
   const mg_real least = mg_separating_plane_gap(c, pair) - c->settings->start_gap * s->length;
   const mg_search_limits seen = mg_penetration_limits(c, pair, moved), appearing = mg_appearance_limits(c, pair);
-  const mg_search_limits limits = mg_has_own_feature_pairs(c, pair) ? mg_all_gaps : seen;
+  mg_search_limits limits = seen;
   mg_minima found;
+  if (mg_has_own_feature_pairs(c, pair)) limits.gap = limits.depth = MG_MAX;
   int count = found.count = 0;
   c->search.open_gap = c->search.singular_gap = MG_MAX;
   mg_search_free_feature_pairs(c, pair, &limits, least, &found);
@@ -431,9 +440,9 @@ static int mg_find_unfollowed_minimum(mg_context *c, int pair, mg_real moved) {
   const mg_search_limits limits = mg_penetration_limits(c, pair, moved);
   const mg_real touching = c->settings->start_gap * s->length, least = mg_separating_plane_gap(c, pair) - touching;
   mg_minima found;
+  c->search.open_gap = c->search.singular_gap = MG_MAX;
   if (mg_is_only_minimum_followed(c, pair, limits.gap)) return MG_ALL_FOLLOWED;
   found.count = 0;
-  c->search.singular_gap = MG_MAX;
   mg_search_free_feature_pairs(c, pair, &limits, least, &found);
   int kind = c->search.singular_gap < -touching ? MG_NEW_PENETRATION
              : c->search.singular_gap < MG_MAX  ? MG_NEW_MINIMUM
@@ -477,18 +486,35 @@ static mg_real mg_least_closed_margin(const mg_context *c, int pair) {
 
 /* Movement of a pair, m, after which it is searched again: at most half the gap of closest points that no contact
    follows, so that they are seen before they touch. Beside a closed contact the gap is less by the factor of its
-   margin, and so is the gap of closest points that become a minimum there. */
+   margin, and so is the gap of closest points that become a minimum there. It is at least what a search resolves. */
 static mg_real mg_movement_until_search(const mg_context *c, int pair) {
   const mg_real most = c->settings->search_movement * mg_least_closed_margin(c, pair) * mg_pair_length(c, pair);
-  return mg_min(most, c->run->unfollowed_gap[pair] / 2);
+  return mg_max(mg_min(most, c->run->unfollowed_gap[pair] / 2), mg_resolved_movement(c, pair));
+}
+
+/* True if searches of a pair are long, or have been given up. */
+static int mg_is_search_costly(const mg_context *c, int pair) {
+  return c->run->last_effort[pair] > MG_LEAST_EFFORT || c->run->withheld_effort[pair] > 0;
+}
+
+/* Movement of a pair, m, after which a costly search is repeated where searches are due at every step: half the least
+   gap, within which nothing can touch. One that was given up is repeated after no less than what a search resolves: at
+   nearly the same poses it is given up again. */
+static mg_real mg_movement_until_costly_search(const mg_context *c, int pair) {
+  mg_real gap = c->run->unfollowed_gap[pair];
+  for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
+    if (mg_is_on_feature_pair(c, i)) gap = mg_min(gap, mg_max(c->rows.d[i], (mg_real)0));
+  const mg_real least = c->run->withheld_effort[pair] > 0 ? mg_max(gap / 2, mg_resolved_movement(c, pair)) : gap / 2;
+  return mg_min(least, mg_movement_until_search(c, pair));
 }
 
 /* True if a pair that has moved so far since its last search is to be searched. */
 static int mg_is_search_due(const mg_context *c, int pair, mg_real moved) {
   const int search = c->system->pair_search[pair];
   if (mg_is_search_needless(c, pair)) return 0;
-  return c->run->is_search_due[pair] || c->run->watched_movement[pair] > 0 ||
-         (search != MG_SEARCH_MOVED && search != MG_SEARCH_APART) || moved >= mg_movement_until_search(c, pair);
+  if (c->run->is_search_due[pair] || c->run->watched_movement[pair] > 0) return 1;
+  if (search == MG_SEARCH_MOVED || search == MG_SEARCH_APART) return moved >= mg_movement_until_search(c, pair);
+  return !mg_is_search_costly(c, pair) || moved >= mg_movement_until_costly_search(c, pair);
 }
 
 /* True if the contact ends at a fold: its minimum has met a saddle. */
@@ -511,7 +537,8 @@ static int mg_is_pair_at_fold(const mg_context *c, int pair, mg_real *gap) {
 MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
   const mg_system *s = c->system;
   mg_real *const start = c->run->x;
-  for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) c->search.is_searched[pair] = 0;
+  for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair))
+    c->search.searched_gap[pair] = -1;
   for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) {
     const mg_real moved = c->run->moved_since_search[pair] + h * mg_pair_speed_bound(c, pair);
     const int guided = mg_has_own_feature_pairs(c, pair) && s->pair_search[pair] != MG_SEARCH_NEVER;
@@ -522,7 +549,7 @@ MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
     c->run->x = c->step.settled;
     const int found = mg_find_unfollowed_minimum(c, pair, moved);
     c->run->x = start;
-    c->search.is_searched[pair] = found == MG_ALL_FOLLOWED;
+    if (found == MG_ALL_FOLLOWED) c->search.searched_gap[pair] = mg_max(c->search.open_gap, (mg_real)0);
     if (found != MG_NEW_PENETRATION) continue;
     mg_update_poses(c, c->run->t, start);
     const int was_there = mg_find_unfollowed_minimum(c, pair, moved) == MG_NEW_PENETRATION;
@@ -569,14 +596,6 @@ MG_INTERNAL mg_real mg_search_step_limit(const mg_context *c) {
   return longest_step;
 }
 
-/* True if a pair is to be searched after the next step too: no contact was found for closest points that are nearer
-   than the least movement between searches, and the pair has no contact, or penetrated in a step that was not accepted.
- */
-static int mg_is_search_due_again(const mg_context *c, int pair, int was_due) {
-  return c->run->unfollowed_gap[pair] / 2 < mg_least_movement(c, pair) &&
-         (was_due || mg_is_pair_without_contacts(c, pair));
-}
-
 /* Release the contacts that end at a fold: a minimum of the distance meets a saddle, or two crossings of edges of
    solids merge, as where the edge of a table leaves a round face that slides off it. Returns their number. */
 static int mg_release_folded_contacts(mg_context *c, mg_events *events) {
@@ -599,12 +618,12 @@ MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h)
     c->run->moved_since_search[pair] += step;
     if (!mg_is_search_due(c, pair, c->run->moved_since_search[pair])) continue;
     const mg_real moved = c->run->moved_since_search[pair];
-    const int was_due = c->run->is_search_due[pair], is_done = c->search.is_searched[pair] && !was_due;
-    c->search.is_searched[pair] = 0;
+    const int is_done = c->search.searched_gap[pair] >= 0 && !c->run->is_search_due[pair];
+    if (is_done) c->run->unfollowed_gap[pair] = c->search.searched_gap[pair];
+    c->search.searched_gap[pair] = -1;
     c->run->moved_since_search[pair] = 0, c->run->is_search_due[pair] = mg_has_opening_patch(c, pair);
     const int found = is_done ? 0 : mg_search_pair_contacts(c, events, pair, moved);
     c->run->watched_movement[pair] = found ? 0 : mg_max(c->run->watched_movement[pair] - step, (mg_real)0);
-    if (!found && mg_is_search_due_again(c, pair, was_due)) c->run->is_search_due[pair] = 1;
     count += found;
   }
   return count;

@@ -30,7 +30,10 @@ static int mg_place_start_contacts(mg_context *c) {
     c->run->closed[i] = c->search.placement[0] <= touching;
     c->run->margin[i] = mg_placement_uniqueness(c, i);
     if (c->run->closed[i] && c->run->margin[i] < c->run->margin_min) c->run->margin_min = c->run->margin[i];
-    if (c->run->closed[i] && !(c->run->margin[i] >= c->settings->margin_refuse)) return MG_MARGIN;
+    const mg_real least = mg_is_followed_to_singularity(c, c->run->feature_pair[i], c->search.placement[0])
+                              ? mg_least_margin(c, c->run->feature_pair[i])
+                              : c->settings->margin_refuse;
+    if (c->run->closed[i] && !(c->run->margin[i] >= least)) return MG_MARGIN;
   }
   c->run->failed_contact = -1;
   return mg_has_closed_contact_capacity(c) ? MG_DONE : MG_TOO_MANY_CLOSED;
@@ -64,7 +67,7 @@ static void mg_reset_report(mg_run *run) {
   run->t_event = run->t, run->t_roundoff = 0;
   run->unfollowed_minima = 0, run->unfollowed_t = 0, run->unfollowed_pair = -1;
   run->friction_redundant = run->indeterminate = 0, run->indeterminate_t = 0;
-  run->incomplete_searches = 0, run->incomplete_t = 0, run->incomplete_pair = -1;
+  run->incomplete_searches = 0, run->search_effort = 0, run->incomplete_t = 0, run->incomplete_pair = -1;
   run->penetration_t = run->t, run->penetration_contact = -1;
   run->spring_rate_max = run->spin_max = 0, run->spring_rate_load = run->spin_body = -1;
 }

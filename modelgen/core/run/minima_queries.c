@@ -58,13 +58,14 @@ MG_API void mg_find_minima(const mg_system *system, const mg_settings *settings,
   const mg_minima_queries *q = queries;
   mg_open_context(&c, system, settings, run, work, iwork);
   mg_update_poses(&c, run->t, run->x);
+  const int pair = system->feature_pair_owner[q->first];
   for (long i = 0; i < q->n; i++) {
     mg_minima found = {0};
     for (int k = 0; k < 12; k++) {
       c.bodies.pose[12 * q->body_o + k] = q->pose_o[12 * i + k];
       c.bodies.pose[12 * q->body_f + k] = q->pose_f[12 * i + k];
     }
-    run->incomplete_searches = run->unfollowed_minima = 0;
+    run->incomplete_searches = run->unfollowed_minima = 0, run->withheld_effort[pair] = 0;
     c.search.open_gap = c.search.singular_gap = MG_MAX;
     const int is_full = mg_search_query(&c, q, &found);
     const mg_real within = !q->is_nearest ? q->gap : found.count ? fabs(found.list[0].d) : MG_MAX;

@@ -83,12 +83,12 @@ static long mg_bounds_memory_max(const mg_system *s) {
 static long mg_search_memory_size(const mg_system *s) {
   return mg_count_reals(MG_SAMPLES, sizeof(mg_sample)) + mg_count_reals(s->n_cell, sizeof(mg_cell)) +
          mg_count_reals(mg_bounds_memory_max(s), sizeof(mg_taylor_model)) + mg_count_reals(1, sizeof(mg_digest)) +
-         MG_SAMPLES + mg_count_reals(2L * s->n_cell_tree, sizeof(mg_real));
+         MG_SAMPLES + s->n_pair + mg_count_reals(2L * s->n_cell_tree, sizeof(mg_real));
 }
 
 /* The same, in int. */
 static long mg_search_int_memory_size(const mg_system *s) {
-  return 1 + s->n_pair + (s->n_cell_tree ? 2L * s->n_cell_tree + 2L * MG_CELL_PAIRS : 0);
+  return 1 + (s->n_cell_tree ? 2L * s->n_cell_tree + 2L * MG_CELL_PAIRS : 0);
 }
 
 /* Memory of the lists of what takes part, in int. */
@@ -221,7 +221,7 @@ static void mg_set_arrays(mg_context *c, mg_real *work, int *iwork) {
   c->joints.independence = mg_take_reals(&work, s->n_joint_row), c->events.gap_before = mg_take_reals(&work, 2 * m);
   c->search.samples = mg_take_memory(&work, MG_SAMPLES, sizeof(mg_sample)),
   c->search.bounds_memory = mg_take_memory(&work, mg_bounds_memory_max(s), sizeof(mg_taylor_model));
-  c->search.face_gap = mg_take_reals(&work, MG_SAMPLES), c->search.is_searched = mg_take_ints(&iwork, s->n_pair),
+  c->search.face_gap = mg_take_reals(&work, MG_SAMPLES), c->search.searched_gap = mg_take_reals(&work, s->n_pair),
   c->search.cell_pairs = mg_take_ints(&iwork, s->n_cell_tree ? 2L * MG_CELL_PAIRS : 0);
   c->step.rolling_starts = (mg_rolling_start *)(void *)mg_take_reals(&work, m * mg_rolling_start_size());
   c->bodies.motion = mg_take_ints(&iwork, b);
@@ -298,7 +298,7 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
   for (int i = 0; i < system->n_contact; i++)
     c->lcp.column[i] = -1, c->contacts.n_eta[i] = c->events.within_border[i] = 0, mg_load_feature_pair(c, i);
   for (int slot = 0; slot < system->n_patch_slot; slot++) c->patches.barred[slot] = -1, c->patches.trial[slot] = 0;
-  for (int pair = 0; pair < system->n_pair; pair++) c->search.is_searched[pair] = 0;
+  for (int pair = 0; pair < system->n_pair; pair++) c->search.searched_gap[pair] = -1;
   mg_init_listing(c);
   mg_keep_cells_of_same_shapes(c);
   mg_init_joint_rows(c);

@@ -150,6 +150,8 @@ RUN_ARRAYS = (
         "is_search_due",
         "watched_movement",
         "unfollowed_gap",
+        "last_effort",
+        "withheld_effort",
         "is_far",
         "ball_at",
         "closed",
@@ -184,6 +186,7 @@ RUN_COUNTS = (
     "redundant_max",
     "unfollowed_minima",
     "incomplete_searches",
+    "search_effort",
 )
 RUN_REALS = (
     *("t_event", "t_roundoff", "energy_0", "energy_error_max", "kinetic_max"),
