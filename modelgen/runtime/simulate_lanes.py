@@ -33,7 +33,7 @@ FAILED = 10  # outcomes of the core from here on end a run
 Ended = Trajectory | SimulationError  # the error of a run that cannot start
 
 
-def simulate_lanes(
+def run_lanes(
     libraries: Sequence[Library],
     *,
     until: float,
@@ -41,8 +41,8 @@ def simulate_lanes(
     estimate: bool = True,
     inputs: Mapping[str, Array] | None = None,
     starts: Mapping[int, Array] | None = None,
-) -> list[Ended]:
-    """Run lanes to `until`, s.
+) -> LaneRuns:
+    """Run lanes to `until`, s, and their companions to where they ended.
 
     Args:
         libraries: one library with the numbers of each of the n lanes (`library_with`).
@@ -55,16 +55,30 @@ def simulate_lanes(
         SimulationError: the value of an input is out of its range.
     """
     lanes = _Lanes(libraries, accuracies, inputs or {}, starts or {})
-    refused = lanes.begin()
-    lanes.advance(until)
-    found = [refused[lane] if lane in refused else lanes.trajectory(lane) for lane in range(lanes.n)]
-    stated = _estimates(found, lanes) if estimate else [None] * lanes.n
-    return [
-        path if isinstance(path, SimulationError) else with_trust(path, estimated, accuracy, instance)
-        for path, estimated, accuracy, instance in zip(
-            found, stated, accuracies, lanes.instances, strict=True
-        )
-    ]
+    lanes.run(until)
+    twins = lanes.companions() if estimate else None
+    if twins is not None:
+        twins.run(lanes.group.t)
+    return LaneRuns(lanes, twins)
+
+
+class LaneRuns:
+    """Runs at their ends, in the core's memory."""
+
+    def __init__(self, lanes: _Lanes, twins: _Lanes | None) -> None:
+        self._lanes, self._twins = lanes, twins
+
+    def results(self) -> list[Ended]:
+        """What became of each run. The core has no part in it."""
+        lanes, twins = self._lanes, self._twins
+        found = [lanes.ended(lane) for lane in range(lanes.n)]
+        stated = [None] * lanes.n if twins is None else _estimates(found, lanes, twins)
+        return [
+            path if isinstance(path, SimulationError) else with_trust(path, estimated, accuracy, instance)
+            for path, estimated, accuracy, instance in zip(
+                found, stated, lanes.accuracies, lanes.instances, strict=True
+            )
+        ]
 
 
 class _Lanes:
@@ -89,6 +103,7 @@ class _Lanes:
         settings.restart(np.arange(self.n))
         self._recording = Recording(group.like, np.zeros(2 * self.n))
         self._taken = np.zeros(self.n, dtype=int)  # samples of each lane
+        self._refused: Mapping[int, SimulationError] = {}  # errors of lanes that cannot start
 
     def companions(self) -> _Lanes:
         """The companions of these runs, before their start."""
@@ -99,14 +114,11 @@ class _Lanes:
         nudge(twins.group.x, self.instances[0])
         return twins
 
-    def begin(self) -> Mapping[int, SimulationError]:
-        """The errors of lanes that cannot start, by lane."""
-        refused = self.group.begin(label="")
+    def run(self, until: float | Array) -> None:
+        """Settle the starts, and go on to `until`, s, one time or one for each lane."""
+        self._refused = self.group.begin(label="")
         for lane in np.flatnonzero(self.group.codes < FAILED).tolist():
             self._sample(lane)
-        return refused
-
-    def advance(self, until: float | Array) -> None:
         self.group.advance(until)
         moved = (self.group.t > 0) & np.isfinite(self.group.x).all(axis=1)
         for lane in np.flatnonzero(moved).tolist():
@@ -122,7 +134,10 @@ class _Lanes:
         """Those that a lane has taken."""
         return slice(2 * lane, 2 * lane + int(self._taken[lane]))
 
-    def trajectory(self, lane: int) -> Trajectory:
+    def ended(self, lane: int) -> Ended:
+        return self._refused[lane] if lane in self._refused else self._trajectory(lane)
+
+    def _trajectory(self, lane: int) -> Trajectory:
         rows = self.rows(lane)
         values = self.group.arrays["input"][lane, :-1:SETTING_SIZE].tolist()
         names = (each["name"] for each in self.instances[lane]["inputs"])
@@ -145,19 +160,15 @@ class _Lanes:
         self._taken[lane] += 1
 
 
-def _estimates(found: Sequence[Ended], lanes: _Lanes) -> list[Estimate | None]:
+def _estimates(found: Sequence[Ended], lanes: _Lanes, twins: _Lanes) -> list[Estimate | None]:
     """The estimates of the errors of runs, by their companions; None where a run has no sample."""
-    twins = lanes.companions()
-    refused = twins.begin()
-    twins.advance(lanes.group.t)
     compared = motions_compared(lanes.columns, twins.columns, lanes.instances[0])
 
     def stated(path: Trajectory, lane: int) -> Estimate:
-        of_run = lanes.accuracies[lane], lanes.instances[lane]
-        if lane in refused:
-            missing = f"the companion run did not start: {refused[lane]}"
-            return estimate_of(path, None, *of_run, missing)
-        return estimate_of(path, twins.trajectory(lane), *of_run, compared=compared[:, lanes.rows(lane)])
+        of_run, twin = (lanes.accuracies[lane], lanes.instances[lane]), twins.ended(lane)
+        if isinstance(twin, SimulationError):
+            return estimate_of(path, None, *of_run, f"the companion run did not start: {twin}")
+        return estimate_of(path, twin, *of_run, compared=compared[:, lanes.rows(lane)])
 
     return [
         stated(path, lane) if isinstance(path, Trajectory) and len(path.t) else None
