@@ -36,4 +36,6 @@ def guard_streams() -> None:
         stream = getattr(sys, name)
         if isinstance(stream, io.TextIOWrapper):
             encoding, errors, by_line = stream.encoding, stream.errors, stream.line_buffering
-            setattr(sys, name, Output(stream.detach(), encoding, errors, line_buffering=by_line))
+            at_once, raw = stream.write_through, stream.detach()
+            output = Output(raw, encoding, errors, line_buffering=by_line, write_through=at_once)
+            setattr(sys, name, output)
