@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from operator import itemgetter
@@ -23,12 +23,12 @@ from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import with_parameters
 from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.simulate import simulate
-from modelgen.runtime.simulate_lanes import Ended, simulate_lanes
+from modelgen.runtime.simulate_lanes import Ended, LaneRuns, run_lanes
 from modelgen.runtime.tables.library_tables import library_tables
 from modelgen.runtime.trajectory import Array
 from modelgen.scene.scene_types import Scene
 
-READING = Lock()  # scenes are read again by one thread at a time
+PYTHON_WORK = Lock()  # before and after runs: one thread at a time, while the core runs in the others
 
 
 @dataclass(frozen=True)
@@ -62,42 +62,46 @@ def run_chunk(library: Library, study: Study, first: int, values: Array) -> Chun
         first: the number of the first run.
         values: (n, number of varied numbers).
     """
-    variants = [_variant(library, study, row) for row in values.tolist()]
+    with PYTHON_WORK:
+        variants = [_variant(library, study, row) for row in values.tolist()]
     libraries = [each for each in variants if isinstance(each, Library)]
     going = [isinstance(each, Library) for each in variants]
-    ended = iter(_ended(study, libraries, values[going]) if libraries else ())
+    runs = _run(study, libraries, values[going]) if libraries else None
     instance, names = library.manifest.instance, varied_columns([each.name for each in study.numbers])
-    chunk = Chunk(first, [], [])
-    for k, (variant, row) in enumerate(zip(variants, values.tolist(), strict=True)):
-        head = {"run": first + k, "seed": study.seed, **dict(zip(names, row, strict=True))}
-        run = next(ended) if isinstance(variant, Library) else variant
-        if isinstance(run, ModelgenError):
-            chunk.rows.append(head | refused_row(run))
-            chunk.files.append(None)
-        elif isinstance(variant, Library):
-            chunk.rows.append(head | row_of(run, instance))
-            chunk.files.append(_whole_run(variant, study, row) if study.keep else None)
-    return chunk
+    with PYTHON_WORK:
+        ended: Iterator[Ended] = iter(() if runs is None else runs.results())
+        results = [next(ended) if isinstance(each, Library) else each for each in variants]
+        rows = [
+            {"run": first + k, "seed": study.seed, **dict(zip(names, row, strict=True))}
+            | (refused_row(result) if isinstance(result, ModelgenError) else row_of(result, instance))
+            for k, (result, row) in enumerate(zip(results, values.tolist(), strict=True))
+        ]
+    files = [
+        _whole_run(variant, study, row)
+        if study.keep and isinstance(variant, Library) and not isinstance(result, ModelgenError)
+        else None
+        for variant, result, row in zip(variants, results, values.tolist(), strict=True)
+    ]
+    return Chunk(first, rows, files)
 
 
 def _variant(library: Library, study: Study, row: Sequence[float]) -> Library | ModelgenError:
     """The library with the numbers of a run, or why there is none."""
     own = {each.name: value for each, value in _of_kind(study, "parameter", row)}
     try:
-        with READING:
-            variant = with_parameters(library, {**study.parameters, **own})
-            library_tables(variant)
+        variant = with_parameters(library, {**study.parameters, **own})
+        library_tables(variant)
     except ModelgenError as error:
         return error
     return variant
 
 
-def _ended(study: Study, libraries: Sequence[Library], values: Array) -> list[Ended]:
-    """What became of runs with these libraries and values (n, number of varied numbers)."""
+def _run(study: Study, libraries: Sequence[Library], values: Array) -> LaneRuns:
+    """Runs with these libraries and values (n, number of varied numbers)."""
     columns = list(zip(study.numbers, values.T, strict=True))
     inputs = {name: np.full(len(values), value) for name, value in study.inputs.items()}
     inputs |= {each.name: column for each, column in columns if each.kind == "input"}
-    return simulate_lanes(
+    return run_lanes(
         libraries,
         until=study.until,
         accuracies=_accuracies(study, libraries),
@@ -135,7 +139,7 @@ def _whole_run(variant: Library, study: Study, row: Sequence[float]) -> bytes | 
         )
     except SimulationError:
         return None
-    with READING, tempfile.TemporaryDirectory(prefix="modelgen-") as scratch:
+    with PYTHON_WORK, tempfile.TemporaryDirectory(prefix="modelgen-") as scratch:
         file = Path(scratch) / "run.npz"
         save(record_of(path, library, study.scene), file)
         return file.read_bytes()

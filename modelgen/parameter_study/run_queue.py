@@ -7,10 +7,11 @@ from threading import Lock
 from typing import NamedTuple
 
 FIRST = 1  # runs of a chunk, until it is known how long a run takes
+GROWTH = 2  # times the largest chunk so far: larger ones would let all workers wait for the same one
 CHUNK_S = 2.0  # time that a chunk shall take, s: what an interruption loses
 MOST = 512  # runs of a chunk
-LEAST_S = 0.02  # shorter chunks, s, cost more than workers that end at different times
-LAST = 2  # chunks of each worker into which the rest is divided, but for such
+LEAST_S = 0.03  # shorter chunks, s, cost more than workers that end at different times
+LAST = 3  # chunks of each worker into which the rest is divided, but for such
 
 
 class Span(NamedTuple):
@@ -25,6 +26,7 @@ class RunQueue:
         self._spans = _gaps(runs, done)
         self._workers, self._lock = max(workers, 1), Lock()
         self._seconds: float | None = None  # of a run
+        self._largest = 0  # chunk so far
 
     def take(self) -> Span | None:
         """The next chunk; None where none is left."""
@@ -33,6 +35,7 @@ class RunQueue:
                 return None
             first, count = self._spans[0]
             size = min(self._size(), count)
+            self._largest = max(self._largest, size)
             if size == count:
                 self._spans.pop(0)
             else:
@@ -55,7 +58,7 @@ class RunQueue:
         left = sum(count for _, count in self._spans)
         even = left // (LAST * self._workers)
         least, most = (int(min(span / self._seconds, MOST)) for span in (LEAST_S, CHUNK_S))
-        return max(1, min(max(even, least), most))
+        return max(1, min(max(even, least), most, GROWTH * self._largest))
 
 
 def _gaps(runs: int, done: Iterable[Span]) -> list[Span]:

@@ -15,7 +15,8 @@ Array = np.ndarray[Any, Any]
 
 YAW, PITCH = -1.05, 0.32  # rad, of the direction from the scene to the eye
 LIGHT = np.array([0.3, -0.4, 0.87])
-ROOM = 1.05  # of the picture, against the space
+ROOM = 1.05  # of the height of the picture, against the space
+WIDTH = 1.25  # of the picture, against its height
 AMBIENT = 0.45
 NEARER = 0.01  # of the picture, by which edges are before their faces
 STILL, EDGE = (0.84, 0.86, 0.89), (0.12, 0.16, 0.20)
@@ -57,8 +58,8 @@ def draw_bodies(axes: Any, record: Record, stage: Stage, sample: int) -> None:
     centre = _centre(record, stage, sample)
     half = ROOM * stage.size
     ((x, y),) = on_picture(centre[None])
-    axes.set_xlim(x - half, x + half)
-    axes.set_ylim(y - 0.8 * half, y + 0.8 * half)
+    axes.set_xlim(x - WIDTH * half, x + WIDTH * half)
+    axes.set_ylim(y - half, y + half)
     axes.set_aspect("equal")
     axes.set_xticks([])
     axes.set_yticks([])

@@ -16,6 +16,7 @@ Array = np.ndarray[Any, Any]
 FOLLOWED = 5.0  # of all motion, against the group of bodies that move, from which on the picture follows
 NEAR = 2.2  # of a picture that follows, against the group
 WIDE = 3.0  # of what stands still, against all motion, from which on the picture shows the motion alone
+WHOLE = 8.0  # of all bodies, against the group, up to which the picture shows all of them nevertheless
 INSTANTS = 60  # samples by which it is measured
 
 
@@ -43,8 +44,9 @@ def space_of(
     if radii:
         centre_of_motion, motion = _ball([places[index] for index in radii])
         group = _group(columns, radii)
-        follow = motion > FOLLOWED * group
-        if follow or reach > WIDE * motion:
+        is_wide = reach > WHOLE * group
+        follow = is_wide and motion > FOLLOWED * group
+        if follow or (is_wide and reach > WIDE * motion):
             centre, size = centre_of_motion, NEAR * group if follow else motion
     return Space(centre, size, follow, reach, away)
 

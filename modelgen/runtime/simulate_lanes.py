@@ -17,7 +17,7 @@ from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError
 from modelgen.notation import SETTING_SIZE
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.error_estimate import estimate_of, nudge
+from modelgen.runtime.error_estimate import MOTION, estimate_of, nudge
 from modelgen.runtime.error_statement import Estimate
 from modelgen.runtime.inputs_by_lane import InputsByLane
 from modelgen.runtime.lane_arrays import each_once
@@ -33,7 +33,7 @@ FAILED = 10  # outcomes of the core from here on end a run
 Ended = Trajectory | SimulationError  # the error of a run that cannot start
 
 
-def simulate_lanes(
+def run_lanes(
     libraries: Sequence[Library],
     *,
     until: float,
@@ -41,8 +41,8 @@ def simulate_lanes(
     estimate: bool = True,
     inputs: Mapping[str, Array] | None = None,
     starts: Mapping[int, Array] | None = None,
-) -> list[Ended]:
-    """Run lanes to `until`, s.
+) -> LaneRuns:
+    """Run lanes to `until`, s, and their companions to where they ended.
 
     Args:
         libraries: one library with the numbers of each of the n lanes (`library_with`).
@@ -54,112 +54,118 @@ def simulate_lanes(
     Raises:
         SimulationError: the value of an input is out of its range.
     """
-    lanes = _Lanes(libraries, accuracies, inputs or {}, starts or {})
-    refused = lanes.begin()
-    lanes.advance(until)
-    found = [refused[lane] if lane in refused else lanes.trajectory(lane) for lane in range(lanes.n)]
-    stated = _estimates(found, lanes) if estimate else [None] * lanes.n
-    return [
-        path if isinstance(path, SimulationError) else with_trust(path, estimated, accuracy, instance)
-        for path, estimated, accuracy, instance in zip(
-            found, stated, accuracies, lanes.instances, strict=True
-        )
-    ]
+    runs = LaneRuns(libraries, accuracies, estimate, inputs or {}, starts or {})
+    runs.run(until)
+    return runs
 
 
-class _Lanes:
-    """Runs that share nothing but the library, with room for the first and the last sample of each."""
+class LaneRuns:
+    """Runs that share nothing but the library, with their companions as further lanes, and room for the first
+    and the last sample of each lane."""
 
     def __init__(
         self,
         libraries: Sequence[Library],
         accuracies: Sequence[Accuracy],
+        estimate: bool,
         inputs: Mapping[str, Array],
         starts: Mapping[int, Array],
     ) -> None:
-        self._given = libraries, inputs, starts
-        self.n, self.accuracies = len(libraries), accuracies
-        self.instances = [each.manifest.instance for each in libraries]
-        self.group = group = group_of(libraries[0], libraries, accuracies)
-        for place, values in starts.items():
-            group.x[:, place] = values
-        settings = InputsByLane(group, libraries)
-        for name, values in inputs.items():
-            settings[name][:] = values
-        settings.restart(np.arange(self.n))
-        self._recording = Recording(group.like, np.zeros(2 * self.n))
-        self._taken = np.zeros(self.n, dtype=int)  # samples of each lane
-
-    def companions(self) -> _Lanes:
-        """The companions of these runs, before their start."""
-        libraries, inputs, starts = self._given
+        self._n, times = len(libraries), 2 if estimate else 1
         epsilon = float(np.finfo(libraries[0].dtype).eps)
-        finer = each_once(lambda own: own.companion(epsilon), self.accuracies)
-        twins = _Lanes(libraries, finer, inputs, starts)
-        nudge(twins.group.x, self.instances[0])
-        return twins
+        finer = each_once(lambda own: own.companion(epsilon), accuracies) if estimate else []
+        self._libraries, self._accuracies = [*libraries] * times, [*accuracies, *finer]
+        self._instances = [each.manifest.instance for each in self._libraries]
+        self._group = group = group_of(libraries[0], self._libraries, self._accuracies)
+        for place, values in starts.items():
+            group.x[:, place] = np.tile(values, times)
+        settings = InputsByLane(group, self._libraries)
+        for name, values in inputs.items():
+            settings[name][:] = np.tile(values, times)
+        settings.restart(np.arange(group.n))
+        nudge(group.x[self._n :], self._instances[0])
+        self._recording = Recording(group.like, np.zeros(2 * group.n))
+        self._taken = np.zeros(group.n, dtype=int)  # samples of each lane
+        self._refused: Mapping[int, SimulationError] = {}  # errors of lanes that cannot start
 
-    def begin(self) -> Mapping[int, SimulationError]:
-        """The errors of lanes that cannot start, by lane."""
-        refused = self.group.begin(label="")
-        for lane in np.flatnonzero(self.group.codes < FAILED).tolist():
-            self._sample(lane)
-        return refused
+    def run(self, until: float) -> None:
+        """Settle the starts, and go on to `until`, s; the companions to where their runs have ended."""
+        own, twins = np.arange(self._n), np.arange(self._n, self._group.n)
+        self._refused = self._group.begin(label="")
+        self._sample(np.flatnonzero(self._group.codes < FAILED))
+        ends = np.zeros(self._group.n)
+        ends[own] = until
+        self._advance(own, ends)
+        if len(twins):
+            ends[:] = np.tile(self._group.t[own], 2)
+            self._advance(twins, ends)
 
-    def advance(self, until: float | Array) -> None:
-        self.group.advance(until)
-        moved = (self.group.t > 0) & np.isfinite(self.group.x).all(axis=1)
-        for lane in np.flatnonzero(moved).tolist():
-            self._sample(lane)
+    def results(self) -> list[Ended]:
+        """What became of each run. The core has no part in it."""
+        found = [self._ended(lane) for lane in range(self._n)]
+        stated = self._estimates(found) if self._group.n > self._n else [None] * self._n
+        return [
+            path if isinstance(path, SimulationError) else with_trust(path, estimated, accuracy, instance)
+            for path, estimated, accuracy, instance in zip(
+                found, stated, self._accuracies[: self._n], self._instances[: self._n], strict=True
+            )
+        ]
+
+    def _advance(self, lanes: Array, ends: Array) -> None:
+        self._group.advance(ends)
+        moved = (self._group.t > 0) & np.isfinite(self._group.x).all(axis=1)
+        self._sample(lanes[moved[lanes]])
+
+    def _sample(self, lanes: Array) -> None:
+        """Take a sample of lanes at their present times."""
+        record, times = self._recording.record, self._recording.arrays["t"]
+        for lane in lanes.tolist():
+            row = 2 * lane + int(self._taken[lane])
+            times[row] = self._group.t[lane]
+            record.count, record.capacity = row, row + 1
+            self._group.sample(lane, record)
+            self._taken[lane] += 1
 
     @cached_property
-    def columns(self) -> Mapping[str, Any]:
-        """The samples of all lanes, two of each, as the fields of a Trajectory; for lanes that have come to
-        their ends."""
-        return self._recording.columns(2 * self.n, self.n)
+    def _columns(self) -> Mapping[str, Any]:
+        """The samples of all lanes, two of each, as the fields of a Trajectory."""
+        return self._recording.columns(2 * self._group.n, self._group.n)
 
-    def rows(self, lane: int) -> slice:
+    def _rows(self, lane: int) -> slice:
         """Those that a lane has taken."""
         return slice(2 * lane, 2 * lane + int(self._taken[lane]))
 
-    def trajectory(self, lane: int) -> Trajectory:
-        rows = self.rows(lane)
-        values = self.group.arrays["input"][lane, :-1:SETTING_SIZE].tolist()
-        names = (each["name"] for each in self.instances[lane]["inputs"])
+    def _ended(self, lane: int) -> Ended:
+        if lane in self._refused:
+            return self._refused[lane]
+        rows = self._rows(lane)
+        values = self._group.arrays["input"][lane, :-1:SETTING_SIZE].tolist()
+        names = (each["name"] for each in self._instances[lane]["inputs"])
         return trajectory_of(
-            self.group.like,
-            self.group.runs[lane],
-            {name: column[rows] for name, column in self.columns.items()},
-            Ending(OUTCOME_OF_CODE[int(self.group.codes[lane])], self.group.drain_events(lane)),
+            self._group.like,
+            self._group.runs[lane],
+            {name: column[rows] for name, column in self._columns.items()},
+            Ending(OUTCOME_OF_CODE[int(self._group.codes[lane])], self._group.drain_events(lane)),
             inputs=dict(zip(names, values, strict=True)),
-            instance=self.instances[lane],
-            accuracy=self.accuracies[lane],
+            instance=self._instances[lane],
+            accuracy=self._accuracies[lane],
         )
 
-    def _sample(self, lane: int) -> None:
-        """Take a sample of a lane at its present time."""
-        row, record = 2 * lane + int(self._taken[lane]), self._recording.record
-        self._recording.arrays["t"][row] = self.group.t[lane]
-        record.count, record.capacity = row, row + 1
-        self.group.sample(lane, record)
-        self._taken[lane] += 1
+    def _estimates(self, found: Sequence[Ended]) -> list[Estimate | None]:
+        """The estimates of the errors of runs, by their companions; None where a run has no sample."""
+        of_runs, of_twins = (
+            {name: self._columns[name][rows] for name in MOTION}
+            for rows in (slice(2 * self._n), slice(2 * self._n, None))
+        )
+        compared = motions_compared(of_runs, of_twins, self._instances[0])
 
+        def stated(path: Trajectory, lane: int) -> Estimate:
+            of_run, twin = (self._accuracies[lane], self._instances[lane]), self._ended(self._n + lane)
+            if isinstance(twin, SimulationError):
+                return estimate_of(path, None, *of_run, f"the companion run did not start: {twin}")
+            return estimate_of(path, twin, *of_run, compared=compared[:, self._rows(lane)])
 
-def _estimates(found: Sequence[Ended], lanes: _Lanes) -> list[Estimate | None]:
-    """The estimates of the errors of runs, by their companions; None where a run has no sample."""
-    twins = lanes.companions()
-    refused = twins.begin()
-    twins.advance(lanes.group.t)
-    compared = motions_compared(lanes.columns, twins.columns, lanes.instances[0])
-
-    def stated(path: Trajectory, lane: int) -> Estimate:
-        of_run = lanes.accuracies[lane], lanes.instances[lane]
-        if lane in refused:
-            missing = f"the companion run did not start: {refused[lane]}"
-            return estimate_of(path, None, *of_run, missing)
-        return estimate_of(path, twins.trajectory(lane), *of_run, compared=compared[:, lanes.rows(lane)])
-
-    return [
-        stated(path, lane) if isinstance(path, Trajectory) and len(path.t) else None
-        for lane, path in enumerate(found)
-    ]
+        return [
+            stated(path, lane) if isinstance(path, Trajectory) and len(path.t) else None
+            for lane, path in enumerate(found)
+        ]

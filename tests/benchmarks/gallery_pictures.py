@@ -36,7 +36,7 @@ SCALE = {  # of the space that is shown
     "bean_with_poles": 1.2,
     "bouncing_ball": 1.25,
     "box_dropped": 1.2,
-    "brake_shoe": 5.0,
+    "brake_shoe": 1.6,
     "cylinder_dropped": 1.2,
     "egg_on_spline": 0.7,
     "ellipsoid_on_ellipsoid": 1.2,
@@ -46,7 +46,8 @@ SCALE = {  # of the space that is shown
     "painleve_rod": 1.2,
     "rolling_disc": 1.15,
 }
-ARROW = 0.5  # of half the picture: the longest force
+NEARER = 0.8  # size of all pictures, as what they show is hardly as high as the space
+ARROW = 0.6  # of half the picture: the longest force
 COLOURS = {"normal": "tab:red", "friction": "tab:orange", "pressure": "tab:purple"}
 
 
@@ -73,7 +74,7 @@ def _stage(name: str, record: Record, model: Model) -> Stage:
     if name in WHOLE:
         low, high = _bounds(record, stage)
         stage = replace(stage, follow=False, centre=(low + high) / 2, size=float((high - low).max()) / 2)
-    return replace(stage, size=stage.size * SCALE.get(name, 1.0))
+    return replace(stage, size=stage.size * NEARER * SCALE.get(name, 1.0))
 
 
 def _bounds(record: Record, stage: Stage) -> tuple[Array, Array]:

@@ -126,9 +126,10 @@ def own_gradient(name: str, found: dict[str, Any]) -> tuple[float, np.ndarray, n
 @needs_jax
 @pytest.mark.parametrize("name", NAMED)
 def test_gradients_are_those_of_modelgen(name: str) -> None:
+    """To the error of a step, as only runs of JAX end steps at the given times."""
     found = told(name)
     value, mine, theirs = own_gradient(name, found)
-    assert found["value"] == pytest.approx(value, rel=1e-12)
+    assert found["value"] == pytest.approx(value, rel=1e-10)
     assert np.abs(theirs - mine).max() < 1e-10 * np.abs(mine).max()
     assert found["verdict"] == [0, 0]
     assert found["outcome"] == 0

@@ -11,7 +11,7 @@ import pytest
 from modelgen import Accuracy, simulate, start
 from modelgen.errors import SimulationError
 from modelgen.runtime.settings import accuracy_of
-from modelgen.runtime.simulate_lanes import simulate_lanes
+from modelgen.runtime.simulate_lanes import run_lanes
 from modelgen.runtime.trajectory import Outcome, Trajectory
 from tests.parameter_study.scenes import ball
 from tests.running import scene_of
@@ -34,7 +34,8 @@ def test_a_lane_is_the_run_of_start_and_simulate(name: str) -> None:
     library = scene_of(name)
     instance = library.manifest.instance
     accuracy, until = accuracy_of(instance, None, {}), min(0.3, instance["run"]["until"])
-    first, second = simulate_lanes([library] * 2, until=until, accuracies=[accuracy] * 2)
+    runs = run_lanes([library] * 2, until=until, accuracies=[accuracy] * 2)
+    first, second = runs.results()
     assert isinstance(first, Trajectory)
     assert isinstance(second, Trajectory)
     assert whole(first) == whole(second)
@@ -60,10 +61,10 @@ def test_lanes_have_their_own_inputs_and_starts() -> None:
     accuracy = Accuracy.balanced()
     place = library.manifest.instance["n_q"]  # of the first component of the velocity
     pushes, speeds = np.array([0.0, 1.0, -2.0]), np.array([0.5, 1.0, 0.7])
-    found = simulate_lanes(
+    runs = run_lanes(
         [library] * 3, until=0.4, accuracies=[accuracy] * 3, inputs={"push": pushes}, starts={place: speeds}
     )
-    for path, push, speed in zip(found, pushes, speeds, strict=True):
+    for path, push, speed in zip(runs.results(), pushes, speeds, strict=True):
         assert isinstance(path, Trajectory)
         assert path.inputs == {"push": push}
         instance = library.manifest.instance
@@ -77,9 +78,8 @@ def test_lanes_that_cannot_start_or_fail_leave_the_others_alone() -> None:
     library = ball()
     n_q = library.manifest.instance["n_q"]
     starts = {2: np.array([0.3, 0.02, 0.3]), n_q: np.array([1.0, 1.0, 2.0])}
-    good, low, fast = simulate_lanes(
-        [library] * 3, until=0.5, accuracies=[Accuracy.balanced()] * 3, starts=starts
-    )
+    runs = run_lanes([library] * 3, until=0.5, accuracies=[Accuracy.balanced()] * 3, starts=starts)
+    good, low, fast = runs.results()
     assert isinstance(good, Trajectory)
     assert good.outcome is Outcome.DONE
     assert isinstance(low, SimulationError)

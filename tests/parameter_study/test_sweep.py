@@ -16,10 +16,12 @@ import pytest
 from modelgen import load, load_sweep, simulate, sweep
 from modelgen.codegen.library_with_parameters import library_with
 from modelgen.errors import ModelgenError
-from modelgen.parameter_study import run_queue, sweep_folder
+from modelgen.parameter_study import chunk_runs, run_queue, sweep_folder
 from modelgen.parameter_study.outcome_plot import draw_sweep
 from modelgen.parameter_study.outcome_table import Sweep
 from modelgen.parameter_study.run_queue import RunQueue, Span
+from modelgen.runtime import simulate_lanes
+from modelgen.runtime.session_group import SessionGroup
 from tests.parameter_study.scenes import ball
 
 pytest.importorskip("pyarrow")
@@ -269,6 +271,41 @@ def test_queued_runs_are_each_handed_out_once() -> None:
         taken += range(span.first, span.first + span.size)
         queue.note(span.size, 0.01 * span.size)
     assert taken == sorted(set(range(1000)) - {0, 1, 2, *range(10, 15), *range(995, 1000)})
+
+
+@pytest.mark.parametrize("workers", [1, 2, 4])
+def test_chunks_grow_from_one_run_and_are_short_at_the_end(workers: int) -> None:
+    queue, sizes = RunQueue(1000, (), workers), list[int]()
+    while (span := queue.take()) is not None:
+        sizes.append(span.size)
+        queue.note(span.size, 0.01 * span.size)
+    assert sizes[0] == 1
+    assert all(after <= 2 * max(sizes[: k + 1]) for k, after in enumerate(sizes[1:]))
+    assert max(sizes) > 1000 / (8 * workers)
+    assert all(size * 0.01 <= 0.05 for size in sizes[-workers:])
+
+
+def test_threads_do_pythons_work_one_at_a_time_and_the_core_beside_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    held: dict[str, set[bool]] = {}
+
+    def watched(owner: Any, name: str) -> None:
+        function = getattr(owner, name)
+
+        def noted(*args: Any, **kwargs: Any) -> Any:
+            held.setdefault(name, set()).add(chunk_runs.PYTHON_WORK.locked())
+            return function(*args, **kwargs)
+
+        monkeypatch.setattr(owner, name, noted)
+
+    for function in ("with_parameters", "row_of", "simulate"):
+        watched(chunk_runs, function)
+    watched(simulate_lanes, "estimate_of")
+    watched(SessionGroup, "advance")
+    swept(tmp_path / "a", threads=1, estimate=True, keep=["trajectories"])
+    of_python = {"with_parameters", "row_of", "estimate_of"}
+    assert held == {name: {True} for name in of_python} | {"simulate": {False}, "advance": {False}}
 
 
 def test_the_plan_says_what_was_done(tmp_path: Path) -> None:
