@@ -38,6 +38,9 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
    contact follows and that is not there at its start: closest points have appeared within the step. */
 MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h);
 
+/* True if the contact ends at a fold: its minimum has met a saddle. */
+MG_INTERNAL int mg_is_contact_at_fold(const mg_context *c, int contact);
+
 /* Requests a search of each pair that has moved since its last one and penetrates where no contact follows. Needs the
    poses at the run's state. Returns their number. */
 MG_INTERNAL int mg_request_penetration_searches(mg_context *c);

@@ -107,27 +107,16 @@ MG_INTERNAL void mg_integrate_positions(mg_context *c, mg_real h) {
   mg_normalise_quaternions(c, c->run->x);
 }
 
-/* Most by which the gap of a contact changes in a step h, m: by the movement of its pair, of which the speed bound at
-   one end of the step tells half or more, and rounding. `h` is 0 in a correction of positions, which has its own bound.
- */
-static mg_real mg_largest_gap_change(const mg_context *c, int contact, mg_real h) {
-  if (!(h > 0)) return MG_MAX;
-  return 2 * h * mg_pair_speed_bound(c, c->system->contact_pair[contact]) + c->settings->start_gap * c->system->length;
-}
-
-/* Converges eta of a contact from where the step h has led it, else from where it began: to the closest points that
-   continue those before, whose gap moves no farther than the pair. Returns 0 if both fail. */
-static int mg_converge_contact(mg_context *c, int contact, mg_real h) {
+/* Converges eta of a contact from where the step has led it, else from where it began. Returns 0 if both fail. */
+static int mg_converge_contact(mg_context *c, int contact) {
   mg_real *eta = mg_contact_eta(c, c->run->x, contact), found[MG_MAX_ETA];
   const mg_real *before = mg_contact_eta(c, c->step.settled, contact);
   const int n = c->contacts.n_eta[contact];
   for (int k = 0; k < n; k++) found[k] = eta[k];
   int steps = mg_newton_on_feature_pair(c, contact, found);
-  const mg_real most = mg_largest_gap_change(c, contact, h);
-  if (steps < 0 || fabs(c->search.placement[0] - c->rows.d[contact]) > most) {
+  if (steps < 0) {
     for (int k = 0; k < n; k++) found[k] = before[k];
     steps = mg_converge_from_any_start(c, c->run->feature_pair[contact], found);
-    if (fabs(c->search.placement[0] - c->rows.d[contact]) > most) steps = -1;
   }
   for (int k = 0; k < n; k++) eta[k] = steps < 0 ? before[k] : found[k];
   return steps >= 0;
@@ -144,15 +133,15 @@ static void mg_mark_feature_exit(mg_context *c, int contact) {
     c->run->is_search_due[c->system->contact_pair[contact]] = 1;
 }
 
-MG_INTERNAL void mg_converge_all_contacts(mg_context *c, mg_events *events, mg_real h) {
+MG_INTERNAL void mg_converge_all_contacts(mg_context *c, mg_events *events) {
   mg_update_poses(c, c->run->t, c->run->x);
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
     c->events.triggered[i] = c->events.within_border[i] = 0;
     if (!mg_is_on_feature_pair(c, i)) continue;
-    if (mg_converge_contact(c, i, h)) {
-      c->rows.d[i] = c->search.placement[0], c->run->margin[i] = mg_contact_margin(c, i);
-      mg_mark_feature_exit(c, i);
-    } else mg_release_contact(c, events, i);
+    const int is_converged = mg_converge_contact(c, i);
+    if (is_converged) c->rows.d[i] = c->search.placement[0], c->run->margin[i] = mg_contact_margin(c, i);
+    if (is_converged && !mg_is_contact_at_fold(c, i)) mg_mark_feature_exit(c, i);
+    else mg_release_contact(c, events, i);
   }
 }
 
@@ -194,11 +183,11 @@ MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events) {
     if (!moved++) before = mg_energy(c, &kinetic);
     mg_copy_states(c, c->run->x, c->step.stage);
     if (!mg_correct_positions(c, worst)) break;
-    mg_converge_all_contacts(c, events, 0);
+    mg_converge_all_contacts(c, events);
     mg_update_rows_at(c, c->run->t, c->run->x);
     if (mg_largest_violation(c) < 2 * worst) continue;
     mg_copy_states(c, c->step.stage, c->run->x);
-    mg_converge_all_contacts(c, events, 0);
+    mg_converge_all_contacts(c, events);
     mg_update_rows_at(c, c->run->t, c->run->x);
     break;
   }

@@ -37,7 +37,7 @@ enum { MG_UPDATES = 32 }; /* most corrections of penetration in a step */
    leads no contact off its feature pair and to no new one. Leaves the rows at run->x. */
 static void mg_update_contacts_after_step(mg_context *c, mg_events *events, mg_real h) {
   int changed, update = 0;
-  mg_converge_all_contacts(c, events, h);
+  mg_converge_all_contacts(c, events);
   mg_change_marked_features(c, events);
   do {
     changed = mg_post_stabilise(c, events) ? mg_change_marked_features(c, events) : 0;

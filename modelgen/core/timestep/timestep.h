@@ -77,9 +77,9 @@ MG_INTERNAL void mg_apply_step_impulses(mg_context *c, mg_real h);
    the end, or with the mean velocities of the step. Needs the state at its start in c->step.end. */
 MG_INTERNAL void mg_integrate_positions(mg_context *c, mg_real h);
 
-/* Converges eta of all contacts at run->x, to which a step h (0: a correction) has led, and marks those that are off
-   their feature pairs; contacts without closest points are released. */
-MG_INTERNAL void mg_converge_all_contacts(mg_context *c, mg_events *events, mg_real h);
+/* Converges eta of all contacts at run->x, and marks those that are off their feature pairs; contacts without closest
+   points, or whose points are no minimum any more, are released. */
+MG_INTERNAL void mg_converge_all_contacts(mg_context *c, mg_events *events);
 
 /* Corrects positions while penetration exceeds contact_gap; the change of the energy counts as work. Leaves the rows at
    run->x. Returns the number of corrections. */
