@@ -409,7 +409,6 @@ typedef struct {
   mg_real *point;    /* [3 n_contact] of a support point or a contact that starts from flat: the point of f, m,
                         in the axes of its body */
   mg_real *moved_since_search; /* [n_pair] relative movement since the pair was searched, m */
-  mg_real *path_since_search;  /* [n_pair] the same, also where a search is due for another reason, m */
   mg_real *unfollowed_gap;     /* [n_pair] least gap found by that search that no contact was free to follow, m */
   mg_real *last_effort;        /* [n_pair] pairs of cells that the last search of the pair looked at */
   mg_real *withheld_effort;    /* [n_pair] pairs of cells by which its searches look at fewer than usual */

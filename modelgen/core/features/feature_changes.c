@@ -10,7 +10,6 @@
 #include "model/model.h"
 #include "closest/closest.h"
 
-#define MG_SEARCHES_IN_DEPTH 8   /* searches while a pair moves by appear_depth, at most */
 #define MG_FEATURE_CHANGES_MAX 8 /* most feature pairs passed at one time, as around a vertex */
 
 /* Coordinates of a shape nearest to a point in its axes, by refined sampling. */
@@ -332,16 +331,11 @@ static void mg_search_free_feature_pairs(mg_context *c, int pair, const mg_searc
 static mg_search_limits mg_penetration_limits(const mg_context *c, int pair, mg_real moved) {
   const mg_real radius_o = mg_pair_ball(c, pair, 0)[3], radius_f = mg_pair_ball(c, pair, 1)[3];
   mg_search_limits limits = mg_appearance_limits(c, pair);
-  if (!(moved < MG_SEARCH_DUE)) moved = c->run->path_since_search[pair];
+  if (!(moved < MG_SEARCH_DUE)) return limits;
   if (radius_o >= 0) moved = mg_min(moved, radius_o / 2);
   if (radius_f >= 0) moved = mg_min(moved, radius_f / 2);
   limits.depth = mg_max(limits.depth, moved);
   return limits;
-}
-
-/* Least movement of a pair between searches that are not due at every step, m. */
-static mg_real mg_least_movement(const mg_context *c, int pair) {
-  return c->settings->appear_depth / MG_SEARCHES_IN_DEPTH * mg_pair_length(c, pair);
 }
 
 /* Notes that no contact follows a minimum of a pair with the gap d. */
@@ -387,7 +381,9 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
   if (mg_has_own_feature_pairs(c, pair)) limits.gap = limits.depth = MG_MAX;
   int count = found.count = 0;
   c->search.open_gap = c->search.singular_gap = MG_MAX;
+  const long incomplete = c->run->incomplete_searches;
   mg_search_free_feature_pairs(c, pair, &limits, least, &found);
+  if (c->run->incomplete_searches > incomplete) mg_note_open_gap(c, 2 * mg_least_movement(c, pair)); /* not known */
   c->run->unfollowed_gap[pair] = mg_max(c->search.open_gap, (mg_real)0);
   for (int k = 0; k < found.count; k++) {
     const mg_minimum *each = found.list + k;
@@ -595,8 +591,7 @@ MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h)
   mg_release_distant_rim_points(c);
   for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER && mg_is_search_needless(c, pair)) continue;
-    const mg_real path = h * mg_pair_speed_bound(c, pair);
-    c->run->moved_since_search[pair] += path, c->run->path_since_search[pair] += path;
+    c->run->moved_since_search[pair] += h * mg_pair_speed_bound(c, pair);
     if (!mg_is_search_due(c, pair, c->run->moved_since_search[pair])) continue;
     const mg_real moved = c->run->moved_since_search[pair];
     const int is_done = c->search.searched_gap[pair] >= 0 && moved < MG_SEARCH_DUE;
@@ -604,7 +599,6 @@ MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h)
     c->search.searched_gap[pair] = -1;
     c->run->moved_since_search[pair] = 0;
     const int found = is_done ? 0 : mg_search_pair_contacts(c, events, pair, moved);
-    c->run->path_since_search[pair] = 0;
     if (c->run->moved_since_search[pair] > 0 || (!found && mg_is_search_due_again(c, pair, moved)))
       c->run->moved_since_search[pair] =
           c->run->withheld_effort[pair] > 0

@@ -90,7 +90,6 @@ static void mg_enter_pair(mg_context *c, int pair) {
   mg_clear_pair(c, pair);
   if (!mg_is_pair_followed_from_anywhere(c, pair)) {
     c->run->moved_since_search[pair] = MG_SEARCH_DUE, c->run->unfollowed_gap[pair] = MG_MAX;
-    c->run->path_since_search[pair] = 0;
     return;
   }
   if (mg_converge_from_any_start(c, feature_pair, eta) < 0) return;

@@ -50,7 +50,6 @@ static void mg_move_run(mg_stream *stream, const mg_system *s, mg_run *run) {
   mg_move_ints(stream, run->feature_pair, s->n_contact);
   mg_move_reals(stream, run->point, 3L * s->n_contact);
   mg_move_reals(stream, run->moved_since_search, s->n_pair);
-  mg_move_reals(stream, run->path_since_search, s->n_pair);
   mg_move_reals(stream, run->unfollowed_gap, s->n_pair);
   mg_move_reals(stream, run->last_effort, s->n_pair);
   mg_move_reals(stream, run->withheld_effort, s->n_pair);

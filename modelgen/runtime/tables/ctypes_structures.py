@@ -147,7 +147,6 @@ RUN_ARRAYS = (
         "feature_pair",
         "point",
         "moved_since_search",
-        "path_since_search",
         "unfollowed_gap",
         "last_effort",
         "withheld_effort",

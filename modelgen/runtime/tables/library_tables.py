@@ -131,7 +131,6 @@ def _sizes_of_run(
         "x": states,
         "point": 3 * n_contact + 1,
         "moved_since_search": len(instance["pairs"]) + len(instance["limits"]) + 1,
-        "path_since_search": len(instance["pairs"]) + len(instance["limits"]) + 1,
         "unfollowed_gap": len(instance["pairs"]) + len(instance["limits"]) + 1,
         "last_effort": len(instance["pairs"]) + len(instance["limits"]) + 1,
         "withheld_effort": len(instance["pairs"]) + len(instance["limits"]) + 1,
