@@ -311,6 +311,9 @@ MG_INTERNAL void mg_report_lost_points(const mg_context *c, int pair);
    features of the other; -MG_MAX if no faces are known. An extremum below it is not a minimum of the distance. */
 MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair);
 
+/* Least movement of a pair between searches that are not due at every step, m. */
+MG_INTERNAL mg_real mg_least_movement(const mg_context *c, int pair);
+
 /* Gaps at which a contact of a pair may appear during a run. */
 MG_INTERNAL mg_search_limits mg_appearance_limits(const mg_context *c, int pair);
 

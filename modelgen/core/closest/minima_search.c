@@ -3,6 +3,8 @@
 #include "closest/closest.h"
 #include "model/model.h"
 
+#define MG_SEARCHES_IN_DEPTH 8 /* searches while a pair moves by appear_depth, at most */
+
 /* Counts a search that was given up in the report of the run, but where flat faces may lie on each other, which patches
    treat. Returns 1 if it was counted. */
 static int mg_report_incomplete_search(const mg_context *c, int feature_pair) {
@@ -35,6 +37,10 @@ MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair) {
   for (int k = 0; k < groups; k++)
     if (c->search.face_gap[k] < MG_MAX && c->search.face_gap[k] > separation) separation = c->search.face_gap[k];
   return separation;
+}
+
+MG_INTERNAL mg_real mg_least_movement(const mg_context *c, int pair) {
+  return c->settings->appear_depth / MG_SEARCHES_IN_DEPTH * mg_pair_length(c, pair);
 }
 
 /* Most pairs of cells that a search of a pair looks at during a run: what searches that were given up have looked at is
@@ -174,10 +180,12 @@ MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
     c->run->unfollowed_gap[pair] = MG_MAX, c->run->last_effort[pair] = c->run->withheld_effort[pair] = 0;
   for (int i = 0; i < c->layout.support_begin; i++) mg_set_feature_pair(c, i, -1, 0);
   for (int pair = mg_next_pair(c, -1); pair < c->system->n_pair; pair = mg_next_pair(c, pair)) {
+    const long incomplete = c->run->incomplete_searches;
     c->search.open_gap = c->search.singular_gap = MG_MAX;
     const int outcome = mg_has_own_feature_pairs(c, pair) ? mg_start_own_feature_pairs(c, pair)
                                                           : mg_start_shared_feature_pairs(c, pair);
     if (outcome) return outcome;
+    if (c->run->incomplete_searches > incomplete) mg_note_open_gap(c, 2 * mg_least_movement(c, pair)); /* not known */
     c->run->unfollowed_gap[pair] = mg_min(c->run->unfollowed_gap[pair], mg_max(c->search.open_gap, (mg_real)0));
     c->run->moved_since_search[pair] = c->run->watched_movement[pair] = 0;
     c->run->is_search_due[pair] = c->search.open_gap < MG_MAX;

@@ -67,7 +67,7 @@ static void mg_store_passage_start(mg_context *c) {
 }
 
 /* Move eta to the minimum that continues the contact after the passage; returns 0 where none is found at zero gap.
-   Others may be left unseen. */
+   Others may be left unseen; where searches of the pair have been given up, those that are not near. */
 static int mg_find_point_after_passage(mg_context *c, int contact, mg_real *eta) {
   const mg_real touching = c->settings->contact_gap * c->system->length;
   const int n = c->contacts.n_eta[contact], feature_pair = c->run->feature_pair[contact];
@@ -84,7 +84,8 @@ static int mg_find_point_after_passage(mg_context *c, int contact, mg_real *eta)
     mg_insert_minimum(c, &kept, &found);
   if (!kept.count || fabs(kept.list[0].d) > touching)
     mg_search_near_contact_point(c, contact, eta, c->settings->margin_refuse, &kept);
-  if (!kept.count || fabs(kept.list[0].d) > touching)
+  const int is_searched = !(c->run->withheld_effort[c->system->contact_pair[contact]] > 0);
+  if (is_searched && (!kept.count || fabs(kept.list[0].d) > touching))
     mg_find_minima_of_feature_pair(c, feature_pair, &limits, -MG_MAX, &kept);
   if (!kept.count || fabs(kept.list[0].d) > touching) return 0;
   for (int k = 0; k < n; k++) eta[k] = kept.list[0].eta[k];

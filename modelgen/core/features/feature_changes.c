@@ -10,7 +10,6 @@
 #include "model/model.h"
 #include "closest/closest.h"
 
-#define MG_SEARCHES_IN_DEPTH 8   /* searches while a pair moves by appear_depth, at most */
 #define MG_FEATURE_CHANGES_MAX 8 /* most feature pairs passed at one time, as around a vertex */
 
 /* Coordinates of a shape nearest to a point in its axes, by refined sampling. */
@@ -336,11 +335,6 @@ static mg_search_limits mg_penetration_limits(const mg_context *c, int pair, mg_
   return limits;
 }
 
-/* Least movement of a pair between searches that are not due at every step, m. */
-static mg_real mg_least_movement(const mg_context *c, int pair) {
-  return c->settings->appear_depth / MG_SEARCHES_IN_DEPTH * mg_pair_length(c, pair);
-}
-
 /* Movement of a pair, m, after which a search finds closest points that it did not tell apart before. */
 static mg_real mg_resolved_movement(const mg_context *c, int pair) {
   return c->settings->search_merge_distance * mg_pair_length(c, pair);
@@ -390,7 +384,9 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
   if (mg_has_own_feature_pairs(c, pair)) limits.gap = limits.depth = MG_MAX;
   int count = found.count = 0;
   c->search.open_gap = c->search.singular_gap = MG_MAX;
+  const long incomplete = c->run->incomplete_searches;
   mg_search_free_feature_pairs(c, pair, &limits, least, &found);
+  if (c->run->incomplete_searches > incomplete) mg_note_open_gap(c, 2 * mg_least_movement(c, pair)); /* not known */
   c->run->unfollowed_gap[pair] = mg_max(c->search.open_gap, (mg_real)0);
   for (int k = 0; k < found.count; k++) {
     const mg_minimum *each = found.list + k;
