@@ -64,7 +64,7 @@ def estimate_of(
         if compared is None:
             mine, theirs = ({key: getattr(run, key)[:n] for key in MOTION} for run in (path, twin))
             compared = motions_compared(mine, theirs, instance)
-        errors[:, :n] = _errors(path, compared[:, :n], safe, instance)
+        errors[:, :n] = _errors(path, _without_blows(path, compared[:, :n]), safe, instance)
     position, rotation, velocity, spin = errors
     predicted = _predicted(position / length, rotation, n, accuracy.prediction_error_max)
     slow = BOUNCE * accuracy.rest_speed * length / instance["scales"]["time"]
@@ -86,6 +86,19 @@ def estimate_of(
         rhs_evals=0 if twin is None else twin.rhs_evals,
         interrupted=twin is not None and twin.interrupted,
     )
+
+
+def _without_blows(path: Trajectory, compared: Array) -> Array:
+    """What `motions_compared` gives, without the differences of velocities at samples that fall on an impact
+    within the rounding of its time: each run shows those before it or those after it."""
+    far, found = compared[len(APART)].max(initial=0.0), compared.copy()
+    rounding = ROUNDED * float(np.finfo(path.p.dtype).eps)
+    times = path.t[: compared.shape[1]]
+    for event in path.events:
+        if event.speed > 0:
+            reach = rounding * (path.t_end + far / event.speed)
+            found[APART.index("velocity") : len(APART), np.abs(times - event.t) <= reach] = 0
+    return found
 
 
 def _common(path: Trajectory, twin: Trajectory) -> int:
