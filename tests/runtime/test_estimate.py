@@ -219,6 +219,23 @@ def test_a_sample_that_falls_on_an_impact_is_left_out_of_the_errors_of_velocitie
     assert max(stated) < 1e-12
 
 
+@pytest.mark.cases(3)
+@pytest.mark.parametrize("accuracy", ["fast", "balanced"])
+def test_so_is_one_that_falls_on_it_within_the_error_of_its_time(accuracy: str) -> None:
+    """Eggs that turn as they fall onto a table; a run at 1e-13 tells when."""
+    table, contact = make.fixed("table", make.plane()), [{"between": ["egg", "table"], "restitution": 0.5}]
+    for spin in range(1, 8):
+        egg = make.dynamic(
+            "egg", make.ellipsoid(0.1, 0.08, 0.06), density=1e3, position=[0, 0, 0.3],
+            angular_velocity=[spin, 3.0, 1.0],
+        )  # fmt: skip
+        library = library_of(make.scene("falls", [table, egg], contact=contact))
+        blow = simulate(library, until=0.3, accuracy="tight", estimate=False).events[0]
+        path = simulate(library, until=1.1 * blow.t, accuracy=accuracy, samples=11)
+        assert path.t[10] == pytest.approx(blow.t, rel=1e-15)
+        assert path.velocity_error[-1] < 1e-5 * blow.speed
+
+
 def test_event_times_have_an_estimate() -> None:
     path = simulate(scene_of("double_pendulum"), accuracy="fast")
     assert path.estimate is not None
