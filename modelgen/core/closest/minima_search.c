@@ -57,7 +57,7 @@ MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, const m
   }
   mg_real eta[6] = {turn ? 0 : 1, 0, 0, 0, 0, 0};
   if (mg_converge_from_any_start(c, feature_pair, eta) < 0) return;
-  if (kind->n_eta == 0) mg_note_singular_point(c, feature_pair);
+  if (kind->n_eta == 0 && c->search.placement[0] >= -limits->depth) mg_note_singular_point(c, feature_pair);
   mg_keep_minimum_at(c, feature_pair, eta, least, kept);
 }
 
