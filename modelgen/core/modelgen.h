@@ -489,7 +489,7 @@ typedef struct {
   mg_real event_work_t;        /* t when event_work was last updated, s */
   mg_real chatter_first;       /* start of the first fallback by MG_CHATTER, s */
   mg_real chatter_time;        /* duration of all fallbacks by MG_CHATTER, s */
-  mg_real impact_gain_max;     /* most energy that one contact has added in an impact, J */
+  mg_real impact_gain_max;     /* most energy that an impact has added, J */
   mg_real impact_gain_t;       /* time of impact_gain_max, s */
   mg_real chain_impact_t;      /* time at which an impact first reached a contact at rest, s */
   mg_real painleve_t;          /* time at which forces were first indeterminate (Painleve's paradox), s */
@@ -506,7 +506,7 @@ typedef struct {
   int rank_max;             /* largest rank of the rows of all joints at accepted steps */
   int dead_centres;         /* dead centres passed */
   int dead_centre;          /* joint nearest to the loss of a row at the first dead centre, or -1 */
-  int impact_gain_contact;  /* contact of impact_gain_max, or -1 */
+  int impact_gain_contact;  /* that added most of impact_gain_max, or -1 */
   int chain_impact_contact; /* contact of chain_impact_t, or -1 */
   int painleve_contact;     /* contact of painleve_t, or -1 */
   int fallback_cause;       /* outcome that the first fallback avoided, those by MG_CHATTER not included */

@@ -20,6 +20,7 @@ from modelgen.runtime.run_distance import (
     forces_between,
     gaps_between,
     motions_compared,
+    times_by_kind,
 )
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import Outcome, Trajectory
@@ -64,7 +65,7 @@ def estimate_of(
         if compared is None:
             mine, theirs = ({key: getattr(run, key)[:n] for key in MOTION} for run in (path, twin))
             compared = motions_compared(mine, theirs, instance)
-        errors[:, :n] = _errors(path, compared[:, :n], safe, instance)
+        errors[:, :n] = _errors(path, _without_blows(path, twin, compared[:, :n], safe), safe, instance)
     position, rotation, velocity, spin = errors
     predicted = _predicted(position / length, rotation, n, accuracy.prediction_error_max)
     slow = BOUNCE * accuracy.rest_speed * length / instance["scales"]["time"]
@@ -86,6 +87,26 @@ def estimate_of(
         rhs_evals=0 if twin is None else twin.rhs_evals,
         interrupted=twin is not None and twin.interrupted,
     )
+
+
+def _without_blows(path: Trajectory, twin: Trajectory, compared: Array, safe: float) -> Array:
+    """What `motions_compared` gives, without the differences of velocities at samples that fall on an impact
+    within the error of its time: each run shows those before it or those after it."""
+    far, found = compared[len(APART)].max(initial=0.0), compared.copy()
+    rounding = ROUNDED * float(np.finfo(path.p.dtype).eps)
+    theirs = {key: iter(times) for key, times in times_by_kind(twin.events, np.inf).items()}
+    blows = [
+        (event.t, next(theirs.get((event.kind, event.contact), iter(())), event.t), event.speed)
+        for event in path.events
+        if event.speed > 0
+    ]
+    t, like, speed = np.array(blows).reshape(-1, 3).T
+    reach = safe * np.abs(t - like) + rounding * (path.t_end + far / speed)
+    times = path.t[: compared.shape[1]]
+    first, end = np.searchsorted(times, t - reach), np.searchsorted(times, t + reach, side="right")
+    for k in np.flatnonzero(first < end):
+        found[APART.index("velocity") : len(APART), first[k] : end[k]] = 0
+    return found
 
 
 def _common(path: Trajectory, twin: Trajectory) -> int:

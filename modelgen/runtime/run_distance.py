@@ -67,7 +67,7 @@ def events_between(found: Sequence[Event] | None, true: Sequence[Event] | None, 
     and how many have none. SEARCH_EVENTS, whose times are those of steps, are left out."""
     if found is None or true is None or not (found or true):
         return {"events": None, "events_unmatched": None}
-    times = [_by_kind(events, end) for events in (found, true)]
+    times = [times_by_kind(events, end) for events in (found, true)]
     apart, unmatched = [], 0
     for key in times[0].keys() | times[1].keys():
         mine, theirs = times[0].get(key, []), times[1].get(key, [])
@@ -76,7 +76,8 @@ def events_between(found: Sequence[Event] | None, true: Sequence[Event] | None, 
     return {"events": max(apart, default=None), "events_unmatched": unmatched}
 
 
-def _by_kind(events: Sequence[Event], end: float) -> Mapping[tuple[str, str], list[float]]:
+def times_by_kind(events: Sequence[Event], end: float) -> Mapping[tuple[str, str], list[float]]:
+    """Times of events up to `end` by kind and contact, in order, without SEARCH_EVENTS."""
     times: dict[tuple[str, str], list[float]] = defaultdict(list)
     for event in events:
         if event.t <= end and event.kind not in SEARCH_EVENTS:

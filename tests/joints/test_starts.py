@@ -94,6 +94,22 @@ def test_a_linkage_that_stays_away_from_its_dead_centres_names_none() -> None:
     assert not [warning for warning in run("four_bar", Accuracy.tight()).warnings if "dead centre" in warning]
 
 
+@pytest.mark.parametrize("accuracy", ["fast", "balanced"])
+@pytest.mark.parametrize("away", [0.0, 0.3])
+@pytest.mark.parametrize("speed", [1.0, 20.0, 200.0])
+def test_a_rotor_that_turns_far_in_a_step_passes_no_dead_centre(
+    accuracy: str, away: float, speed: float
+) -> None:
+    rotor = make.dynamic(
+        "rotor", mass=1.0, inertia=[1e-3] * 3, position=[away, 0, 0], velocity=[0, speed * away, 0],
+        angular_velocity=[0, 0, speed],
+    )  # fmt: skip
+    hinge = {"name": "hinge", "kind": "revolute", "between": ["world", "rotor"]}
+    library = library_of(make.scene("rotor", [rotor], joint=[hinge], gravity=[0, 0, 0]))
+    path = simulate(library, until=2.0, accuracy=accuracy, samples=2, estimate=False)
+    assert not [warning for warning in path.warnings if "dead centre" in warning]
+
+
 def test_a_door_on_two_hinges_swings_as_on_one_and_says_that_the_second_is_redundant() -> None:
     door = block("door", inertia=(0.4, 0.1, 0.5), position=[0.5, 0.0, 0.0])
     hinge = {"kind": "revolute", "between": ["world", "door"], **FLAT}

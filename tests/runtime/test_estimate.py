@@ -12,6 +12,7 @@ from modelgen import Accuracy, simulate, start
 from modelgen.runtime.core_session import Session
 from modelgen.runtime.error_estimate import estimate_of
 from modelgen.runtime.run_distance import distance_between
+from modelgen.scene import python_scenes as make
 from modelgen.scene.read import read_text
 from tests.benchmark.cases import Verdict, judged, scene_named, true_form
 from tests.benchmark.test_reference import BILLIARD
@@ -198,6 +199,41 @@ def test_what_a_second_run_cannot_show_is_said() -> None:
     )
     assert egg.estimate is not None
     assert "Gamma2 is left out" in egg.estimate.statement
+
+
+@pytest.mark.cases(3)
+@pytest.mark.parametrize("accuracy", ["fast", "balanced", "tight"])
+def test_a_sample_that_falls_on_an_impact_is_left_out_of_the_errors_of_velocities(accuracy: str) -> None:
+    """Balls that meet walls at round times, which are samples."""
+    stated = []
+    for k in range(1, 10):
+        wall = make.fixed("wall", make.plane(), position=[0.12 * k, 0, 0], rpy=[0, -np.pi / 2, 0])
+        ball = make.dynamic(
+            "ball", make.sphere(0.1), density=1.0, position=[-0.1, 0, 0], velocity=[1.2, 0, 0]
+        )
+        contact = [{"between": ["ball", "wall"], "restitution": 0.5}]
+        library = library_of(make.scene("met", [wall, ball], contact=contact, gravity=[0, 0, 0]))
+        path = simulate(library, until=1.0, accuracy=accuracy)
+        assert len(path.events) == 1
+        stated.append(path.velocity_error.max())
+    assert max(stated) < 1e-12
+
+
+@pytest.mark.cases(3)
+@pytest.mark.parametrize("accuracy", ["fast", "balanced"])
+def test_so_is_one_that_falls_on_it_within_the_error_of_its_time(accuracy: str) -> None:
+    """Eggs that turn as they fall onto a table; a run at 1e-13 tells when."""
+    table, contact = make.fixed("table", make.plane()), [{"between": ["egg", "table"], "restitution": 0.5}]
+    for spin in range(1, 8):
+        egg = make.dynamic(
+            "egg", make.ellipsoid(0.1, 0.08, 0.06), density=1e3, position=[0, 0, 0.3],
+            angular_velocity=[spin, 3.0, 1.0],
+        )  # fmt: skip
+        library = library_of(make.scene("falls", [table, egg], contact=contact))
+        blow = simulate(library, until=0.3, accuracy="tight", estimate=False).events[0]
+        path = simulate(library, until=1.1 * blow.t, accuracy=accuracy, samples=11)
+        assert path.t[10] == pytest.approx(blow.t, rel=1e-15)
+        assert path.velocity_error[-1] < 1e-5 * blow.speed
 
 
 def test_event_times_have_an_estimate() -> None:

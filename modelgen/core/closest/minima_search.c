@@ -68,7 +68,7 @@ MG_INTERNAL int mg_find_minima_of_feature_pair(mg_context *c, int feature_pair, 
     return mg_search_critical_points(c, feature_pair, limits, least, kept);
   mg_real eta[6] = {turn ? 0 : 1, 0, 0, 0, 0, 0};
   if (mg_converge_from_any_start(c, feature_pair, eta) < 0) return 1;
-  if (kind->n_eta == 0) mg_note_singular_point(c, feature_pair, eta);
+  if (kind->n_eta == 0 && c->search.placement[0] >= -limits->depth) mg_note_singular_point(c, feature_pair, eta);
   mg_keep_minimum_at(c, feature_pair, eta, least, kept);
   return 1;
 }

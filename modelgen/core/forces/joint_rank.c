@@ -39,6 +39,16 @@ static mg_real mg_delassus_with_previous(const mg_context *c, int row, int colum
   return sum;
 }
 
+/* True if a step has turned one of n rows so far, by some 75 degrees, that their product A with those of the step
+   before does not tell whether the part of one that is independent of the others has reversed. */
+static int mg_has_far_turned_row(const mg_context *c, const mg_real *A, int n) {
+  for (int k = 0; k < n; k++) {
+    const mg_real *J = c->rows.J + 12 * c->lcp.rows[k], *MJ = c->rows.MJ + 12 * c->lcp.rows[k];
+    if (4 * A[k + n * k] < mg_dot6(J, MJ) + mg_dot6(J + 6, MJ + 6)) return 1;
+  }
+  return 0;
+}
+
 /* True if one of n rows has reversed its direction: a pivot of the product A of the rows with those of the step before
    is negative. Rows are not exchanged: each pivot belongs to the part of a row that is independent of the rows before
    it, so that two reversals do not cancel. */
@@ -68,7 +78,8 @@ static int mg_has_passed_dead_centre(mg_context *c) {
       c->lcp.A[i + independent * j] = mg_delassus_with_previous(c, c->lcp.rows[i], c->lcp.rows[j]);
   for (int r = 0; r < n; r++) c->run->joint_row_independent[r] = c->lcp.joint_mask[r];
   for (int k = 0; k < 12 * n; k++) c->run->joint_response[k] = c->rows.MJ[12 * c->layout.joint_row_begin + k];
-  return same ? mg_has_reversed_row(c->lcp.A, independent) : !first && lost > 0;
+  if (!same) return !first && lost > 0;
+  return !mg_has_far_turned_row(c, c->lcp.A, independent) && mg_has_reversed_row(c->lcp.A, independent);
 }
 
 /* Independence of the rows of a joint from those of the joints before it: the product over its rows, except those that

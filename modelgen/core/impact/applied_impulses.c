@@ -23,14 +23,17 @@ MG_INTERNAL void mg_note_impact_energy_gain(mg_context *c, int n) {
   for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
   const int size = mg_append_bilateral_rows(c, c->lcp.rows, n);
   for (int r = 0; r < size; r++) mg_add_row_response(c, c->lcp.rows[r], c->lcp.z[r], c->bodies.wrench);
+  mg_real total = 0, largest = 0;
+  int contact = -1;
   for (int k = 0, r = 0; r < n; k++) {
     mg_real gain = 0;
     for (const int end = r + c->friction.cone_rows[k]; r < end; r++)
       gain += c->lcp.z[r] * (c->rows.d_dot[c->lcp.rows[r]] + mg_row_times(c, c->lcp.rows[r], c->bodies.wrench) / 2);
-    if (!(gain > c->run->impact_gain_max)) continue;
-    c->run->impact_gain_max = gain, c->run->impact_gain_t = c->run->t,
-    c->run->impact_gain_contact = c->friction.cone_contact[k];
+    total += gain;
+    if (gain > largest) largest = gain, contact = c->friction.cone_contact[k];
   }
+  if (contact < 0 || !(total > c->run->impact_gain_max)) return;
+  c->run->impact_gain_max = total, c->run->impact_gain_t = c->run->t, c->run->impact_gain_contact = contact;
 }
 
 MG_INTERNAL void mg_reset_friction_modes(mg_context *c) {

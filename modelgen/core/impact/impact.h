@@ -46,8 +46,8 @@ MG_INTERNAL void mg_set_support_impact_rates(mg_context *c);
    moving bodies to its work. */
 MG_INTERNAL void mg_apply_impulses(mg_context *c, int n);
 
-/* Record the contact that gains most kinetic energy in the impact. Needs the impulses of the first n listed rows
-   and the velocities before the impact. */
+/* Record an impact that gains kinetic energy, and the contact that gains most. Needs the impulses of the first n
+   listed rows and the velocities before the impact. */
 MG_INTERNAL void mg_note_impact_energy_gain(mg_context *c, int n);
 
 /* Reset all friction modes after an impact, so that the slip velocities decide them again. */

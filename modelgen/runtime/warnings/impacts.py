@@ -15,8 +15,9 @@ def impact_warnings(session: Session, accuracy: Accuracy) -> list[str]:
 
 
 def _law_of(session: Session, contact: str) -> str:
-    pair = next(c["pair"] for c in session.instance["contacts"] if c["name"] == contact)
-    return str(session.instance["pairs"][pair].get("law", "newton"))
+    """Of a contact of shapes, or of a limit of a joint, which follows Newton's law."""
+    pairs = {each["name"]: session.instance["pairs"][each["pair"]] for each in session.instance["contacts"]}
+    return str(pairs.get(contact, {}).get("law", "newton"))
 
 
 def _gains(session: Session, accuracy: Accuracy) -> list[str]:
