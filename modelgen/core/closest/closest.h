@@ -287,6 +287,9 @@ MG_INTERNAL void mg_note_penetration(mg_context *c, int contact, int feature_pai
 /* Inserts a minimum in order of |d|, unless it is known. Beyond MG_MINIMA the farthest is dropped and reported. */
 MG_INTERNAL void mg_insert_minimum(const mg_context *c, mg_minima *kept, const mg_minimum *found);
 
+/* Forgets the gaps noted in the search before. */
+MG_INTERNAL void mg_forget_noted_gaps(mg_context *c);
+
 /* Notes a gap in m above which the features may be at many places at once, none of which is a minimum by itself. */
 MG_INTERNAL void mg_note_open_gap(mg_context *c, mg_real gap);
 
@@ -294,8 +297,9 @@ MG_INTERNAL void mg_note_open_gap(mg_context *c, mg_real gap);
    no border, beyond which edges and faces are followed. */
 MG_INTERNAL void mg_note_singular_gap(mg_context *c, int feature_pair, mg_real gap);
 
-/* Notes the gap of the critical point evaluated last if to rounding it is one of a curve or a surface of them. */
-MG_INTERNAL void mg_note_singular_point(mg_context *c, int feature_pair);
+/* Notes the gap of the critical point evaluated last, at eta, if to rounding it is one of a curve or a surface of them.
+ */
+MG_INTERNAL void mg_note_singular_point(mg_context *c, int feature_pair, const mg_real *eta);
 
 /* Adds the critical point at eta to the minima kept, if it is one and not below `least`. */
 MG_INTERNAL void mg_keep_minimum_at(mg_context *c, int feature_pair, mg_real *eta, mg_real least, mg_minima *kept);

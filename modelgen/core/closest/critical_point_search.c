@@ -232,7 +232,7 @@ static int mg_converge_from_cells(mg_critical_search *s, int a, int b) {
   else mg_sample_cell(s, 1 - s->first, b, at + s->first, at + 1 - s->first);
   mg_start_eta(c, s->feature_pair, at, at + 1, eta);
   if (!mg_converge_search(s, eta)) return 0;
-  mg_note_singular_point(c, s->feature_pair);
+  mg_note_singular_point(c, s->feature_pair, eta);
   mg_add_known_point(s, eta);
   mg_keep_minimum_at(c, s->feature_pair, eta, s->least, s->kept);
   mg_leave_out_farther_gaps(s);

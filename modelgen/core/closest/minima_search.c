@@ -57,7 +57,7 @@ MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, const m
   }
   mg_real eta[6] = {turn ? 0 : 1, 0, 0, 0, 0, 0};
   if (mg_converge_from_any_start(c, feature_pair, eta) < 0) return;
-  if (kind->n_eta == 0) mg_note_singular_point(c, feature_pair);
+  if (kind->n_eta == 0) mg_note_singular_point(c, feature_pair, eta);
   mg_keep_minimum_at(c, feature_pair, eta, least, kept);
 }
 
@@ -84,6 +84,16 @@ MG_INTERNAL long mg_search_nearest(mg_context *c, int first, int end, mg_real le
 /* True if closest points that are not isolated touch. */
 static int mg_is_singular_contact(const mg_context *c) {
   return fabs(c->search.singular_gap) <= c->settings->start_gap * c->system->length;
+}
+
+/* Puts a contact on the closest points that are not isolated, if they penetrate and are nearer than the minima found.
+   Returns 1 if they are. */
+static int mg_follow_overlap(mg_context *c, int contact, const mg_minima *found) {
+  const mg_minimum *overlap = &c->search.overlap;
+  if (!(overlap->d > -MG_MAX) || mg_is_start_gap_allowed(c, overlap->d)) return 0;
+  if (found->count && fabs(found->list[0].d) <= -overlap->d) return 0;
+  mg_set_feature_pair(c, contact, overlap->feature_pair, overlap->eta);
+  return 1;
 }
 
 /* Outcome of a start without closest points; if they are not isolated, or the search was given up, the shapes conform.
@@ -115,6 +125,7 @@ static int mg_start_own_feature_pairs(mg_context *c, int pair) {
     mg_minima found = {0};
     mg_search_at_start(c, feature_pair, feature_pair + 1, -MG_MAX, &found);
     c->run->failed_contact = i;
+    if (mg_follow_overlap(c, i, &found)) return MG_PENETRATION;
     if (!found.count && !mg_is_open_gap_allowed(c) && mg_is_unconditional_feature_pair(c, feature_pair))
       return mg_refuse_start(c);
     if (found.count && found.list[0].undecided) return MG_NO_OUTSIDE;
@@ -132,6 +143,7 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
   mg_minima found = {0};
   mg_search_at_start(c, s->pair_feature_pair[pair], s->pair_feature_pair[pair + 1], least, &found);
   c->run->failed_contact = first;
+  if (mg_follow_overlap(c, first, &found)) return MG_PENETRATION;
   const int feature_pair = s->pair_feature_pair[pair];
   if (!found.count && !mg_is_open_gap_allowed(c) && mg_is_unconditional_feature_pair(c, feature_pair) &&
       s->pair_feature_pair[pair + 1] - feature_pair == 1)
@@ -155,7 +167,7 @@ MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
   for (int pair = 0; pair < c->system->n_pair; pair++) c->run->unfollowed_gap[pair] = MG_MAX;
   for (int i = 0; i < c->layout.support_begin; i++) mg_set_feature_pair(c, i, -1, 0);
   for (int pair = mg_next_pair(c, -1); pair < c->system->n_pair; pair = mg_next_pair(c, pair)) {
-    c->search.open_gap = c->search.singular_gap = MG_MAX;
+    mg_forget_noted_gaps(c);
     const int outcome = mg_has_own_feature_pairs(c, pair) ? mg_start_own_feature_pairs(c, pair)
                                                           : mg_start_shared_feature_pairs(c, pair);
     if (outcome) return outcome;

@@ -383,7 +383,7 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
   const mg_search_limits limits = mg_has_own_feature_pairs(c, pair) ? mg_all_gaps : seen;
   mg_minima found;
   int count = found.count = 0;
-  c->search.open_gap = c->search.singular_gap = MG_MAX;
+  mg_forget_noted_gaps(c);
   mg_search_free_feature_pairs(c, pair, &limits, least, &found);
   c->run->unfollowed_gap[pair] = mg_max(c->search.open_gap, (mg_real)0);
   for (int k = 0; k < found.count; k++) {
