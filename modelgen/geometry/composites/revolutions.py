@@ -9,6 +9,7 @@ from dataclasses import replace
 from math import atan2, hypot, sqrt
 
 from modelgen.geometry.composites.feature_constructors import (
+    TILT,
     above,
     below,
     beyond_circle,
@@ -22,7 +23,6 @@ from modelgen.rotations import Quaternion
 from modelgen.scene.pose_arithmetic import UPSIDE_DOWN
 from modelgen.scene.scene_types import IDENTITY_QUATERNION, Composite, Condition, Feature, Pose, Shape
 
-TILT = 2.0**-40  # of the wings of a disc, out of its plane: tells its upper side from its lower one
 FACING_Y: Quaternion = (0.5**0.5, 0.5**0.5, 0.0, 0.0)  # x stays, y turns to z, z turns to -y
 
 
