@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.geometry.composites.charts_with_ends import is_open
-from modelgen.geometry.composites.feature_constructors import at_least, at_most, below
+from modelgen.geometry.composites.feature_constructors import at_least, at_most
 from modelgen.geometry.coordinate_domains import domain_of
 from modelgen.geometry.face_regions import points_of
 from modelgen.geometry.revolved_charts import ZERO, T, meridian_of_chart
@@ -38,7 +38,7 @@ def meridian_of(feature: Feature) -> Feature | None:
         return _part(2, "sphere", Pose((values["major"], 0.0, 0.0)), radius=values["minor"])
     if shape.kind == "cone" and shape.cavity:
         line = _part(1, "line", _along_cone(values["half_angle"]))
-        return replace(line, conditions=_seen_from(line.shape.pose, (*conditions, below(0.0, None))))
+        return replace(line, conditions=_seen_from(line.shape.pose, conditions))
     curve = _curve_of(feature)
     if curve is None:
         return None

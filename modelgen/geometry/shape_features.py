@@ -38,6 +38,7 @@ BUILDERS: Mapping[str, Callable[[Shape], Composite]] = {
     "capsule": rounds.capsule,
     "tube": rounds.tube,
     "frustum": rounds.frustum,
+    "cone": rounds.cone,
     "dome": rounds.dome,
     "half_torus": rounds.half_torus,
     "polyhedron": polyhedron,

@@ -1,4 +1,4 @@
-"""Solids of revolution with edges: cylinder, tube, disc, capsule, frustum, dome, half torus.
+"""Solids of revolution with edges: cylinder, tube, disc, capsule, frustum, cone, dome, half torus.
 
 A rim is a circle whose T x z points away from its axis, so that (-1, 0) is the wing into the disc it bounds.
 """
@@ -6,7 +6,7 @@ A rim is a circle whose T x z points away from its axis, so that (-1, 0) is the 
 from __future__ import annotations
 
 from dataclasses import replace
-from math import atan2, hypot, sqrt
+from math import atan2, hypot, sin, sqrt
 
 from modelgen.geometry.composites.feature_constructors import (
     TILT,
@@ -16,6 +16,7 @@ from modelgen.geometry.composites.feature_constructors import (
     edge,
     face,
     smooth,
+    vertex,
     wing,
     within_circle,
 )
@@ -86,6 +87,14 @@ def _frustum_side(bottom: float, top: float, length: float) -> Feature:
     pose = Pose((0.0, 0.0, sign * (length / 2 + depth)), turn)
     cone = smooth("cone", pose, half_angle=atan2(abs(bottom - top), length))
     return face("side", cone, below(-depth, names[0]), above(-depth - length, names[1]))
+
+
+def cone(shape: Shape) -> Composite:
+    """An infinite cone about z below its apex; parameter half_angle."""
+    (_, half_angle) = shape.parameters[0]
+    side = face("side", smooth("cone", Pose(), half_angle=half_angle), below(0.0, "apex"))
+    tip = Condition("tip", (0.0, 0.0, 1.0, sin(half_angle)), "side")
+    return Composite((side, vertex("apex", (0.0, 0.0, 0.0), tip)), convex=True)
 
 
 def _end(name: str, radius: float, z: float, side: tuple[float, float]) -> tuple[Feature, Feature]:
