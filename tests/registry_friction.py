@@ -149,7 +149,7 @@ WITH_FRICTION: Mapping[str, Shipped] = {
         apart=1e-11,
     ),
     "wheel_on_rail": Shipped(
-        kinds=("fixed", "free_diagonal", "bezier_chart_block_slip"),
+        kinds=("fixed", "free_diagonal", "bezier_chart_block_slip", "bezier_circle_curve_block_slip"),
         forms=("block", "paper", "differentiated"),
         reference="oracles/friction/test_machine_scenes.py::"
         "test_a_wheel_on_rail_follows_a_second_formulation",

@@ -32,10 +32,19 @@ def coaxial_supports_of(feature: Feature) -> tuple[Feature, ...]:
                 meridian,
                 name=f"{_label(feature)}.coaxial{k + 1}",
                 shape=_moved_shape(meridian.shape, turn),
-                conditions=(*meridian.conditions, condition),
+                conditions=(*(_turned(each, turn) for each in meridian.conditions), condition),
             )
         )
     return tuple(supports)
+
+
+def _turned(condition: Condition, pose: Pose) -> Condition:
+    """A direction seen from the frame in which the pose is given; other conditions stay in the axes of the
+    shape."""
+    if condition.kind != "direction":
+        return condition
+    x, y, z = map(float, rotation_of(pose.quaternion) @ condition.numbers)
+    return replace(condition, numbers=(x, y, z))
 
 
 def _moved_shape(shape: Shape, pose: Pose) -> Shape:

@@ -109,6 +109,11 @@ def contact_kind_of(
     return ContactKind(name, form, o, f, rows), swapped
 
 
+def place_of(pair: ContactPair, where: str) -> str:
+    """The place of a pair in the scene, with the names of its bodies."""
+    return f"{where} (contact {'-'.join(body for body, _ in pair.between)!r})"
+
+
 def _form(o: Side, f: Side, rows: Rows, pair: ContactPair, where: str) -> str:
     wanted = pair.form
     try:
@@ -116,8 +121,7 @@ def _form(o: Side, f: Side, rows: Rows, pair: ContactPair, where: str) -> str:
         if wanted == "auto":
             return choose_form(o, f, rows)
     except SceneError as error:
-        place = f"{where} (contact {'-'.join(body for body, _ in pair.between)!r})"
-        raise SceneError(place, error.found, error.allowed, error.remedy) from None
+        raise SceneError(place_of(pair, where), error.found, error.allowed, error.remedy) from None
     fitting = [name for name, form in FORMS.items() if form.applies(o.shape, f.shape)]
     if wanted not in fitting:
         raise SceneError(

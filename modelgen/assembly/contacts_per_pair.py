@@ -42,7 +42,8 @@ def contacts_of_pair(
     leading = any(
         condition.next >= 0 for feature_pair in feature_pairs for condition in feature_pair.conditions
     )
-    several = len(feature_pairs) == 1 and not once and not explicit
+    bulging = len(feature_pairs) == 1 or any(shape.chart is not None for shape in (a, b))
+    several = bulging and not once and not explicit
     if (_is_plane(a) or _is_plane(b)) and not several and not (leading and (runs_on(a) or runs_on(b))):
         bounded = is_composite(a) or is_composite(b)
         search: Search = "always" if bounded or explicit else "moved"
@@ -71,9 +72,10 @@ def runs_on(shape: Shape) -> bool:
 
 
 def is_smooth(shape: Shape) -> bool:
-    """Whether the shape has no edges: it has one feature, or several that join smoothly."""
-    features = features_of(shape).features
-    return len({feature.dimension for feature in features}) == 1
+    """Whether the shape has no edges: it has one feature, or several that join smoothly. The rims at which a
+    chart is open are none: they are round."""
+    dimensions = {feature.dimension for feature in features_of(shape).features}
+    return len(dimensions) == 1 or shape.chart is not None
 
 
 def _is_plane(shape: Shape) -> bool:

@@ -18,15 +18,15 @@ from modelgen.assembly.coaxial_supports import (
     is_coaxial_support,
     seen_from_body,
 )
-from modelgen.assembly.contact_kinds import Owner, Partner, contact_kind_of, shape_kind
+from modelgen.assembly.contact_kinds import Owner, Partner, contact_kind_of, place_of, shape_kind
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.rim_support_points import is_support_point, lies_flat, support_points_of, tilted
-from modelgen.contact.form_table import eta_layout, regular_forms
+from modelgen.contact.form_table import eta_layout, no_isolated_points, regular_forms
 from modelgen.errors import SceneError
 from modelgen.geometry.composites.feature_constructors import vertex
 from modelgen.geometry.curvature_bounds import touches_once
 from modelgen.geometry.extent import bounding_ball
-from modelgen.geometry.shape_features import features_of, is_convex
+from modelgen.geometry.shape_features import features_of, is_composite, is_convex
 from modelgen.model import ENDS, WATCHED, ContactKind, FeatureCondition, FeaturePairEntry, ShapeKind
 from modelgen.name_suggestions import nearest
 from modelgen.rotations import rotation_of
@@ -36,7 +36,7 @@ from modelgen.scene.scene_types import Condition, ContactPair, Feature, Pose, Sh
 Array = np.ndarray[Any, Any]
 
 STRAIGHT = frozenset({"plane", "line", "segment", "edge", "cylinder", "cone"})  # touch a plane along a line
-CONES = ("wing", "direction")  # conditions of the normal; the others are of the place
+CONES = ("wing", "direction", "tip")  # conditions of the normal; the others are of the place
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,8 @@ def feature_pairs_of(
     """
     found = _candidates(a, b, pair, wish, where, shapes)
     numbers = {names: k for k, names in enumerate(found)}
-    known = is_convex(a.shape) and is_convex(b.shape) and not pair.features
+    convex = is_convex(a.shape) and is_convex(b.shape)
+    known = convex and not pair.features and "cone" not in (a.shape.kind, b.shape.kind)
     groups = _parting_faces(found) if known else {}
     surfaces = [{each.name: each.shape.kind for each in whole.features} for whole in (a, b)]
     return tuple(
@@ -147,6 +148,8 @@ def _flat_face(names: tuple[str, str], candidate: Candidate) -> Face | None:
 def _candidates(
     a: Whole, b: Whole, pair: ContactPair, wish: str, where: str, shapes: KindList[ShapeKind]
 ) -> dict[tuple[str, str], Candidate]:
+    if _are_endless(a.shape, b.shape):
+        raise no_isolated_points(place_of(pair, where), a.shape.kind, b.shape.kind)
     sides = _ended([whole.features for whole in (a, b)])
     _check_restriction(pair, sides, where)
     alone = all(sum(not is_coaxial_support(each) for each in side) == 1 for side in sides)
@@ -170,7 +173,7 @@ def _candidates(
         faces = joined[0][names[0]], joined[1][names[1]]
         found[names] = Candidate((one, two), (first, second), faces, kind, swapped)
     if not found:
-        raise SceneError(where, "no two features of these shapes can touch in a point", "", "")
+        raise no_isolated_points(place_of(pair, where), a.shape.kind, b.shape.kind)
     return found
 
 
@@ -226,6 +229,18 @@ def _may_touch(features: Two, bearers: Two, alone: bool, once: bool) -> bool:
         if is_coaxial_support(support):
             return not once and has_coaxial_supports(bearer, other)
     return alone or _touch_in_points(*features)
+
+
+def _are_endless(a: Shape, b: Shape) -> bool:
+    """Whether one is a plane and the other straight without ends: it touches the plane along a line, or
+    passes through it."""
+    return any(
+        one.kind == "plane"
+        and other.kind in STRAIGHT
+        and other.kind != "segment"
+        and (other.kind == "cone" or not is_composite(other))
+        for one, other in ((a, b), (b, a))
+    )
 
 
 def _touch_in_points(a: Feature, b: Feature) -> bool:

@@ -24,7 +24,7 @@ from modelgen.scene.scene_types import Origin
 
 KEPT = 64  # sets of values of a library that are kept
 KINDS = ("body", "contact", "load", "shape", "joint", "limit")
-FREE = ("warnings", "unlisted", "search")  # what no size of the core follows from
+FREE = ("warnings", "unlisted", "open_edges", "search")  # what no size of the core follows from
 
 Values = Mapping[str, float]
 

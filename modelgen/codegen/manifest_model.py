@@ -9,6 +9,7 @@ from typing import Any
 from modelgen.assembly import Q_SIZE, U_SIZE
 from modelgen.assembly.contact_reuse import models_have_same_contacts
 from modelgen.assembly.masses import pose_numbers
+from modelgen.codegen.manifest_open_edges import open_edges_of
 from modelgen.codegen.manifest_planar_contacts import face_table, patch_table
 from modelgen.codegen.manifest_repeated_pairs import repeated
 from modelgen.codegen.manifest_unlisted_shapes import unlisted_of
@@ -234,7 +235,7 @@ def instance_of(model: Model, known: tuple[Model, dict[str, Any]] | None = None)
     }
 
 
-CONTACTS = ("pairs", "feature_pairs", "contacts", "faces", "patches", "unlisted")
+CONTACTS = ("pairs", "feature_pairs", "contacts", "faces", "patches", "unlisted", "open_edges")
 
 
 def _contacts(model: Model) -> dict[str, Any]:
@@ -246,6 +247,7 @@ def _contacts(model: Model) -> dict[str, Any]:
         "faces": [face_table(model, entry) for entry in model.faces],
         "patches": [patch_table(entry) for entry in model.patches],
         "unlisted": unlisted_of(model),
+        "open_edges": open_edges_of(model),
     }
 
 

@@ -43,7 +43,7 @@ def unlisted_of(model: Model) -> dict[str, Any]:
     kept = [k for k, (body, _) in enumerate(of_body) if body in involved]
     place = {k: at for at, k in enumerate(kept)}
     return {
-        "shapes": [_shape(model, *of_body[k]) for k in kept],
+        "shapes": [shape_entry(model, *of_body[k]) for k in kept],
         "listed": [[place[i], place[j]] for i, j in sorted(listed) if i in place and j in place],
         "joined": [list(pair) for pair in sorted(joined) if set(pair) <= involved],
     }
@@ -57,10 +57,10 @@ def _may_meet(a: Body, b: Body) -> bool:
     return a is not b and "dynamic" in (a.motion, b.motion)
 
 
-def _shape(model: Model, body: int, shape: Shape) -> dict[str, Any]:
-    """One shape: by kind and lengths, or by samples of its surface."""
+def placed_entry(model: Model, body: int, shape: Shape) -> dict[str, Any]:
+    """Where one shape is, and the ball around it."""
     centre, radius = bounding_ball(shape)
-    entry = {
+    return {
         "body": body,
         "name": shape.name,
         "alone": len(model.scene.bodies[body].shapes) == 1,
@@ -70,6 +70,11 @@ def _shape(model: Model, body: int, shape: Shape) -> dict[str, Any]:
         "radius": float(radius) if np.isfinite(radius) else None,
         "thin": shape.kind in THIN or (not is_composite(shape) and dimension_of(shape) < 2),
     }
+
+
+def shape_entry(model: Model, body: int, shape: Shape) -> dict[str, Any]:
+    """One shape: by kind and lengths, or by samples of its surface."""
+    entry = placed_entry(model, body, shape)
     if shape.kind in FORMULAS:
         return {**entry, "kind": shape.kind, "parameters": _parameters(shape)}
     samples = samples_of(shape)

@@ -257,13 +257,18 @@ def choose_form(o: Side, f: Side, rows: Rows = 1) -> str:
     refuse_points(o.shape, f.shape)
     names = regular_forms(o, f)
     if not names:
-        raise SceneError(
-            f"contact {o.shape.name}-{f.shape.name}",
-            f"no form has isolated contact points for {o.shape.kind} and {f.shape.kind}",
-            "shapes that touch in points, or solids, whose faces rest on each other",
-            "give one ends: a box for a plane, a segment for a line",
-        )
+        raise no_isolated_points(f"contact {o.shape.name}-{f.shape.name}", o.shape.kind, f.shape.kind)
     return min(names, key=lambda name: instructions(ContactKind("candidate", name, o, f, rows)))
+
+
+def no_isolated_points(where: str, a: str, b: str) -> SceneError:
+    """The error of two kinds of shapes that touch along a line or all over."""
+    return SceneError(
+        where,
+        f"no form has isolated contact points for {a} and {b}",
+        "shapes that touch in points, or solids, whose faces rest on each other",
+        "give one ends: a box for a plane, a segment for a line, a frustum for a cone, a cylinder a length",
+    )
 
 
 def instructions(kind: ContactKind) -> int:

@@ -58,10 +58,11 @@ enum {
   MG_CONDITION_WING = 3,      /* -N.(a0 T x z + a1 z) on an edge with unit tangent T; the bracket points into a face */
   MG_CONDITION_DIRECTION = 4, /* -N.(a0, a1, a2) at a vertex; the vector points along an edge */
   MG_CONDITION_TILT = 5,      /* a3 (sine of the angle between N and (a0, a1, a2) - flat_angle) */
-  MG_CONDITION_COAXIAL = 6 /* a6 (1 - r / limit), with r the distance over length of the origin of the other feature's
-                              shape from the axis through (a0, a1, a2) along (a3, a4, a5), both in the axes of the
-                              body, from its centre of mass; the limit is search_margin if that shape is a sphere,
-                              else flat_angle, and r at least the sine of the angle between the axes */
+  MG_CONDITION_COAXIAL = 6, /* a6 (1 - r / limit), with r the distance over length of the origin of the other feature's
+                            shape from the axis through (a0, a1, a2) along (a3, a4, a5), both in the axes of the
+                            body, from its centre of mass; the limit is search_margin if that shape is a sphere,
+                            else flat_angle, and r at least the sine of the angle between the axes */
+  MG_CONDITION_TIP = 7      /* N.(a0, a1, a2) - a3 at a vertex, the tip of a cone; the vector is along its axis */
 };
 
 /* Where a contact goes when a condition fails, if not to another feature pair. */

@@ -35,6 +35,7 @@ _CLOSED_FORMS: Mapping[str, Callable[[list[float]], float]] = {
     "cylinder": lambda p: hypot(p[0], p[1] / 2),
     "disc": lambda p: p[0],
     "capsule": lambda p: p[0] + p[1] / 2,
+    "cone": lambda p: inf,
     "tube": lambda p: hypot(p[0], p[2] / 2),
     "frustum": lambda p: hypot(max(p[0], p[1]), p[2] / 2),
     "dome": lambda p: max(p[1], sqrt(p[1] * (2 * p[0] - p[1]))),

@@ -45,11 +45,15 @@ def cylinder(x: ca.SX, p: ca.SX) -> Implicit:
 
 
 def cone(x: ca.SX, p: ca.SX) -> Implicit:
-    """(x^2 + y^2 - (z tan(half_angle))^2)/2 = 0; on the nappe z < 0 the gradient points outwards."""
-    slope = ca.tan(p[0])
-    weights = ca.vertcat(1, 1, -slope * slope)
-    g = weights * x
-    return Implicit(dot(g, x) / 2, g, zeros(1), ca.diag(weights))
+    """sqrt(x^2 + y^2) + z tan(half_angle) = 0, the nappe z < 0 alone; it has no gradient at the apex."""
+    radial, slope = ca.sqrt(x[0] * x[0] + x[1] * x[1]), ca.tan(p[0])
+    ex, ey = x[0] / radial, x[1] / radial
+    azimuth = ca.vertcat(
+        ca.horzcat(ey * ey / radial, -ex * ey / radial, zeros(1)),
+        ca.horzcat(-ex * ey / radial, ex * ex / radial, zeros(1)),
+        zeros(1, 3),
+    )
+    return Implicit(radial + x[2] * slope, ca.vertcat(ex, ey, slope), zeros(1), azimuth)
 
 
 def ellipsoid(x: ca.SX, p: ca.SX) -> Implicit:

@@ -8,17 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.geometry.composites.feature_constructors import at_least, at_most, below
+from modelgen.geometry.composites.charts_with_ends import is_open
+from modelgen.geometry.composites.feature_constructors import at_least, at_most
 from modelgen.geometry.coordinate_domains import domain_of
 from modelgen.geometry.face_regions import points_of
+from modelgen.geometry.revolved_charts import ZERO, T, meridian_of_chart
 from modelgen.rotations import rotation_of
-from modelgen.scene.expression import Binary, Expression, Name, Node, Number, Unary
-from modelgen.scene.expression_algebra import cos, expression_of, over, sin, substitute, times
+from modelgen.scene.expression import Name, Number
+from modelgen.scene.expression_algebra import cos, expression_of, over, sin, times
 from modelgen.scene.scene_types import Chart, Condition, Curve, Feature, Pose, Shape
 
 SAMPLES = 65  # of a profile, for the side of its exterior
-
-U, T, ZERO = Name("u"), Name("t"), Number(0.0)
 
 
 def meridian_of(feature: Feature) -> Feature | None:
@@ -30,12 +30,15 @@ def meridian_of(feature: Feature) -> Feature | None:
     shape, conditions = feature.shape, feature.conditions
     values = dict(shape.parameters)
     if shape.kind == "circle":
-        return _part(0, "point", Pose(), x=values["radius"], y=0.0, z=0.0)
+        point = _part(0, "point", Pose(), x=values["radius"], y=0.0, z=0.0)
+        return replace(
+            point, conditions=tuple(_in_meridian(each) for each in conditions if each.kind == "wing")
+        )
     if shape.kind == "torus" and not shape.cavity and not conditions:
         return _part(2, "sphere", Pose((values["major"], 0.0, 0.0)), radius=values["minor"])
     if shape.kind == "cone" and shape.cavity:
         line = _part(1, "line", _along_cone(values["half_angle"]))
-        return replace(line, conditions=_seen_from(line.shape.pose, (*conditions, below(0.0, None))))
+        return replace(line, conditions=_seen_from(line.shape.pose, conditions))
     curve = _curve_of(feature)
     if curve is None:
         return None
@@ -44,6 +47,12 @@ def meridian_of(feature: Feature) -> Feature | None:
 
 def _part(dimension: int, kind: str, pose: Pose, **parameters: float) -> Feature:
     return Feature("", dimension, Shape(kind, tuple(parameters.items()), pose=pose))
+
+
+def _in_meridian(wing: Condition) -> Condition:
+    """The wing of a rim where azimuth 0 is."""
+    outward, along_z = wing.numbers
+    return Condition("direction", (outward, 0.0, along_z), None)
 
 
 def _along_cone(half_angle: float) -> Pose:
@@ -87,33 +96,19 @@ def is_of_revolution(shape: Shape) -> bool:
     axis touches it at no radius but its own."""
     values = dict(shape.parameters)
     if shape.chart is not None:
-        return _revolved(shape.chart) is not None
+        return meridian_of_chart(shape.chart) is not None
     if shape.kind in ("paraboloid", "ellipsoid"):
         return len(set(list(values.values())[:2])) == 1
     return shape.kind in ("cone", "torus")
 
 
-def _revolved(chart: Chart) -> tuple[Curve, bool] | None:
-    """The meridian of a chart (r(v) cos u, +-r(v) sin u, z(v)), and whether the sign is negative."""
-    x, y, z = (each.tree for each in chart.components)
-    turned = isinstance(y, Unary)
-    y = y.x if isinstance(y, Unary) else y
-    if not (isinstance(x, Binary) and isinstance(y, Binary) and chart.periodic[0]):
-        return None
-    if (x, y) != (times(x.a, cos(U)), times(x.a, sin(U))):
-        return None
-    if "u" in expression_of(x.a).names | expression_of(z).names:
-        return None
-    return Curve((_by_t(x.a), expression_of(ZERO), _by_t(z)), chart.domain[1], chart.periodic[1]), turned
-
-
 def _profile_of(feature: Feature, chart: Chart) -> Curve | None:
     """That of a chart that is closed or faces its axis."""
-    found = _revolved(chart)
+    found = meridian_of_chart(chart)
     if found is None:
         return None
     curve, turned = found
-    closed = chart.periodic[1] or all(each.next for each in feature.conditions)
+    closed = chart.periodic[1] or not is_open(feature)
     rises = np.diff(_heights(Shape("curve", feature.shape.parameters, curve=curve)))
     outward = -1.0 if turned != feature.shape.cavity else 1.0  # where z rises: c_u x c_v is off the axis
     return curve if closed or (outward * rises <= 0).all() else None
@@ -123,10 +118,6 @@ def _heights(curve: Shape) -> np.ndarray[Any, Any]:
     """z at samples of a curve, m."""
     ((low, high),) = domain_of(curve)
     return points_of(curve, np.linspace(low, high, SAMPLES))[:, 2]
-
-
-def _by_t(tree: Node) -> Expression:
-    return expression_of(substitute(tree, {"v": T}))
 
 
 def _along(curve: Curve, conditions: tuple[Condition, ...]) -> tuple[Condition, ...]:

@@ -9,7 +9,7 @@ from math import isfinite
 
 from modelgen.geometry.composites import revolutions as rounds
 from modelgen.geometry.composites import splines
-from modelgen.geometry.composites.charts_with_poles import atlas, ends_of, has_poles
+from modelgen.geometry.composites.charts_with_ends import atlas, ends_of, has_parts
 from modelgen.geometry.composites.extrusions import extrusion
 from modelgen.geometry.composites.feature_constructors import at_least, at_most
 from modelgen.geometry.composites.outline_features import outline, outline_wall
@@ -38,6 +38,7 @@ BUILDERS: Mapping[str, Callable[[Shape], Composite]] = {
     "capsule": rounds.capsule,
     "tube": rounds.tube,
     "frustum": rounds.frustum,
+    "cone": rounds.cone,
     "dome": rounds.dome,
     "half_torus": rounds.half_torus,
     "polyhedron": polyhedron,
@@ -54,11 +55,12 @@ BUILDERS: Mapping[str, Callable[[Shape], Composite]] = {
 
 
 def is_composite(shape: Shape) -> bool:
-    """Whether the shape has several features; an infinite cylinder and a chart without poles have one."""
+    """Whether the shape has several features; an infinite cylinder has one, and so has a chart without
+    poles and rims."""
     if shape.kind == "cylinder":
         return len(shape.parameters) == 2
     if shape.kind == "chart":
-        return has_poles(shape)
+        return has_parts(shape)
     return shape.kind in BUILDERS
 
 
@@ -67,19 +69,20 @@ def features_of(shape: Shape) -> Composite:
     """The features of any shape, in its own frame; a smooth shape is one feature without a name, which ends
     where its domain does.
 
-    In a cavity the edges of a convex solid are concave: they carry no contact and are left out.
+    In a cavity the edges of a convex solid are concave: they carry no contact and are left out. The rims at
+    which a chart is open are those of its cavity too.
     """
     if not is_composite(shape):
         alone = Feature("", dimension_of(shape), replace(shape, pose=Pose()), _ends(shape))
         return Composite((alone,), is_convex(shape))
     composite = BUILDERS[shape.kind](shape)
-    return _hollow(composite) if shape.cavity else composite
+    return _hollow(composite) if shape.cavity and shape.chart is None else composite
 
 
 def _ends(shape: Shape) -> tuple[Condition, ...]:
     """Ends of a chart or a curve that is not joined to itself."""
     if shape.chart is not None:
-        return tuple(ends_of(shape.chart))
+        return tuple(ends_of(shape.chart, set()))
     if dimension_of(shape) != 1 or curve_of(shape).periodic:
         return ()
     ((lower, upper),) = domain_of(shape)

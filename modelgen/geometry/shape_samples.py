@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from math import isfinite, sqrt
 
 import casadi as ca
@@ -17,7 +18,7 @@ from modelgen.geometry.shape_features import features_of
 from modelgen.geometry.surface_catalogue import exterior_sign, surface_of
 from modelgen.rotations import Array, rotation_of
 from modelgen.scene.custom_solid_checks import quadric
-from modelgen.scene.scene_types import Condition, Feature, Pose, Shape
+from modelgen.scene.scene_types import Chart, Condition, Feature, Pose, Shape
 
 POINTS = 2500  # of a surface, about
 ALONG = 400  # of a curve, about
@@ -89,18 +90,15 @@ def _of_face(face: Feature, side: int, reach: float) -> Samples:
     ]
     u, v = (np.linspace(*each, side) for each in ends)
     uv = np.array([entry.ravel() for entry in np.meshgrid(u, v, indexing="ij")])
-    at, numbers = ca.SX.sym("uv", 2), ca.DM([value for _, value in shape.parameters])
-    jet = surface_of(shape).jet(at, ca.SX(numbers))
-    area = exterior_sign(shape) * cross(jet.first[:, 0], jet.first[:, 1])
-    values = ca.Function("face", [at], [ca.densify(jet.x), ca.densify(area)])(uv)
-    points, areas = (np.asarray(value).T for value in values)
+    points, areas = points_and_areas(shape, uv)
+    areas = exterior_sign(shape) * areas
     grid = points.reshape(side, side, 3)
     spacing = float(np.hypot(_longest(grid), _longest(grid.swapaxes(0, 1)))) / 2
     size = np.linalg.norm(areas, axis=1)
     is_kept, is_end = size > AT_END * size.max(initial=0.0), np.zeros(len(size), dtype=bool)
     for condition in face.conditions:
-        slack = AT_END * _extent(condition, ends, reach)
-        value = _value(condition, uv, points)
+        slack = AT_END * extent_of(condition, ends, reach)
+        value = value_of(condition, uv, points)
         is_kept &= value >= -slack
         is_end |= (condition.next is None) & (value <= slack)
     normals = np.where(is_end[:, None], 0.0, areas / np.where(size > 0, size, 1.0)[:, None])
@@ -108,7 +106,24 @@ def _of_face(face: Feature, side: int, reach: float) -> Samples:
     return Samples(_placed(shape.pose, points)[is_kept], turned[is_kept], spacing)
 
 
-def _value(condition: Condition, uv: Array, points: Array) -> Array:
+def points_and_areas(shape: Shape, uv: Array) -> tuple[Array, Array]:
+    """Points (n, 3) m of a surface at uv (2, n), and c_u x c_v, in its own axes."""
+    names = tuple(name for name, _ in shape.parameters)
+    values = _face(shape.kind, shape.chart, names)(uv, ca.DM([value for _, value in shape.parameters]))
+    x, area = (np.asarray(value).T for value in values)
+    return x, area
+
+
+@lru_cache(maxsize=64)
+def _face(kind: str, chart: Chart | None, names: tuple[str, ...]) -> ca.Function:
+    """Coordinates (2), parameters -> point (3) and c_u x c_v (3) of a kind of surface."""
+    uv, p = ca.SX.sym("uv", 2), ca.SX.sym("p", len(names))
+    jet = surface_of(Shape(kind, tuple((name, 0.0) for name in names), chart=chart)).jet(uv, p)
+    area = cross(jet.first[:, 0], jet.first[:, 1])
+    return ca.Function("face", [uv, p], [ca.densify(jet.x), ca.densify(area)])
+
+
+def value_of(condition: Condition, uv: Array, points: Array) -> Array:
     """(n,) the condition of a face, >= 0 on it."""
     numbers = condition.numbers
     if condition.kind == "quadric":
@@ -121,7 +136,7 @@ def _value(condition: Condition, uv: Array, points: Array) -> Array:
     return np.ones(uv.shape[1])
 
 
-def _extent(condition: Condition, ends: Sequence[tuple[float, float]], reach: float) -> float:
+def extent_of(condition: Condition, ends: Sequence[tuple[float, float]], reach: float) -> float:
     """The size of what a condition measures."""
     if condition.kind == "parameter":
         lower, upper = ends[int(condition.numbers[0])]

@@ -17,6 +17,19 @@ _EVENT = record(
         "features": entry("string", "that touch after the event, where the shapes have several"),
     },
 )
+_PASSAGE = record(
+    "a pair of shapes",
+    {
+        "between": {
+            "type": "array",
+            "items": {"type": "string"},
+            "minItems": 2,
+            "maxItems": 2,
+            "description": "as `between` of [[contact]] names them",
+        },
+        "t": entry(NUMBER, "when an overlap was first seen, s"),
+    },
+)
 _UNKNOWN = "nulls where `observe` leaves the turning out"
 BODY_STATE = record(
     "a body at t_end, world axes",
@@ -160,19 +173,12 @@ _PROPERTIES = {
     "undeclared": entry(
         "array",
         "pairs of shapes that no contact lists and that passed through each other, in order of time",
-        items=record(
-            "a pair of shapes",
-            {
-                "between": {
-                    "type": "array",
-                    "items": {"type": "string"},
-                    "minItems": 2,
-                    "maxItems": 2,
-                    "description": "as `between` of [[contact]] names them",
-                },
-                "t": entry(NUMBER, "when an overlap was first seen, s"),
-            },
-        ),
+        items=_PASSAGE,
+    ),
+    "over_edges": entry(
+        "array",
+        "shapes with an open edge, which touches nothing, and those that it passed through, in order of time",
+        items=_PASSAGE,
     ),
     "events": entry("array", "changes of mode in order of time", items=_EVENT),
     "contacts": entry(

@@ -27,7 +27,7 @@ from modelgen.runtime.trajectory_of_run import Ending, trajectory_of
 from modelgen.runtime.trust import with_trust
 from modelgen.runtime.warnings import warnings
 from modelgen.runtime.warnings.nonfinite import unbounded
-from modelgen.runtime.warnings.overlap_warnings import passage_warnings
+from modelgen.runtime.warnings.overlap_warnings import edge_warning, passage_warnings
 
 KEYWORDS = (
     "until",
@@ -91,7 +91,7 @@ def simulate(
     Inputs(session).update(inputs or {})
     schedule = [(end, session.input.copy())]
     path = _path(session, schedule, np.linspace(0.0, end, intervals + 1), half)
-    if instance["unlisted"]["shapes"]:
+    if instance["unlisted"]["shapes"] or instance["open_edges"]["pairs"]:
         path = _with_passages(path, chosen, instance)
     told = _part(on_progress, 0.5, 1.0)
     stated = _estimate(library, chosen, schedule, path, told) if doubled and len(path.t) else None
@@ -99,14 +99,18 @@ def simulate(
 
 
 def _with_passages(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) -> Trajectory:
-    """The run with the pairs that passed through each other because no contact lists them."""
-    from modelgen.runtime.undeclared.undeclared_overlaps import (
-        passages,  # scenes that list all pairs do not need it
+    """The run with the pairs that passed through each other because no contact lists them, or at an open
+    edge."""
+    from modelgen.runtime.undeclared.undeclared_overlaps import (  # many scenes do not need it
+        passages,
+        passages_over_edges,
     )
 
     found = passages(path, instance, accuracy.overlap_depth)
     told = passage_warnings(found, path.t[0]) if found else ()
-    return replace(path, undeclared=found, warnings=(*path.warnings, *told))
+    over = passages_over_edges(path, instance, accuracy.overlap_depth)
+    warnings = (*path.warnings, *told, *map(edge_warning, over))
+    return replace(path, undeclared=found, over_edges=over, warnings=warnings)
 
 
 def _part(report: Report, start: float, end: float) -> Report:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -68,7 +69,20 @@ def _way_out(session: Session, contact: int, depth: float, normal: Array) -> str
     bodies = [session.instance["bodies"][feature_pair[side]] for side in ("f", "o")]
     moving, sign = (bodies[0], 1.0) if bodies[0]["motion"] in ("point", "free") else (bodies[1], -1.0)
     along = ", ".join(f"{sign * float(x) + 0.0:.3g}" for x in normal)
-    return f"move {moving['name']!r} by {depth:.3g} m along ({along}), or check the units: lengths are in m"
+    way = f"move {moving['name']!r} by {depth:.3g} m along ({along}), or check the units: lengths are in m"
+    return way + _other_side(session, feature_pair, depth)
+
+
+def _other_side(session: Session, feature_pair: Mapping[str, Any], depth: float) -> str:
+    """The advice on `cavity`, where all of the smaller body may be in the material of the larger one."""
+    radii = {side: feature_pair[f"shape_{side}"]["bounding_radius"] or inf for side in "of"}
+    inner, outer = sorted("of", key=radii.__getitem__)
+    if depth <= radii[inner]:
+        return ""
+    kind = session.library.manifest.kinds["shape"][feature_pair[f"shape_{outer}"]["kind"]]
+    names = [session.instance["bodies"][feature_pair[side]]["name"] for side in (inner, outer)]
+    what = "leave cavity = true out of" if kind["cavity"] else "set cavity = true in"
+    return f"; if {names[0]!r} belongs on the other side of the surface of {names[1]!r}, {what} that shape"
 
 
 def _place_of(session: Session, contact: int, label: str) -> str:

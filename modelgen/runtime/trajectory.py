@@ -179,6 +179,7 @@ class Trajectory:
     penetration_t: float = 0.0  # s, of `penetration_max`
     penetration_pair: str = ""  # the pair that penetrates so deep, "" where none does
     undeclared: tuple[Passage, ...] = ()  # pairs that no contact lists and that overlapped, by time
+    over_edges: tuple[Passage, ...] = ()  # shapes with open edges, and those that an edge was in, by time
     warnings: tuple[str, ...] = ()
     fallback_step: float = 0.0  # s, longest step of time-stepping by which an event-driven run went on; or 0
     estimate: Estimate | None = None  # of the run's own error; None where none was asked for
@@ -272,6 +273,7 @@ class Trajectory:
             "incomplete_searches": self.incomplete_searches,
             "search_effort": self.search_effort,
             "undeclared": [{"between": list(each.between), "t": each.t} for each in self.undeclared],
+            "over_edges": [{"between": list(each.between), "t": each.t} for each in self.over_edges],
             "events": [
                 {"t": e.t, "kind": e.kind, "contact": e.contact, "speed": e.speed, "features": e.features}
                 for e in self.events

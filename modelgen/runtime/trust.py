@@ -37,9 +37,9 @@ def doubts(
         instance: of the manifest.
 
     Returns:
-        The reasons in words: the run ended early; a closed contact is open; bodies penetrate; a joint is
-        apart; energy is out of balance; the error is not predicted up to the end; the run is uncertified, and
-        why.
+        The reasons in words: the run ended early; a closed contact is open; bodies penetrate; an open edge
+        passed through a body; a joint is apart; energy is out of balance; the error is not predicted up to
+        the end; the run is uncertified, and why.
     """
     return tuple(_doubts(path, estimate, accuracy, instance))
 
@@ -55,6 +55,9 @@ def _doubts(
     if not path.penetration_max <= gap_limit:
         where = f"bodies penetrated by {path.penetration_max:.2g} m ({path.penetration_pair}, "
         yield f"{where}t = {path.penetration_t:.6g} s), above {gap_limit:.2g} m"
+    for each in path.over_edges:
+        surface, other = each.between
+        yield f"an open edge of {surface}, which touches nothing, passed through {other} (t = {each.t:.6g} s)"
     joint_limit = accuracy.start_joint_gap * instance["scales"]["length"]
     if not path.joint_error_max <= joint_limit:
         yield f"a joint was apart by {path.joint_error_max:.2g} m, above {joint_limit:.2g} m"

@@ -86,13 +86,14 @@ class Condition:
     in the feature's shape frame, m. parameter (index, sign, bound): sign (eta_index - bound), eta the chart
     coordinates of the feature. wing (a, b): -N.w with w = a T x z + b z, T the unit tangent of the edge and z
     the third axis of its shape frame; w points into the face `next`. direction (x, y, z): -N.e with e the
-    unit vector from the vertex along the edge `next`. N points out of the solid. disc (radius,):
+    unit vector from the vertex along the edge `next`. tip (x, y, z, s): N.a - s with a the axis of the round
+    tip at the vertex. N points out of the solid. disc (radius,):
     (radius^2 - u^2 - v^2)/radius with the chart coordinates u, v of the feature. coaxial (x, y, z, ax, ay,
     az, sign): sign times how much nearer than a bound the origin of the other feature is to the axis through
     (x, y, z) along (ax, ay, az), given in the frame of the composite.
     """
 
-    kind: Literal["quadric", "parameter", "wing", "direction", "disc", "tilt", "coaxial"]
+    kind: Literal["quadric", "parameter", "wing", "direction", "disc", "tilt", "coaxial", "tip"]
     numbers: tuple[float, ...]
     next: str | None  # the feature beyond; None: nothing is there
 

@@ -99,7 +99,7 @@ _CATALOGUE = (
         optional=(Field("length", POSITIVE, "length from end to end, m; infinite if absent"),),
     ),
     ShapeSpec(
-        "cone", "an infinite cone about z below its apex at the origin, which contacts keep away from",
+        "cone", "an infinite cone about z below its apex at the origin",
         ("half_angle",),
         (Field("half_angle", Real(1e-3, 1.57), "angle between axis and surface, rad", required=True),),
         closed=False, implicit=True,

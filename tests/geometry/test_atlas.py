@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import pi
 
 import numpy as np
 import pytest
 
 from modelgen.errors import SceneError
-from modelgen.geometry.composites.charts_with_poles import INNER
+from modelgen.geometry.composites.charts_with_ends import INNER
 from modelgen.geometry.pole_caps import DEGREE, Pole, cap_at, poles_of
 from modelgen.geometry.polynomial_pieces import cap_degree, cap_exponents
 from modelgen.geometry.shape_features import features_of, is_composite, is_convex
 from modelgen.scene import python_scenes as build
-from modelgen.scene.scene_types import Shape
+from modelgen.scene.scene_types import NO_POLES, Shape
 from tests.geometry.joins import COUNT, change, curvatures, features, forms_of, jets
 from tests.laws.configurations import Array
 
@@ -120,7 +121,7 @@ def test_hand_over_overlaps_and_leads_back(name: str) -> None:
     assert shape.chart is not None
     assert is_composite(shape)
     assert not is_convex(shape)
-    assert not is_composite(parts["sheet"].shape)
+    assert parts["sheet"].shape.chart == replace(shape.chart, poles=NO_POLES)
     for pole in poles_of(shape.chart):
         (disc,) = parts[f"pole_{pole.name}"].conditions
         (bound,) = (each for each in parts["sheet"].conditions if each.next == f"pole_{pole.name}")
@@ -131,9 +132,22 @@ def test_hand_over_overlaps_and_leads_back(name: str) -> None:
         assert abs(value - end) == pytest.approx(INNER * cap_at(shape, pole).radius)
 
 
-def test_an_open_end_leads_nowhere() -> None:
-    ends = [each for each in features(CHARTS["dish"])["sheet"].conditions if each.next is None]
-    assert [each.numbers for each in ends] == [(1.0, -1.0, 0.4)]
+def test_an_open_end_of_a_revolution_leads_to_its_rim() -> None:
+    parts = features(CHARTS["dish"])
+    (end,) = [each for each in parts["sheet"].conditions if not (each.next or "").startswith("pole")]
+    rim = parts["rim_v_max"]
+    slope = np.array([1, 2 / 3 * 0.4 - 4 * 0.4**3])
+    assert (end.numbers, end.next) == ((1.0, -1.0, 0.4), "rim_v_max")
+    assert rim.shape.parameters == (("radius", 0.4),)
+    assert rim.shape.pose.position == pytest.approx((0.0, 0.0, 0.4**2 / 3 - 0.4**4))
+    assert [each.next for each in rim.conditions] == ["sheet", None]
+    for wing in rim.conditions:
+        np.testing.assert_allclose(wing.numbers, -slope / np.linalg.norm(slope), atol=1e-11)
+
+
+def test_other_open_ends_lead_nowhere() -> None:
+    ends = [each for each in features(CHARTS["twisted"])["sheet"].conditions if each.next is None]
+    assert [each.numbers for each in ends] == [(0.0, -1.0, 1.0)]
 
 
 def test_a_cavity_turns_chart_and_caps_round() -> None:

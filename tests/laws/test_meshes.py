@@ -74,7 +74,7 @@ class Chart:
 def test_faces_lie_on_their_surface_and_cover_it(name: str) -> None:
     specimen = SPECIMENS[name]
     shape = shape_of(specimen)
-    (face,) = features_of(shape).features
+    face = features_of(shape).features[0]
     radius = bounding_radius(shape)
     size = radius if isfinite(radius) else REACH
     allowed = TOLERANCE * size

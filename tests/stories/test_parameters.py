@@ -128,6 +128,7 @@ z = "-a*cos(v)"
 domain = [["-pi", "pi"], [0.0, 1.4]]
 periodic = [true, false]
 poles = ["v_min"]
+cavity = true
 parameters = { a = 0.52 }
 
 [[body]]

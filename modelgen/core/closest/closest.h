@@ -288,6 +288,9 @@ MG_INTERNAL void mg_note_penetration(mg_context *c, int contact, int feature_pai
 /* Inserts a minimum in order of |d|, unless it is known. Beyond MG_MINIMA the farthest is dropped and reported. */
 MG_INTERNAL void mg_insert_minimum(const mg_context *c, mg_minima *kept, const mg_minimum *found);
 
+/* Forgets the gaps noted in the search before. */
+MG_INTERNAL void mg_forget_noted_gaps(mg_context *c);
+
 /* Notes a gap in m above which the features may be at many places at once, none of which is a minimum by itself. */
 MG_INTERNAL void mg_note_open_gap(mg_context *c, mg_real gap);
 

@@ -112,6 +112,10 @@ static int mg_fate_of_abandoned_minimum(mg_context *c, const mg_minimum *found) 
   return MG_MINIMUM_STAYS;
 }
 
+MG_INTERNAL void mg_forget_noted_gaps(mg_context *c) {
+  c->search.open_gap = c->search.singular_gap = MG_MAX, c->search.overlap.d = -MG_MAX;
+}
+
 MG_INTERNAL void mg_note_open_gap(mg_context *c, mg_real gap) {
   if (gap < c->search.open_gap) c->search.open_gap = gap;
 }
@@ -125,8 +129,13 @@ MG_INTERNAL void mg_note_singular_point(mg_context *c, int feature_pair, const m
   const mg_real d = c->search.placement[0];
   int which;
   if (fabs(mg_placement_uniqueness(c, c->system->n_contact)) > c->settings->search_margin) return;
-  if (mg_most_violated_condition(c, feature_pair, eta, &which) < -c->settings->search_movement) return;
-  if (d >= 0 || !mg_is_between_far_sides(c, feature_pair)) mg_note_singular_gap(c, feature_pair, d);
+  const mg_real least = d < 0 ? -c->settings->feature_border : -c->settings->search_movement;
+  if (mg_most_violated_condition(c, feature_pair, eta, &which) < least) return;
+  if (d < 0 && mg_is_between_far_sides(c, feature_pair)) return;
+  mg_note_singular_gap(c, feature_pair, d);
+  if (!(d < 0) || !(d > c->search.overlap.d)) return;
+  c->search.overlap.feature_pair = feature_pair, c->search.overlap.d = d;
+  for (int k = 0; k < 6; k++) c->search.overlap.eta[k] = eta[k];
 }
 
 MG_INTERNAL void mg_keep_minimum_at(mg_context *c, int feature_pair, mg_real *eta, mg_real least, mg_minima *kept) {

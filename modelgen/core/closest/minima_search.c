@@ -109,6 +109,16 @@ static int mg_is_singular_contact(const mg_context *c) {
   return fabs(c->search.singular_gap) <= c->settings->start_gap * c->system->length;
 }
 
+/* Puts a contact on the closest points that are not isolated, if they penetrate and are nearer than the minima found.
+   Returns 1 if they are. */
+static int mg_follow_overlap(mg_context *c, int contact, const mg_minima *found) {
+  const mg_minimum *overlap = &c->search.overlap;
+  if (!(overlap->d > -MG_MAX) || mg_is_start_gap_allowed(c, overlap->d)) return 0;
+  if (found->count && fabs(found->list[0].d) <= -overlap->d) return 0;
+  mg_set_feature_pair(c, contact, overlap->feature_pair, overlap->eta);
+  return 1;
+}
+
 /* Outcome of a start without closest points; if they are not isolated, or the search was given up, the shapes conform.
  */
 static int mg_refuse_start(const mg_context *c) {
@@ -139,6 +149,7 @@ static int mg_start_own_feature_pairs(mg_context *c, int pair) {
     mg_minima found = {0};
     mg_search_at_start(c, feature_pair, feature_pair + 1, -MG_MAX, &found);
     c->run->failed_contact = i;
+    if (mg_follow_overlap(c, i, &found)) return MG_PENETRATION;
     if (!found.count && !mg_is_open_gap_allowed(c) && mg_is_unconditional_feature_pair(c, feature_pair))
       return mg_refuse_start(c);
     if (found.count && found.list[0].undecided) return MG_NO_OUTSIDE;
@@ -156,6 +167,7 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
   mg_minima found = {0};
   mg_search_at_start(c, s->pair_feature_pair[pair], s->pair_feature_pair[pair + 1], least, &found);
   c->run->failed_contact = first;
+  if (mg_follow_overlap(c, first, &found)) return MG_PENETRATION;
   const int feature_pair = s->pair_feature_pair[pair];
   if (!found.count && !mg_is_open_gap_allowed(c) && mg_is_unconditional_feature_pair(c, feature_pair) &&
       s->pair_feature_pair[pair + 1] - feature_pair == 1)
@@ -181,7 +193,7 @@ MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
   for (int i = 0; i < c->layout.support_begin; i++) mg_set_feature_pair(c, i, -1, 0);
   for (int pair = mg_next_pair(c, -1); pair < c->system->n_pair; pair = mg_next_pair(c, pair)) {
     const long incomplete = c->run->incomplete_searches;
-    c->search.open_gap = c->search.singular_gap = MG_MAX;
+    mg_forget_noted_gaps(c);
     const int outcome = mg_has_own_feature_pairs(c, pair) ? mg_start_own_feature_pairs(c, pair)
                                                           : mg_start_shared_feature_pairs(c, pair);
     if (outcome) return outcome;

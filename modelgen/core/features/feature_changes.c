@@ -383,8 +383,8 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
   mg_minima found;
   if (mg_has_own_feature_pairs(c, pair)) limits.gap = limits.depth = MG_MAX;
   int count = found.count = 0;
-  c->search.open_gap = c->search.singular_gap = MG_MAX;
   const long incomplete = c->run->incomplete_searches;
+  mg_forget_noted_gaps(c);
   mg_search_free_feature_pairs(c, pair, &limits, least, &found);
   if (c->run->incomplete_searches > incomplete) mg_note_open_gap(c, 2 * mg_least_movement(c, pair)); /* not known */
   c->run->unfollowed_gap[pair] = mg_max(c->search.open_gap, (mg_real)0);
@@ -436,7 +436,7 @@ static int mg_find_unfollowed_minimum(mg_context *c, int pair, mg_real moved) {
   const mg_search_limits limits = mg_penetration_limits(c, pair, moved);
   const mg_real touching = c->settings->start_gap * s->length, least = mg_separating_plane_gap(c, pair) - touching;
   mg_minima found;
-  c->search.open_gap = c->search.singular_gap = MG_MAX;
+  mg_forget_noted_gaps(c);
   if (mg_is_only_minimum_followed(c, pair, limits.gap)) return MG_ALL_FOLLOWED;
   found.count = 0;
   mg_search_free_feature_pairs(c, pair, &limits, least, &found);

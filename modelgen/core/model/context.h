@@ -279,6 +279,8 @@ typedef struct {
   int *cell_pairs;         /* [2 MG_CELL_PAIRS] pairs of cells still to be treated */
   mg_real open_gap;        /* least gap noted in the present search by mg_note_open_gap, m; MG_MAX: none */
   mg_real singular_gap;    /* the same of closest points that are not isolated, which no contact can follow */
+  mg_minimum overlap;      /* of closest points that are not isolated and penetrate, those noted in the present search
+                              with the least depth; d = -MG_MAX: none */
   mg_minima abandoned;     /* minima that contacts have left in this step */
   mg_real penetration;     /* deepest penetration noted in this step, m */
   int penetration_contact; /* its contact, or the first contact of its pair */

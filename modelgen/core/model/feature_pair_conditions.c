@@ -221,6 +221,8 @@ static mg_real mg_condition_value(const mg_context *c, int feature_pair, int k, 
       return a[3] * (mg_sine_between(a, view->N) - c->settings->flat_angle);
     case MG_CONDITION_COAXIAL:
       return mg_coaxial_condition(c, feature_pair, side, a);
+    case MG_CONDITION_TIP:
+      return mg_dot3(a, view->N) - a[3];
     default:
       return -mg_dot3(a, view->N);
   }
@@ -297,6 +299,8 @@ MG_INTERNAL int mg_has_normal_sign(const mg_context *c, int feature_pair) {
 MG_INTERNAL int mg_has_no_outside(const mg_context *c, int feature_pair) {
   const mg_system *s = c->system;
   for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++)
-    if (s->condition_kind[k] == MG_CONDITION_WING || s->condition_kind[k] == MG_CONDITION_DIRECTION) return 0;
+    if (s->condition_kind[k] == MG_CONDITION_WING || s->condition_kind[k] == MG_CONDITION_DIRECTION ||
+        s->condition_kind[k] == MG_CONDITION_TIP)
+      return 0;
   return 1;
 }

@@ -66,7 +66,7 @@ MG_API void mg_find_minima(const mg_system *system, const mg_settings *settings,
       c.bodies.pose[12 * q->body_f + k] = q->pose_f[12 * i + k];
     }
     run->incomplete_searches = run->unfollowed_minima = 0, run->withheld_effort[pair] = 0;
-    c.search.open_gap = c.search.singular_gap = MG_MAX;
+    mg_forget_noted_gaps(&c);
     const int is_full = mg_search_query(&c, q, &found);
     const mg_real within = !q->is_nearest ? q->gap : found.count ? fabs(found.list[0].d) : MG_MAX;
     q->count[i] = found.count;

@@ -11,6 +11,8 @@ from modelgen.scene.scene_types import Condition, Feature, Pose, Shape
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
+TILT = 2.0**-40  # of the wings of a thin plate or surface, out of it: tells its upper side from its lower one
+
 
 def linear(point: Sequence[float] | Array, inward: Sequence[float] | Array, next: str | None) -> Condition:
     """The half-space through `point` (3) m that the unit vector `inward` (3) points into."""

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modelgen.geometry.composites.feature_constructors import (
+    TILT,
     at_least,
     at_most,
     edge,
@@ -27,7 +28,6 @@ from modelgen.scene.pose_arithmetic import frame
 from modelgen.scene.scene_types import Chart, Composite, Condition, Curve, Feature, Shape
 
 SMOOTH = 1e-9  # sine of a corner that is none
-TILT = 2.0**-40  # of the wings of a plate out of its plane
 NODES = 40  # of Gauss's rule on a piece, for moments
 UP = np.array([0.0, 0.0, 1.0])
 

@@ -1,4 +1,4 @@
-"""Solids of revolution with edges: cylinder, tube, disc, capsule, frustum, dome, half torus.
+"""Solids of revolution with edges: cylinder, tube, disc, capsule, frustum, cone, dome, half torus.
 
 A rim is a circle whose T x z points away from its axis, so that (-1, 0) is the wing into the disc it bounds.
 """
@@ -6,15 +6,17 @@ A rim is a circle whose T x z points away from its axis, so that (-1, 0) is the 
 from __future__ import annotations
 
 from dataclasses import replace
-from math import atan2, hypot, sqrt
+from math import atan2, hypot, sin, sqrt
 
 from modelgen.geometry.composites.feature_constructors import (
+    TILT,
     above,
     below,
     beyond_circle,
     edge,
     face,
     smooth,
+    vertex,
     wing,
     within_circle,
 )
@@ -22,7 +24,6 @@ from modelgen.rotations import Quaternion
 from modelgen.scene.pose_arithmetic import UPSIDE_DOWN
 from modelgen.scene.scene_types import IDENTITY_QUATERNION, Composite, Condition, Feature, Pose, Shape
 
-TILT = 2.0**-40  # of the wings of a disc, out of its plane: tells its upper side from its lower one
 FACING_Y: Quaternion = (0.5**0.5, 0.5**0.5, 0.0, 0.0)  # x stays, y turns to z, z turns to -y
 
 
@@ -86,6 +87,14 @@ def _frustum_side(bottom: float, top: float, length: float) -> Feature:
     pose = Pose((0.0, 0.0, sign * (length / 2 + depth)), turn)
     cone = smooth("cone", pose, half_angle=atan2(abs(bottom - top), length))
     return face("side", cone, below(-depth, names[0]), above(-depth - length, names[1]))
+
+
+def cone(shape: Shape) -> Composite:
+    """An infinite cone about z below its apex; parameter half_angle."""
+    (_, half_angle) = shape.parameters[0]
+    side = face("side", smooth("cone", Pose(), half_angle=half_angle), below(0.0, "apex"))
+    tip = Condition("tip", (0.0, 0.0, 1.0, sin(half_angle)), "side")
+    return Composite((side, vertex("apex", (0.0, 0.0, 0.0), tip)), convex=True)
 
 
 def _end(name: str, radius: float, z: float, side: tuple[float, float]) -> tuple[Feature, Feature]:

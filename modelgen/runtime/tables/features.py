@@ -21,6 +21,7 @@ CONDITIONS = (
     "direction",
     "tilt",
     "coaxial",
+    "tip",
 )  # MG_CONDITION_QUADRIC ..
 
 

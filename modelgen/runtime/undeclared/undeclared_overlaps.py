@@ -89,16 +89,39 @@ def passages(path: Trajectory, instance: Mapping[str, Any], depth: float) -> tup
         depth: `Accuracy.overlap_depth`: a point in both materials is deeper than this times the smaller
             ball's radius.
     """
-    table, motion = instance["unlisted"], _motion(path)
+    table = instance["unlisted"]
     if not table["shapes"] or not len(path.t):
         return ()
-    names = [body["name"] for body in instance["bodies"]]
     moves = [body["motion"] in ("point", "free") for body in instance["bodies"]]
-    solids = _solids(table, names)
+    solids = _solids(table, [body["name"] for body in instance["bodies"]])
     excepted = {tuple(pair) for pair in table["listed"]}
     joined = {tuple(pair) for pair in table["joined"]}
-    found = []
-    for i, partners in _pairs(solids, moves, excepted, joined):
+    return _seen(path, solids, _pairs(solids, moves, excepted, joined), depth)
+
+
+def passages_over_edges(path: Trajectory, instance: Mapping[str, Any], depth: float) -> tuple[Passage, ...]:
+    """The shapes with open edges, and those that an edge entered although a contact lists the pair, by time.
+
+    Args:
+        path, instance, depth: as of `passages`.
+    """
+    table = instance["open_edges"]
+    if not table["pairs"] or not len(path.t):
+        return ()
+    solids = _solids(table, [body["name"] for body in instance["bodies"]])
+    partners: dict[int, list[int]] = {}
+    for edge, shape in table["pairs"]:
+        if solids[shape].depth is not None:
+            partners.setdefault(edge, []).append(shape)
+    return _seen(path, solids, iter(partners.items()), depth)
+
+
+def _seen(
+    path: Trajectory, solids: list[_Solid], pairs: Iterator[tuple[int, list[int]]], depth: float
+) -> tuple[Passage, ...]:
+    """The pairs that overlapped, by time."""
+    motion, found = _motion(path), []
+    for i, partners in pairs:
         for j, clear in _near(motion, solids, i, partners):
             t = _first_overlap(motion, solids[i], solids[j], clear, depth)
             if t is not None:

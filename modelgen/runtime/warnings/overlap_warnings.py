@@ -18,6 +18,15 @@ def passage_warnings(found: Sequence[Passage], start: float) -> tuple[str, ...]:
     return tuple(told)
 
 
+def edge_warning(passage: Passage) -> str:
+    """The warning that an open edge of the first of two shapes was in the second."""
+    surface, other = passage.between
+    return (
+        f"an open edge of the surface of {surface} passes through {other}, first seen at "
+        f"t = {passage.t:.6g} s: it touches nothing; continue the surface farther, or use a solid"
+    )
+
+
 def _told(passage: Passage, start: float) -> str:
     a, b = passage.between
     when = "at the start" if passage.t == start else f"at t = {passage.t:.6g} s"

@@ -1,0 +1,84 @@
+"""Bodies that pass over an edge at which a chart or a spline is open, and those that do not."""
+
+from __future__ import annotations
+
+from math import pi
+
+import pytest
+
+from modelgen import simulate
+from modelgen.runtime.trajectory import Outcome, Trajectory
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Body
+from tests.oracles.pieces import TABLE, ball
+from tests.running import library_of
+
+END, RADIUS = 0.3, 0.05  # of the sheets, along x and y, and of the ball, m
+KNOTS = [-END, -0.1, 0.1, END]
+TUBE = ("0.1*cos(u)*(1 + 0.1*cos(3*u))", "0.1*sin(u)", "v")
+SHEETS = {
+    "chart": make.chart("u", "v", "0.1*u*v", domain=((-END, END), (-END, END))),
+    "height field": make.height_field(KNOTS, KNOTS, [[0.0] * 4] * 4),
+    "spline": make.bspline([[[x, y, 0.0] for y in KNOTS] for x in KNOTS]),
+}
+NAMES = ["chart", *(pytest.param(name, marks=pytest.mark.slow) for name in list(SHEETS)[1:])]
+
+
+def run(a: Body, b: Body, until: float = 0.4) -> Trajectory:
+    scene = make.scene("edges", [a, b], contact=[{"between": [a.name, b.name]}])
+    return simulate(library_of(scene), until=until, samples=20, estimate=False)
+
+
+def fallen(name: str, x: float, speed: float = 0.0) -> Trajectory:
+    """A ball that falls on a sheet near its edge x = END."""
+    start = ball("ball", [x, 0.0, 0.06], RADIUS, velocity=[speed, 0.0, 0.0])
+    return run(make.fixed("sheet", SHEETS[name]), start)
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    ("x", "speed"), [(0.31, 0.0), (0.345, 0.0), (0.2, 0.5)], ids=["beside", "at its rim", "rolls off"]
+)
+def test_a_ball_that_an_edge_enters_is_told_and_not_trusted(name: str, x: float, speed: float) -> None:
+    path = fallen(name, x, speed)
+    (passage,) = path.over_edges
+    assert path.outcome is Outcome.DONE
+    assert passage.between == ("sheet", "ball")
+    assert any("an open edge of sheet" in doubt for doubt in path.doubts)
+    assert any("an open edge of the surface of sheet passes through ball" in each for each in path.warnings)
+    assert path.summary()["over_edges"] == [{"between": ["sheet", "ball"], "t": passage.t}]
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("x", [0.0, 0.2499, 0.36])
+def test_a_ball_that_no_edge_enters_is_trusted(name: str, x: float) -> None:
+    path = fallen(name, x)
+    assert not path.over_edges
+    assert not path.doubts
+
+
+def test_the_time_is_that_at_which_the_edge_enters() -> None:
+    path = fallen("chart", 0.31)
+    drop = 0.06 - (RADIUS**2 - 0.01**2) ** 0.5
+    assert path.over_edges[0].t == pytest.approx((2 * drop / 9.81) ** 0.5, abs=5e-3)
+
+
+def test_an_open_duct_is_wide_enough_for_one_ball_and_not_for_another() -> None:
+    duct = make.chart(*TUBE, domain=((0.0, 2 * pi), (0.0, 0.3)), periodic=(True, False), cavity=True)
+    seat = make.fixed("duct", duct)
+    assert not run(seat, ball("ball", [0.0, 0.0, 0.5], 0.05), 0.6).over_edges
+    assert run(seat, ball("ball", [0.0, 0.0, 0.5], 0.15), 0.6).over_edges
+
+
+def test_a_wall_without_ends_falls_through_a_table_and_says_so() -> None:
+    wall = make.profile_wall([[x / 10, (x / 10) ** 2] for x in range(-4, 4)], 0.6)
+    body = make.dynamic("wall", wall, mass=1.0, inertia=[0.01] * 3, position=[0, 0, 0.4])
+    path = run(TABLE, body)
+    assert [each.between for each in path.over_edges] == [("wall", "table")]
+
+
+def test_a_rim_is_no_open_edge() -> None:
+    cone = make.revolution("0.03 + 2*t", "t", domain=(0.0, 0.1), cavity=True)
+    path = run(make.fixed("funnel", cone), ball("ball", [0.0, 0.0, 0.06], RADIUS))
+    assert not path.over_edges
+    assert not path.doubts
