@@ -2,13 +2,28 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from queue import Queue
 from threading import Thread
 
 from modelgen.parameter_study.chunk_runs import Chunk
 from modelgen.parameter_study.run_queue import RunQueue, Span
+
+SWITCH_S = 1e-4  # s: longest wait of a thread that comes back from the core for one that works in Python
+
+
+@contextmanager
+def _short_waits() -> Iterator[None]:
+    """Let threads of the process wait less long for Python's lock than by its default."""
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(min(before, SWITCH_S))
+    try:
+        yield
+    finally:
+        sys.setswitchinterval(before)
 
 
 def chunks_of_threads(queue: RunQueue, run: Callable[[Span], Chunk], threads: int) -> Iterator[Chunk]:
@@ -30,17 +45,18 @@ def chunks_of_threads(queue: RunQueue, run: Callable[[Span], Chunk], threads: in
         except BaseException as error:
             made.put(error)
 
-    for _ in range(threads):
-        Thread(target=work, daemon=True).start()
-    try:
-        left = threads
-        while left:
-            chunk = made.get()
-            if isinstance(chunk, BaseException):
-                raise chunk
-            if chunk is None:
-                left -= 1
-            else:
-                yield chunk
-    finally:
-        queue.stop()
+    with _short_waits():
+        for _ in range(threads):
+            Thread(target=work, daemon=True).start()
+        try:
+            left = threads
+            while left:
+                chunk = made.get()
+                if isinstance(chunk, BaseException):
+                    raise chunk
+                if chunk is None:
+                    left -= 1
+                else:
+                    yield chunk
+        finally:
+            queue.stop()

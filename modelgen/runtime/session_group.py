@@ -91,6 +91,7 @@ class SessionGroup:
         )
         self.sensed = np.zeros((self.n, self.like.shared.n_sensor), self.like.tables.dtype)
         self._sensed_at, self._codes_at, self._ends_at = map(address, (self.sensed, self.codes, self._ends))
+        self._short_calls = ctypes.PyDLL(None, handle=library.cdll._handle)  # they keep Python's lock
         self._told: list[list[Event]] = [[] for _ in range(self.n)]
         self._scratch: list[_Scratch] = []
         self._pool: ThreadPoolExecutor | None = None
@@ -154,7 +155,7 @@ class SessionGroup:
         events, scratch = ctypes.byref(self._lists[lane]), map(ctypes.c_void_p, self._own_scratch().addresses)
         now, no_steps = self.like.tables.real(self.runs[lane].t), ctypes.c_long(0)
         rest = ctypes.byref(record), events, *scratch
-        self.library.cdll.mg_advance(*self._head_at(lane), now, no_steps, *rest)
+        self._short_calls.mg_advance(*self._head_at(lane), now, no_steps, *rest)
 
     def drain_events(self, lane: int) -> list[Event]:
         """The events of a lane since the last call."""
