@@ -115,10 +115,11 @@ def emit(derivation: Derivation, derivatives: bool = False) -> Package:
 
 
 def runs_in_steps(model: Model, composed: Formula) -> bool:
-    """Whether the stages of steps use the composed right-hand side: it has no loads and no driven bodies,
-    whose work is asked for too, no faces that may rest, and is small, so that it costs little to compile."""
+    """Whether the stages of steps use the composed right-hand side: it has no inputs, no loads and no
+    driven bodies, whose work is asked for too, no faces that may rest, and is small, so that it costs little
+    to compile."""
     moves = {model.body_kinds[body.kind].motion for body in model.bodies}
-    plain = not (model.loads or model.patches or model.limits or "driven" in moves)
+    plain = not (model.scene.inputs or model.loads or model.patches or model.limits or "driven" in moves)
     return plain and composed.instructions <= MOST_COMPOSED
 
 

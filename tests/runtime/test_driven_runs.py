@@ -123,6 +123,33 @@ def times(n: int) -> st.SearchStrategy[list[float]]:
     return st.lists(st.floats(0.01, 0.5), min_size=n, max_size=n)
 
 
+READ = """
+[[input]]
+name = "push"
+[[sensor]]
+name = "twice"
+value = "2*push"
+[[body]]
+name = "table"
+motion = "fixed"
+shape = { kind = "plane" }
+[[body]]
+name = "ball"
+shape = { kind = "sphere", radius = 0.005 }
+density = 7800.0
+position = [0.0, 0.0, 0.01]
+[[contact]]
+between = ["ball", "table"]
+"""
+
+
+def test_an_input_that_moves_nothing_can_be_read() -> None:
+    sim = start(library(READ))
+    sim.inputs["push"] = 3.0
+    sim.step(until=0.01)
+    assert sim.sensors["twice"] == 6.0
+
+
 @settings(max_examples=12)
 @given(times(4), st.lists(st.floats(-50.0, 50.0), min_size=4, max_size=4))
 def test_a_force_that_is_set_acts_from_then_on(spans: list[float], pushes: list[float]) -> None:
