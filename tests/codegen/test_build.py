@@ -299,3 +299,10 @@ def test_a_scene_of_very_many_pairs_of_features_says_what_it_costs(
     build(package(), folder=tmp_path / "many", tell=told.append)
     assert "1 pairs of features: about 0 s of CPU time" in told[-1]
     assert "--method time-stepping" in told[-1]
+
+
+def test_a_library_for_its_own_processor_fuses_no_products_and_sums() -> None:
+    found = compiler.find_compiler()
+    asked = [*found.command, *found.flags("double"), "-dM", "-E", "-x", "c", os.devnull]
+    defined = subprocess.run(asked, capture_output=True, text=True, check=True).stdout
+    assert "__FMA" not in defined or not compiler.IS_X86
