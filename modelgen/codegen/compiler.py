@@ -24,8 +24,8 @@ QUICK_GCC = ("-fno-gcse", "-fno-schedule-insns2")
 SHARED = ("-shared", *(("-Wl,-z,defs",) if sys.platform == "linux" else ()))
 LIBRARIES = ("-lm",)
 IS_X86 = platform.machine().lower() in ("x86_64", "amd64")
-# with AVX-512, or tuned for it, GCC 12 copies so that the core stalls: a third slower; with FMA it fuses products and
-# sums of vectors although it is not to contract, so that bits differ from those of other builds
+# with AVX-512, or tuned for it, GCC 12 copies so that the core stalls: a third slower; with FMA it fuses
+# products and sums of vectors although it is not to contract, so that bits differ from those of other builds
 NATIVE = ("-march=native", *(("-mno-avx512f", "-mno-fma", "-mtune=generic") if IS_X86 else ()))
 
 
