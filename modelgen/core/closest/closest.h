@@ -317,6 +317,10 @@ MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair);
 /* Least movement of a pair between searches that are not due at every step, m. */
 MG_INTERNAL mg_real mg_least_movement(const mg_context *c, int pair);
 
+/* If a search of the pair has been given up since there were `before` of them, notes that closest points that it missed
+   may be as near as twice the least movement. */
+MG_INTERNAL void mg_note_missed_gap(mg_context *c, int pair, long before);
+
 /* Gaps at which a contact of a pair may appear during a run. */
 MG_INTERNAL mg_search_limits mg_appearance_limits(const mg_context *c, int pair);
 
@@ -364,6 +368,9 @@ MG_INTERNAL int mg_is_curved_edge_crossing(const mg_context *c, int feature_pair
 /* True if a contact with the gap d is followed as near to a singularity as it can be: between features about centre
    curves or points, where the margin is small for as long as they are almost coaxial or concentric. */
 MG_INTERNAL int mg_is_followed_to_singularity(const mg_context *c, int feature_pair, mg_real d);
+
+/* Least margin with which a contact with the gap d is followed. */
+MG_INTERNAL mg_real mg_followed_margin_limit(const mg_context *c, int feature_pair, mg_real d);
 
 /* Margin at which a contact ends at a fold: less where it is small for long, as at crossing edges and where features
    are almost coaxial. */

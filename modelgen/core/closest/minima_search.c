@@ -43,6 +43,10 @@ MG_INTERNAL mg_real mg_least_movement(const mg_context *c, int pair) {
   return c->settings->appear_depth / MG_SEARCHES_IN_DEPTH * mg_pair_length(c, pair);
 }
 
+MG_INTERNAL void mg_note_missed_gap(mg_context *c, int pair, long before) {
+  if (c->run->incomplete_searches > before) mg_note_open_gap(c, 2 * mg_least_movement(c, pair));
+}
+
 /* Most pairs of cells that a search of a pair looks at during a run: what searches that were given up have looked at is
    withheld until as many have been looked at by others. */
 static long mg_search_effort(const mg_context *c, int pair) {
@@ -197,7 +201,7 @@ MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
     const int outcome = mg_has_own_feature_pairs(c, pair) ? mg_start_own_feature_pairs(c, pair)
                                                           : mg_start_shared_feature_pairs(c, pair);
     if (outcome) return outcome;
-    if (c->run->incomplete_searches > incomplete) mg_note_open_gap(c, 2 * mg_least_movement(c, pair)); /* not known */
+    mg_note_missed_gap(c, pair, incomplete);
     c->run->unfollowed_gap[pair] = mg_min(c->run->unfollowed_gap[pair], mg_max(c->search.open_gap, (mg_real)0));
     c->run->moved_since_search[pair] = c->run->watched_movement[pair] = 0;
     c->run->is_search_due[pair] = c->search.open_gap < MG_MAX;

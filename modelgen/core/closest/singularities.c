@@ -47,12 +47,16 @@ MG_INTERNAL int mg_is_followed_to_singularity(const mg_context *c, int feature_p
   return d < c->settings->margin_refuse * mg_pair_length(c, pair);
 }
 
+MG_INTERNAL mg_real mg_followed_margin_limit(const mg_context *c, int feature_pair, mg_real d) {
+  return mg_is_followed_to_singularity(c, feature_pair, d) ? mg_least_margin(c, feature_pair)
+                                                           : c->settings->margin_refuse;
+}
+
 MG_INTERNAL mg_real mg_fold_margin_limit(const mg_context *c, int contact) {
   const int feature_pair = c->run->feature_pair[contact], closed = c->run->closed[contact];
-  const int is_crossing = closed && mg_is_curved_edge_crossing(c, feature_pair);
-  return is_crossing || mg_is_followed_to_singularity(c, feature_pair, c->rows.d[contact])
+  return closed && mg_is_curved_edge_crossing(c, feature_pair)
              ? mg_least_margin(c, feature_pair)
-             : c->settings->margin_refuse;
+             : mg_followed_margin_limit(c, feature_pair, c->rows.d[contact]);
 }
 
 MG_INTERNAL int mg_is_contact_singular(const mg_context *c, int contact) {

@@ -386,7 +386,7 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
   const long incomplete = c->run->incomplete_searches;
   mg_forget_noted_gaps(c);
   mg_search_free_feature_pairs(c, pair, &limits, least, &found);
-  if (c->run->incomplete_searches > incomplete) mg_note_open_gap(c, 2 * mg_least_movement(c, pair)); /* not known */
+  mg_note_missed_gap(c, pair, incomplete);
   c->run->unfollowed_gap[pair] = mg_max(c->search.open_gap, (mg_real)0);
   for (int k = 0; k < found.count; k++) {
     const mg_minimum *each = found.list + k;

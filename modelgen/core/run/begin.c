@@ -30,9 +30,7 @@ static int mg_place_start_contacts(mg_context *c) {
     c->run->closed[i] = c->search.placement[0] <= touching;
     c->run->margin[i] = mg_placement_uniqueness(c, i);
     if (c->run->closed[i] && c->run->margin[i] < c->run->margin_min) c->run->margin_min = c->run->margin[i];
-    const mg_real least = mg_is_followed_to_singularity(c, c->run->feature_pair[i], c->search.placement[0])
-                              ? mg_least_margin(c, c->run->feature_pair[i])
-                              : c->settings->margin_refuse;
+    const mg_real least = mg_followed_margin_limit(c, c->run->feature_pair[i], c->search.placement[0]);
     if (c->run->closed[i] && !(c->run->margin[i] >= least)) return MG_MARGIN;
   }
   c->run->failed_contact = -1;
