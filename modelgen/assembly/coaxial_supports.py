@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import cos, pi, sin
 
+from modelgen.geometry.composites.feature_constructors import turned
 from modelgen.geometry.meridians import is_of_revolution, meridian_of
 from modelgen.rotations import rotation_of
 from modelgen.scene.pose_arithmetic import compose, to_outer
@@ -27,24 +28,16 @@ def coaxial_supports_of(feature: Feature) -> tuple[Feature, ...]:
     for k in range(SUPPORTS):
         half = pi * k / SUPPORTS
         turn = compose(feature.shape.pose, Pose(quaternion=(cos(half), 0.0, 0.0, sin(half))))
+        rotation = rotation_of(turn.quaternion)
         supports.append(
             replace(
                 meridian,
                 name=f"{_label(feature)}.coaxial{k + 1}",
                 shape=_moved_shape(meridian.shape, turn),
-                conditions=(*(_turned(each, turn) for each in meridian.conditions), condition),
+                conditions=(*(turned(each, rotation) for each in meridian.conditions), condition),
             )
         )
     return tuple(supports)
-
-
-def _turned(condition: Condition, pose: Pose) -> Condition:
-    """A direction seen from the frame in which the pose is given; other conditions stay in the axes of the
-    shape."""
-    if condition.kind != "direction":
-        return condition
-    x, y, z = map(float, rotation_of(pose.quaternion) @ condition.numbers)
-    return replace(condition, numbers=(x, y, z))
 
 
 def _moved_shape(shape: Shape, pose: Pose) -> Shape:

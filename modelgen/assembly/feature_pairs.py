@@ -23,7 +23,7 @@ from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.rim_support_points import is_support_point, lies_flat, support_points_of, tilted
 from modelgen.contact.form_table import eta_layout, no_isolated_points, regular_forms
 from modelgen.errors import SceneError
-from modelgen.geometry.composites.feature_constructors import vertex
+from modelgen.geometry.composites.feature_constructors import turned, vertex
 from modelgen.geometry.curvature_bounds import touches_once
 from modelgen.geometry.extent import bounding_ball
 from modelgen.geometry.shape_features import features_of, is_composite, is_convex
@@ -285,7 +285,8 @@ def _placed(whole: Whole, feature: Feature, shapes: KindList[ShapeKind]) -> tupl
         at = to_outer(pose, [value for _, value in shape.parameters]) - whole.owner.centre
         numbers = tuple(zip("xyz", map(float, at), strict=True))
         shape = replace(shape, parameters=numbers, pose=Pose(whole.owner.centre))
-        feature = _turned(feature, rotation_of(pose.quaternion))
+        rotation = rotation_of(pose.quaternion)
+        feature = replace(feature, conditions=tuple(turned(each, rotation) for each in feature.conditions))
     feature = seen_from_body(feature, whole.shape.pose, whole.owner.centre)
     return feature, Partner(whole.owner, shape, shapes.named(shape_kind(shape, whole.owner.fold)))
 
@@ -362,18 +363,3 @@ def _is_moot(condition: Condition, other: Feature, faces: frozenset[str]) -> boo
     """True if the features beyond the condition touch the plane along a line or everywhere: this feature pair
     keepsits contact there."""
     return other.shape.kind == "plane" and (condition.kind in CONES or condition.next in faces)
-
-
-def _turned(feature: Feature, rotation: Array) -> Feature:
-    """The edge directions of a vertex, expressed in other axes."""
-    return replace(
-        feature,
-        conditions=tuple(
-            each
-            if each.kind == "coaxial"
-            else replace(
-                each, numbers=(*map(float, rotation @ np.array(each.numbers[:3])), *each.numbers[3:])
-            )
-            for each in feature.conditions
-        ),
-    )

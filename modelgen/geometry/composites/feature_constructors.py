@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -72,3 +73,11 @@ def edge(name: str, shape: Shape, *conditions: Condition) -> Feature:
 def vertex(name: str, at: Sequence[float] | Array, *conditions: Condition) -> Feature:
     x, y, z = (float(entry) for entry in at)
     return Feature(name, 0, smooth("point", Pose(), x=x, y=y, z=z), conditions)
+
+
+def turned(condition: Condition, rotation: Array) -> Condition:
+    """A condition of the normal at a point, in other axes. Those of the place are as they were."""
+    if condition.kind not in ("direction", "tip", "tilt"):
+        return condition
+    x, y, z = map(float, rotation @ np.array(condition.numbers[:3]))
+    return replace(condition, numbers=(x, y, z, *condition.numbers[3:]))
