@@ -60,6 +60,10 @@ class SimulationError(ModelgenError):
     """A run cannot start or cannot go on."""
 
 
+class UnknownNameError(SimulationError, KeyError):
+    """A mapping has nothing of that name. It is a KeyError too, so that `in` and `get` work on mappings."""
+
+
 def with_article(noun: str) -> str:
     """ "an ellipsoid"."""
     return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"

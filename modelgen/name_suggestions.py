@@ -77,8 +77,15 @@ def synonym(name: str, known: Iterable[str]) -> str:
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """`did you mean 'x'?` for the known name that means the same as `name` or is closest to it, or an empty
-    text."""
+    """`did you mean 'x'?` for the known name that means the same as `name`, as a pair in the other order, or
+    is closest to it, or an empty text."""
     names = list(known)
-    close = get_close_matches(name, names, n=1, cutoff=0.6)
+    exchanged = [each for each in names if is_exchanged(each, name)]
+    close = exchanged or get_close_matches(name, names, n=1, cutoff=0.6)
     return synonym(name, names) or (f"did you mean {close[0]!r}?" if close else "")
+
+
+def is_exchanged(name: str, other: str) -> bool:
+    """Whether two names are of one pair in both orders: `ring-ball:rim` and `ball-ring:rim`."""
+    (pair, _, rest), (given, _, given_rest) = name.partition(":"), other.partition(":")
+    return rest == given_rest and pair.split("-") == given.split("-")[::-1]

@@ -24,6 +24,7 @@ from modelgen.identification.unidentifiable_in_words import in_words
 from modelgen.identification.unknowns import Unknown, unknowns_of
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_keywords, check_name, with_parameters
+from modelgen.runtime.by_name import ByName
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 
 KEYWORDS = (
@@ -230,11 +231,14 @@ def _result(runs: RecordedRuns, found: Solution, loss: str) -> Fit:
     names = _names(runs)
     unseen = tuple(in_words(each, names, relative.tolist()) for each in confidence.unseen)
     fitted = {
-        kind: {
-            runs.unknowns[k].name: float(found.x[k])
-            for k in runs.common
-            if runs.unknowns[k].direction.kind == kind
-        }
+        kind: ByName(
+            {
+                runs.unknowns[k].name: float(found.x[k])
+                for k in runs.common
+                if runs.unknowns[k].direction.kind == kind
+            },
+            kind,
+        )
         for kind in ("parameter", "input")
     }
     return Fit(
@@ -280,7 +284,7 @@ def _names(runs: RecordedRuns) -> tuple[str, ...]:
 
 
 def _noise_told(runs: RecordedRuns, found: Solution) -> dict[str, float]:
-    told: dict[str, float] = {}
+    told: dict[str, float] = ByName({}, "noise")
     for run in runs.runs:
         for name, group, size in zip(
             run.comparison.names, run.comparison.groups, found.noise.of(run), strict=True
@@ -297,7 +301,9 @@ def _residuals(run: RecordedRun, deviations: Array) -> Residuals:
         )
         for group in dict.fromkeys(groups)
     }
-    return Residuals(run.recording.name, run.recording.t, run.comparison.names, groups, deviations, rms)
+    return Residuals(
+        run.recording.name, run.recording.t, run.comparison.names, groups, deviations, ByName(rms, "quantity")
+    )
 
 
 def _notes(

@@ -23,6 +23,7 @@ from modelgen.linearisation.rest_linearisation import DEPENDENT, NoPlaceError, P
 from modelgen.linearisation.touching_contact import Array
 from modelgen.model import Scales
 from modelgen.runtime.arguments import with_parameters
+from modelgen.runtime.by_name import ByName
 from modelgen.scene.parameter_rereading import scene_with
 
 STEPS = 100  # of Newton's method towards the equilibrium
@@ -92,15 +93,16 @@ def linearise(
     bodies = [body for body in touching.model.bodies if size_of(touching.model, body.kind)]
     return Linearised(
         scene=touching.model.scene.name,
-        p={body.name: place.q[body.q : body.q + 3] for body in bodies},
-        quaternion={
-            body.name: _turn(place.q[body.q + 3 : body.q + 7], touching, body.kind) for body in bodies
-        },
-        force=force,
-        friction=friction,
-        coordinates={
-            body.name: slice(body.u, body.u + size_of(touching.model, body.kind)) for body in bodies
-        },
+        p=ByName({body.name: place.q[body.q : body.q + 3] for body in bodies}, "body"),
+        quaternion=ByName(
+            {body.name: _turn(place.q[body.q + 3 : body.q + 7], touching, body.kind) for body in bodies},
+            "body",
+        ),
+        force=ByName(force, "contact"),
+        friction=ByName(friction, "contact"),
+        coordinates=ByName(
+            {body.name: slice(body.u, body.u + size_of(touching.model, body.kind)) for body in bodies}, "body"
+        ),
         mass=place.mass,
         motions=place.motions,
         stiffness=place.stiffness,

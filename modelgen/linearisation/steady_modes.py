@@ -19,6 +19,7 @@ from modelgen.linearisation.rest_linearisation import Touching, size_of
 from modelgen.linearisation.steady_motion import SteadyMotion, SteadySearch
 from modelgen.linearisation.touching_contact import Array
 from modelgen.runtime.arguments import with_parameters
+from modelgen.runtime.by_name import ByName
 from modelgen.scene.parameter_rereading import scene_with
 
 Spectrum = np.ndarray[Any, np.dtype[np.complex128]]
@@ -136,19 +137,27 @@ def _described(touching: Touching, motion: SteadyMotion) -> LinearisedSteady:
     turned = {body.name: size_of(model, body.kind) == 6 for body in bodies}
     return LinearisedSteady(
         scene=model.scene.name,
-        p={body.name: state.q[body.q : body.q + 3] for body in bodies},
-        quaternion={
-            body.name: state.q[body.q + 3 : body.q + 7] if turned[body.name] else np.eye(4)[0]
-            for body in bodies
-        },
-        v={body.name: state.u[body.u : body.u + 3] for body in bodies},
-        w={
-            body.name: turn @ state.u[body.u + 3 : body.u + 6] if turned[body.name] else np.zeros(3)
-            for body, turn in zip(bodies, touching.turns_of_dynamic(state.q), strict=True)
-        },
-        force=force,
-        friction=friction,
-        coordinates={body.name: slice(body.u, body.u + size_of(model, body.kind)) for body in bodies},
+        p=ByName({body.name: state.q[body.q : body.q + 3] for body in bodies}, "body"),
+        quaternion=ByName(
+            {
+                body.name: state.q[body.q + 3 : body.q + 7] if turned[body.name] else np.eye(4)[0]
+                for body in bodies
+            },
+            "body",
+        ),
+        v=ByName({body.name: state.u[body.u : body.u + 3] for body in bodies}, "body"),
+        w=ByName(
+            {
+                body.name: turn @ state.u[body.u + 3 : body.u + 6] if turned[body.name] else np.zeros(3)
+                for body, turn in zip(bodies, touching.turns_of_dynamic(state.q), strict=True)
+            },
+            "body",
+        ),
+        force=ByName(force, "contact"),
+        friction=ByName(friction, "contact"),
+        coordinates=ByName(
+            {body.name: slice(body.u, body.u + size_of(model, body.kind)) for body in bodies}, "body"
+        ),
         symmetries=motion.symmetries,
         changes=motion.scale @ motion.changes,
         matrix=motion.system,

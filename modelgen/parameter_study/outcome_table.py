@@ -14,6 +14,7 @@ from modelgen.errors import ModelgenError, path_of
 from modelgen.name_suggestions import nearest
 from modelgen.parameter_study.rows import TEXT
 from modelgen.parameter_study.sweep_folder import SweepFolder
+from modelgen.runtime.by_name import ByName
 from modelgen.runtime.trajectory import Array
 
 DONE = "done"
@@ -58,7 +59,7 @@ class Sweep:
     @property
     def outcomes(self) -> Mapping[str, int]:
         """How many runs ended how, the most frequent first; `refused`: it could not start."""
-        return dict(Counter(self.columns["outcome"]).most_common())
+        return ByName(Counter(self.columns["outcome"]).most_common(), "outcome")
 
     @property
     def failed(self) -> Array:
@@ -92,4 +93,4 @@ def table_of(
 ) -> Sweep:
     """The table of a plan."""
     varied, sensors = tuple(plan["varied"]), tuple(plan["sensors"])
-    return Sweep(plan, varied, sensors, columns, folder, known)
+    return Sweep(plan, varied, sensors, ByName(columns, "column"), folder, known)

@@ -12,6 +12,7 @@ import numpy as np
 
 from modelgen.errors import ModelgenError, expect, path_of
 from modelgen.report.run_record import COLUMNS, Array, Record
+from modelgen.runtime.by_name import ByName
 
 FORMATS = (".npz", ".csv")
 
@@ -51,12 +52,12 @@ def load(path: str | Path) -> Record:
         with np.load(path, allow_pickle=False) as stored:
             names = json.loads(str(stored["names"]))
             return Record(
-                columns={name: stored[name] for name in COLUMNS},
+                columns=ByName({name: stored[name] for name in COLUMNS}, "column"),
                 body_names=tuple(names["bodies"]),
                 contact_names=tuple(names["contacts"]),
                 pairs=stored["pairs"],
                 meshes={key[5:]: stored[key] for key in stored.files if key.startswith("mesh_")},
-                summary=json.loads(str(stored["summary"])),
+                summary=ByName(json.loads(str(stored["summary"])), "summary"),
                 joint_names=tuple(names["joints"]),
                 coordinate_names=tuple(names["coordinates"]),
                 sensor_names=tuple(names["sensors"]),

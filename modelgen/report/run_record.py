@@ -11,6 +11,7 @@ from modelgen.report.recorded_scene import kept_scene, read_again
 from modelgen.report.resting_face_outlines import face_outlines
 from modelgen.report.surface_grids import contact_meshes, feature_pair_of
 from modelgen.runtime.arguments import with_parameters
+from modelgen.runtime.by_name import ByName
 
 if TYPE_CHECKING:
     from modelgen.codegen.library import Library
@@ -116,14 +117,16 @@ def record_of(trajectory: Trajectory, library: Library, scene: Scene | None = No
     instance = library.manifest.instance
     feature_pairs = [feature_pair_of(instance, k) for k in range(len(instance["contacts"]))]
     bare = Record(
-        columns={name: np.asarray(getattr(trajectory, name), dtype=float) for name in COLUMNS},
+        columns=ByName(
+            {name: np.asarray(getattr(trajectory, name), dtype=float) for name in COLUMNS}, "column"
+        ),
         body_names=trajectory.body_names,
         contact_names=trajectory.contact_names,
         pairs=np.array(
             [(feature_pair["o"], feature_pair["f"]) for feature_pair in feature_pairs], dtype=int
         ).reshape(-1, 2),
         meshes={},
-        summary=trajectory.summary(),
+        summary=ByName(trajectory.summary(), "summary"),
         joint_names=trajectory.joint_names,
         coordinate_names=trajectory.coordinate_names,
         sensor_names=trajectory.sensor_names,

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.codegen.library import Library
-from modelgen.errors import SimulationError
+from modelgen.errors import SimulationError, UnknownNameError
 from modelgen.name_suggestions import nearest
 
 
@@ -30,11 +30,12 @@ def check_step(value: object, where: str = "step") -> None:
 
 
 def check_name(where: str, value: object, names: Iterable[str]) -> None:
-    """Raises SimulationError unless the value is one of the names."""
+    """Raises UnknownNameError unless the value is one of the names."""
     known = list(names)
-    if value not in known:
-        remedy = nearest(str(value), known) or "use one of these names"
-        raise SimulationError(where, repr(value), ", ".join(known), remedy)
+    if not isinstance(value, str) or value not in known:
+        allowed = ", ".join(known) or "there is none"
+        remedy = nearest(str(value), known) or ("use one of these names" if known else "")
+        raise UnknownNameError(where, repr(value), allowed, remedy)
 
 
 def check_keywords(verb: str, given: Iterable[str], known: Iterable[str]) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from modelgen.runtime.by_name import ByName
 from modelgen.runtime.core_session import Session
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.tables.ctypes_structures import Array
@@ -36,7 +37,7 @@ def contacts_of(session: Session) -> Mapping[str, Contact]:
     """The contacts with shapes, then the limits of joints, by name, at the session's state."""
     shown = columns_now(session)
     names = (*session.feature_pair_names, "")
-    return {
+    found = {
         name: Contact(
             float(shown["gap"][0, k]),
             float(shown["force"][0, k]),
@@ -47,3 +48,4 @@ def contacts_of(session: Session) -> Mapping[str, Contact]:
         )
         for k, name in enumerate(session.contacts)
     }
+    return ByName(found, "contact")

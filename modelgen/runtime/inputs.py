@@ -8,7 +8,8 @@ from typing import Any
 
 from modelgen.errors import SimulationError
 from modelgen.notation import SETTING_SIZE
-from modelgen.runtime.arguments import check_name, input_range, is_number
+from modelgen.runtime.arguments import input_range, is_number
+from modelgen.runtime.by_name import ByName
 from modelgen.runtime.core_session import Session
 from modelgen.runtime.tables.ctypes_structures import Array
 
@@ -60,7 +61,7 @@ class Inputs(MutableMapping[str, float]):
         self._session, self._changed = session, changed
         self.begun = False  # whether the run has started
         self._kinds = session.instance["inputs"]
-        self._index = {kind["name"]: k for k, kind in enumerate(self._kinds)}
+        self._index = ByName({kind["name"]: k for k, kind in enumerate(self._kinds)}, "input")
 
     def __getitem__(self, name: str) -> float:
         value, rate, since = self._setting(name)
@@ -100,8 +101,6 @@ class Inputs(MutableMapping[str, float]):
         return repr(dict(self))
 
     def _kind(self, name: str) -> Kind:
-        if name not in self._index:
-            check_name("input", name, self._index)
         kind: Kind = self._kinds[self._index[name]]
         return kind
 

@@ -10,6 +10,7 @@ import numpy as np
 from modelgen.codegen.library import Library
 from modelgen.notation import SETTING_SIZE
 from modelgen.runtime.arguments import check_name, input_range
+from modelgen.runtime.by_name import ByName
 from modelgen.runtime.inputs import is_beyond, is_jump, refused_rate, refused_value
 from modelgen.runtime.session_group import SessionGroup
 from modelgen.runtime.tables.ctypes_structures import Array
@@ -29,14 +30,13 @@ class InputsByLane(Mapping[str, Array]):
         self._kinds = group.library.manifest.instance["inputs"]
         self._own = [each.manifest.instance["inputs"] for each in libraries]
         self._bounds = np.array([[input_range(kind) for kind in own] for own in self._own])
-        self._index = {kind["name"]: k for k, kind in enumerate(self._kinds)}
+        self._index = ByName({kind["name"]: k for k, kind in enumerate(self._kinds)}, "input")
         self._shown = {each["name"]: np.empty(group.n) for each in self._kinds if each["hold"] == "linear"}
         self.refresh()
 
     def __getitem__(self, name: str) -> Array:
-        if name not in self._index:
-            check_name("input", name, self._index)
-        return self._shown[name] if name in self._shown else self._settings(name)[0]
+        value = self._settings(name)[0]
+        return self._shown.get(name, value)
 
     def ramp(self, name: str, rates: Any, lanes: Any = slice(None)) -> None:
         """Let an input with hold = "linear" change at rates, one number or (n,) per s, from now on; in lanes,

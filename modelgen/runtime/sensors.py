@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from modelgen.runtime.arguments import check_name
+from modelgen.runtime.by_name import ByName
 from modelgen.runtime.core_session import Session
 from modelgen.runtime.tables.ctypes_structures import Array
 
@@ -24,11 +24,9 @@ class Readings(Mapping[str, "float | Array"]):
 
     def __init__(self, slots: Sequence[tuple[str, int]], values: Array) -> None:
         self.values_in_order = values
-        self._parts = parts_of(slots)
+        self._parts = ByName(parts_of(slots), "sensor")
 
     def __getitem__(self, name: str) -> float | Array:
-        if name not in self._parts:
-            check_name("sensor", name, self._parts)
         part = self._parts[name]
         found = self.values_in_order[part]
         return found.copy() if isinstance(part, slice) else float(found)

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.by_name import ByName
 from modelgen.runtime.core_session import Session
 from modelgen.runtime.trajectory import Event, Outcome, Trajectory
 from modelgen.runtime.warnings.time_stepping import fallback_step
@@ -83,8 +84,8 @@ def trajectory_of(
         fallback_step=fallback_step(run, record, own),
         outcome_function=outcome_function,
         stopped=ending.interrupted,
-        parameters={each["name"]: each["value"] for each in own.get("parameters", ())},
-        inputs=inputs,
+        parameters=ByName(((each["name"], each["value"]) for each in own.get("parameters", ())), "parameter"),
+        inputs=ByName(inputs, "input"),
     )
 
 

@@ -8,12 +8,21 @@ from itertools import combinations, product
 from math import hypot
 from typing import Any
 
-from modelgen.name_suggestions import nearest
+from modelgen.name_suggestions import is_exchanged, nearest
 from modelgen.scene.finite_expressions import triple
 from modelgen.scene.free_shapes import FREE_SHAPES
 from modelgen.scene.quaternions import conjugate, turned
 from modelgen.scene.scene_format import LOAD_NAMES, QUANTITIES
-from modelgen.scene.scene_types import Body, ContactPair, ForceLoad, Load, Shape, SpringLoad, TorqueLoad
+from modelgen.scene.scene_types import (
+    Body,
+    ContactPair,
+    ForceLoad,
+    Joint,
+    Load,
+    Shape,
+    SpringLoad,
+    TorqueLoad,
+)
 from modelgen.scene.shape_catalogue import SHAPES
 from modelgen.scene.source_location import Place
 
@@ -41,6 +50,14 @@ def pair_names(pairs: Sequence[ContactPair]) -> tuple[str, ...]:
     full = ["-".join("/".join(partner) for partner in pair.between) for pair in pairs]
     count = Counter(plain)
     return tuple(p if count[p] == 1 else f for p, f in zip(plain, full, strict=True))
+
+
+def pair_named(name: str, pairs: Iterable[str]) -> str:
+    """The pair of that name, also where its partners stand in the other order; `name` where there is none.
+
+    For quantities that do not depend on the order."""
+    known = list(pairs)
+    return name if name in known else next((each for each in known if is_exchanged(each, name)), name)
 
 
 def loads(values: Mapping[str, Any], bodies: Bodies) -> tuple[Load, ...]:
@@ -75,12 +92,20 @@ def _spring(values: Mapping[str, Any], bodies: Bodies, place: Place) -> SpringLo
     )
 
 
-def observed(names: tuple[str, ...], bodies: Bodies, joints: Iterable[str], place: Place) -> tuple[str, ...]:
-    """The observed names: `body.quantity`, `joint.quantity`, or `contact.quantity`, which `require` knows;
-    raises SceneError."""
-    known = tuple(joints)
+def observed(
+    names: tuple[str, ...],
+    bodies: Bodies,
+    pairs: Sequence[ContactPair],
+    joints: Iterable[Joint],
+    place: Place,
+) -> tuple[str, ...]:
+    """The observed names: `body.quantity`, `joint.quantity`, or `contact.quantity`, which `require` knows,
+    of a pair in its own order; raises SceneError."""
+    known, touching = [joint.name for joint in joints], pair_names(pairs)
+    found = []
     for index, name in enumerate(names):
         owner, quantity = name.split(".")
+        found.append(f"{pair_named(owner, touching)}.{quantity}")
         if owner in known or "-" in owner or ":" in owner:
             continue
         if owner not in bodies:
@@ -91,7 +116,7 @@ def observed(names: tuple[str, ...], bodies: Bodies, joints: Iterable[str], plac
         if quantity not in QUANTITIES:
             allowed = "allowed are " + ", ".join(QUANTITIES)
             raise place.item(index).error(f"no quantity {quantity!r}", allowed, nearest(quantity, QUANTITIES))
-    return names
+    return tuple(found)
 
 
 def _contact(values: Mapping[str, Any], bodies: Bodies, place: Place) -> ContactPair:

@@ -195,7 +195,8 @@ CONTACTS = Table(
             default=Restitution(),
         ),
         *FRICTION_FIELDS,
-    )
+    ),
+    instead_of_list="write [[contact]] for each pair; [contacts], once, is a group of bodies",
 )  # fmt: skip
 
 _FRAME = Field("frame", Choice(FRAMES), "axes of the components", default="world")

@@ -100,12 +100,10 @@ def scene_from_bodies(name: str, bodies: tuple[Body, ...], values: Mapping[str, 
     check_run(run, place.key("run"))
     remark_on_gravity(values["gravity"], place.key("gravity"))
     joined = joints.joints(values["joint"], known)
-    observe = contacts_and_loads.observed(
-        values["observe"], known, (each.name for each in joined), place.key("observe")
-    )
     loads = contacts_and_loads.loads(values, known)
     listed = contacts_and_loads.contacts(values["contact"], known)
     pairs = (*listed, *group_pairs(values["contacts"], listed, known, joined, place.key("contacts")))
+    observe = contacts_and_loads.observed(values["observe"], known, pairs, joined, place.key("observe"))
     check_names(place)
     actuators = actuators_of(values["actuator"], joined)
     sensors = sensors_of(values["sensor"], known, pairs, joined)

@@ -14,7 +14,7 @@ SENSOR = Table(
             "of", Text(r"^[A-Za-z][^.\s]*\.[a-z_]+$", "name.quantity is allowed"),
             "what is measured: body.position, .orientation, .velocity, .angular_velocity, .acceleration, "
             ".angular_acceleration or .proper_acceleration (less gravity, in the body's axes), "
-            "body-body.gap (the least, m) or .force (all normal forces, N), "
+            "body-body.gap (the least, m) or .force (all normal forces, N), in either order, "
             "joint.coordinate (the first), .rate, .force or .torque",
         ),
         Field(

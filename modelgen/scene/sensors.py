@@ -7,7 +7,7 @@ from typing import Any
 
 from modelgen.name_suggestions import nearest
 from modelgen.notation import component_names
-from modelgen.scene.contacts_and_loads import pair_names
+from modelgen.scene.contacts_and_loads import pair_named, pair_names
 from modelgen.scene.prescribed_motions import TIME
 from modelgen.scene.scene_types import Body, ContactPair, Joint, Measurand, Sensor
 from modelgen.scene.source_location import Place
@@ -72,6 +72,7 @@ def _measurand(
     place: Place,
 ) -> Measurand:
     name, quantity = values["of"].split(".")
+    name = name if name in bodies or name in joints else pair_named(name, pairs)
     at = place.key("of")
     if name in bodies:
         _check_quantity(quantity, OF_BODIES, at)

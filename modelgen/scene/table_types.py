@@ -58,12 +58,14 @@ class Table:
 
     fields: tuple[Field, ...]
     exclusive: tuple[tuple[str, ...], ...] = ()  # groups of keys of which at most one is written
+    instead_of_list: str = ""  # what to write where it is written as a list of tables
 
     def read(self, value: object, place: Place) -> dict[str, Any]:
         if not isinstance(value, Mapping):
             keys = [field.key for field in self.fields if field.required] or [self.fields[0].key]
             pairs = ", ".join(f"{key} = ..." for key in keys)
-            raise place.error(describe(value), "a table is allowed", f"write {{ {pairs} }}")
+            in_words = (self.instead_of_list if isinstance(value, list) else "") or f"write {{ {pairs} }}"
+            raise place.error(describe(value), "a table is allowed", in_words)
         self._check_keys(value, place)
         return {
             field.key: field.type.read(value[field.key], place.key(field.key))

@@ -72,6 +72,7 @@ REFUSED = (
     addition("a table twice", "\n[run]\nsamples = 100\n", "line 25", "[run] is written twice", "merge"),
     change("single brackets", "[[body]]", "[body]", "line 12", "[body] is", "write [[body]] for each"),
     change("one contact as a table", "[[contact]]", "[contact]", "contact: a table", "write [[contact]]"),
+    change("contacts in a list", "[[contact]]", "[[contacts]]", "contacts: a list", "write [[contact]]"),
     change("a plural", "[[body]]", "[[bodies]]", "unknown key 'bodies'", "did you mean 'body'?"),
     change("a decimal comma", "1000.0", "1000,5", "line 14", "1000,5", "write 1000.5"),
     change(

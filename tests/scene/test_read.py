@@ -259,3 +259,50 @@ def test_the_example_of_the_package_is_a_scene() -> None:
     scene = read_text(example)
     assert scene.bodies[1].pose.quaternion == pytest.approx((0.5**0.5, 0, 0.5**0.5, 0), abs=1e-15)
     assert scene.run.until == 2.0
+
+
+TWO_SHAPES = """
+observe = ["OBSERVED.force", "pot.position"]
+[[sensor]]
+name = "gap"
+of = "OBSERVED.gap"
+[[sensor]]
+name = "force"
+of = "OBSERVED.force"
+[[body]]
+name = "floor"
+motion = "fixed"
+shape = { kind = "plane" }
+[[body]]
+name = "pot"
+density = 1.0
+position = [0, 0, 1]
+[[body.shape]]
+kind = "sphere"
+radius = 0.1
+[[body.shape]]
+kind = "ellipsoid"
+semi_axes = [0.1, 0.1, 0.2]
+position = [1, 0, 0]
+[[contact]]
+between = ["pot/sphere", "floor"]
+[[contact]]
+between = ["pot/ellipsoid", "floor"]
+"""
+
+
+@pytest.mark.parametrize(
+    ("own", "other"),
+    [
+        ("pot/sphere-floor/plane", "floor/plane-pot/sphere"),
+        ("pot/ellipsoid-floor/plane", "floor/plane-pot/ellipsoid"),
+    ],
+)
+def test_a_gap_or_force_of_a_pair_is_the_same_in_either_order(own: str, other: str) -> None:
+    scenes = [read_text(TWO_SHAPES.replace("OBSERVED", name), "pairs.toml") for name in (own, other)]
+    for scene in scenes:
+        assert [each.measurand and each.measurand.name for each in scene.sensors] == [own, own]
+        assert scene.observe == (f"{own}.force", "pot.position")
+    for wrong in ("floor-pot", "pot/sphere-floor"):
+        with pytest.raises(SceneError, match=f"no body, joint or pair named '{wrong}'"):
+            read_text(TWO_SHAPES.replace("OBSERVED", wrong), "pairs.toml")

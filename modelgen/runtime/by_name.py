@@ -1,0 +1,29 @@
+"""Results by name: a dict that says which names it has, where it is asked for another one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TypeVar
+
+from modelgen.runtime.arguments import check_name
+
+Value = TypeVar("Value")
+
+
+class ByName(dict[str, Value]):
+    """A dict whose lookup raises UnknownNameError, a KeyError with all names and the nearest one.
+
+    >>> ByName({"ring-ball": 1.0}, "contact")["ball-ring"]
+    Traceback (most recent call last):
+    modelgen.errors.UnknownNameError: contact: 'ball-ring'; ring-ball; did you mean 'ring-ball'?
+    """
+
+    def __init__(self, values: Mapping[str, Value] | Iterable[tuple[str, Value]], what: str = "name") -> None:
+        """`what` the names are of, as the error says it."""
+        super().__init__(values)
+        self._what = what
+
+    def __getitem__(self, name: str) -> Value:
+        if not isinstance(name, str) or name not in self:
+            check_name(self._what, name, self)
+        return super().__getitem__(name)
