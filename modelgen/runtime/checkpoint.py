@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping
+import struct
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,8 @@ from modelgen.errors import SimulationError
 from modelgen.runtime.tables.ctypes_structures import address
 
 SAME = "a state of the same scene, built and set alike"
+_LANES = struct.Struct("<16sq")  # of a saved group of runs: what it is, and their number
+_OF_LANES = b"modelgen lanes 1"
 DIFFERENCES: Mapping[int, tuple[str, str]] = {  # by the code of mg_load: what was found, and the remedy
     1: ("the bytes are no saved state of a run", "give the bytes that `save` returned"),
     2: ("it was saved by another version of the core", "run with the version that saved it"),
@@ -36,10 +39,41 @@ def save(cdll: ctypes.CDLL, head: tuple[Any, ...], size: int) -> bytes:
 
 def load(cdll: ctypes.CDLL, head: tuple[Any, ...], state: bytes) -> None:
     """Load bytes into an mg_run. Raises SimulationError, with the run as it was, where they do not fit."""
-    if not isinstance(state, bytes | bytearray | memoryview):
-        raise SimulationError("load", f"a {type(state).__name__}", "bytes", "give what `save` returned")
-    given = bytes(state)
+    given = bytes_of(state)
     code = int(cdll.mg_load(*head, given, ctypes.c_long(len(given))))
     if code:
         found, remedy = DIFFERENCES[code]
         raise SimulationError("load", found, SAME, remedy)
+
+
+def bytes_of(mark: object) -> bytes:
+    """A saved state; raises SimulationError for what are no bytes."""
+    if not isinstance(mark, bytes | bytearray | memoryview):
+        raise SimulationError("load", f"a {type(mark).__name__}", "bytes", "give what `save` returned")
+    return bytes(mark)
+
+
+def joined(codes: Sequence[int], states: Sequence[bytes]) -> bytes:
+    """The outcomes of the core and the states of a group of runs, as bytes."""
+    return _LANES.pack(_OF_LANES, len(codes)) + struct.pack(f"<{len(codes)}q", *codes) + b"".join(states)
+
+
+def parted(mark: object, n: int) -> tuple[tuple[int, ...], list[bytes]]:
+    """What `joined` joined of n runs. Raises SimulationError where it is not that."""
+    given = bytes_of(mark)
+    if len(given) < _LANES.size or not given.startswith(_OF_LANES):
+        found, remedy = (
+            "the bytes are no saved state of runs of `start_many`",
+            "give what its `save` returned",
+        )
+        raise SimulationError("load", found, SAME, remedy)
+    if (count := _LANES.unpack_from(given)[1]) != n:
+        found, remedy = f"a state of {count} runs", f"write start_many(library, {count}, ...)"
+        raise SimulationError("load", found, f"one of {n} runs", remedy)
+    first = _LANES.size + 8 * n
+    if len(given) <= first or (len(given) - first) % n:
+        found, remedy = DIFFERENCES[8]
+        raise SimulationError("load", found, SAME, remedy)
+    size = (len(given) - first) // n
+    states = [given[first + k * size : first + (k + 1) * size] for k in range(n)]
+    return struct.unpack_from(f"<{n}q", given, _LANES.size), states

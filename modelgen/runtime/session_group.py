@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -102,12 +102,11 @@ class SessionGroup:
         """DONE where a lane can go on, else why it ended; None where it could not start."""
         return tuple(OUTCOME_OF_CODE.get(code) for code in self.codes.tolist())
 
-    def begin(self, threads: int = 1, label: str = LANE) -> Mapping[int, SimulationError]:
+    def begin(self, threads: int = 1, label: str = LANE) -> dict[int, SimulationError]:
         """Settle the starts; returns the errors of the lanes that cannot start, by lane, which they tell by
         `label`. They are left out from then on."""
         self._share("mg_begin_many", (self._codes_at, self._lists_at), threads)
-        codes = enumerate(self.codes.tolist())
-        return {lane: self._refusal(lane, code, label) for lane, code in codes if code in REFUSED}
+        return self.refusals(label)
 
     def advance(self, t: float | Array, threads: int = 1) -> None:
         """Go on to t, s, one time or one for each lane, on several threads. A lane at or past it, and one
@@ -164,6 +163,27 @@ class SessionGroup:
         self._told[lane], listed.count = [], 0
         return told
 
+    def save_all(self) -> bytes:
+        """The states and outcomes of all lanes."""
+        return checkpoint.joined(self.codes.tolist(), [self.save(lane) for lane in range(self.n)])
+
+    def load_all(self, mark: bytes) -> None:
+        """Put all lanes into saved states. Their events are dropped. Raises SimulationError, with the lanes
+        as they were, where `mark` is not what `save_all` returned for as many lanes with the same numbers."""
+        codes, states = checkpoint.parted(mark, self.n)
+        before = [self.save(lane) for lane in range(self.n)]
+        for lane, state in enumerate(states):
+            try:
+                checkpoint.load(self.library.cdll, self._head_at(lane), state)
+            except SimulationError as refused:
+                for done in range(lane):
+                    checkpoint.load(self.library.cdll, self._head_at(done), before[done])
+                where = f"load: run {lane}"
+                raise SimulationError(where, refused.found, refused.allowed, refused.remedy) from None
+        self.codes[:] = codes
+        for lane in range(self.n):
+            self._lists[lane].count, self._told[lane] = 0, []
+
     def save(self, lane: int) -> bytes:
         """The state of a lane, as `Session.save` gives it."""
         return checkpoint.save(self.library.cdll, self._head_at(lane), self.like.shared.checkpoint_size)
@@ -174,6 +194,11 @@ class SessionGroup:
         checkpoint.load(self.library.cdll, self._head_at(lane), state)
         self.codes[lane] = self._lists[lane].count = 0
         self._told[lane] = []
+
+    def refusals(self, label: str = LANE) -> dict[int, SimulationError]:
+        """The errors of the lanes that could not start, by lane, which they tell by `label`."""
+        codes = enumerate(self.codes.tolist())
+        return {lane: self._refusal(lane, code, label) for lane, code in codes if code in REFUSED}
 
     def _check_count(self, name: str, entries: Sequence[Any]) -> None:
         if len(entries) != self.n:

@@ -11,6 +11,7 @@ from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_keywords, with_parameters
+from modelgen.runtime.checkpoint import bytes_of
 from modelgen.runtime.contacts import Contact, contacts_of
 from modelgen.runtime.controllers import ControlFunction, Controller
 from modelgen.runtime.core_session import CONTINUE, FULL, Session
@@ -175,10 +176,11 @@ class Simulation:
     def load(self, mark: bytes) -> None:
         """Go to a saved state. The controller stays the one that is set. Raises SimulationError where `mark`
         is not what `save` returned for the same library, parameters and settings; it says what differs."""
-        self.session.load(mark[_HEAD.size :])
+        given = bytes_of(mark)
+        self.session.load(given[_HEAD.size :])
         self.sensors.forget()
         self._driven = None
-        calls, start, code = _HEAD.unpack(mark[: _HEAD.size])
+        calls, start, code = _HEAD.unpack(given[: _HEAD.size])
         self._code, self._early = code or None, ()
         if self._controller is not None:
             self._controller.instants = calls, start

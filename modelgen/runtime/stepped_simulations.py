@@ -11,6 +11,7 @@ from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_keywords, check_span, checked_starts, with_parameters
+from modelgen.runtime.by_name import ByName
 from modelgen.runtime.inputs_by_lane import InputsByLane
 from modelgen.runtime.sensors import parts_of
 from modelgen.runtime.session_group import SessionGroup, group_of
@@ -86,7 +87,7 @@ class Simulations:
         self._parts = parts_of(group.library.manifest.instance["sensors"]["names"])
         self.n = group.n
         self.inputs = InputsByLane(group, libraries)
-        self.refused: Mapping[int, SimulationError] = {}
+        self.refused: dict[int, SimulationError] = {}
 
     @property
     def t(self) -> Array:
@@ -112,7 +113,7 @@ class Simulations:
     def sensors(self) -> Mapping[str, Array]:
         """What the sensors show by name: (n,), or (n, 3) and (n, 4)."""
         shown = self._group.sense(self._threads)
-        return {name: shown[:, part].copy() for name, part in self._parts.items()}
+        return ByName({name: shown[:, part].copy() for name, part in self._parts.items()}, "sensor")
 
     def step(self, duration: float, lanes: Array | None = None) -> None:
         """Let each lane go on by a duration, s; lanes that have ended stay where they are, as do those that
@@ -146,7 +147,27 @@ class Simulations:
         _write(self._group, starts, q, u)
         self.inputs.restart(chosen)
         for lane in chosen.tolist():
-            self._group.begin_again(lane, starts[lane])
+            self.refused.pop(lane, None)
+            try:
+                self._group.begin_again(lane, starts[lane])
+            except SimulationError as refusal:
+                self.refused[lane] = refusal
+                raise
+
+    def save(self) -> bytes:
+        """The states of all lanes, their inputs and outcomes included. Loaded into as many runs of the same
+        library, parameters and settings, also in another process and in other numbers of threads, they go on
+        bit for bit. Events that were not asked for are not part of it, nor is the start to which `reset` puts
+        lanes back."""
+        return self._group.save_all()
+
+    def load(self, mark: bytes) -> None:
+        """Put all lanes into saved states. Raises SimulationError, with the lanes as they were, where `mark`
+        is not what `save` returned for as many runs with the same library, parameters and settings; it says
+        what differs."""
+        self._group.load_all(mark)
+        self.inputs.refresh()
+        self.refused = self._group.refusals()
 
 
 def _libraries(library: Library, n: int, parameters: Values) -> list[Library]:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from modelgen import ModelgenError, start, start_many
+from modelgen.runtime.stepped_simulations import Simulations
 from modelgen.runtime.trajectory import Outcome
 from modelgen.scene.read import read_text
 from tests.running import library_of, scene_of
@@ -114,6 +115,99 @@ def test_a_lane_that_cannot_start_is_left_out() -> None:
     assert many.sensors["place"][[0, 2], 0] == pytest.approx(0.25 * 0.01)
     with pytest.raises(ModelgenError, match=r"run 0, contact 'table-puck'\): .* interpenetrate"):
         start_many(model, 2, q=q[[1, 1]])
+
+
+def trace(many: Simulations, until: float) -> list[bytes]:
+    """The states of a group that goes on, after each step, and its events."""
+    states = []
+    while many.t.max() < until:
+        if "push" in many.inputs:
+            many.inputs["push"][::2] += 0.5
+        many.step(0.04)
+        states.append(many.save())
+    return [*states, repr([many.events(lane) for lane in range(many.n)]).encode()]
+
+
+GROUPS = {
+    "other parameters": (lambda: library(HEAVY), {"parameters": {"heft": [1.0, 2.0, 3.0]}}),
+    "inputs on a line": (lambda: library(LIFT.replace("HEIGHT", "height")), {}),
+    "faces that rest": (lambda: scene_of("cube_toss"), {}),
+    "joints": (lambda: scene_of("four_bar"), {}),
+    "time-stepping": (lambda: scene_of("cube_toss"), {"method": "time-stepping", "step": 2e-3}),
+}
+
+
+@pytest.mark.parametrize("which", GROUPS)
+def test_a_saved_group_goes_on_bit_for_bit(which: str) -> None:
+    """In the group that was saved, and in another one with other threads that began elsewhere."""
+    model, numbers = GROUPS[which][0](), GROUPS[which][1]
+    many, other = start_many(model, 3, **numbers), start_many(model, 3, threads=2, **numbers)
+    if "height" in many.inputs:
+        many.inputs.ramp("height", [-0.5, 0.0, 0.7])
+    other.step(0.07)
+    many.step(0.02)
+    many.step(0.1, np.array([True, False, True]))
+    for lane in range(3):
+        many.events(lane)
+    mark, inputs = many.save(), {name: values.copy() for name, values in many.inputs.items()}
+    true = trace(many, 0.3)
+    for group in (other, many):
+        group.load(mark)
+        assert group.save() == mark
+        assert all(np.array_equal(group.inputs[name], inputs[name]) for name in inputs)
+        assert trace(group, 0.3) == true
+
+
+def test_a_saved_group_keeps_which_lanes_have_ended() -> None:
+    model = library(PUCK)
+    q = np.tile(model.manifest.instance["initial_q"], (3, 1))
+    q[1, 2] -= 0.1
+    many, other = start_many(model, 3, q=q), start_many(model, 3)
+    many.step(0.1)
+    other.load(many.save())
+    assert other.outcomes == many.outcomes == (Outcome.DONE, None, Outcome.DONE)
+    assert {lane: str(each) for lane, each in other.refused.items()} == {1: str(many.refused[1])}
+    other.step(0.1)
+    many.step(0.1)
+    assert other.save() == many.save()
+    assert other.t == pytest.approx([0.2, 0.0, 0.2])
+    other.reset([1])  # to the start of the scene, which it can start from
+    assert not other.refused
+    with pytest.raises(ModelgenError, match="interpenetrate at the start"):
+        many.reset([1])
+    assert list(many.refused) == [1]
+
+
+def test_a_state_that_does_not_fit_leaves_a_group_as_it_was() -> None:
+    model, heft = library(HEAVY), [1.0, 2.0, 3.0]
+    many = start_many(model, 3, parameters={"heft": heft})
+    many.step(0.1)
+    mark, alone = many.save(), start(model)
+    foreign = {
+        "a str; bytes": "text",
+        "no saved state of runs of `start_many`": alone.save(),
+        "a state of 2 runs; one of 3 runs; write start_many\\(library, 2": start_many(model, 2).save(),
+        "load: run 1: it is of a scene with other tables": start_many(
+            model, 3, parameters={"heft": [1.0, 2.5, 3.0]}
+        ).save(),
+        "load: run 0: it was saved with other settings": start_many(
+            model, 3, parameters={"heft": heft}, accuracy="tight"
+        ).save(),
+        "load: run 0: it was saved by another library": start_many(scene_of("balancing_wheel"), 3).save(),
+        "bytes are missing": mark[:-1],
+        "load: run 2: bytes are missing": mark[:-1] + bytes([mark[-1] ^ 1]),
+    }
+    many.step(0.1)
+    before = many.save()
+    for message, given in foreign.items():
+        with pytest.raises(ModelgenError, match=message):
+            many.load(given)
+        assert many.save() == before
+    for given in (mark, 3, None):
+        with pytest.raises(ModelgenError, match=r"no saved state of a run|bytes; give what `save`"):
+            alone.load(given)
+    many.load(memoryview(mark))
+    assert many.save() == mark
 
 
 def test_mistakes_of_a_caller_of_many_runs() -> None:
