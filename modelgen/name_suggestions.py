@@ -76,10 +76,10 @@ def synonym(name: str, known: Iterable[str]) -> str:
     return f"did you mean {found[0]!r}{f', {note}' if note else ''}?"
 
 
-def nearest(name: str, known: Iterable[str]) -> str:
+def nearest(name: object, known: Iterable[str]) -> str:
     """`did you mean 'x'?` for the known name that means the same as `name`, as a pair in the other order, or
     is closest to it, or an empty text."""
-    names = list(known)
+    name, names = str(name), list(known)
     exchanged = [each for each in names if is_exchanged(each, name)]
     close = exchanged or get_close_matches(name, names, n=1, cutoff=0.6)
     return synonym(name, names) or (f"did you mean {close[0]!r}?" if close else "")

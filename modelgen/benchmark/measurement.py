@@ -16,8 +16,16 @@ from modelgen.benchmark.peers import PEERS, Peer, PeerPoints, peer_points
 from modelgen.benchmark.scene_under_measurement import Subject
 from modelgen.benchmark.setting_evaluation import Bench, counted, point_of, scaled
 from modelgen.benchmark.work_precision_front import Point, front, place, spaced
-from modelgen.errors import ModelgenError, expect
+from modelgen.errors import ModelgenError, expect, path_of
 from modelgen.name_suggestions import nearest
+from modelgen.runtime.arguments import (
+    check_flag,
+    check_function,
+    check_positive,
+    check_whole,
+    names_in,
+    values_by_name,
+)
 from modelgen.scene.parameter_rereading import scene_with
 from modelgen.scene.scene_types import Scene
 
@@ -112,13 +120,20 @@ def measure(
     or a simulator that is not installed, before anything is measured.
     """
     expect("measure", scene, Scene)
-    scene = scene_with(scene, parameters)
+    check_numbers(until=until, limit=limit)
+    if samples is not None:
+        check_whole("samples", samples, "give the number of output intervals")
+    for name, flag in (("count", count), ("fresh", fresh)):
+        check_flag(name, flag)
+    check_function("on_progress", on_progress)
+    root = path_of("measure", root)
+    scene = scene_with(scene, values_by_name("parameters", parameters))
     peers = [PEERS[name] for name in _known("--against", against, list(PEERS)) or ()]
     turned = [knob.name for table in (KNOBS, *(peer.knobs for peer in peers)) for knob in table]
     chosen = _known("--knobs", knobs, turned)
     for peer in peers:
         peer.find()
-    bench = bench_of(scene, until, samples, chosen, fresh, Path(root))
+    bench = bench_of(scene, until, samples, chosen, fresh, root)
     facts = bench.reference_facts
     points, others = list[Point](), list[PeerPoints]()
     report = on_progress or (lambda text: None)
@@ -126,6 +141,13 @@ def measure(
     if count and not stopped:
         stopped = _count_all(bench, points, report)
     return _measurement(bench, facts, points, others, stopped)
+
+
+def check_numbers(**numbers: object) -> None:
+    """Raises SimulationError unless each is a positive, finite number or None."""
+    for name, value in numbers.items():
+        if value is not None:
+            check_positive(name, value, "leave it out, or give a number")
 
 
 def _measurement(
@@ -227,7 +249,9 @@ def _turns(bench: Bench, name: str) -> bool:
 
 
 def _known(option: str, names: Sequence[str] | None, allowed: list[str]) -> tuple[str, ...] | None:
-    for name in names or ():
+    if names is None:
+        return None
+    for name in (chosen := names_in(option, names)):
         if name not in allowed:
             raise ModelgenError(
                 option,
@@ -235,4 +259,4 @@ def _known(option: str, names: Sequence[str] | None, allowed: list[str]) -> tupl
                 f"allowed: {', '.join(allowed)}",
                 nearest(name, allowed) or "use one of these names",
             )
-    return None if names is None else tuple(names)
+    return tuple(chosen)

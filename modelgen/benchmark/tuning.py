@@ -10,12 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from modelgen.benchmark.knobs import Settings
-from modelgen.benchmark.measurement import Measurement, Report, measure
+from modelgen.benchmark.measurement import Measurement, Report, check_numbers, measure
 from modelgen.benchmark.measurement_store import Store
 from modelgen.benchmark.scene_under_measurement import applied
 from modelgen.benchmark.setting_evaluation import Bench, point_of, scaled
 from modelgen.benchmark.work_precision_front import Point, cheapest, finest, front, is_measured, place
-from modelgen.errors import ModelgenError
+from modelgen.errors import ModelgenError, expect, path_of
+from modelgen.runtime.arguments import check_function, names_in
 from modelgen.scene.scene_types import RunSettings, Scene
 
 BAND = 0.2  # by which a verified cost may exceed a budget
@@ -98,6 +99,11 @@ def tune(
     if (error is None) == (budget is None):
         given = "neither an error nor a budget" if error is None else "an error and a budget"
         raise ModelgenError("tune", given, "one of them: --error 1e-6 or --budget 20us", "say which counts")
+    expect("tune", scene, Scene)
+    check_numbers(error=error, budget=budget)
+    check_function("on_progress", on_progress)
+    root = path_of("tune", root)
+    knobs = None if knobs is None else names_in("--knobs", knobs)
     demand = Demand(error, budget)
     report = on_progress or (lambda text: None)
     found = measure(
@@ -108,7 +114,7 @@ def tune(
         raise KeyboardInterrupt
     _refuse_beyond_horizon(found, demand)
     bench = Bench(
-        found.subject, found.subject.space(tuple(knobs) if knobs else None), Store(Path(root) / scene.name)
+        found.subject, found.subject.space(tuple(knobs) if knobs else None), Store(root / scene.name)
     )
     points = list(found.points) if found.interrupted else _refined(bench, list(found.points), demand)
     report("verifying on a fresh run")

@@ -25,7 +25,7 @@ from modelgen.composition.scene_symbols import parameter_values
 from modelgen.derivation import Derivation, derive
 from modelgen.errors import ModelgenError
 from modelgen.model import Model
-from modelgen.name_suggestions import nearest
+from modelgen.runtime.arguments import check_flag, check_name, check_positive, values_by_name
 from modelgen.runtime.stepped_simulation import Simulation
 from modelgen.scene.parameter_rereading import SceneReader
 from modelgen.scene.scene_types import Origin
@@ -67,17 +67,15 @@ def as_casadi(
         ModelgenError: the mode is none of the scene, or rubs over a whole face; a name is unknown; the
             library's scene cannot be read again.
     """
-    if what not in WHAT:
-        raise ModelgenError("as_casadi", repr(what), f"known: {', '.join(WHAT)}", nearest(str(what), WHAT))
-    if method not in TABLEAUS:
-        known = ", ".join(TABLEAUS)
-        raise ModelgenError("as_casadi: method", repr(method), f"known: {known}", nearest(method, TABLEAUS))
+    check_name("as_casadi", what, WHAT)
+    check_name("as_casadi: method", method, TABLEAUS)
+    check_flag("as_casadi: settle", settle)
     derivation = derivation_of(source)
     solved = _solved(derivation, mode, feature_pairs)
     if what == "rhs":
         return right_hand_side(solved)
-    if h is not None and not (np.isfinite(h) and h > 0):
-        raise ModelgenError("as_casadi: h", repr(h), "a positive number of seconds, or None")
+    if h is not None:
+        check_positive("as_casadi: h", h, "leave it out for an argument h", "number of seconds")
     return step_function(solved, derivation.functions(), method, h, settle)
 
 
@@ -157,5 +155,9 @@ def _solved(
         return derivation.solved(mode_of(derivation, mode), slip_speed=slip_speed)
     if mode is not None and not isinstance(mode, ContactMode):
         raise ModelgenError("as_casadi: mode", type(mode).__name__, "a run, a ContactMode, or None")
-    pairs = named_feature_pairs(derivation.model, (named or {}).items()) if mode is None else None
+    pairs = (
+        named_feature_pairs(derivation.model, values_by_name("feature_pairs", named).items())
+        if mode is None
+        else None
+    )
     return derivation.solved(mode, pairs, SLIP_SPEED)

@@ -63,6 +63,9 @@ class Library:
     def load(cls, folder: str | Path, real: str = "double") -> Library:
         """The library over one real type that was built last into a folder."""
         folder = path_of("Library.load", folder)
+        if not isinstance(real, str) or real not in DTYPES:
+            allowed = ", ".join(DTYPES)
+            raise LibraryError("Library.load: real", repr(real), allowed, nearest(real, DTYPES))
         manifest, record = folder / STRUCTURE, folder / record_name(real)
         return cls(
             Manifest.from_json(_text(manifest), _text(folder / INSTANCE), str(manifest)),
@@ -102,7 +105,7 @@ class Library:
 
     def kernel(self, name: str) -> Kernel:
         """The kernel of that name; LibraryError if the manifest has none."""
-        if name not in self.manifest.functions:
+        if not isinstance(name, str) or name not in self.manifest.functions:
             known = self.manifest.functions
             raise LibraryError(
                 str(self.path), f"no kernel {name!r}", f"kernels: {', '.join(known)}", nearest(name, known)

@@ -32,7 +32,9 @@ def expressions_function(
     return ca.Function("expressions", list(given.values()), list(found.values()), list(given), list(found))
 
 
-def _parsed(text: str, known: Mapping[str, ca.SX], where: str) -> Expression:
+def _parsed(text: object, known: Mapping[str, ca.SX], where: str) -> Expression:
+    if not isinstance(text, str):
+        raise SimulationError(where, f"a {type(text).__name__}", "an expression, as text", 'write "2*t"')
     try:
         return parse_expression(text, known)
     except ExpressionError as error:

@@ -23,7 +23,15 @@ from modelgen.identification.recordings import Array, Recording, recording_of
 from modelgen.identification.unidentifiable_in_words import in_words
 from modelgen.identification.unknowns import Unknown, unknowns_of
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.arguments import check_keywords, check_name, with_parameters
+from modelgen.runtime.arguments import (
+    check_function,
+    check_keywords,
+    check_name,
+    check_whole,
+    names_in,
+    values_by_name,
+    with_parameters,
+)
 from modelgen.runtime.by_name import ByName
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 
@@ -132,15 +140,17 @@ def fit(
     expect("fit", library, Library)
     check_keywords("fit", stepping, KEYWORDS)
     check_name("loss", loss, LOSSES)
-    for name, count in (("starts", starts), ("evaluations", evaluations)):
-        if not isinstance(count, int) or count < 1:
-            raise SimulationError(name, repr(count), "a whole number from 1 on")
+    starts, evaluations = check_whole("starts", starts, ""), check_whole("evaluations", evaluations, "")
+    seed = check_whole("seed", seed, "", 0)
+    check_function("on_progress", on_progress)
+    of = None if of is None else names_in("of", of)
+    given = values_by_name("inputs", inputs)
     library = with_parameters(library, parameters)
     recordings = _recordings(data, of)
-    unknowns = unknowns_of(library, by, len(recordings), inputs or {})
-    chosen, unknowns = _recorded_runs(library, recordings, unknowns, start)
+    unknowns = unknowns_of(library, by, len(recordings), given)
+    chosen, unknowns = _recorded_runs(library, recordings, unknowns, names_in("start", start))
     accuracy = accuracy_of(library.manifest.instance, accuracy, stepping)
-    runs = RecordedRuns(library, accuracy, chosen, unknowns, inputs or {})
+    runs = RecordedRuns(library, accuracy, chosen, unknowns, given)
     first_noise = noise_of(chosen, noise)
     _check_size(recordings, chosen, unknowns)
     found = solve(runs, first_noise, loss, starts, seed, evaluations, on_progress or _silent)
@@ -152,7 +162,9 @@ def _silent(_: str) -> None:
 
 
 def _recordings(data: Data | Sequence[Data], of: Sequence[str] | None) -> list[Recording]:
-    several = [data] if isinstance(data, str | PathLike | Mapping | Recording) else list(data)
+    several = [data] if isinstance(data, str | PathLike | Mapping | Recording) else data
+    if not isinstance(several, Sequence):
+        raise SimulationError("data", f"a {type(data).__name__}", "CSV files, or columns by name")
     if not several:
         raise SimulationError("data", "no recordings", "CSV files, or columns by name")
     found = []

@@ -12,7 +12,7 @@ from modelgen.errors import SimulationError
 from modelgen.identification.recording_residuals import RecordedRun
 from modelgen.identification.recordings import Array
 from modelgen.name_suggestions import nearest
-from modelgen.runtime.arguments import is_number
+from modelgen.runtime.arguments import is_number, values_by_name
 
 FLOOR = float(np.sqrt(np.finfo(float).eps))  # of an estimated noise, in spreads of what was measured
 NORMAL_MEDIAN = 0.6744897501960817  # of the absolute value of a standard normal number
@@ -61,7 +61,7 @@ def noise_of(runs: Sequence[RecordedRun], given: Mapping[str, float] | None) -> 
 
     Raises SimulationError where a name is no column or quantity, or a value is not positive.
     """
-    given = dict(given or {})
+    given = dict(values_by_name("noise", given))
     pairs = [pair for run in runs for pair in zip(run.comparison.names, run.comparison.groups, strict=True)]
     known = dict.fromkeys([name for pair in pairs for name in pair])
     for name, value in given.items():

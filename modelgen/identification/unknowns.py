@@ -10,7 +10,8 @@ from typing import Any
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError
 from modelgen.notation import component_names
-from modelgen.runtime.arguments import input_range
+from modelgen.runtime.arguments import input_range, is_number, names_in
+from modelgen.runtime.inputs import is_beyond, refused_value
 from modelgen.runtime.sensitivity_directions import Direction, directions_of
 
 ALL = -1  # recordings
@@ -40,11 +41,12 @@ def unknowns_of(
 
     Raises SimulationError where a name is unknown or comes twice, or nothing is named.
     """
-    if isinstance(by, str) or not list(by):
+    names = names_in("by", by)
+    if not names:
         known = ", ".join(each["name"] for each in library.manifest.instance.get("parameters", ()))
         allowed = f"names of parameters ({known or 'the scene has none'}), inputs, or starts of bodies"
-        raise SimulationError("by", repr(by) if by else "nothing to fit", allowed, 'write by=["friction"]')
-    directions = [direction for name in by for direction in _directions(library, str(name))]
+        raise SimulationError("by", "nothing to fit", allowed, 'write by=["friction"]')
+    directions = [direction for name in names for direction in _directions(library, name)]
     names = [direction.name for direction in directions]
     for name in names:
         if names.count(name) > 1:
@@ -68,7 +70,10 @@ def _of_all(library: Library, direction: Direction, inputs: Mapping[str, float])
     instance = library.manifest.instance
     if direction.kind == "input":
         kind = next(each for each in instance["inputs"] if each["name"] == direction.owner)
-        first, (low, high) = float(inputs.get(direction.owner, kind["default"])), input_range(kind)
+        given, (low, high) = inputs.get(direction.owner, kind["default"]), input_range(kind)
+        if not is_number(given) or is_beyond(given, low, high):
+            raise refused_value(kind, f"input {direction.owner!r}", given, True)
+        first = float(given)
     else:
         kind = next(each for each in instance["parameters"] if each["name"] == direction.owner)
         first, (low, high) = float(kind["value"]), input_range(kind)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TypedDict, Unpack
 from xml.etree import ElementTree
@@ -12,7 +12,16 @@ from modelgen.errors import ModelgenError, path_of
 from modelgen.importing import profile_scene, robot_scene
 from modelgen.importing.import_losses import Notes, check_without
 from modelgen.importing.mujoco_shapes import CORNERS
-from modelgen.name_suggestions import nearest
+from modelgen.runtime.arguments import (
+    check_flag,
+    check_keywords,
+    check_name,
+    check_positive,
+    check_span,
+    check_whole,
+    names_in,
+    shown,
+)
 from modelgen.scene.read import LARGEST, read_text
 from modelgen.scene.scene_types import Scene
 
@@ -126,7 +135,9 @@ def import_scene(path: str | Path, format: str | None = None, **choices: Unpack[
         ModelgenError: the file cannot be read, is of no known format, or has parts that a scene has no like
             of.
     """
+    check_keywords("import_scene", choices, [each.name for each in fields(Choices)])
     chosen, path = Choices(**choices), path_of("import_scene", path)
+    _check(chosen)
     check_without(chosen.without)
     name = _format(path, format)
     for key, word in WORDS.items():
@@ -144,10 +155,24 @@ def import_scene(path: str | Path, format: str | None = None, **choices: Unpack[
     return Imported(text, scene, tuple(notes.left_out), tuple(notes.approximated))
 
 
+def _check(choices: Choices) -> None:
+    """Raises ModelgenError for a choice of the wrong type."""
+    check_span("until", choices.until, "give the end of the run")
+    check_flag("floating", choices.floating)
+    check_whole("corners", choices.corners, "give the most corners of a polyhedron", 4)
+    names_in("without", choices.without)
+    for name in ("tolerance", "length"):
+        if getattr(choices, name) is not None:
+            check_positive(name, getattr(choices, name), "give a number of m")
+    for name in ("key", "kind", "columns", "unit"):
+        if not isinstance(getattr(choices, name), str | None):
+            raise ModelgenError(name, shown(getattr(choices, name)), "a text", "give one, or leave it out")
+
+
 def _format(path: Path, format: str | None) -> str:
     allowed = "allowed: " + ", ".join(FORMATS)
-    if format is not None and format not in FORMATS:
-        raise ModelgenError("--format", repr(format), allowed, nearest(format, FORMATS))
+    if format is not None:
+        check_name("format", format, FORMATS)
     if not path.is_file():
         raise ModelgenError(str(path), "no such file", "", "check the path")
     if format is not None:

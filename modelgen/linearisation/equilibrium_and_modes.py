@@ -22,7 +22,7 @@ from modelgen.linearisation.eigenmodes import Mode, small_motions
 from modelgen.linearisation.rest_linearisation import DEPENDENT, NoPlaceError, Place, Touching, moved, size_of
 from modelgen.linearisation.touching_contact import Array
 from modelgen.model import Scales
-from modelgen.runtime.arguments import with_parameters
+from modelgen.runtime.arguments import values_by_name, with_parameters
 from modelgen.runtime.by_name import ByName
 from modelgen.scene.parameter_rereading import scene_with
 
@@ -84,9 +84,9 @@ def linearise(
     """
     expect("linearise", derivation, Derivation)
     expect("linearise", library, Library)
-    if parameters:
-        library = with_parameters(library, parameters)
-        derivation = replace(derivation, model=require(scene_with(derivation.model.whole, parameters)))
+    if given := values_by_name("parameters", parameters):
+        library = with_parameters(library, given)
+        derivation = replace(derivation, model=require(scene_with(derivation.model.whole, given)))
     touching = Touching(derivation, library)
     place = equilibrium(touching)
     force, friction = resting_forces(touching, place)

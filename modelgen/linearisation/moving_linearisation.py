@@ -55,12 +55,14 @@ class Moving:
     """The states of a scene in motion."""
 
     def __init__(self, touching: Touching, like: Moving | None = None) -> None:
-        """`like`: of the same scene with other values of parameters, whose function serves here too."""
+        """`like`: of the same scene with other values of parameters, whose functions serve here too where the
+        same contacts touch."""
         self.touching = touching
         self.model = touching.model
         held = np.array(touching.held)
         self._places: Bools = np.isin(held, touching.first) | (held >= touching.contact_rows)
-        functions = (like._rows, like._derivatives) if like else self._written()
+        shared = like is not None and _is_alike(like.touching, touching)
+        functions = (like._rows, like._derivatives) if like and shared else self._written()
         self._rows: ca.Function = functions[0]
         self._derivatives: ca.Function = functions[1]
 
@@ -168,3 +170,9 @@ class Moving:
 def _function(name: str, arguments: dict[str, ca.SX], results: list[ca.SX]) -> ca.Function:
     names = [f"result_{k}" for k in range(len(results))]
     return ca.Function(name, list(arguments.values()), results, list(arguments), names, {"cse": True})
+
+
+def _is_alike(one: Touching, other: Touching) -> bool:
+    """Whether the same rows are held, with as many settings."""
+    same_sizes = all(len(one.settings[name]) == len(other.settings[name]) for name in other.settings)
+    return same_sizes and np.array_equal(one.held, other.held) and np.array_equal(one.first, other.first)

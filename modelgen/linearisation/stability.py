@@ -14,7 +14,14 @@ from modelgen.derivation import Derivation
 from modelgen.errors import ModelgenError, SimulationError, expect
 from modelgen.linearisation.steady_modes import LinearisedSteady, Spectrum, SteadyFamily, split
 from modelgen.linearisation.touching_contact import Array
-from modelgen.runtime.arguments import with_parameters
+from modelgen.runtime.arguments import (
+    check_function,
+    check_name,
+    numbers_in,
+    shown,
+    values_by_name,
+    with_parameters,
+)
 
 HALVINGS = 24  # of the distance of two values between which stability changes
 CLOSE = 1e-13  # relative, of an end of stability where growth crosses zero
@@ -63,10 +70,16 @@ def stability(
     """
     expect("stability", derivation, Derivation)
     expect("stability", library, Library)
-    found = np.array(values, dtype=float)
+    check_function("on_progress", on_progress)
+    check_name(
+        "stability: parameter",
+        parameter,
+        [each["name"] for each in library.manifest.instance.get("parameters", ())],
+    )
+    found = numbers_in("stability: values", values, "two or more numbers that ascend")
     if found.ndim != 1 or len(found) < 2 or not (np.diff(found) > 0).all():
-        raise ModelgenError("stability: values", f"{values!r}", "two or more numbers that ascend")
-    family, others = SteadyFamily(derivation, library), dict(parameters or {})
+        raise ModelgenError("stability: values", shown(values), "two or more numbers that ascend")
+    family, others = SteadyFamily(derivation, library), dict(values_by_name("parameters", parameters))
 
     def at(value: float) -> LinearisedSteady:
         return family.at(others | {parameter: float(value)})

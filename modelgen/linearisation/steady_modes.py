@@ -18,7 +18,7 @@ from modelgen.linearisation.equilibrium_and_modes import NEUTRAL
 from modelgen.linearisation.rest_linearisation import Touching, size_of
 from modelgen.linearisation.steady_motion import SteadyMotion, SteadySearch
 from modelgen.linearisation.touching_contact import Array
-from modelgen.runtime.arguments import with_parameters
+from modelgen.runtime.arguments import values_by_name, with_parameters
 from modelgen.runtime.by_name import ByName
 from modelgen.scene.parameter_rereading import scene_with
 
@@ -108,7 +108,7 @@ def linearise_steady(
     """
     expect("linearise_steady", derivation, Derivation)
     expect("linearise_steady", library, Library)
-    return SteadyFamily(derivation, library).at(parameters or {})
+    return SteadyFamily(derivation, library).at(values_by_name("parameters", parameters))
 
 
 class SteadyFamily:

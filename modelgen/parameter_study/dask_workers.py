@@ -23,6 +23,7 @@ from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError
 from modelgen.parameter_study.chunk_runs import Chunk, Study, run_chunk
 from modelgen.parameter_study.run_queue import RunQueue, Span
+from modelgen.runtime.arguments import shown
 from modelgen.runtime.trajectory import Array
 
 ANSWER_S = 10.0  # time in which a scheduler must answer, and have a worker
@@ -42,8 +43,11 @@ def require_distributed() -> Any:
     return distributed
 
 
-def connected(address: str) -> Any:
+def connected(address: object) -> Any:
     """A client of a scheduler; raises ModelgenError where it does not answer, or has no workers."""
+    if not isinstance(address, str):
+        remedy = "give the address of a Dask scheduler"
+        raise ModelgenError("scheduler", shown(address), "a text, tcp://HOST:PORT", remedy)
     distributed = require_distributed()
     try:
         distributed.comm.addressing.parse_host_port(address)  # a client that is refused it cannot be closed

@@ -10,7 +10,7 @@ from math import prod
 import numpy as np
 
 from modelgen.errors import ModelgenError, SceneError
-from modelgen.name_suggestions import nearest
+from modelgen.runtime.arguments import check_name, check_whole, numbers_in, values_by_name
 from modelgen.runtime.trajectory import Array
 from modelgen.scene.scalar_types import NUMBER
 from modelgen.scene.source_location import Place
@@ -46,9 +46,9 @@ def variations_of(vary: Mapping[str, str | Sequence[float]]) -> tuple[Variation,
     Raises ModelgenError for a text that is none of them, or where nothing varies.
     """
     if not isinstance(vary, Mapping) or not vary:
-        found = "nothing varies" if not vary else f"a {type(vary).__name__}"
+        found = "nothing varies" if isinstance(vary, Mapping) else f"a {type(vary).__name__}"
         raise ModelgenError("vary", found, f"at least one {FORM}", "")
-    return tuple(_variation(str(name), values) for name, values in vary.items())
+    return tuple(_variation(name, values) for name, values in values_by_name("vary", vary).items())
 
 
 def design_points(
@@ -64,9 +64,8 @@ def design_points(
 
     Raises ModelgenError where these do not go together.
     """
-    kind = design or ("grid" if samples is None else "sobol")
-    if kind not in DESIGNS:
-        raise ModelgenError("design", repr(kind), f"{', '.join(DESIGNS)} are allowed", nearest(kind, DESIGNS))
+    kind = ("grid" if samples is None else "sobol") if design is None else design
+    check_name("design", kind, DESIGNS)
     if kind == "grid":
         _check_grid(variations, samples)
         return kind, np.array(list(product(*(each.values for each in variations))), dtype=float)
@@ -76,7 +75,7 @@ def design_points(
 
 
 def _variation(name: str, given: str | Sequence[float]) -> Variation:
-    text = given if isinstance(given, str) else ",".join(repr(float(value)) for value in given)
+    text = given if isinstance(given, str) else _listed(name, given)
     where = f"vary {name}={text}"
     parts = [part.strip() for part in text.split(":")]
     is_log = len(parts) in (3, 4) and parts[-1] == LOG
@@ -99,6 +98,14 @@ def _variation(name: str, given: str | Sequence[float]) -> Variation:
         raise ModelgenError(where, f"{numbers[2]!r} values", "a whole number from 2 on", "write NAME=a:b:5")
     values = tuple(_between(low, high, np.linspace(0.0, 1.0, count), is_log).tolist())
     return Variation(name, text, low, high, values, is_log)
+
+
+def _listed(name: str, given: object) -> str:
+    """Values as text."""
+    values = numbers_in(f"vary {name}", given, FORM)
+    if values.ndim != 1 or not len(values):
+        raise ModelgenError(f"vary {name}", f"an array of shape {values.shape}", FORM)
+    return ",".join(map(repr, values.tolist()))
 
 
 def _between(low: float, high: float, shares: Array, is_log: bool) -> Array:
@@ -141,10 +148,9 @@ def _count(kind: str, samples: int | None) -> int:
     if samples is None:
         found = "no number of samples"
         raise ModelgenError("design", f"{kind}, {found}", "it draws so many runs", "give the samples")
-    if isinstance(samples, bool) or samples != int(samples) or samples < 1:
-        raise ModelgenError("samples", repr(samples), "a whole number, at least 1", "")
-    _check_size(samples)
-    return int(samples)
+    count = check_whole("samples", samples, "give the number of runs")
+    _check_size(count)
+    return count
 
 
 def _check_size(runs: int) -> None:

@@ -73,7 +73,7 @@ class Sweep:
 
 def check_column(where: str, name: str, columns: Sequence[str]) -> None:
     """Raises ModelgenError for a column that a table has not."""
-    if name not in columns:
+    if not isinstance(name, str) or name not in columns:
         raise ModelgenError(where, repr(name), f"columns: {', '.join(columns)}", nearest(name, columns))
 
 

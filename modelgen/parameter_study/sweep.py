@@ -25,7 +25,15 @@ from modelgen.parameter_study.run_queue import RunQueue, Span
 from modelgen.parameter_study.sweep_folder import SweepFolder
 from modelgen.parameter_study.varied_numbers import varied_numbers
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.arguments import check_keywords, check_span, with_parameters
+from modelgen.runtime.arguments import (
+    check_flag,
+    check_function,
+    check_keywords,
+    check_span,
+    names_in,
+    values_by_name,
+    with_parameters,
+)
 from modelgen.runtime.core_session import Session
 from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
@@ -88,12 +96,15 @@ def sweep(
     """
     expect("sweep", library, Library)
     check_keywords("sweep", stepping, KEYWORDS)
+    check_flag("estimate", estimate)
+    check_function("on_progress", on_progress)
+    parameters, inputs = values_by_name("parameters", parameters), values_by_name("inputs", inputs)
     variations = variations_of(vary)
     kind, values = design_points(variations, samples, design, _checked_seed(seed))
-    fixed = {**(parameters or {}), **(inputs or {})}
+    fixed = {**parameters, **inputs}
     instance = with_parameters(library, parameters).manifest.instance
     chosen = accuracy_of(instance, accuracy, stepping)
-    Inputs(Session(library, chosen)).update(inputs or {})
+    Inputs(Session(library, chosen)).update(inputs)
     study = Study(
         numbers=varied_numbers(library, variations, fixed),
         until=float(_checked_until(instance["run"]["until"] if until is None else until)),
@@ -101,8 +112,8 @@ def sweep(
         stepping=dict(stepping),
         estimate=bool(instance["run"].get("estimate", True) if estimate is None else estimate),
         seed=seed,
-        parameters=dict(parameters or {}),
-        inputs=dict(inputs or {}),
+        parameters=dict(parameters),
+        inputs=dict(inputs),
         keep=_checked_keep(keep, out),
         scene=scene,
     )
@@ -218,12 +229,10 @@ def _checked_threads(threads: object) -> int:
 
 
 def _checked_keep(keep: Sequence[str], out: object) -> bool:
-    names = [keep] if isinstance(keep, str) else list(keep)
+    names = names_in("keep", [keep] if isinstance(keep, str) else keep)
     for name in names:
         if name not in KEPT:
-            raise ModelgenError(
-                "keep", repr(name), f"{', '.join(KEPT)} are allowed", nearest(str(name), KEPT)
-            )
+            raise ModelgenError("keep", repr(name), f"{', '.join(KEPT)} are allowed", nearest(name, KEPT))
     if names and out is None:
         raise ModelgenError("keep", "no folder to keep them in", "", "name one with out")
     return bool(names)

@@ -41,9 +41,10 @@ def save(record: Record, path: str | Path) -> None:
 def load(path: str | Path) -> Record:
     """Read a run from .npz; ModelgenError if the file is not one."""
     path = path_of("load", path)
+    place = path.name or str(path)
     if path.suffix == ".csv":
         raise ModelgenError(
-            path.name,
+            place,
             "a CSV file has neither the contact points nor the surfaces of a run",
             "a .npz file has both",
             "write one with `modelgen simulate SCENE --out run.npz`",
@@ -71,7 +72,7 @@ def load(path: str | Path) -> Record:
         ) from None
     except (ValueError, KeyError, EOFError, OSError, zipfile.BadZipFile):
         raise ModelgenError(
-            path.name,
+            place,
             "not a run of modelgen",
             "a .npz file that `modelgen simulate --out` wrote",
             "write it anew",

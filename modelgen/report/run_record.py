@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from modelgen.codegen.library import Library
+from modelgen.errors import expect
 from modelgen.report.recorded_scene import kept_scene, read_again
 from modelgen.report.resting_face_outlines import face_outlines
 from modelgen.report.surface_grids import contact_meshes, feature_pair_of
 from modelgen.runtime.arguments import with_parameters
 from modelgen.runtime.by_name import ByName
-
-if TYPE_CHECKING:
-    from modelgen.codegen.library import Library
-    from modelgen.runtime.trajectory import Trajectory
-    from modelgen.scene.scene_types import Scene
+from modelgen.runtime.trajectory import Trajectory
+from modelgen.scene.scene_types import Scene
 
 Array = np.ndarray[Any, Any]
 COLUMNS = (
@@ -112,6 +111,10 @@ def record_of(trajectory: Trajectory, library: Library, scene: Scene | None = No
 
     With the scene, as `read` returned it, the record holds its tables; pages of the run need them.
     """
+    expect("record_of", trajectory, Trajectory)
+    expect("record_of", library, Library)
+    if scene is not None:
+        expect("record_of", scene, Scene)
     kept = kept_scene(scene, library)
     library = with_parameters(library, trajectory.parameters)
     instance = library.manifest.instance

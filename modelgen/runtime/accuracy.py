@@ -7,13 +7,13 @@ characteristic time T.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from math import sqrt
 from types import MappingProxyType
 from typing import Any, Literal, get_args
 
 from modelgen.errors import SimulationError
-from modelgen.runtime.arguments import check_name, check_step, is_number
+from modelgen.runtime.arguments import check_flag, check_name, check_step, is_number, shown
 
 Method = Literal["dop853", "rk4", "time-stepping"]
 Scheme = Literal["stewart-trinkle", "anitescu-potra", "moreau"]
@@ -227,9 +227,8 @@ class Accuracy:
     overlap_depth: float = 1e-4
 
     def __post_init__(self) -> None:
-        check_name("method", self.method, get_args(Method))
-        if self.step is not None:
-            check_step(self.step)
+        for each in fields(self):
+            _check_type(each.name, getattr(self, each.name), str(each.type))
 
     @classmethod
     def fast(cls) -> Accuracy:
@@ -378,3 +377,19 @@ class Accuracy:
             flat_angle=max(self.flat_angle / 2, RESOLVED["flat_angle"] * epsilon),
             **finer,
         )
+
+
+NAMES = {"Method": Method, "Scheme": Scheme, "Solver": Solver, "Impacts": Impacts}  # types of fields
+
+
+def _check_type(name: str, value: Any, kind: str) -> None:
+    """Raises SimulationError for a value of a field that is not of its type; numbers are 0 or more."""
+    if kind in NAMES:
+        check_name(name, value, get_args(NAMES[kind]))
+    elif kind == "bool":
+        check_flag(name, value)
+    elif kind == "float | None":
+        if value is not None:
+            check_step(value, name)
+    elif kind != "str" and not (is_number(value) and value >= 0):
+        raise SimulationError(name, shown(value), "a number from 0 on", "change it, or leave it out")

@@ -34,11 +34,11 @@ from typing import Any
 import numpy as np
 
 from modelgen.codegen.library import Library
-from modelgen.errors import SimulationError
+from modelgen.errors import SimulationError, expect
 from modelgen.name_suggestions import nearest
 from modelgen.notation import ETA_SIZE
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.arguments import common_rows, rows_of
+from modelgen.runtime.arguments import common_rows, is_number, rows_of, shown
 from modelgen.runtime.core_session import Session
 from modelgen.runtime.tables.ctypes_structures import MINIMA, MINIMA_FOUND, MINIMA_GIVEN, Array, address
 
@@ -101,8 +101,8 @@ def distance_minima(
     """
     searched = searched_pair(library, contact)
     for name, bound in (("gap", gap), ("depth", depth)):
-        if not bound >= 0:
-            raise SimulationError(f"distance_minima: {name}", f"{bound!r}", "a length of 0 m or more")
+        if not (is_number(bound) and bound >= 0):
+            raise SimulationError(f"distance_minima: {name}", shown(bound), "a length of 0 m or more")
     return _search(library, searched, pose_o, pose_f, nearest_only=False, gap=gap, depth=depth)
 
 
@@ -140,6 +140,7 @@ def _search(
 
 def searched_pair(library: Library, contact: str | int) -> Searched:
     """The feature pairs of a pair of bodies ("a-b"), or one of them ("a-b:rim", or its index)."""
+    expect("closest_points", library, Library)
     instance = library.manifest.instance
     feature_pairs: Sequence[Mapping[str, Any]] = instance["feature_pairs"]
     pairs = {str(pair["name"]): pair for pair in instance["pairs"]}
@@ -151,11 +152,11 @@ def searched_pair(library: Library, contact: str | int) -> Searched:
         contact = names.index(contact)
     if isinstance(contact, int) and 0 <= contact < len(names):
         return Searched(names[contact], contact, contact + 1, *_bodies(feature_pairs[contact]))
-    if contact in pairs:
+    if isinstance(contact, str) and contact in pairs:
         first, end = pairs[str(contact)]["feature_pairs"]
         return Searched(str(contact), first, end, *_bodies(feature_pairs[first]))
     known = list(dict.fromkeys([*pairs, *names]))
-    found = f"no contact {contact!r}"
+    found = f"no contact {shown(contact)}"
     raise SimulationError(
         "closest points", found, f"contacts: {', '.join(known)}", nearest(str(contact), known)
     )

@@ -12,7 +12,7 @@ import numpy as np
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.arguments import check_keywords, with_parameters
+from modelgen.runtime.arguments import check_keywords, shown, values_by_name, with_parameters
 from modelgen.runtime.core_session import Session
 from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.sensitivity import VERDICTS, Outputs, TangentRun, Verdict, times_of
@@ -70,7 +70,7 @@ def gradient(
     library = with_parameters(library, parameters)
     times = times_of(t)
     session = Session(library, accuracy_of(library.manifest.instance, accuracy, stepping))
-    Inputs(session).update(inputs or {})
+    Inputs(session).update(values_by_name("inputs", inputs))
     outputs = Outputs(session, of)
     shape = len(times), len(outputs.names)
     check_loss(loss, shape)
@@ -111,8 +111,8 @@ def gradient(
 
 def check_loss(loss: Any, shape: tuple[int, int]) -> None:
     """Raises SimulationError unless it is a CasADi function from that shape to a scalar."""
-    if not hasattr(loss, "reverse") or (loss.n_in(), loss.n_out()) != (1, 1):
-        raise SimulationError("loss", repr(loss), f"a CasADi function of one matrix of shape {shape}")
+    if not hasattr(loss, "n_in") or not hasattr(loss, "reverse") or (loss.n_in(), loss.n_out()) != (1, 1):
+        raise SimulationError("loss", shown(loss), f"a CasADi function of one matrix of shape {shape}")
     if loss.size_in(0) != shape or loss.size_out(0) != (1, 1):
         found = f"a function from {loss.size_in(0)} to {loss.size_out(0)}"
         raise SimulationError("loss", found, f"a function from {shape} to (1, 1)")

@@ -8,7 +8,7 @@ from typing import Any
 
 from modelgen.errors import SimulationError
 from modelgen.notation import SETTING_SIZE
-from modelgen.runtime.arguments import input_range, is_number
+from modelgen.runtime.arguments import input_range, is_number, shown
 from modelgen.runtime.by_name import ByName
 from modelgen.runtime.core_session import Session
 from modelgen.runtime.tables.ctypes_structures import Array
@@ -41,12 +41,16 @@ def refused_value(kind: Kind, where: str, value: object, outside: bool) -> Simul
         )  # fmt: skip
     least, largest = input_range(kind)
     within = f"from {least:g} to {largest:g}" if largest - least < inf else "that is finite"
-    return SimulationError(where, repr(value), f"a number {within}", "change the value")
+    return SimulationError(where, shown(value), f"a number {within}", "change the value")
 
 
 def refused_rate(where: str, rate: object) -> SimulationError:
     """The error of a rate that is no finite number."""
-    return SimulationError(where, repr(rate), "a finite rate, per s", "")
+    return SimulationError(where, shown(rate), "a finite rate, per s", "")
+
+
+def cannot_be_removed(name: str) -> SimulationError:
+    return SimulationError(f"input {name!r}", "it cannot be removed", "", "set it to its default")
 
 
 class Inputs(MutableMapping[str, float]):
@@ -89,7 +93,7 @@ class Inputs(MutableMapping[str, float]):
         self._set(name, self[name], rate)
 
     def __delitem__(self, name: str) -> None:
-        raise SimulationError(f"input {name!r}", "it cannot be removed", "", "set it to its default")
+        raise cannot_be_removed(name)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._index)

@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, MutableMapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.notation import SETTING_SIZE
-from modelgen.runtime.arguments import check_name, input_range
+from modelgen.runtime.arguments import check_name, input_range, lanes_in, one_or_each
 from modelgen.runtime.by_name import ByName
-from modelgen.runtime.inputs import is_beyond, is_jump, refused_rate, refused_value
+from modelgen.runtime.inputs import cannot_be_removed, is_beyond, is_jump, refused_rate, refused_value
 from modelgen.runtime.session_group import SessionGroup
 from modelgen.runtime.tables.ctypes_structures import Array
 
 
-class InputsByLane(Mapping[str, Array]):
-    """The inputs of all lanes by name, (n,) each: arrays of the present values, that are written to.
+class InputsByLane(MutableMapping[str, Array]):
+    """The inputs of all lanes by name, (n,) each: arrays of the present values, that are written to, or
+    set as a whole: to one number, or to one for each lane.
 
     A value that is written takes effect at the present time of its lane. An input with hold = "linear" goes
     on from its present value at a rate: `ramp` sets the rate, and the value, which is continuous, can be
@@ -38,15 +39,22 @@ class InputsByLane(Mapping[str, Array]):
         value = self._settings(name)[0]
         return self._shown.get(name, value)
 
-    def ramp(self, name: str, rates: Any, lanes: Any = slice(None)) -> None:
+    def __setitem__(self, name: str, values: Any) -> None:
+        """Raises SimulationError for an unknown name, and for what are no numbers of the lanes."""
+        self[name][:] = one_or_each(f"input {name!r}", values, self._group.n)
+
+    def __delitem__(self, name: str) -> None:
+        raise cannot_be_removed(name)
+
+    def ramp(self, name: str, rates: Any, lanes: Any = None) -> None:
         """Let an input with hold = "linear" change at rates, one number or (n,) per s, from now on; in lanes,
-        indices or (n,) of bool, or in all.
+        (n,) of bool or indices, or in all.
 
         Raises SimulationError where it has another hold, or a rate is not finite.
         """
-        if name not in self._shown:
-            check_name("ramp", name, self._shown)
-        given = np.broadcast_to(np.asarray(rates, dtype=float), (self._group.n,))
+        check_name("ramp", name, self._shown)
+        given = one_or_each(f"ramp: {name!r}", rates, self._group.n)
+        lanes = slice(None) if lanes is None else lanes_in("ramp: lanes", lanes, self._group.n)
         if len(bad := np.flatnonzero(~np.isfinite(given))):
             raise refused_rate(f"input {name!r} of lane {bad[0]}", float(given[bad[0]]))
         self._check(name, lanes)

@@ -14,7 +14,15 @@ from modelgen.errors import SimulationError, expect
 from modelgen.name_suggestions import nearest
 from modelgen.notation import component_names
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.arguments import check_keywords, with_parameters
+from modelgen.runtime.arguments import (
+    check_flag,
+    check_keywords,
+    names_in,
+    numbers_in,
+    shown,
+    values_by_name,
+    with_parameters,
+)
 from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.error_estimate import ROUNDED, SAFE, nudge
 from modelgen.runtime.inputs import Inputs
@@ -134,11 +142,12 @@ def sensitivity(
     """
     expect("sensitivity", library, Library)
     check_keywords("sensitivity", stepping, KEYWORDS)
+    check_flag("estimate", estimate)
     library = with_parameters(library, parameters)
     times = times_of(t)
     record = accuracy_of(library.manifest.instance, accuracy, stepping)
     session = Session(library, record)
-    Inputs(session).update(inputs or {})
+    Inputs(session).update(values_by_name("inputs", inputs))
     directions = directions_of(library, by)
     outputs = Outputs(session, of)
     arrays = direction_arrays(library, directions, parameters or {})
@@ -149,7 +158,7 @@ def sensitivity(
     if estimate:
         epsilon = float(np.finfo(session.tables.dtype).eps)
         twin = Session(library, record.companion(epsilon))
-        Inputs(twin).update(inputs or {})
+        Inputs(twin).update(values_by_name("inputs", inputs))
         nudge(twin.x, twin.instance)
         error = _error(jacobian, TangentRun(twin, arrays, len(directions)), outputs, times, epsilon)
     return Sensitivity(
@@ -174,10 +183,11 @@ def _error(jacobian: Array, twin: TangentRun, outputs: Outputs, times: Array, ep
 
 def times_of(t: Sequence[float] | float) -> Array:
     """(nt,) ascending times; raises SimulationError for others."""
-    times = np.atleast_1d(np.asarray(t, dtype=float))
+    allowed = "finite, ascending times from 0 s on"
+    times = np.atleast_1d(numbers_in("t", t, allowed))
     ascending = times.ndim == 1 and times.size and times[0] >= 0 and np.all(np.diff(times) >= 0)
     if not ascending or not np.isfinite(times[-1]):
-        raise SimulationError("t", repr(t), "finite, ascending times from 0 s on")
+        raise SimulationError("t", shown(t), allowed)
     return times
 
 
@@ -212,7 +222,7 @@ class Outputs:
     def __init__(self, session: Session, of: Sequence[str] | None) -> None:
         known = outputs_of(session.instance)
         sensors = [name for name, _ in session.instance["sensors"]["names"]]
-        chosen = sensors if of is None else [str(name) for name in of]
+        chosen = sensors if of is None else names_in("of", of)
         if not chosen:
             raise SimulationError("of", "nothing", f"known: {', '.join(known)}", "name what")
         for name in chosen:

@@ -15,7 +15,7 @@ from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError
 from modelgen.name_suggestions import nearest
 from modelgen.notation import SETTING_SIZE
-from modelgen.runtime.arguments import with_parameters
+from modelgen.runtime.arguments import names_in, with_parameters
 from modelgen.runtime.tables.ctypes_structures import INTEGER, Array, address
 from modelgen.runtime.tables.library_tables import library_tables
 
@@ -45,7 +45,7 @@ def directions_of(library: Library, names: Sequence[str]) -> tuple[Direction, ..
     Raises SimulationError for a name that is no parameter, no input, and no `BODY.position`, `.orientation`,
     `.velocity` or `.angular_velocity`.
     """
-    return tuple(direction for name in names for direction in _named(library, str(name)))
+    return tuple(direction for name in names_in("by", names) for direction in _named(library, name))
 
 
 def known_names(library: Library) -> list[str]:

@@ -14,7 +14,7 @@ from modelgen.errors import SimulationError, expect
 from modelgen.notation import SETTING_SIZE
 from modelgen.runtime import checkpoint
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.arguments import is_number
+from modelgen.runtime.arguments import check_whole
 from modelgen.runtime.core_session import FULL, Session
 from modelgen.runtime.lane_arrays import each_once, field_of, lanes_of, rows_of_lanes
 from modelgen.runtime.start import REFUSED, refusal
@@ -66,7 +66,7 @@ class SessionGroup:
         Raises ModelgenError where an argument is not what it says.
         """
         expect("SessionGroup", library, Library)
-        self.n = _whole("n", n, "give the number of runs")
+        self.n = check_whole("n", n, "give the number of runs")
         self.library = library
         common = Accuracy.balanced() if accuracy is None else Accuracy.taken(accuracy)
         self.accuracies = [common] * self.n if accuracies is None else list(accuracies)
@@ -216,7 +216,7 @@ class SessionGroup:
     def _share(self, name: str, by_lane: tuple[int, ...], threads: int) -> None:
         """Call a function of the core once in each thread, which share the lanes; its arguments `by_lane` are
         addresses of arrays with an entry for each."""
-        count = min(_whole("threads", threads, "give the number of threads"), self.n)
+        count = min(check_whole("threads", threads, "give the number of threads"), self.n)
         while len(self._scratch) < count:
             self._scratch.append(_Scratch(self.like))
         taken = ctypes.c_int(0)
@@ -269,9 +269,3 @@ def group_of(library: Library, libraries: Sequence[Library], accuracies: Sequenc
         [kind["default"] for kind in each.manifest.instance["inputs"]] for each in libraries
     ]
     return group
-
-
-def _whole(name: str, value: Any, remedy: str) -> int:
-    if not is_number(value) or not 1 <= value < np.inf or value != int(value):
-        raise SimulationError(name, repr(value), "a whole number, at least 1", remedy)
-    return int(value)

@@ -42,6 +42,8 @@ def accuracy_of(
     source, run = instance["source"], {} if isinstance(accuracy, Accuracy) else instance["run"]
     said = {key: run[key] for key in STEPPING if run.get(key) is not None}
     given = {key: value for key, value in own.items() if value is not None}
+    for key, value in given.items():
+        _check(key, value, "")
     if "method" in given and given["method"] != said.get("method"):  # what goes with another one is not meant
         said = {key: value for key, value in said.items() if key == "fallback"}
     record = _of_scene(run, source) if accuracy is None else Accuracy.taken(accuracy)

@@ -13,7 +13,15 @@ import numpy as np
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.arguments import check_keywords, check_span, is_number, with_parameters
+from modelgen.runtime.arguments import (
+    check_flag,
+    check_function,
+    check_keywords,
+    check_span,
+    check_whole,
+    values_by_name,
+    with_parameters,
+)
 from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.error_estimate import ORDERS, estimate_of, nudge
 from modelgen.runtime.error_statement import Estimate
@@ -81,6 +89,8 @@ def simulate(
     """
     expect("simulate", library, Library)
     check_keywords("simulate", stepping, KEYWORDS)
+    check_flag("estimate", estimate)
+    check_function("on_progress", on_progress)
     library = with_parameters(library, parameters)
     instance = library.manifest.instance
     end, intervals = _extent(instance, until, samples)
@@ -88,7 +98,7 @@ def simulate(
     doubled = instance["run"].get("estimate", True) if estimate is None else estimate
     half = _part(on_progress, 0.0, 0.5 if doubled else 1.0)
     session = Session(library, chosen)
-    Inputs(session).update(inputs or {})
+    Inputs(session).update(values_by_name("inputs", inputs))
     schedule = [(end, session.input.copy())]
     path = _path(session, schedule, np.linspace(0.0, end, intervals + 1), half)
     if instance["unlisted"]["shapes"] or instance["open_edges"]["pairs"]:
@@ -193,11 +203,8 @@ def _extent(instance: Mapping[str, Any], until: float | None, samples: int | Non
     end: Any = run["until"] if until is None else until
     intervals: Any = run["samples"] if samples is None else samples
     check_span(f"{scene}until" if until is None else "until", end, "give the end of the run")
-    if not is_number(intervals) or not 1 <= intervals < np.inf or intervals != int(intervals):
-        where = f"{scene}samples" if samples is None else "samples"
-        remedy = "give the number of output intervals"
-        raise SimulationError(where, repr(intervals), "a whole number, at least 1", remedy)
-    return float(end), int(intervals)
+    where = f"{scene}samples" if samples is None else "samples"
+    return float(end), check_whole(where, intervals, "give the number of output intervals")
 
 
 def _run(session: Session, schedule: Schedule, recording: Recording, report: Report) -> Ending:

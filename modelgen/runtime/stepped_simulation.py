@@ -5,12 +5,20 @@ from __future__ import annotations
 import ctypes
 import struct
 from collections.abc import Iterator, Mapping
+from math import inf
 from typing import Unpack
 
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.arguments import check_keywords, with_parameters
+from modelgen.runtime.arguments import (
+    check_flag,
+    check_keywords,
+    is_number,
+    shown,
+    values_by_name,
+    with_parameters,
+)
 from modelgen.runtime.checkpoint import bytes_of
 from modelgen.runtime.contacts import Contact, contacts_of
 from modelgen.runtime.controllers import ControlFunction, Controller
@@ -54,10 +62,11 @@ def start(
     """
     expect("start", library, Library)
     check_keywords("start", stepping, START_KEYWORDS)
+    check_flag("estimate", estimate)
     library = with_parameters(library, parameters)
     session = Session(library, accuracy_of(library.manifest.instance, accuracy, stepping))
     simulation = Simulation(session, estimate)
-    simulation.inputs.update(inputs or {})
+    simulation.inputs.update(values_by_name("inputs", inputs))
     simulation.begin()
     return simulation
 
@@ -117,7 +126,7 @@ class Simulation:
             SimulationError: `until` is no time after the present, or the run has ended.
         """
         session = self.session
-        if not until >= session.run.t:
+        if not (is_number(until) and session.run.t <= until < inf):
             raise self._wrong_time(until)
         if self._code is not None:
             raise self._ended()
@@ -223,8 +232,8 @@ class Simulation:
         self._code = code
 
     def _wrong_time(self, until: object) -> SimulationError:
-        allowed = f"a time from the present one, {self.t!r} s, on"
-        return SimulationError("step", f"until = {until!r}", allowed, "write until=sim.t + 0.01")
+        allowed = f"a time from the present one, {self.t!r} s, on, not infinite"
+        return SimulationError("step", f"until = {shown(until)}", allowed, "write until=sim.t + 0.01")
 
     def _ended(self) -> SimulationError:
         outcome = OUTCOME_OF_CODE[self._code or 0]

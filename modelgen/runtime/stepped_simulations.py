@@ -10,7 +10,17 @@ import numpy as np
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.arguments import check_keywords, check_span, checked_starts, with_parameters
+from modelgen.runtime.arguments import (
+    check_keywords,
+    check_span,
+    check_whole,
+    checked_starts,
+    lane_in,
+    lanes_in,
+    one_or_each,
+    values_by_name,
+    with_parameters,
+)
 from modelgen.runtime.by_name import ByName
 from modelgen.runtime.inputs_by_lane import InputsByLane
 from modelgen.runtime.sensors import parts_of
@@ -55,13 +65,14 @@ def start_many(
     """
     expect("start_many", library, Library)
     check_keywords("start_many", stepping, KEYWORDS)
-    libraries = _libraries(library, n, parameters or {})
+    n = check_whole("n", n, "give the number of runs")
+    libraries = _libraries(library, n, values_by_name("parameters", parameters))
     accuracies = [accuracy_of(each.manifest.instance, accuracy, stepping) for each in libraries]
     group = group_of(library, libraries, accuracies)
     _write(group, group.x, q, u)
     many = Simulations(group, libraries, threads)
-    for name, values in (inputs or {}).items():
-        many.inputs[name][:] = values
+    for name, values in values_by_name("inputs", inputs).items():
+        many.inputs[name] = values
     many.inputs.restart(np.arange(n))
     refused = group.begin(threads)
     if len(refused) == n:
@@ -116,20 +127,21 @@ class Simulations:
         return ByName({name: shown[:, part].copy() for name, part in self._parts.items()}, "sensor")
 
     def step(self, duration: float, lanes: Array | None = None) -> None:
-        """Let each lane go on by a duration, s; lanes that have ended stay where they are, as do those that
-        are False in `lanes` (n,).
+        """Let each lane go on by a duration, s, or those of `lanes`, (n,) of bool or indices. Lanes that
+        have ended stay where they are.
 
-        Raises SimulationError where the duration is none, or an input is beyond its range.
+        Raises SimulationError where the duration or lanes are none, or an input is beyond its range.
         """
         check_span("step", duration, "give the duration in s")
         self.inputs.check()
-        going = True if lanes is None else np.asarray(lanes, dtype=bool)
+        going = np.zeros(self.n, dtype=bool)
+        going[slice(None) if lanes is None else lanes_in("step: lanes", lanes, self.n)] = True
         self._group.advance(self._group.t + np.where(going, duration, 0.0), self._threads)
         self.inputs.refresh()
 
     def events(self, lane: int) -> list[Event]:
-        """The events of a lane since the last call."""
-        return self._group.drain_events(lane)
+        """The events of a lane since the last call; raises SimulationError for what is no lane."""
+        return self._group.drain_events(lane_in("events", lane, self.n))
 
     def reset(self, lanes: Any, q: Array | None = None, u: Array | None = None) -> None:
         """Put lanes back to their start at t = 0; their inputs stay as they are.
@@ -140,9 +152,9 @@ class Simulations:
 
         Values of inputs with hold = "linear" may be written to before, from which the lanes start.
 
-        Raises SimulationError where such a start is refused.
+        Raises SimulationError where lanes are none, or such a start is refused.
         """
-        chosen = np.flatnonzero(lanes) if np.asarray(lanes).dtype == bool else np.atleast_1d(lanes)
+        chosen = lanes_in("reset: lanes", lanes, self.n)
         starts = self._starts.copy()
         _write(self._group, starts, q, u)
         self.inputs.restart(chosen)
@@ -172,21 +184,13 @@ class Simulations:
 
 def _libraries(library: Library, n: int, parameters: Values) -> list[Library]:
     """The library with the numbers of each lane."""
-    by_lane = {name: np.broadcast_to(_checked(name, values, n), (n,)) for name, values in parameters.items()}
+    by_lane = {name: one_or_each(f"parameter {name!r}", values, n) for name, values in parameters.items()}
     if not by_lane:
         return [library] * n
     return [
         with_parameters(library, {name: float(values[lane]) for name, values in by_lane.items()})
         for lane in range(n)
     ]
-
-
-def _checked(name: str, values: Any, n: int) -> Array:
-    array = np.asarray(values, dtype=float)
-    if array.shape not in ((), (n,)):
-        found = f"an array of shape {array.shape}"
-        raise SimulationError(f"parameter {name!r}", found, f"one number or ({n},)", "give one for each lane")
-    return array
 
 
 def _write(group: SessionGroup, x: Array, q: Array | None, u: Array | None) -> None:

@@ -68,7 +68,7 @@ def test_a_file_is_refused(text: str, told: str, tmp_path: Path) -> None:
         ({"noise": {"ball.positon": 1.0}}, "did you mean 'ball.position'?"),
         ({"noise": {"ball.position": 0.0}}, "a positive number"),
         ({"loss": "l1"}, "linear, soft_l1, huber, cauchy"),
-        ({"starts": 0}, "a whole number from 1 on"),
+        ({"starts": 0}, "a whole number, at least 1"),
         ({"start": ["floor"]}, "bodies that move freely: ball"),
         ({"parameters": {"restitution": 2.0}}, "restitution"),
         ({"losss": "huber"}, "unknown keyword 'losss'"),
