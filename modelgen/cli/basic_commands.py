@@ -56,6 +56,7 @@ from modelgen.cli.output import (
     check_outputs,
     exit_with,
     guarded,
+    needed,
     print_facts,
     print_text,
     write_run,
@@ -197,21 +198,22 @@ def plot(
         ),
     ],
     out: Annotated[
-        Path,
+        Path | None,
         typer.Option(
             "--out",
             "-o",
-            help="FILE.png or FILE.svg; FILE.gif or FILE.mp4: a film",
+            help="FILE.png or FILE.svg, needed; FILE.gif or FILE.mp4: a film",
             metavar="FILE",
             readable=False,
         ),
-    ],
+    ] = None,
     frames: Frames = None,
     of: Of = None,
     as_json: AsJson = False,
 ) -> None:
     """Draw motion, forces, gaps, energy, the contact curves on both surfaces, and the bodies; or the outcomes
     of a sweep."""
+    out = needed(out, "run.png")
     if source.is_dir():
         if frames is not None:
             raise ModelgenError("--frames", repr(frames), "pictures of the bodies of a run", "leave it out")

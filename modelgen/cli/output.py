@@ -5,11 +5,12 @@ from __future__ import annotations
 import functools
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ParamSpec
+from typing import TYPE_CHECKING, Any, ParamSpec, get_type_hints
 
 import typer
+from typer.models import ArgumentInfo
 
 from modelgen.cli import INTERRUPTED
 from modelgen.errors import ModelgenError
@@ -30,6 +31,7 @@ def guarded(command: Callable[P, None]) -> Callable[P, None]:
     @functools.wraps(command)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> None:
         try:
+            check_inputs(command, kwargs)
             command(*args, **kwargs)
         except ModelgenError as error:
             message, code = str(error), REFUSED
@@ -43,6 +45,42 @@ def guarded(command: Callable[P, None]) -> Callable[P, None]:
         raise typer.Exit(code)
 
     return wrapper
+
+
+def check_inputs(command: Callable[..., None], given: Mapping[str, object]) -> None:
+    """Raise ModelgenError for a file that a command reads and that is not there, before anything else is
+    looked at."""
+    for name, value in given.items():
+        if name not in _arguments(command):
+            continue
+        for path in value if isinstance(value, list) else [value]:
+            if isinstance(path, Path) and is_missing(path):
+                raise _missing(path)
+
+
+@functools.cache
+def _arguments(command: Callable[..., None]) -> frozenset[str]:
+    """The parameters of a command that are written without a name."""
+    hints = get_type_hints(command, include_extras=True)
+    marks = {name: getattr(hint, "__metadata__", ()) for name, hint in hints.items()}
+    return frozenset(
+        name for name, each in marks.items() if any(isinstance(mark, ArgumentInfo) for mark in each)
+    )
+
+
+def is_missing(path: Path) -> bool:
+    """Whether nothing has this path; False of what is no path."""
+    try:
+        return not path.exists()
+    except (OSError, ValueError):
+        return False
+
+
+def _missing(path: Path) -> ModelgenError:
+    from modelgen.report.run_files import missing_run
+    from modelgen.scene.read import no_such_file
+
+    return missing_run(path) if path.suffix == ".npz" else no_such_file(path)
 
 
 def check_outputs(run: Path | None, picture: Path | None) -> None:
@@ -59,6 +97,13 @@ def check_outputs(run: Path | None, picture: Path | None) -> None:
         check_file(path)
     if picture is not None:
         require_matplotlib()
+
+
+def needed(out: Path | None, example: str) -> Path:
+    """The file that a command writes; ModelgenError where none is named."""
+    if out is None:
+        raise ModelgenError("--out", "no file to write", "", f"write --out {example}")
+    return out
 
 
 def check_file(path: Path) -> None:

@@ -9,20 +9,20 @@ import typer
 from rich.console import Console
 
 from modelgen.cli.options import AsJson, Frames, InputValues, Quality, Until, Values, Verify, read_option
-from modelgen.cli.output import exit_with, guarded, print_facts, write_text
+from modelgen.cli.output import exit_with, guarded, needed, print_facts, write_text
 from modelgen.cli.pipeline import derive_scene
 from modelgen.cli.view import RunOrScene, check_page, given_settings, recorded
 
 FRAMES = 4  # pictures of the bodies, where no number is given
 PageFile = Annotated[
-    Path, typer.Option("--out", "-o", help="FILE.html", metavar="FILE", readable=False, show_default=False)
+    Path | None, typer.Option("--out", "-o", help="FILE.html, needed", metavar="FILE", readable=False)
 ]
 
 
 @guarded
 def report(
     source: RunOrScene,
-    out: PageFile,
+    out: PageFile = None,
     until: Until = None,
     accuracy: Quality = None,
     values: Values = None,
@@ -36,6 +36,7 @@ def report(
     from modelgen.report.run_plot import require_matplotlib
     from modelgen.report.summary import print_written
 
+    out = needed(out, "report.html")
     check_page(out)
     require_matplotlib()
     pictures, n = read_option("frames", frames), read_option("verify", verify) or 0

@@ -28,7 +28,8 @@ def c_files(library: Library, package: Package, measured: bool = True) -> dict[s
         "CMakeLists.txt": source("CMakeLists.txt").replace("@DEFINITIONS@", " ".join(defines)),
     }
     figures = footprint_of(compiled, defines) if measured else None
-    return {**files, "README.md": _readme(session, vectors, figures, defines)}
+    why_none = "gcc is needed for that" if measured else "the export was made with `--no-figures`"
+    return {**files, "README.md": _readme(session, vectors, figures or why_none, defines)}
 
 
 def program_files(session: Session, package: Package) -> dict[str, str]:
@@ -37,7 +38,7 @@ def program_files(session: Session, package: Package) -> dict[str, str]:
     return {**texts, HEADER: header_text(), SOURCE: runtime_text(package.derivatives), **scene_files(session)}
 
 
-def _readme(session: Session, vectors: Vectors, figures: Footprint | None, defines: tuple[str, ...]) -> str:
+def _readme(session: Session, vectors: Vectors, figures: Footprint | str, defines: tuple[str, ...]) -> str:
     flags = " ".join(["cc", "-std=c99", "-O2", "-ffp-contract=off", *defines, "scene.c", SOURCE])
     defined = f"Every file is compiled with `{' '.join(defines)}`.\n" if defines else ""
     return source("c_readme.md").format(
@@ -74,9 +75,10 @@ def _told(vectors: Vectors) -> str:
     )
 
 
-def _table(figures: Footprint | None, functions: Mapping[str, Mapping[str, int]]) -> str:
+def _table(figures: Footprint | str, functions: Mapping[str, Mapping[str, int]]) -> str:
+    """What it needs; `figures`: in their place, why they were not measured."""
     lines = ["| | |", "| --- | --- |"]
-    if figures is not None:
+    if isinstance(figures, Footprint):
         if figures.flash is not None:
             code, constants = figures.flash
             lines.append(f"| flash | {code} bytes of code, {constants} bytes of constants |")
@@ -97,8 +99,8 @@ def _table(figures: Footprint | None, functions: Mapping[str, Mapping[str, int]]
             )
     total = sum(entry["instructions"] for entry in functions.values())
     lines.append(f"| all kernels, once each | {total} operations |")
-    if figures is None:
-        return "\n".join([*lines, "", "Flash, RAM and stack were not measured, for which gcc is needed."])
+    if isinstance(figures, str):
+        return "\n".join([*lines, "", f"Flash, RAM and stack were not measured: {figures}."])
     return "\n".join(
         [*lines, "", f"Measured with {figures.machine}, `-O2`.", *(f"{why}." for why in figures.why)]
     )

@@ -68,7 +68,8 @@ def print_sweep(facts: dict[str, Any], console: Console) -> None:
     more = sum(count for name, count in facts["outcomes"].items() if name != "done") - len(facts["failed"])
     if more > 0:
         say(f"... {more} more failed; the table holds all")
-    say(f"written: {facts['table']}")
+    written = [facts["table"], facts.get("plot")]
+    say(f"written: {', '.join(file for file in written if file)}")
 
 
 def swept_schema() -> dict[str, Any]:

@@ -38,6 +38,11 @@ def save(record: Record, path: str | Path) -> None:
         _save_npz(record, path)
 
 
+def missing_run(path: Path) -> ModelgenError:
+    """The error of a path with no file of a run."""
+    return ModelgenError(path.name, "no such file", "", "run `modelgen simulate SCENE --out` first")
+
+
 def load(path: str | Path) -> Record:
     """Read a run from .npz; ModelgenError if the file is not one."""
     path = path_of("load", path)
@@ -67,9 +72,7 @@ def load(path: str | Path) -> Record:
                 scene=json.loads(str(stored["scene"])) if "scene" in stored.files else None,
             )
     except FileNotFoundError:
-        raise ModelgenError(
-            path.name, "no such file", "", "run `modelgen simulate SCENE --out` first"
-        ) from None
+        raise missing_run(path) from None
     except (ValueError, KeyError, EOFError, OSError, zipfile.BadZipFile):
         raise ModelgenError(
             place,

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from os import strerror
 from pathlib import Path
 
-from modelgen.errors import path_of
+from modelgen.errors import SceneError, path_of
 from modelgen.scene.scene_from_tables import scene_from_tables
 from modelgen.scene.scene_name import scene_name
 from modelgen.scene.scene_types import Scene
@@ -44,7 +44,7 @@ def _text(path: Path) -> str:
     place = Place(str(path))
     try:
         if not path.exists():
-            raise place.error("no such file", "", _near(path))
+            raise no_such_file(path)
         if not path.is_file():
             found = "it is a folder" if path.is_dir() else "not a file"
             raise place.error(found, "a scene is a TOML file", "give the path of a file")
@@ -61,9 +61,15 @@ def _text(path: Path) -> str:
         raise place.error(f"cannot be read: {reason}", "", "check the path and its permissions") from None
 
 
+def no_such_file(path: Path) -> SceneError:
+    """The error of a path with no file, with the file of the folder that may have been meant."""
+    return Place(str(path)).error("no such file", "", _near(path))
+
+
 def _near(path: Path) -> str:
     folder = path.parent
-    names = {each.stem: each.name for each in folder.glob("*.toml")} if folder.is_dir() else {}
+    files = folder.glob(f"*{path.suffix or '.toml'}") if folder.is_dir() else ()
+    names = {each.stem: each.name for each in files}
     close = get_close_matches(path.stem, names, n=1, cutoff=ALIKE)
     if close:
         return f"did you mean {names[close[0]]!r}?"

@@ -56,6 +56,15 @@ def test_other_targets_compile_and_pass(target: str, tmp_path: Path) -> None:
     assert "passed" in said(program, by=by)[1]
 
 
+def test_the_readme_says_why_there_are_no_figures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    told = (exported("ball_in_bowl", "c", tmp_path / "a") / "README.md").read_text()
+    assert "not measured: the export was made with `--no-figures`." in told
+    assert "gcc" not in told
+    monkeypatch.setattr("modelgen.export.c_folder.footprint_of", lambda *_: None)  # as without gcc
+    told = (exported("ball_in_bowl", "c", tmp_path / "b", figures=True) / "README.md").read_text()
+    assert "not measured: gcc is needed for that." in told
+
+
 @needs_gcc
 @pytest.mark.slow
 def test_the_readme_tells_what_the_scene_needs(tmp_path: Path) -> None:

@@ -89,7 +89,7 @@ def files(folder: Path) -> set[Path]:
         ),
         (("export", EGG, "--to", "urdf"), "is an ellipsoid"),
         (("export", EGG, "--to", "casadi", "--real", "float"), "--real: it is given with --to casadi"),
-        (("fit", EGG, "none.csv", "--by", "egg.velocity"), "none.csv: cannot be read: No such file"),
+        (("fit", EGG, "none.csv", "--by", "egg.velocity"), "none.csv: no such file; check the path"),
         (("inspect", EGG, "--format", "pdf"), "--format: the text 'pdf'; allowed are text, latex, html"),
         (("plot", "run.csv", "-o", "run.png"), "--out run.npz"),
         (("plot", EGG, "-o", "run"), ".png, .svg"),
@@ -125,6 +125,44 @@ def test_refused(
     assert answer.err.count("\n") == 1
     assert answer.out == ""
     assert files(tmp_path) == before
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        *[("plot", name, *more) for name in ("no.npz", "no.toml", "no") for more in ((), ("-o", "x.pdf"))],
+        *[("report", name, *more) for name in ("no.npz", "no.toml") for more in ((), ("-o", "x.pdf"))],
+        *[("view", "no.npz", "--out", "x.pdf"), ("view", "no.toml", "--plots", "z", "--out", "x.html")],
+        *[("simulate", "no.toml", "--out", "x.pdf"), ("simulate", "no.toml", "--until", "-1")],
+        *[("check", "no.toml"), ("build", "no.toml", "--real", "z"), ("export", "no.toml", "--to", "z")],
+        *[("sweep", "no.toml"), ("sweep", "no.toml", "--plot", "x.pdf"), ("inspect", "no.toml", "--at", "z")],
+        *[("fit", "no.toml", "no.csv", "--plot", "x.pdf"), ("fit", "sunk.toml", "no.csv", "--plot", "x.pdf")],
+        *[("linearise", "no.toml", "--plot", "x.pdf"), ("measure", "no.toml", "--plot", "x.pdf")],
+        *[
+            ("tune", "no.toml"),
+            ("sensitivity", "no.toml", "--by", "x"),
+            ("import", "no.xml", "--out", "no/x.pdf"),
+        ],
+    ],
+    ids=" ".join,
+)
+def test_a_file_to_be_read_that_is_missing_is_told_before_all_else(
+    arguments: tuple[str, ...], modelgen: Modelgen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "sunk.toml").write_text(SUNK)
+    monkeypatch.chdir(tmp_path)
+    answer = modelgen(*arguments)
+    assert (answer.code, answer.out, answer.err.count("\n")) == (2, "", 1)
+    assert answer.err.startswith("no")
+    assert ": no such file; " in answer.err
+
+
+@pytest.mark.parametrize("verb", ["plot", "report"])
+def test_a_file_to_be_written_is_asked_for(verb: str, modelgen: Modelgen, tmp_path: Path) -> None:
+    (tmp_path / "sunk.toml").write_text(SUNK)
+    answer = modelgen(verb, tmp_path / "sunk.toml")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith("--out: no file to write; write --out r")
 
 
 @pytest.mark.parametrize("verb", ["simulate", "build", "linearise", "measure"])

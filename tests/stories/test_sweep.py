@@ -38,6 +38,8 @@ def test_a_sweep_prints_its_outcomes_and_goes_on(modelgen: Modelgen, tmp_path: P
         "scene": "bouncing_ball",
         "outcome": {"done": 2, "refused": 1},
     }
+    picture = tmp_path / "c.png"
+    assert f", {picture}" in modelgen(*command, "--plot", picture).out
     other = modelgen(*command[:3], "--until", "0.4", "--out", tmp_path / "a")
     assert (other.code, other.out) == (2, "")
     assert "another settings (until: 0.5, now 0.4)" in other.err
