@@ -101,8 +101,7 @@ def simulate(
     Inputs(session).update(values_by_name("inputs", inputs))
     schedule = [(end, session.input.copy())]
     path = _path(session, schedule, np.linspace(0.0, end, intervals + 1), half)
-    if instance["unlisted"]["shapes"] or instance["open_edges"]["pairs"]:
-        path = _with_passages(path, chosen, instance)
+    path = _with_passages(path, chosen, instance)
     told = _part(on_progress, 0.5, 1.0)
     stated = _estimate(library, chosen, schedule, path, told) if doubled and len(path.t) else None
     return with_trust(path, stated, chosen, instance)
@@ -111,6 +110,8 @@ def simulate(
 def _with_passages(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) -> Trajectory:
     """The run with the pairs that passed through each other because no contact lists them, or at an open
     edge."""
+    if not (instance["unlisted"]["shapes"] or instance["open_edges"]["pairs"]):
+        return path
     from modelgen.runtime.undeclared.undeclared_overlaps import (  # many scenes do not need it
         passages,
         passages_over_edges,
@@ -128,15 +129,17 @@ def _part(report: Report, start: float, end: float) -> Report:
     return report and (lambda share: report(start + (end - start) * share))
 
 
-def estimate_of_steps(library: Library, accuracy: Accuracy, schedule: Schedule) -> Estimate:
-    """The error estimate of a run that was driven by these inputs, with samples at the ends of the schedule.
+def repeated(library: Library, accuracy: Accuracy, schedule: Schedule) -> Trajectory:
+    """A run that was driven by these inputs, made again, with samples at the ends of the schedule; with its
+    estimate, for which its companion has the same inputs, and its doubts.
 
-    The run is made again, and its companion under the same inputs. Raises SimulationError if it cannot
-    start.
+    Raises SimulationError if it cannot start.
     """
     times = np.unique([0.0, *(until for until, _ in schedule)])
     path = _path(Session(library, accuracy), schedule, times, None)
-    return _estimate(library, accuracy, schedule, path, None)
+    instance = library.manifest.instance
+    path = _with_passages(path, accuracy, instance)
+    return with_trust(path, _estimate(library, accuracy, schedule, path, None), accuracy, instance)
 
 
 def _path(session: Session, schedule: Schedule, times: Array, report: Report) -> Trajectory:

@@ -27,10 +27,10 @@ from modelgen.runtime.error_statement import Estimate
 from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.sensors import Sensors
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
-from modelgen.runtime.simulate import estimate_of_steps
+from modelgen.runtime.simulate import repeated
 from modelgen.runtime.start import begin
 from modelgen.runtime.tables.ctypes_structures import Array
-from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome
+from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome, Trajectory
 
 _HEAD = struct.Struct("<qdq")  # of a saved run: calls of the controller, time of its first, the core's code
 STEPS = 1_000_000  # in one call of the core
@@ -53,7 +53,8 @@ def start(
         inputs: values of inputs at t = 0, by name; the scene's defaults for the others.
         parameters: values of parameters of the scene by name; others keep the scene's own.
         accuracy: every tolerance and choice, or "fast", "balanced", "tight"; the scene's own when None.
-        estimate: note the inputs of the run, so that its error can be estimated (`Simulation.estimate`).
+        estimate: note the inputs of the run, so that its error can be estimated (`Simulation.estimate`) and
+            its trust told (`Simulation.trajectory`).
         stepping: method, step, scheme, solver, fallback, in place of the accuracy's or scene's (`Accuracy`).
 
     Raises:
@@ -146,8 +147,16 @@ class Simulation:
         return events
 
     def estimate(self) -> Estimate:
-        """The estimated error of the run so far, as of `simulate`, at the ends of its steps: it is made again
-        with the inputs that it had, those that its controller set included, and with its companion.
+        """The estimated error of the run so far, as of `simulate`, at the ends of its steps; see
+        `trajectory`."""
+        found = self.trajectory().estimate
+        assert found is not None
+        return found
+
+    def trajectory(self) -> Trajectory:
+        """The run so far as `simulate` gives it, with samples at the ends of its steps: its estimated error,
+        and whether and why not it is trusted. It is made again with the inputs that it had, those that its
+        controller set included, and with its companion.
 
         Raises SimulationError where the inputs were not noted: for `start(.., estimate=True)` they are, until
         a saved state is loaded.
@@ -155,7 +164,7 @@ class Simulation:
         if not self._driven:
             found, remedy = "the inputs of the run are not known", "write start(.., estimate=True)"
             raise SimulationError("estimate", found, "those since the start are needed", remedy)
-        return estimate_of_steps(self.session.library, self.session.accuracy, self._driven)
+        return repeated(self.session.library, self.session.accuracy, self._driven)
 
     def _note(self) -> None:
         """Note the settings of the inputs up to the present time."""

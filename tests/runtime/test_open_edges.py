@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from math import pi
 
+import numpy as np
 import pytest
 
-from modelgen import simulate
+from modelgen import simulate, start
 from modelgen.runtime.trajectory import Outcome, Trajectory
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Body
@@ -61,6 +62,27 @@ def test_the_time_is_that_at_which_the_edge_enters() -> None:
     path = fallen("chart", 0.31)
     drop = 0.06 - (RADIUS**2 - 0.01**2) ** 0.5
     assert path.over_edges[0].t == pytest.approx((2 * drop / 9.81) ** 0.5, abs=5e-3)
+
+
+@pytest.mark.parametrize("x", [0.0, 0.31])
+def test_a_run_that_its_caller_drives_has_the_same_verdict(x: float) -> None:
+    """As `simulate` with samples at the ends of its steps; also of pairs that no contact lists."""
+    bodies = make.fixed("sheet", SHEETS["chart"]), ball("ball", [x, 0.0, 0.06], RADIUS), TABLE
+    scene = make.scene("edges", list(bodies), contact=[{"between": ["sheet", "ball"]}])
+    library = library_of(scene)
+    sim = start(library, estimate=True)
+    for k in range(20):
+        sim.step(until=0.02 * (k + 1))
+    driven, path = sim.trajectory(), simulate(library, until=0.4, samples=20)
+    assert np.array_equal(driven.p[-1], sim.trajectory().p[-1])
+    assert driven.t == pytest.approx(path.t)
+    assert [each.between for each in driven.over_edges] == [each.between for each in path.over_edges]
+    assert [each.between for each in driven.undeclared] == [each.between for each in path.undeclared]
+    assert bool(driven.over_edges) == (x > END)
+    assert driven.is_trusted == path.is_trusted
+    assert [each.partition("(")[0] for each in driven.doubts] == [
+        each.partition("(")[0] for each in path.doubts
+    ]
 
 
 def test_an_open_duct_is_wide_enough_for_one_ball_and_not_for_another() -> None:
