@@ -11,7 +11,7 @@ from modelgen.assembly import Q_SIZE, U_SIZE
 from modelgen.assembly.shared_pair_content import eta_size
 from modelgen.codegen.bounds_programs import programs_text
 from modelgen.codegen.hidden_oscillations import may_oscillate
-from modelgen.codegen.manifest import CENTRE_CURVES, FEET, have_centre_curves
+from modelgen.codegen.manifest import FEET, SPINES, have_spines
 from modelgen.codegen.manifest_model import J_SIZE
 from modelgen.codegen.scene_step import scene_step_text
 from modelgen.contact.form_table import eta_layout
@@ -169,7 +169,7 @@ def _tables(derivation: Derivation) -> list[str]:
             dimension_of(kind),
             FEET.get(kind.kind, 0),
             int(may_bend(kind)),
-            CENTRE_CURVES.get(kind.kind, 0),
+            SPINES.get(kind.kind, 0),
         )
         for kind in model.shape_kinds
     ]
@@ -196,15 +196,13 @@ def _tables(derivation: Derivation) -> list[str]:
 
 def _searched(derivation: Derivation) -> list[bool]:
     """Whether closest points of each kind of shape are searched by cells: in a kind of contact that has
-    parameters, and neither a separation function nor two centre curves."""
+    parameters, and neither a separation function nor two spines."""
     model = derivation.model
     convex = {formula.kind for formula in derivation.formulas if formula.role == "seek"}
     shapes = {
         side.shape
         for index, kind in enumerate(model.contact_kinds)
-        if index not in convex
-        and eta_size(kind)
-        and not have_centre_curves((kind.o.shape.kind, kind.f.shape.kind))
+        if index not in convex and eta_size(kind) and not have_spines((kind.o.shape.kind, kind.f.shape.kind))
         for side in (kind.o, kind.f)
     }
     return [kind in shapes for kind in model.shape_kinds]

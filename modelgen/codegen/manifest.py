@@ -21,20 +21,20 @@ FEET = {
     "plane": 1,
     "sphere": 2,
 }  # MG_NEAREST_PLANE, MG_NEAREST_SPHERE: shapes that know their point nearest to another
-CENTRE_CURVES = {
+SPINES = {
     "cylinder": 1,
     "line": 1,
     "torus": 2,
     "circle": 2,
     "sphere": 3,
-}  # MG_CENTRE_LINE ..: shapes at a constant distance from a line, a circle or a point
+}  # MG_SPINE_LINE ..: shapes at a constant distance from a line, a circle or a point
 
 
-def have_centre_curves(shapes: Iterable[str]) -> bool:
-    """Whether closest points of these kinds of shapes follow from their centre curves in closed form; not of
+def have_spines(shapes: Iterable[str]) -> bool:
+    """Whether closest points of these kinds of shapes follow from their spines in closed form; not of
     two spheres."""
     kinds = set(shapes)
-    return kinds <= set(CENTRE_CURVES) and kinds != {"sphere"}
+    return kinds <= set(SPINES) and kinds != {"sphere"}
 
 
 Json = dict[str, Any]

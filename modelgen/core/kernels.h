@@ -31,9 +31,9 @@ enum {
 
 /* Curves from which all points of a shape have the same distance, in its axes. */
 enum {
-  MG_CENTRE_LINE = 1,   /* the third axis: a cylinder, or that line */
-  MG_CENTRE_CIRCLE = 2, /* a circle about the third axis through the origin: a torus, or that circle */
-  MG_CENTRE_POINT = 3   /* the origin: a sphere */
+  MG_SPINE_LINE = 1,   /* the third axis: a cylinder, or that line */
+  MG_SPINE_CIRCLE = 2, /* a circle about the third axis through the origin: a torus, or that circle */
+  MG_SPINE_POINT = 3   /* the origin: a sphere */
 };
 
 /* Parametrisation: what describes the contact point of one feature in eta, and how many entries that takes. */
@@ -81,7 +81,7 @@ typedef struct {
   int dimension;     /* 2 surface, 1 curve, 0 point */
   int nearest_point; /* MG_NEAREST_PLANE, MG_NEAREST_SPHERE or 0 */
   int may_inflect;   /* 1: a curve that may have inflections */
-  int centre_curve;  /* MG_CENTRE_LINE .. or 0 */
+  int spine;         /* MG_SPINE_LINE .. or 0 */
 } mg_shape_kind;
 
 /* What a derivative of a formula is for. Each formula is packed as y(w, x) (modelgen/differentiation.py): w is not

@@ -15,7 +15,7 @@ EXPORT = """
 MG_API int tell(const mg_real *place, const mg_real *size, mg_real gap) {
   mg_centred_feature of[2];
   for (int side = 0; side < 2; side++) {
-    of[side].curve.kind = MG_CENTRE_CIRCLE, of[side].curve.radius = size[2 * side];
+    of[side].curve.kind = MG_SPINE_CIRCLE, of[side].curve.radius = size[2 * side];
     of[side].curve.tube = size[2 * side + 1];
     for (int k = 0; k < 3; k++) of[side].centre[k] = place[12 * side + k];
     for (int k = 0; k < 9; k++) of[side].axes[k] = place[12 * side + 3 + k];

@@ -1,5 +1,5 @@
 /* Trees of cells of features: boxes of chart coordinates with bounds of points, normals or tangents, and curvature,
-   by Taylor models; or with those of the centre curve of a torus or cylinder, in closed form. Cells are divided when a
+   by Taylor models; or with those of the spine of a torus or cylinder, in closed form. Cells are divided when a
    search asks for it, and are kept for the searches that follow, in the axes of the shape. Writes c->search. */
 #include "closest/closest.h"
 #include "base/base.h"
@@ -101,18 +101,18 @@ MG_INTERNAL void mg_bound_bends(mg_context *c, int feature_pair, int side, int n
   cell->bend_error = is_curve ? mg_norm_or(3, cell->bend_change, MG_MAX) : mg_symmetric_norm(cell->bend_change);
 }
 
-/* The same of the centre curve of a feature. Over an angle of 2 `half` of a circle, vectors that turn with it change by
+/* The same of the spine of a feature. Over an angle of 2 `half` of a circle, vectors that turn with it change by
    the chord of `half`, and points leave the tangent by half the curvature times the square of the arc; `radius` bounds
    the arc. */
 static void mg_bound_centre_cell(mg_context *c, int feature_pair, int side, mg_cell *cell) {
-  mg_centre_curve curve;
-  mg_read_centre_curve(c, feature_pair, side, &curve);
+  mg_spine curve;
+  mg_read_spine(c, feature_pair, side, &curve);
   const mg_real *ends = cell->box + 2 * curve.coordinate, half = (ends[1] - ends[0]) / 2, middle = ends[0] + half;
-  const mg_real turn = curve.kind == MG_CENTRE_CIRCLE ? mg_min(half, MG_PI) : 0, chord = 2 * mg_sin(turn / 2);
+  const mg_real turn = curve.kind == MG_SPINE_CIRCLE ? mg_min(half, MG_PI) : 0, chord = 2 * mg_sin(turn / 2);
   const mg_real e[2] = {mg_cos(middle), mg_sin(middle)};
   for (int k = 0; k < 3; k++) cell->centre[k] = cell->slope[0][k] = cell->slope[1][k] = cell->direction[k] = 0;
   for (int k = 0; k < 6; k++) cell->bend[k] = cell->bend_change[k] = 0;
-  if (curve.kind == MG_CENTRE_LINE) {
+  if (curve.kind == MG_SPINE_LINE) {
     cell->centre[2] = middle, cell->slope[0][2] = half, cell->direction[2] = 1;
     cell->radius = half, cell->rest = 0;
   } else {
@@ -129,13 +129,13 @@ static void mg_bound_centre_cell(mg_context *c, int feature_pair, int side, mg_c
   cell->direction_to_divide = curve.coordinate, cell->place_to_divide = 0;
 }
 
-/* A new cell, of the centre curve if `is_of_centres`; 0 if there is no room. */
-static int mg_new_cell(mg_context *c, int feature_pair, int side, int is_of_centres, const mg_real *box) {
+/* A new cell, of the spine if `is_of_spine`; 0 if there is no room. */
+static int mg_new_cell(mg_context *c, int feature_pair, int side, int is_of_spine, const mg_real *box) {
   if (*c->search.n_cells >= c->system->n_cell) return 0;
   mg_cell *cell = c->search.cells + *c->search.n_cells;
   for (int k = 0; k < 4; k++) cell->box[k] = box[k];
-  cell->halves = 0, cell->is_of_centres = cell->has_bends = is_of_centres;
-  if (is_of_centres) mg_bound_centre_cell(c, feature_pair, side, cell);
+  cell->halves = 0, cell->is_of_spine = cell->has_bends = is_of_spine;
+  if (is_of_spine) mg_bound_centre_cell(c, feature_pair, side, cell);
   else mg_bound_cell(c, feature_pair, side, cell);
   return (*c->search.n_cells)++;
 }
@@ -210,15 +210,15 @@ static void mg_narrow_by_halves(mg_cell *whole, const mg_cell *half, int is_curv
 MG_INTERNAL int mg_divide_cell(mg_context *c, int feature_pair, int side, int cell) {
   if (c->search.cells[cell].halves) return c->search.cells[cell].halves;
   if (*c->search.n_cells + 2 > c->system->n_cell) return 0;
-  const int along = c->search.cells[cell].direction_to_divide, is_of_centres = c->search.cells[cell].is_of_centres;
+  const int along = c->search.cells[cell].direction_to_divide, is_of_spine = c->search.cells[cell].is_of_spine;
   mg_real box[4];
   for (int k = 0; k < 4; k++) box[k] = c->search.cells[cell].box[k];
   const mg_real low = box[2 * along], high = box[2 * along + 1], half = (high - low) / 2,
                 middle = low + half + half * c->search.cells[cell].place_to_divide;
   box[2 * along + 1] = middle;
-  const int first = mg_new_cell(c, feature_pair, side, is_of_centres, box);
+  const int first = mg_new_cell(c, feature_pair, side, is_of_spine, box);
   box[2 * along] = middle, box[2 * along + 1] = high;
-  mg_new_cell(c, feature_pair, side, is_of_centres, box);
+  mg_new_cell(c, feature_pair, side, is_of_spine, box);
   return c->search.cells[cell].halves = first;
 }
 
@@ -233,9 +233,9 @@ static void mg_divide_wide_cell(mg_context *c, int feature_pair, int side, int c
   mg_narrow_by_halves(c->search.cells + cell, c->search.cells + half, mg_feature_dimension(c, feature_pair, side) == 1);
 }
 
-MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side, int is_of_centres) {
+MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side, int is_of_spine) {
   const mg_real *domain = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_DOMAIN;
-  const int tree = c->system->feature_tree[2 * feature_pair + side], root = 2 * tree + is_of_centres;
+  const int tree = c->system->feature_tree[2 * feature_pair + side], root = 2 * tree + is_of_spine;
   mg_real window[4], bound = 0;
   mg_sample_window(c, feature_pair, side, mg_search_radius(c, feature_pair), window);
   for (int k = 0; k < 4; k++)
@@ -246,8 +246,8 @@ MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side, int is_o
   for (int k = 0; k < 4; k++)
     if (fabs(domain[k]) >= MG_MAX / 2) window[k] = k % 2 ? bound : -bound;
   c->search.tree_bound[root] = bound;
-  const int first = c->search.tree_root[root] = mg_new_cell(c, feature_pair, side, is_of_centres, window);
-  if (first && !is_of_centres) mg_divide_wide_cell(c, feature_pair, side, first, MG_WIDE_LEVELS);
+  const int first = c->search.tree_root[root] = mg_new_cell(c, feature_pair, side, is_of_spine, window);
+  if (first && !is_of_spine) mg_divide_wide_cell(c, feature_pair, side, first, MG_WIDE_LEVELS);
   return first;
 }
 
@@ -296,7 +296,7 @@ static mg_real mg_quadric_over_cell(const mg_real *a, const mg_cell *cell) {
 static int mg_is_cell_outside_quadrics(const mg_context *c, const mg_cell *cell, const mg_feature_limits *limits) {
   const mg_system *s = c->system;
   const mg_real slack = 8 * c->settings->feature_border * s->length;
-  if (cell->is_of_centres || !(cell->radius < MG_MAX)) return 0;
+  if (cell->is_of_spine || !(cell->radius < MG_MAX)) return 0;
   for (int k = s->feature_pair_condition[limits->feature_pair]; k < s->feature_pair_condition[limits->feature_pair + 1];
        k++) {
     const mg_real *quadric = mg_bounding_quadric(c, limits->side, k);

@@ -75,39 +75,39 @@ MG_INTERNAL void mg_start_eta(const mg_context *c, int feature_pair, const mg_sa
 /* Rotation of a feature's shape in world axes, 9 numbers by columns. */
 MG_INTERNAL void mg_shape_rotation(const mg_context *c, int feature_pair, int side, mg_real *R);
 
-/* centre_curve_features.c */
+/* spine_features.c */
 
 /* The line, circle or point at a constant distance from which a feature lies, in the axes of the shape: the third axis,
    about it, or the origin. */
 typedef struct {
-  int kind;       /* MG_CENTRE_LINE .. */
+  int kind;       /* MG_SPINE_LINE .. */
   int coordinate; /* that of the feature which runs along the curve: 0 u, 1 v */
   mg_real radius; /* of the circle, m */
   mg_real tube;   /* distance of the feature, m; negative: a cavity, 0: the curve itself */
-} mg_centre_curve;
+} mg_spine;
 
 /* True if both features of a feature pair lie at constant distances from lines, circles or points. */
-MG_INTERNAL int mg_are_features_centred(const mg_context *c, int feature_pair);
+MG_INTERNAL int mg_lie_about_spines(const mg_context *c, int feature_pair);
 
 /* True if the critical points of a feature pair follow from lines or circles, and points, in closed form. */
-MG_INTERNAL int mg_has_centre_curves(const mg_context *c, int feature_pair);
+MG_INTERNAL int mg_has_spines(const mg_context *c, int feature_pair);
 
-/* True if a feature is a surface that has a centre curve. */
-MG_INTERNAL int mg_is_about_centre_curve(const mg_context *c, int feature_pair, int side);
+/* True if a feature is a surface that has a spine. */
+MG_INTERNAL int mg_is_about_spine(const mg_context *c, int feature_pair, int side);
 
-/* Reads the centre curve of a feature that has one. */
-MG_INTERNAL void mg_read_centre_curve(const mg_context *c, int feature_pair, int side, mg_centre_curve *at);
+/* Reads the spine of a feature that has one. */
+MG_INTERNAL void mg_read_spine(const mg_context *c, int feature_pair, int side, mg_spine *at);
 
-/* Point of a centre curve nearest to x, axes of the shape. */
-MG_INTERNAL void mg_foot_on_centre_curve(const mg_centre_curve *curve, const mg_real *x, mg_real *foot);
+/* Point of a spine nearest to x, axes of the shape. */
+MG_INTERNAL void mg_foot_on_spine(const mg_spine *curve, const mg_real *x, mg_real *foot);
 
-/* Of the critical points of the distance to x on a centre curve the one nearest to `near`, axes of the shape. */
-MG_INTERNAL void mg_critical_point_on_centre_curve(const mg_centre_curve *curve, const mg_real *x, const mg_real *near,
-                                                   mg_real *point);
+/* Of the critical points of the distance to x on a spine the one nearest to `near`, axes of the shape. */
+MG_INTERNAL void mg_critical_point_on_spine(const mg_spine *curve, const mg_real *x, const mg_real *near,
+                                            mg_real *point);
 
-/* Sample of a feature that has a centre curve at a point of it in the axes of the shape; without the world point. */
-MG_INTERNAL void mg_sample_about_centre_curve(const mg_context *c, int feature_pair, int side,
-                                              const mg_centre_curve *curve, const mg_real *local, mg_sample *sample);
+/* Sample of a feature that has a spine at a point of it in the axes of the shape; without the world point. */
+MG_INTERNAL void mg_sample_about_spine(const mg_context *c, int feature_pair, int side, const mg_spine *curve,
+                                       const mg_real *local, mg_sample *sample);
 
 /* cells.c */
 
@@ -120,9 +120,9 @@ MG_INTERNAL mg_digest mg_digest_searched_shapes(const mg_system *s);
 /* Forgets the cells in the scratch memory that were not made of the shapes of this system. */
 MG_INTERNAL void mg_keep_cells_of_same_shapes(mg_context *c);
 
-/* First cell of a feature, or of its centre curve: its domain, cut where it is unbounded so that it contains all that
+/* First cell of a feature, or of its spine: its domain, cut where it is unbounded so that it contains all that
    can be near the other feature. Returns 0 if there is no room. */
-MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side, int is_of_centres);
+MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side, int is_of_spine);
 
 /* Bounds the bends of a cell, unless that is done. */
 MG_INTERNAL void mg_bound_bends(mg_context *c, int feature_pair, int side, int number);
@@ -150,11 +150,11 @@ MG_INTERNAL void mg_limit_to_meridian(const mg_context *c, int feature_pair, mg_
 /* True if all of a cell lies beyond the limits. */
 MG_INTERNAL int mg_is_cell_beyond(const mg_context *c, int cell, const mg_feature_limits *limits);
 
-/* centre_curve_search.c */
+/* spine_search.c */
 
-/* The centre curve of a feature, with its place. */
+/* The spine of a feature, with its place. */
 typedef struct {
-  mg_centre_curve curve;
+  mg_spine curve;
   mg_real centre[3]; /* of the circle, or a point of the line, m */
   mg_real axes[9];   /* of the shape, by columns: the line is along the third, the circle in the plane of the others */
 } mg_centred_feature;
@@ -163,14 +163,14 @@ typedef struct {
 MG_INTERNAL int mg_has_one_minimum(const mg_context *c, int feature_pair, mg_real gap);
 
 /* Adds the minima of such a feature pair with gaps within the limits and not below `least` to those kept. */
-MG_INTERNAL void mg_search_centre_curves(mg_context *c, int feature_pair, const mg_search_limits *limits, mg_real least,
-                                         mg_minima *kept);
+MG_INTERNAL void mg_search_spines(mg_context *c, int feature_pair, const mg_search_limits *limits, mg_real least,
+                                  mg_minima *kept);
 
-/* centre_curve_stationary_points.c */
+/* spine_stationary_points.c */
 
-enum { MG_STATIONARY = 64 }; /* most places of two centre curves */
+enum { MG_STATIONARY = 64 }; /* most places of two spines */
 
-/* A place on both centre curves at which their distance is stationary. */
+/* A place on both spines at which their distance is stationary. */
 typedef struct {
   mg_real where[2];   /* angle of a circle, rad; distance along a line, m; of a point nothing */
   mg_real regularity; /* of two circles the determinant of the second derivatives of the squared distance, as a part of
@@ -191,19 +191,19 @@ typedef struct {
 /* Reads the first of two circles. */
 MG_INTERNAL mg_first_circle mg_view_first_circle(const mg_centred_feature *of);
 
-/* Point of a centre curve: at an angle of the circle, at a distance along the line. */
+/* Point of a spine: at an angle of the circle, at a distance along the line. */
 MG_INTERNAL void mg_centre_point(const mg_centred_feature *at, mg_real where, mg_real *x);
 
-/* Unit vector normal to both centre curves at places on them. Returns 0 where their tangents are the same. */
+/* Unit vector normal to both spines at places on them. Returns 0 where their tangents are the same. */
 MG_INTERNAL int mg_normal_to_both(const mg_centred_feature *of, const mg_real *where, mg_real *normal);
 
-/* Stationary places of two centre curves; of two circles those with gaps up to `gap` at which it can be a minimum.
+/* Stationary places of two spines; of two circles those with gaps up to `gap` at which it can be a minimum.
    Returns their number. It is 0 of a line or point and a curve whose distance is constant. `place` has room for
    MG_STATIONARY.
  */
 MG_INTERNAL int mg_stationary_places(const mg_centred_feature *of, mg_real gap, mg_stationary_place *place);
 
-/* Distance of a line or point from another centre curve where it is constant, m. */
+/* Distance of a line or point from another spine where it is constant, m. */
 MG_INTERNAL mg_real mg_constant_distance(const mg_centred_feature *of);
 
 /* circle_pair_single_minimum.c */
@@ -231,7 +231,7 @@ enum {
 /* What a view shows. */
 enum { MG_VIEW_SURFACE, MG_VIEW_CURVE, MG_VIEW_PLANE, MG_VIEW_POINT };
 
-/* A cell, a plane, a vertex, a sphere as its centre, or a torus or cylinder as a cell of its centre curve, in the axes
+/* A cell, a plane, a vertex, a sphere as its centre, or a torus or cylinder as a cell of its spine, in the axes
    of one of the two shapes. */
 typedef struct {
   int kind;                /* MG_VIEW_SURFACE .. */

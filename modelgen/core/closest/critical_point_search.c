@@ -1,7 +1,7 @@
 /* Critical points of the distance of a feature pair: the trees of cells of both features are walked together; pairs of
    cells that cannot hold one are dropped, pairs that hold at most one start Newton's method, all others are divided.
    Where cells can be divided no further, or too many are open, the search is incomplete, and says so. A plane, a
-   sphere and a vertex need no cells; a torus and a cylinder are seen as their centre curves. Writes c->search. */
+   sphere and a vertex need no cells; a torus and a cylinder are seen as their spines. Writes c->search. */
 #include "closest/closest.h"
 #include "base/base.h"
 #include "model/model.h"
@@ -20,8 +20,8 @@ typedef struct {
   mg_real origin[3];                /* origin of the other shape, axes of the first, m */
   mg_cell_view other;               /* the other side, if it has no cells */
   int curves;                       /* bit 0: the first feature is seen as a curve, bit 1: the other */
-  int is_centred[2];                /* 1: the first, the other feature is seen as its centre curve */
-  mg_centre_curve centre[2];        /* that curve; tube is 0 where there is none */
+  int is_centred[2];                /* 1: the first, the other feature is seen as its spine */
+  mg_spine centre[2];               /* that curve; tube is 0 where there is none */
   mg_feature_limits allowed[2];     /* coordinates of the first and of the other side */
   int n_known;                      /* critical points known */
   mg_real known[MG_CRITICAL][6];    /* their points on the first and the other feature, axes of the first shape, m */
@@ -131,7 +131,7 @@ static const mg_real *mg_coordinates_in_eta(const mg_context *c, int feature_pai
   return at + mg_parametrisation_size[parametrisation];
 }
 
-/* A world point on the first (0) or the other feature (1), or what stands for it on the centre curve, axes of the first
+/* A world point on the first (0) or the other feature (1), or what stands for it on the spine, axes of the first
    shape. */
 static void mg_point_of_view(const mg_critical_search *s, int which, const mg_real *world, mg_real *x) {
   if (!s->is_centred[which]) {
@@ -140,7 +140,7 @@ static void mg_point_of_view(const mg_critical_search *s, int which, const mg_re
   }
   mg_real local[3];
   mg_point_in_shape_axes(s->c, s->feature_pair, which ? 1 - s->first : s->first, world, local);
-  mg_foot_on_centre_curve(s->centre + which, local, x);
+  mg_foot_on_spine(s->centre + which, local, x);
   if (which) mg_turn_to_first_axes(s, x, s->origin, x);
 }
 
@@ -173,7 +173,7 @@ static void mg_sample_cell(const mg_critical_search *s, int side, int cell, cons
   for (int k = 0; k < 3 && size > 0; k++) at->local[k] *= fabs(s->other.tube) / size;
 }
 
-/* The same of a feature (0 the first, 1 the other) seen as its centre curve in the view `at`: the point of it towards
+/* The same of a feature (0 the first, 1 the other) seen as its spine in the view `at`: the point of it towards
    the other view, or away from it in a hollow. */
 static void mg_sample_about_centre(const mg_critical_search *s, int which, const mg_cell_view *at,
                                    const mg_cell_view *other, mg_sample *sample) {
@@ -181,8 +181,7 @@ static void mg_sample_about_centre(const mg_critical_search *s, int which, const
   const int side = which ? 1 - s->first : s->first, along = s->centre[which].coordinate;
   const mg_real *box = at->cell->box, sign = at->tube < 0 || other->tube < 0 ? -1 : 1;
   mg_real on_curve[3] = {at->centre[0], at->centre[1], at->centre[2]}, towards[3], x[3], in_body[3];
-  if (other->kind == MG_VIEW_POINT)
-    mg_critical_point_on_centre_curve(s->centre + which, other->centre, at->centre, on_curve);
+  if (other->kind == MG_VIEW_POINT) mg_critical_point_on_spine(s->centre + which, other->centre, at->centre, on_curve);
   for (int k = 0; k < 3; k++)
     towards[k] = other->kind == MG_VIEW_SURFACE || other->kind == MG_VIEW_PLANE
                      ? -other->direction[k]
@@ -190,7 +189,7 @@ static void mg_sample_about_centre(const mg_critical_search *s, int which, const
   mg_normalise3(towards);
   for (int k = 0; k < 3; k++) x[k] = on_curve[k] + at->tube * towards[k] - (which ? s->origin[k] : 0);
   if (which) mg_rotate_back(s->rotation, x, x);
-  mg_sample_about_centre_curve(c, s->feature_pair, side, s->centre + which, x, sample);
+  mg_sample_about_spine(c, s->feature_pair, side, s->centre + which, x, sample);
   if (other->kind != MG_VIEW_POINT) sample->uv[along] = box[2 * along] + (box[2 * along + 1] - box[2 * along]) / 2;
   mg_to_world(mg_feature_numbers(c, s->feature_pair, side) + MG_FEATURE_PLACEMENT, x, 1, in_body);
   mg_to_world(c->bodies.pose + 12 * mg_feature_body(c, s->feature_pair, side), in_body, 1, sample->point);
@@ -424,8 +423,8 @@ MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const
   s.smallest = c->settings->search_merge_distance * mg_pair_length(c, c->system->feature_pair_owner[feature_pair]) / 4;
   for (int which = 0; which < 2; which++) {
     const int side = which ? 1 - s.first : s.first;
-    s.is_centred[which] = (!which || s.has_cells) && mg_is_about_centre_curve(c, feature_pair, side);
-    if (s.is_centred[which]) mg_read_centre_curve(c, feature_pair, side, s.centre + which);
+    s.is_centred[which] = (!which || s.has_cells) && mg_is_about_spine(c, feature_pair, side);
+    if (s.is_centred[which]) mg_read_spine(c, feature_pair, side, s.centre + which);
     s.curves |= (s.is_centred[which] || mg_feature_dimension(c, feature_pair, side) == 1) << which;
   }
   mg_real own[9], others[9];

@@ -64,8 +64,8 @@ MG_INTERNAL int mg_find_minima_of_feature_pair(mg_context *c, int feature_pair, 
   const mg_contact_kind *kind = c->kernels->contact_kinds + c->system->feature_pair_kind[feature_pair];
   const int turn = mg_parametrisation(c, feature_pair, 0) == MG_TURN;
   if (mg_is_replaced_coaxially(c, feature_pair)) return 1;
-  if (!kind->is_convex && kind->n_eta > 0 && mg_has_centre_curves(c, feature_pair)) {
-    mg_search_centre_curves(c, feature_pair, limits, least, kept);
+  if (!kind->is_convex && kind->n_eta > 0 && mg_has_spines(c, feature_pair)) {
+    mg_search_spines(c, feature_pair, limits, least, kept);
     return 1;
   }
   if (!kind->is_convex && kind->n_eta > 0 && !turn && mg_parametrisation(c, feature_pair, 0) != MG_SIGN)

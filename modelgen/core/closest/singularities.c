@@ -41,7 +41,7 @@ MG_INTERNAL int mg_is_curved_edge_crossing(const mg_context *c, int feature_pair
 
 MG_INTERNAL int mg_is_followed_to_singularity(const mg_context *c, int feature_pair, mg_real d) {
   const int pair = c->system->feature_pair_owner[feature_pair];
-  if (!mg_are_features_centred(c, feature_pair) && !mg_is_almost_coaxial(c, feature_pair)) return 0;
+  if (!mg_lie_about_spines(c, feature_pair) && !mg_is_almost_coaxial(c, feature_pair)) return 0;
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
     if (c->run->closed[i]) return 1;
   return d < c->settings->margin_refuse * mg_pair_length(c, pair);

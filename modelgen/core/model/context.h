@@ -86,7 +86,7 @@ typedef struct {
   mg_real place_to_divide; /* place at which it is divided, from -1 to 1 */
   int direction_to_divide; /* coordinate along which it is divided: 0 u, 1 v */
   int has_bends;           /* 1: bends are bounded */
-  int is_of_centres;       /* 1: it bounds the centre curve of the feature at these coordinates */
+  int is_of_spine;         /* 1: it bounds the spine of the feature at these coordinates */
 } mg_cell;
 
 /* Bounds of an event margin: of what is left before an event function is zero; MG_MAX: nothing is watched. */
@@ -270,7 +270,7 @@ typedef struct {
   mg_real *face_gap;              /* [MG_SAMPLES] least gap of a flat face of one solid to the features of another, m */
   mg_cell *cells;                 /* [system->n_cell] cells of all trees; cell 0 is not used */
   int *n_cells;                   /* [1] cells in use, cell 0 included */
-  int *tree_root;                 /* [2 per cell tree] first cell of the feature, and of its centre curve, or 0 */
+  int *tree_root;                 /* [2 per cell tree] first cell of the feature, and of its spine, or 0 */
   mg_real *tree_bound;            /* [2 per cell tree] where a coordinate has no bound: that of these cells */
   mg_digest *cells_digest;        /* [1] digest of the shapes to which the cells belong */
   mg_taylor_model *bounds_memory; /* memory of bounds programs */

@@ -7,7 +7,7 @@ from itertools import accumulate, chain
 from math import hypot, pi
 from typing import Any, TypeVar
 
-from modelgen.codegen.manifest import Manifest, have_centre_curves
+from modelgen.codegen.manifest import Manifest, have_spines
 
 Entry = Mapping[str, Any]
 Found = TypeVar("Found")
@@ -122,7 +122,7 @@ class _Trees:
     def _of(self, feature_pair: Entry) -> Iterator[int]:
         kind = self._kinds["contact"][feature_pair["kind"]]
         shapes = feature_pair["shape_o"], feature_pair["shape_f"]
-        is_closed_form = have_centre_curves(self._kinds["shape"][shape["kind"]]["kind"] for shape in shapes)
+        is_closed_form = have_spines(self._kinds["shape"][shape["kind"]]["kind"] for shape in shapes)
         for shape in shapes:
             if kind["convex"] or not kind["n_eta"] or not shape["domain"] or is_closed_form:
                 yield -1

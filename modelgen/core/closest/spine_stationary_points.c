@@ -65,21 +65,21 @@ static int mg_root_angles(int n, const mg_real *polynomial, mg_real noise, const
 MG_INTERNAL void mg_centre_point(const mg_centred_feature *at, mg_real where, mg_real *x) {
   const mg_real p = at->curve.radius * mg_cos(where), q = at->curve.radius * mg_sin(where);
   for (int k = 0; k < 3; k++)
-    x[k] = at->centre[k] + (at->curve.kind == MG_CENTRE_LINE     ? where * at->axes[6 + k]
-                            : at->curve.kind == MG_CENTRE_CIRCLE ? p * at->axes[k] + q * at->axes[3 + k]
-                                                                 : 0);
+    x[k] = at->centre[k] + (at->curve.kind == MG_SPINE_LINE     ? where * at->axes[6 + k]
+                            : at->curve.kind == MG_SPINE_CIRCLE ? p * at->axes[k] + q * at->axes[3 + k]
+                                                                : 0);
 }
 
-/* Tangent of a centre curve. */
+/* Tangent of a spine. */
 static void mg_centre_tangent(const mg_centred_feature *at, mg_real where, mg_real *tangent) {
   for (int k = 0; k < 3; k++)
-    tangent[k] = at->curve.kind == MG_CENTRE_LINE ? at->axes[6 + k]
-                                                  : mg_cos(where) * at->axes[3 + k] - mg_sin(where) * at->axes[k];
+    tangent[k] = at->curve.kind == MG_SPINE_LINE ? at->axes[6 + k]
+                                                 : mg_cos(where) * at->axes[3 + k] - mg_sin(where) * at->axes[k];
 }
 
 MG_INTERNAL int mg_normal_to_both(const mg_centred_feature *of, const mg_real *where, mg_real *normal) {
   mg_real tangent[2][3];
-  if (of[0].curve.kind == MG_CENTRE_POINT || of[1].curve.kind == MG_CENTRE_POINT) return 0;
+  if (of[0].curve.kind == MG_SPINE_POINT || of[1].curve.kind == MG_SPINE_POINT) return 0;
   for (int side = 0; side < 2; side++) mg_centre_tangent(of + side, where[side], tangent[side]);
   mg_cross_product(tangent[0], tangent[1], normal);
   return mg_normalise3(normal);
@@ -116,7 +116,7 @@ static int mg_point_and_curve(const mg_centred_feature *of, int point, mg_statio
   const mg_real *x = of[point].centre,
                 span[3] = {x[0] - curve->centre[0], x[1] - curve->centre[1], x[2] - curve->centre[2]};
   const mg_real across[2] = {mg_dot3(span, curve->axes), mg_dot3(span, curve->axes + 3)};
-  const int count = curve->curve.kind == MG_CENTRE_LINE ? 1 : 2;
+  const int count = curve->curve.kind == MG_SPINE_LINE ? 1 : 2;
   if (!(fabs(across[0]) + fabs(across[1]) > 64 * MG_EPS * (sqrt(mg_dot3(x, x)) + curve->curve.radius))) return 0;
   for (int k = 0; k < count; k++) {
     place[k].where[point] = 0, place[k].regularity = 1;
@@ -407,21 +407,21 @@ static int mg_circle_and_circle(const mg_centred_feature *of, mg_real gap, mg_st
 }
 
 MG_INTERNAL int mg_stationary_places(const mg_centred_feature *of, mg_real gap, mg_stationary_place *place) {
-  const int circle = of[0].curve.kind == MG_CENTRE_CIRCLE ? 0 : 1;
+  const int circle = of[0].curve.kind == MG_SPINE_CIRCLE ? 0 : 1;
   const mg_centred_feature *other = of + 1 - circle;
   place[0].regularity = 1;
   for (int side = 0; side < 2; side++)
-    if (of[side].curve.kind == MG_CENTRE_POINT) return mg_point_and_curve(of, side, place);
-  if (of[circle].curve.kind == MG_CENTRE_LINE) return mg_lines_nearest(of, of + 1, place[0].where);
-  return other->curve.kind == MG_CENTRE_LINE ? mg_circle_and_line(of, circle, place)
-                                             : mg_circle_and_circle(of, gap, place);
+    if (of[side].curve.kind == MG_SPINE_POINT) return mg_point_and_curve(of, side, place);
+  if (of[circle].curve.kind == MG_SPINE_LINE) return mg_lines_nearest(of, of + 1, place[0].where);
+  return other->curve.kind == MG_SPINE_LINE ? mg_circle_and_line(of, circle, place)
+                                            : mg_circle_and_circle(of, gap, place);
 }
 
 MG_INTERNAL mg_real mg_constant_distance(const mg_centred_feature *of) {
-  const int line = of[0].curve.kind == MG_CENTRE_LINE ? 0 : 1;
+  const int line = of[0].curve.kind == MG_SPINE_LINE ? 0 : 1;
   mg_real x[3], foot[3];
   mg_centre_point(of + 1 - line, 0, x);
-  mg_centre_point(of + line, of[line].curve.kind == MG_CENTRE_LINE ? mg_foot_on_line(of + line, x) : 0, foot);
+  mg_centre_point(of + line, of[line].curve.kind == MG_SPINE_LINE ? mg_foot_on_line(of + line, x) : 0, foot);
   const mg_real span[3] = {foot[0] - x[0], foot[1] - x[1], foot[2] - x[2]};
   return sqrt(mg_dot3(span, span));
 }
