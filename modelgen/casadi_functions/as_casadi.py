@@ -25,7 +25,8 @@ from modelgen.composition.scene_symbols import parameter_values
 from modelgen.derivation import Derivation, derive
 from modelgen.errors import ModelgenError
 from modelgen.model import Model
-from modelgen.runtime.arguments import check_flag, check_name, check_positive, values_by_name
+from modelgen.name_suggestions import nearest
+from modelgen.runtime.arguments import check_flag, check_positive, shown, values_by_name
 from modelgen.runtime.stepped_simulation import Simulation
 from modelgen.scene.parameter_rereading import SceneReader
 from modelgen.scene.scene_types import Origin
@@ -67,8 +68,9 @@ def as_casadi(
         ModelgenError: the mode is none of the scene, or rubs over a whole face; a name is unknown; the
             library's scene cannot be read again.
     """
-    check_name("as_casadi", what, WHAT)
-    check_name("as_casadi: method", method, TABLEAUS)
+    for where, name, known in (("as_casadi", what, WHAT), ("as_casadi: method", method, tuple(TABLEAUS))):
+        if not isinstance(name, str) or name not in known:
+            raise ModelgenError(where, shown(name), f"known: {', '.join(known)}", nearest(name, known))
     check_flag("as_casadi: settle", settle)
     derivation = derivation_of(source)
     solved = _solved(derivation, mode, feature_pairs)
