@@ -89,13 +89,12 @@ def block_place(pair: Pair) -> Placement:
 
 
 def chart_placement(pair: Pair, N: ca.SX, d: ca.SX, at: Levers, eta_next: ca.SX) -> Placement:
-    """The record of a chart form: residuals in orthonormal frames, and the margin."""
+    """The record of a chart form: residuals in orthonormal frames and of the normals, and the margin."""
     o, f = montana_frame(pair.o, pair.eta_o), montana_frame(pair.f, pair.eta_f)
     T_o = ca.mtimes(pair.o.rotation, o.axes)
     in_f = ca.mtimes(pair.f.rotation.T, T_o)
     turn = ca.mtimes(f.axes.T, in_f)
-    e1 = ca.mtimes(T_o.T, at.point_f - at.point_o)
-    e2 = ca.mtimes(in_f.T, f.normal)
+    e1, e2 = ca.mtimes(T_o.T, at.point_f - at.point_o), N + ca.mtimes(pair.f.rotation, f.normal)
     return Placement(
         eta_next=eta_next,
         d=d,

@@ -64,7 +64,7 @@ class Placement:
 
     eta_next: ca.SX  # (n_eta,)
     d: ca.SX  # (1,) m
-    residual: ca.SX  # (2,) m along and off the surfaces; 1 for parallelism
+    residual: ca.SX  # (2,) m along and off the surfaces; 1 of normals that are not opposite
     margin: ca.SX  # (2,) mu, and sigma_min(A) in 1/m
     normal: ca.SX  # (3,) world
     point_o: ca.SX  # (3,) m, world

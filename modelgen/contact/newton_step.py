@@ -2,7 +2,8 @@
 
 Residuals in the frame [t1 t2 n] of o's point: e1 = T^T (P_f - P_o), e2 = T^T (n + n_f) with both exterior
 normals, and the heights h_o, h_f of the points over their surfaces. They replace (2.1), which is void at
-P_f = P_o. The step moves the points by a and b along and by -h across their surfaces:
+P_f = P_o. In the residual of the record |n + n_f| stands for e2, which equal normals make zero too. The step
+moves the points by a and b along and by -h across their surfaces:
 
     (K_f + K_o + d K_f K_o) a = -e2' + K_f e1',   b = (I + d K_o) a - e1'
 
@@ -38,11 +39,12 @@ def tangent_place(pair: Pair, o: SurfacePoint, f: SurfacePoint) -> Placement:
     b = a + d * ca.mtimes(K_o, a) - e1_next
     step_o = o.eta_rate(ca.mtimes(frame.T_o, a) - o.height * o.normal)
     step_f = f.eta_rate(ca.mtimes(frame.T_f, b) - f.height * f.normal)
+    apart = frame.n_f + f.normal
     off = ca.sqrt(dot(e1, e1) + o.height * o.height + f.height * f.height)
     return Placement(
         eta_next=pair.eta + ca.vertcat(step_o, step_f),
         d=d,
-        residual=ca.vertcat(off, ca.sqrt(dot(e2, e2))),
+        residual=ca.vertcat(off, ca.sqrt(dot(apart, apart))),
         margin=margin(K_o, K_f, d),
         normal=frame.n_w,
         point_o=point_o if o.x is not None else point_f - d * frame.n_w,

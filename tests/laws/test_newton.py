@@ -7,12 +7,22 @@ import numpy as np
 import pytest
 
 from modelgen.contact.form_table import contact_kernels, eta_layout
-from tests.laws.configurations import Array, columns, eta_of, parameters, random_pairs
+from tests.laws.configurations import (
+    Array,
+    columns,
+    eta_of,
+    parameters,
+    pose_of,
+    random_pairs,
+    rotation_of,
+    turned,
+)  # fmt: skip
 from tests.laws.families import CASES, kind_of
 from tests.laws.shapes import SPECIMENS
 
 COUNT = 20
 CARRIED = [(o, f, form) for o, f, form in CASES if eta_layout(kind_of(o, f, form)) != ("none", "none")]
+SURFACES = [case for case in CARRIED if set(eta_layout(kind_of(*case))) <= {"chart", "point"}]
 
 
 def along_the_motion(o: str, f: str, form: str) -> ca.Function:
@@ -85,3 +95,21 @@ def test_place_reports_the_same_contact_in_every_form(o: str, f: str, form: str)
     for index in (3, 4, 5, 6):
         np.testing.assert_allclose(found[index][:, reached], wanted[index][:, reached], rtol=1e-9, atol=1e-9)
     assert np.abs(found[2]).max() < 1e-14
+
+
+@pytest.mark.cases(15)
+@pytest.mark.parametrize(("o", "f", "form"), SURFACES)
+def test_equal_normals_are_not_extremal(o: str, f: str, form: str) -> None:
+    """Half a turn of body f about a tangent at its point keeps points in line and makes normals equal."""
+    at = random_pairs(SPECIMENS[o], SPECIMENS[f], COUNT, seed=25)
+    eta, numbers = eta_of(eta_layout(kind_of(o, f, form)), at), parameters(o, f, COUNT)
+    place = contact_kernels(kind_of(o, f, form)).place
+    _, _, opposite, _, normal, _, point = columns(place, at.pose_o, at.pose_f, eta, numbers)
+    tangent = np.cross(normal.T, np.eye(3)[np.abs(normal).argmin(axis=0)])
+    tangent /= np.linalg.norm(tangent, axis=1)[:, None]
+    half_turn = 2 * np.einsum("ni,nj->nij", tangent, tangent) - np.eye(3)
+    R = np.einsum("nij,njk->nik", half_turn, rotation_of(at.pose_f))
+    flipped = pose_of(point - turned(R, at.x_f), R)
+    equal = columns(place, at.pose_o, flipped, eta, numbers)[2]
+    assert np.abs(opposite[1]).max() < 1e-14
+    np.testing.assert_allclose(equal[1], 2, rtol=1e-14)
