@@ -97,7 +97,13 @@ class Session:
         """The first events of an mg_events, given by its columns."""
         given = [column[:count].tolist() for column in columns]
         return [
-            Event(float(t), EVENT_KINDS[kind], *self._named(contact, feature_pair), speed=float(speed))
+            Event(
+                float(t),
+                EVENT_KINDS[kind],
+                *((self._switching_load(contact), "") if EVENT_KINDS[kind] == "load-switch"
+                  else self._named(contact, feature_pair)),
+                speed=float(speed),
+            )
             for t, kind, contact, feature_pair, speed in zip(*given, strict=True)
         ]
 
@@ -110,6 +116,16 @@ class Session:
         patch = self.instance["patches"][(feature_pair - len(self.feature_pair_names)) // SUPPORT_POINTS]
         pair, _, faces = str(patch["name"]).rpartition(":")
         return pair, faces
+
+    def _switching_load(self, switch: int) -> str:
+        """The kind of the load that has a switching function, and its bodies."""
+        kinds, bodies = self.library.manifest.kinds["load"], self.instance["bodies"]
+        for load in self.instance["loads"]:
+            switch -= int(kinds[load["kind"]]["switches"])
+            if switch < 0:
+                names = " and ".join(bodies[body]["name"] for body in load["bodies"])
+                return f"{kinds[load['kind']]['kind']} on {names}"
+        return ""
 
     def contact_name(self, contact: int) -> str:
         """The name of a contact; of a support point, that of its pair."""

@@ -35,6 +35,10 @@ MG_INTERNAL void mg_update_poses(mg_context *c, mg_real t, const mg_real *x) {
 MG_INTERNAL void mg_load_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench) {
   const mg_system *s = c->system;
   const int a = s->load_a[load], b = s->load_b[load] < 0 ? a : s->load_b[load];
+  if (mg_has_branches(c) && mg_switch_begin(s, load) < mg_switch_end(s, load)) {
+    mg_zero_reals(wrench, 12);
+    mg_add_branch_wrench(c, t, load, mg_switch_begin(s, load), 1, wrench);
+  } else
   c->kernels->load_wrench(s->load_kind[load], &t, c->bodies.pose + 12 * a, c->bodies.twist + 6 * a,
                           c->bodies.pose + 12 * b, c->bodies.twist + 6 * b, s->parameters + s->load_parameters[load],
                           c->run->input, wrench, wrench + 6);
@@ -88,6 +92,10 @@ MG_INTERNAL int mg_moving_body(const mg_context *c, int contact) {
 
 MG_INTERNAL int mg_is_time_stepping(const mg_context *c) {
   return c->settings->method == MG_TIME_STEPPING || c->run->fallback_left > 0;
+}
+
+MG_INTERNAL int mg_has_branches(const mg_context *c) {
+  return c->system->n_switch && !c->switches.is_literal && !mg_is_time_stepping(c);
 }
 
 MG_INTERNAL int mg_is_free_body(const mg_context *c, int body) { return c->bodies.motion[body] == MG_FREE; }

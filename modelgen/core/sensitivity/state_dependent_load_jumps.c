@@ -64,6 +64,8 @@ MG_INTERNAL int mg_has_load_jump(mg_context *c, mg_sensitivity *s, mg_real t, co
                                  mg_real h) {
   mg_real wrench[12];
   int has_rates = 0;
+  for (int k = 0; k < c->system->n_switch; k++)
+    if (c->run->switch_mode[k] == MG_BRANCH_SLIDES) return 1;
   for (int i = 0; i < c->system->n_load; i++) {
     mg_wrench_of_load(c, t, i, wrench);
     const mg_real *before = s->load + 12 * i, change = mg_wrench_difference(c, wrench, before),

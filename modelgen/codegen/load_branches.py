@@ -1,0 +1,63 @@
+"""Kernels of loads that jump or have kinks: their wrenches on a branch, and their switching functions."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from modelgen.derivation import Derivation, Formula
+from modelgen.dynamics.bodies import kernel
+from modelgen.dynamics.loads import LoadFormulas, load_formulas
+from modelgen.geometry.expression_branches import Branches
+from modelgen.geometry.frames import POSE_SIZE, TWIST_SIZE, zeros
+from modelgen.joint.joint_actuators import actuator_formulas
+from modelgen.model import LoadKind, Model
+
+CITATION = "load between two zeros of its switching functions (Filippov 1988)"
+SIZES = {"pose_a": POSE_SIZE, "twist_a": TWIST_SIZE, "pose_b": POSE_SIZE, "twist_b": TWIST_SIZE}
+
+
+def with_branches(derivation: Derivation) -> Derivation:
+    """The derivation and the kernels of its loads on their branches."""
+    return Derivation(derivation.model, (*derivation.formulas, *_formulas(derivation.model)))
+
+
+def switch_count(kind: LoadKind) -> int:
+    """Number of switching functions of a load."""
+    return len(_on_branches(kind)[1].functions)
+
+
+def _formulas(model: Model) -> list[Formula]:
+    found: list[Formula] = []
+    for index, kind in enumerate(model.load_kinds):
+        load, branches = _on_branches(kind)
+        if branches.functions:
+            branch = {"branch": ca.vertcat(*branches.symbols)}
+            wrench = kernel(f"mg_{kind.name}_branch", load.inputs | branch, load.wrenches)
+            found.append(Formula(wrench.name(), wrench, CITATION, "branch", index))
+            switches = kernel(f"mg_{kind.name}_switches", load.inputs | branch, _switches(load, branches))
+            found.append(Formula(switches.name(), switches, CITATION, "switches", index))
+    return found
+
+
+def _on_branches(kind: LoadKind) -> tuple[LoadFormulas, Branches]:
+    branches = Branches()
+    formulas = actuator_formulas if kind.kind == "actuator" else load_formulas
+    return formulas(kind, branches), branches
+
+
+def _switches(load: LoadFormulas, branches: Branches) -> dict[str, ca.SX]:
+    """Values (n) of the switching functions, and their gradients row after row: by t, poses and twists at
+    their full size and parameters; by inputs."""
+    value = ca.vertcat(*branches.functions)
+    columns = []
+    for name, argument in load.inputs.items():
+        if name == "inputs":
+            continue
+        missing = SIZES.get(name, argument.numel()) - argument.numel()
+        columns += [ca.jacobian(value, argument), zeros(value.numel(), missing)]
+    inputs = load.inputs.get("inputs", ca.SX(0, 1))
+    return {
+        "switching": value,
+        "gradient": ca.vec(ca.densify(ca.horzcat(*columns)).T),
+        "input_gradient": ca.vec(ca.densify(ca.jacobian(value, inputs)).T),
+    }

@@ -1,0 +1,114 @@
+/* Which branches the loads are on after state, modes or inputs have changed: by the signs of their switching functions,
+   and where one is zero by the rates that it has on either branch (Filippov). Writes the branches of the run and the
+   event list. */
+#include "events/events.h"
+#include "model/model.h"
+#include "closest/closest.h"
+#include "forces/forces.h"
+
+enum { MG_BRANCH_ROUNDS = 6 }; /* most rounds in which branches are chosen one after another */
+
+#define MG_SAME_SURFACE ((mg_real)1e-10) /* part by which gradients of the same surface may differ */
+
+/* 1 or -1 if two switching functions that are zero have the same zeros: gradients by the same bodies along one line, in
+   the same or the opposite direction; else 0. */
+static int mg_same_surface(const mg_context *c, int one, int other) {
+  const mg_system *s = c->system;
+  const int load = mg_load_of_switch(s, one), next = mg_load_of_switch(s, other);
+  if (s->load_a[load] != s->load_a[next] || s->load_b[load] != s->load_b[next]) return 0;
+  const mg_real *g = c->switches.slope + (long)MG_SWITCH_COLUMNS * one,
+                *h = c->switches.slope + (long)MG_SWITCH_COLUMNS * other;
+  mg_real gg = 0, gh = 0, rest = 0;
+  for (int k = 0; k < MG_SWITCH_COLUMNS; k++) gg += g[k] * g[k], gh += g[k] * h[k];
+  if (!(gg > 0) || gh == 0) return 0;
+  for (int k = 0; k < MG_SWITCH_COLUMNS; k++) rest = mg_max(rest, fabs(h[k] - gh / gg * g[k]));
+  return rest <= MG_SAME_SURFACE * fabs(gh) / sqrt(gg) ? gh > 0 ? 1 : -1 : 0;
+}
+
+/* True if a switching function is zero, or its event has triggered. */
+static int mg_is_switch_at_zero(const mg_context *c, int which) {
+  return c->switches.triggered[which] || c->run->switch_mode[which] == MG_BRANCH_SLIDES ||
+         fabs(c->switches.value[which]) <= c->switches.noise[which];
+}
+
+/* Sets the mode of a switching function and of those at zero on the same surface. */
+static void mg_set_switch_mode(const mg_context *c, int which, int mode, mg_real branch) {
+  for (int k = 0; k < c->system->n_switch; k++) {
+    const int side = k == which ? 1 : c->switches.is_at_zero[k] ? mg_same_surface(c, which, k) : 0;
+    if (!side) continue;
+    c->run->switch_mode[k] = mode == MG_BRANCH_SLIDES ? mode : side * mode;
+    c->run->branch[k] = side * branch;
+    c->run->switch_leader[k] = k == which || mode != MG_BRANCH_SLIDES ? 0 : side * (which + 1);
+  }
+}
+
+/* Sign of the rate at which a switching function that is zero leaves it on a branch, at once or a moment later, and
+   this rate; 0 where it stays zero. */
+static int mg_direction_on_branch(mg_context *c, int which, int side, mg_real *rate) {
+  mg_set_switch_mode(c, which, side, side);
+  mg_evaluate_run_state(c);
+  const mg_real least = c->switches.noise[which] / c->system->time;
+  *rate = c->switches.rate[which];
+  if (!(fabs(*rate) <= least)) return *rate > 0 ? 1 : -1;
+  mg_extrapolate_poses(c);
+  mg_update_switches(c, c->run->t);
+  const mg_real later = c->switches.rate[which];
+  mg_update_poses(c, c->run->t, c->run->x);
+  return fabs(later) <= least ? 0 : later > 0 ? 1 : -1;
+}
+
+/* Number of switching functions that slide, each surface counted once. */
+static int mg_slide_count(const mg_context *c) {
+  int count = 0;
+  for (int k = 0; k < c->system->n_switch; k++)
+    count += c->run->switch_mode[k] == MG_BRANCH_SLIDES && !c->run->switch_leader[k];
+  return count;
+}
+
+/* Chooses the branch at a zero; returns whether it is another one. */
+static int mg_choose_branch(mg_context *c, int which) {
+  const int before = c->run->switch_mode[which];
+  mg_real rate_up, rate_down;
+  const int up = mg_direction_on_branch(c, which, 1, &rate_up), down = mg_direction_on_branch(c, which, -1, &rate_down);
+  int mode = MG_BRANCH_ZERO;
+  if (up + down > 0) mode = MG_BRANCH_POSITIVE;
+  else if (up + down < 0) mode = MG_BRANCH_NEGATIVE;
+  else if (up < 0 && rate_up < 0 && rate_down > 0 && mg_slide_count(c) < MG_SLIDING_MAX) mode = MG_BRANCH_SLIDES;
+  mg_set_switch_mode(c, which, mode,
+                     mode == MG_BRANCH_SLIDES ? (rate_up + rate_down) / (rate_down - rate_up) : mode);
+  mg_evaluate_run_state(c);
+  return mode != before;
+}
+
+/* Puts all switching functions that are not zero on the branches of their signs. */
+static int mg_set_branches_by_sign(mg_context *c) {
+  int changed = 0;
+  for (int k = 0; k < c->system->n_switch; k++) {
+    const int side = c->switches.value[k] > 0 ? 1 : -1;
+    c->switches.is_at_zero[k] = mg_is_switch_at_zero(c, k);
+    if (c->switches.is_at_zero[k] || c->run->switch_mode[k] == side) continue;
+    c->run->switch_mode[k] = side, c->run->branch[k] = side, c->run->switch_leader[k] = 0;
+    mg_evaluate_run_state(c);
+    changed = 1;
+  }
+  return changed;
+}
+
+MG_INTERNAL int mg_settle_load_branches(mg_context *c, mg_events *events) {
+  int changes = 0;
+  if (!mg_has_branches(c)) return 0;
+  mg_evaluate_run_state(c);
+  for (int k = 0; k < c->system->n_switch; k++) c->switches.mode_before[k] = c->run->switch_mode[k];
+  for (int round = 0, changed = 1; round < MG_BRANCH_ROUNDS && changed; round++) {
+    changed = mg_set_branches_by_sign(c);
+    for (int k = 0; k < c->system->n_switch; k++)
+      if (c->switches.is_at_zero[k] && !c->run->switch_leader[k]) changed |= mg_choose_branch(c, k);
+  }
+  for (int k = 0; k < c->system->n_switch; k++) {
+    c->switches.triggered[k] = 0;
+    if (c->run->switch_mode[k] == c->switches.mode_before[k]) continue;
+    changes++;
+    if (events) mg_append_event(c, events, c->run->t, MG_EVENT_LOAD_SWITCH, k, 0);
+  }
+  return changes;
+}
