@@ -37,6 +37,11 @@ static int mg_first_triggered_event(const mg_context *c) {
 /* True if the event number is that of a friction constraint or a switching function, not of a contact. */
 static int mg_is_not_of_contact(const mg_context *c, int event) { return event >= c->system->n_contact; }
 
+/* True if the event number is that of a switching function of a load. */
+static int mg_is_load_event(const mg_context *c, int event) {
+  return event >= c->system->n_contact + c->system->n_friction;
+}
+
 /* Condition that the contact passes when it leaves its feature pair, with eta of the state x corrected to the extremum.
  */
 static mg_real mg_feature_pair_exit_value(mg_context *c, int contact, const mg_real *x) {
@@ -50,7 +55,7 @@ static mg_real mg_feature_pair_exit_value(mg_context *c, int contact, const mg_r
  */
 static mg_real mg_event_value(mg_context *c, int contact, int cause, const mg_real *x) {
   const int constraint = contact - c->system->n_contact;
-  if (constraint >= c->system->n_friction) return mg_switch_event_value(c, constraint - c->system->n_friction);
+  if (mg_is_load_event(c, contact)) return mg_switch_event_value(c, constraint - c->system->n_friction);
   if (constraint >= 0) return mg_friction_event_value(c, mg_contact_of_friction(c, constraint), constraint);
   if (mg_is_support_contact(c, contact)) return mg_patch_event_value(c, contact, cause);
   if (cause) return mg_feature_pair_exit_value(c, contact, x);
@@ -85,7 +90,8 @@ static void mg_recompute_step_end(mg_context *c, mg_real h, mg_real tried, int c
 }
 
 /* Refine the time of an event by secant corrections on steps of their own; returns the step. The zero is taken
-   from before where rounding hides it, because a bounce must lose energy. Where corrections do not shrink, as at
+   from before where rounding hides it, because a bounce must lose energy; that of a switching function is corrected once
+   more, because its side decides. Where corrections do not shrink, as at
    a jump of the loads, the time found on the interpolant is kept. */
 static mg_real mg_refine_event_time(mg_context *c, mg_located_event event, mg_real tried, int collocated) {
   const mg_real time_tolerance = c->settings->event_tolerance * c->system->time,
@@ -103,12 +109,13 @@ static mg_real mg_refine_event_time(mg_context *c, mg_located_event event, mg_re
                                  : first_correction > noise                ? first_correction
                                                                            : noise))
       break;
-    if (fabs(correction) <= time_tolerance || round == MG_EVENT_CORRECTIONS) return h;
+    const int is_last = fabs(correction) <= time_tolerance || round == MG_EVENT_CORRECTIONS;
+    if (is_last && !mg_is_load_event(c, event.contact)) return h;
     if (h + correction <= 0 || h + correction > tried) return h;
     const int stalled = round > 2 && fabs(correction) > previous_correction / 2;
     if (stalled && correction > 0) return h;
     h += correction;
-    if (!stalled && (round == 1 || fabs(correction) * (fabs(correction) / previous_correction) > time_tolerance))
+    if (!is_last && !stalled && (round == 1 || fabs(correction) * (fabs(correction) / previous_correction) > time_tolerance))
       continue;
     mg_recompute_step_end(c, h, tried, collocated);
     return h;
@@ -197,9 +204,9 @@ static int mg_bisect_event_bracket(mg_context *c, mg_real h, mg_real *low, mg_re
 
 /* Mark the events at theta again; if none triggers this time, restore the mark of the event that did. */
 static void mg_restore_event_mark(mg_context *c, mg_real h, mg_real theta, const mg_located_event *event) {
-  const int of_load = event->contact - c->system->n_contact - c->system->n_friction;
   if (mg_mark_triggered_events_at(c, h, theta)) return;
-  if (of_load >= 0) c->switches.triggered[of_load] = 1;
+  if (mg_is_load_event(c, event->contact))
+    c->switches.triggered[event->contact - c->system->n_contact - c->system->n_friction] = 1;
   else if (!mg_is_not_of_contact(c, event->contact))
     c->events.triggered[event->contact] = event->cause ? event->cause : 1;
 }

@@ -10,9 +10,26 @@ enum { MG_BRANCH_ROUNDS = 6 }; /* most rounds in which branches are chosen one a
 
 #define MG_SAME_SURFACE ((mg_real)1e-10) /* part by which gradients of the same surface may differ */
 
+/* True if a switching function depends on the branch of another one of its load. */
+static int mg_depends_on_branch(mg_context *c, int which, int other) {
+  const int load = mg_load_of_switch(c->system, which);
+  const mg_real *by_input, between = c->run->branch[other];
+  mg_real up[MG_SWITCH_COLUMNS];
+  int differs = 0;
+  if (load != mg_load_of_switch(c->system, other)) return 0;
+  c->run->branch[other] = 1;
+  mg_copy_reals(up, mg_switch_gradient(c, c->run->t, load, which, &by_input), MG_SWITCH_COLUMNS);
+  c->run->branch[other] = -1;
+  const mg_real *down = mg_switch_gradient(c, c->run->t, load, which, &by_input);
+  for (int k = 0; k < MG_SWITCH_COLUMNS; k++) differs |= up[k] != down[k];
+  c->run->branch[other] = between;
+  mg_switch_gradient(c, c->run->t, load, which, &by_input);
+  return differs;
+}
+
 /* 1 or -1 if two switching functions that are zero have the same zeros: gradients by the same bodies along one line, in
-   the same or the opposite direction; else 0. */
-static int mg_same_surface(const mg_context *c, int one, int other) {
+   the same or the opposite direction, that do not depend on each other's branches; else 0. */
+static int mg_same_surface(mg_context *c, int one, int other) {
   const mg_system *s = c->system;
   const int load = mg_load_of_switch(s, one), next = mg_load_of_switch(s, other);
   if (s->load_a[load] != s->load_a[next] || s->load_b[load] != s->load_b[next]) return 0;
@@ -22,7 +39,9 @@ static int mg_same_surface(const mg_context *c, int one, int other) {
   for (int k = 0; k < MG_SWITCH_COLUMNS; k++) gg += g[k] * g[k], gh += g[k] * h[k];
   if (!(gg > 0) || gh == 0) return 0;
   for (int k = 0; k < MG_SWITCH_COLUMNS; k++) rest = mg_max(rest, fabs(h[k] - gh / gg * g[k]));
-  return rest <= MG_SAME_SURFACE * fabs(gh) / sqrt(gg) ? gh > 0 ? 1 : -1 : 0;
+  if (rest > MG_SAME_SURFACE * fabs(gh) / sqrt(gg)) return 0;
+  if (mg_depends_on_branch(c, one, other) || mg_depends_on_branch(c, other, one)) return 0;
+  return gh > 0 ? 1 : -1;
 }
 
 /* True if a switching function is zero, or its event has triggered. */
@@ -32,7 +51,7 @@ static int mg_is_switch_at_zero(const mg_context *c, int which) {
 }
 
 /* Sets the mode of a switching function and of those at zero on the same surface. */
-static void mg_set_switch_mode(const mg_context *c, int which, int mode, mg_real branch) {
+static void mg_set_switch_mode(mg_context *c, int which, int mode, mg_real branch) {
   for (int k = 0; k < c->system->n_switch; k++) {
     const int side = k == which ? 1 : c->switches.is_at_zero[k] ? mg_same_surface(c, which, k) : 0;
     if (!side) continue;
@@ -42,11 +61,26 @@ static void mg_set_switch_mode(const mg_context *c, int which, int mode, mg_real
   }
 }
 
+/* Puts all switching functions that are not zero on the branches of their signs. */
+static int mg_set_branches_by_sign(mg_context *c) {
+  int changed = 0;
+  for (int k = 0; k < c->system->n_switch; k++) {
+    const int side = c->switches.value[k] > 0 ? 1 : -1;
+    c->switches.is_at_zero[k] = mg_is_switch_at_zero(c, k);
+    if (c->switches.is_at_zero[k] || c->run->switch_mode[k] == side) continue;
+    c->run->switch_mode[k] = side, c->run->branch[k] = side, c->run->switch_leader[k] = 0;
+    mg_evaluate_run_state(c);
+    changed = 1;
+  }
+  return changed;
+}
+
 /* Sign of the rate at which a switching function that is zero leaves it on a branch, at once or a moment later, and
    this rate; 0 where it stays zero. */
 static int mg_direction_on_branch(mg_context *c, int which, int side, mg_real *rate) {
   mg_set_switch_mode(c, which, side, side);
   mg_evaluate_run_state(c);
+  mg_set_branches_by_sign(c); /* of functions that depend on this branch */
   const mg_real least = c->switches.noise[which] / c->system->time;
   *rate = c->switches.rate[which];
   if (!(fabs(*rate) <= least)) return *rate > 0 ? 1 : -1;
@@ -77,21 +111,8 @@ static int mg_choose_branch(mg_context *c, int which) {
   mg_set_switch_mode(c, which, mode,
                      mode == MG_BRANCH_SLIDES ? (rate_up + rate_down) / (rate_down - rate_up) : mode);
   mg_evaluate_run_state(c);
+  mg_set_branches_by_sign(c);
   return mode != before;
-}
-
-/* Puts all switching functions that are not zero on the branches of their signs. */
-static int mg_set_branches_by_sign(mg_context *c) {
-  int changed = 0;
-  for (int k = 0; k < c->system->n_switch; k++) {
-    const int side = c->switches.value[k] > 0 ? 1 : -1;
-    c->switches.is_at_zero[k] = mg_is_switch_at_zero(c, k);
-    if (c->switches.is_at_zero[k] || c->run->switch_mode[k] == side) continue;
-    c->run->switch_mode[k] = side, c->run->branch[k] = side, c->run->switch_leader[k] = 0;
-    mg_evaluate_run_state(c);
-    changed = 1;
-  }
-  return changed;
 }
 
 MG_INTERNAL int mg_settle_load_branches(mg_context *c, mg_events *events) {
