@@ -73,7 +73,7 @@ DISPATCHERS = (
     Dispatcher(
         ("switches",), "load_switches",
         ("t", "pose_a", "twist_a", "pose_b", "twist_b", "parameters", "inputs", "branch"),
-        ("switching", "gradient", "input_gradient"),
+        ("switching", "gradient", "input_gradient", "second_rate"),
     ),
     Dispatcher(
         ("deflection",), "load_deflection", ("pose_a", "pose_b", "parameters"), ("deflection", "J")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import casadi as ca
 
 from modelgen.derivation import Derivation, Formula
@@ -46,8 +48,9 @@ def _on_branches(kind: LoadKind) -> tuple[LoadFormulas, Branches]:
 
 
 def _switches(load: LoadFormulas, branches: Branches) -> dict[str, ca.SX]:
-    """Values (n) of the switching functions, and their gradients row after row: by t, poses and twists at
-    their full size and parameters; by inputs."""
+    """Values (n) of the switching functions, their gradients row after row: by t, poses and twists at their
+    full size and parameters; by inputs; and, of functions of t and poses alone, 1 and what velocities add to
+    the second rate, else 0."""
     value = ca.vertcat(*branches.functions)
     columns = []
     for name, argument in load.inputs.items():
@@ -60,4 +63,24 @@ def _switches(load: LoadFormulas, branches: Branches) -> dict[str, ca.SX]:
         "switching": value,
         "gradient": ca.vec(ca.densify(ca.horzcat(*columns)).T),
         "input_gradient": ca.vec(ca.densify(ca.jacobian(value, inputs)).T),
+        "second_rate": ca.vec(_second_rates(load.inputs, value).T),
     }
+
+
+def _second_rates(inputs: Mapping[str, ca.SX], value: ca.SX) -> ca.SX:
+    """(n, 2) whether a function depends on no twist, and its second rate where no body accelerates."""
+    twists = ca.vertcat(*(inputs[f"twist_{side}"] for side in "ab"))
+    moving = [(inputs["t"], ca.SX(1))]
+    moving += [
+        (inputs[f"pose_{side}"], _pose_rate(inputs[f"pose_{side}"], inputs[f"twist_{side}"])) for side in "ab"
+    ]
+    places, rates = (ca.vertcat(*column) for column in zip(*moving, strict=True))
+    second = ca.jtimes(ca.jtimes(value, places, rates), places, rates)
+    still = [0 if depends else 1 for depends in ca.which_depends(value, twists, 1, True)]
+    return ca.horzcat(ca.SX(still), ca.densify(second))
+
+
+def _pose_rate(pose: ca.SX, twist: ca.SX) -> ca.SX:
+    if not pose.numel() or not twist.numel():
+        return zeros(pose.numel())
+    return ca.vertcat(twist[:3], ca.vec(ca.mtimes(ca.reshape(pose[3:], 3, 3), ca.skew(twist[3:]))))

@@ -165,11 +165,12 @@ typedef struct {
                       mg_real *wrench_a, mg_real *wrench_b);
 
   /* Switching functions of a load [n_switch], each on the branches of those before it; gradient by t, pose and
-     twist of a and of b (12, 6, 12, 6) and the parameters, row after row, and by the inputs. */
+     twist of a and of b (12, 6, 12, 6) and the parameters, row after row, and by the inputs; second_rate [2 n_switch]: 1
+     for a function of t and poses alone, whose second rate without accelerations follows; else 0. */
   void (*load_switches)(int kind, const mg_real *t, const mg_real *pose_a, const mg_real *twist_a,
                         const mg_real *pose_b, const mg_real *twist_b, const mg_real *parameters,
                         const mg_real *inputs, const mg_real *branch, mg_real *switching, mg_real *gradient,
-                        mg_real *input_gradient);
+                        mg_real *input_gradient, mg_real *second_rate);
 
   /* Of a spring: how far its length, or the coordinate of its joint, is from rest, m or rad; J (12) of the rate of this
      deflection, the columns of a, then of b. Its force along J is -stiffness deflection - damping J u. */

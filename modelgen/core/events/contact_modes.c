@@ -75,9 +75,11 @@ static int mg_solve_modes_on_branches(mg_context *c, mg_events *events) {
 }
 
 MG_INTERNAL int mg_solve_contact_modes(mg_context *c, mg_events *events) {
+  c->switches.is_unresolved = 0;
   mg_settle_load_branches(c, events);
-  const int outcome = mg_solve_modes_on_branches(c, events);
-  return !outcome && mg_settle_load_branches(c, events) ? mg_solve_modes_on_branches(c, events) : outcome;
+  int outcome = mg_solve_modes_on_branches(c, events);
+  if (!outcome && mg_settle_load_branches(c, events)) outcome = mg_solve_modes_on_branches(c, events);
+  return outcome || !c->switches.is_unresolved ? outcome : MG_TOO_MANY_EVENTS;
 }
 
 MG_INTERNAL int mg_is_active_set_outdated(mg_context *c) {

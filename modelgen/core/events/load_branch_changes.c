@@ -66,8 +66,7 @@ static int mg_set_branches_by_sign(mg_context *c) {
   int changed = 0;
   for (int k = 0; k < c->system->n_switch; k++) {
     const int side = c->switches.value[k] > 0 ? 1 : -1;
-    c->switches.is_at_zero[k] = mg_is_switch_at_zero(c, k);
-    if (c->switches.is_at_zero[k] || c->run->switch_mode[k] == side) continue;
+    if (c->switches.is_at_zero[k] || mg_is_switch_at_zero(c, k) || c->run->switch_mode[k] == side) continue;
     c->run->switch_mode[k] = side, c->run->branch[k] = side, c->run->switch_leader[k] = 0;
     mg_evaluate_run_state(c);
     changed = 1;
@@ -75,20 +74,43 @@ static int mg_set_branches_by_sign(mg_context *c) {
   return changed;
 }
 
-/* Sign of the rate at which a switching function that is zero leaves it on a branch, at once or a moment later, and
-   this rate; 0 where it stays zero. */
-static int mg_direction_on_branch(mg_context *c, int which, int side, mg_real *rate) {
+/* Rates at which a switching function that is zero would leave it on a branch. */
+typedef struct {
+  int direction;   /* sign of the rate, or of that a moment later; 0: it stays zero */
+  int determined;  /* 1: the branch decides of the rate, so that loads between the branches may keep it at zero */
+  mg_real rate;    /* by which they would: first or second rate */
+  int other_modes; /* digest of the modes of the other switching functions */
+} mg_departure;
+
+/* Digest of the modes of all switching functions but one and those on its surface. */
+static int mg_other_modes(mg_context *c, int which) {
+  int digest = 0;
+  for (int k = 0; k < c->system->n_switch; k++)
+    if (k != which && !(c->switches.is_at_zero[k] && mg_same_surface(c, which, k)))
+      digest = 3 * digest % 1000003 + c->run->switch_mode[k] + 1;
+  return digest;
+}
+
+/* Departure of a switching function on a branch, as which it is set. */
+static mg_departure mg_departure_on_branch(mg_context *c, int which, int side) {
+  const mg_real time = c->system->time;
   mg_set_switch_mode(c, which, side, side);
   mg_evaluate_run_state(c);
   mg_set_branches_by_sign(c); /* of functions that depend on this branch */
-  const mg_real least = c->switches.noise[which] / c->system->time;
-  *rate = c->switches.rate[which];
-  if (!(fabs(*rate) <= least)) return *rate > 0 ? 1 : -1;
+  const mg_real noise = c->switches.noise[which], *second = c->switches.second + 2 * which;
+  mg_departure found = {0, 1, c->switches.rate[which], mg_other_modes(c, which)};
+  if (second[0] > 0 && fabs(found.rate) <= c->settings->rest_speed * c->switches.size[which] / time)
+    found.rate = second[1] * time;
+  if (fabs(found.rate) > noise / time) {
+    found.direction = found.rate > 0 ? 1 : -1;
+    return found;
+  }
   mg_extrapolate_poses(c);
   mg_update_switches(c, c->run->t);
   const mg_real later = c->switches.rate[which];
   mg_update_poses(c, c->run->t, c->run->x);
-  return fabs(later) <= least ? 0 : later > 0 ? 1 : -1;
+  found.direction = fabs(later) <= noise / time ? 0 : later > 0 ? 1 : -1, found.determined = 0;
+  return found;
 }
 
 /* Number of switching functions that slide, each surface counted once. */
@@ -99,17 +121,19 @@ static int mg_slide_count(const mg_context *c) {
   return count;
 }
 
-/* Chooses the branch at a zero; returns whether it is another one. */
+/* Chooses the branch at a zero; returns whether it is another one. Both branches may lead back to it, and yet no loads
+   between them keep it there: then none is found. */
 static int mg_choose_branch(mg_context *c, int which) {
   const int before = c->run->switch_mode[which];
-  mg_real rate_up, rate_down;
-  const int up = mg_direction_on_branch(c, which, 1, &rate_up), down = mg_direction_on_branch(c, which, -1, &rate_down);
-  int mode = MG_BRANCH_ZERO;
-  if (up + down > 0) mode = MG_BRANCH_POSITIVE;
-  else if (up + down < 0) mode = MG_BRANCH_NEGATIVE;
-  else if (up < 0 && rate_up < 0 && rate_down > 0 && mg_slide_count(c) < MG_SLIDING_MAX) mode = MG_BRANCH_SLIDES;
+  const mg_departure up = mg_departure_on_branch(c, which, 1), down = mg_departure_on_branch(c, which, -1);
+  const int leads_back = up.direction < 0 && down.direction > 0, sum = up.direction + down.direction;
+  int mode = sum > 0 ? MG_BRANCH_POSITIVE : sum < 0 ? MG_BRANCH_NEGATIVE : MG_BRANCH_ZERO;
+  if (leads_back && up.determined && down.determined) {
+    mode = MG_BRANCH_SLIDES;
+    if (up.other_modes != down.other_modes || mg_slide_count(c) == MG_SLIDING_MAX) c->switches.is_unresolved = 1;
+  }
   mg_set_switch_mode(c, which, mode,
-                     mode == MG_BRANCH_SLIDES ? (rate_up + rate_down) / (rate_down - rate_up) : mode);
+                     mode == MG_BRANCH_SLIDES ? (up.rate + down.rate) / (down.rate - up.rate) : mode);
   mg_evaluate_run_state(c);
   mg_set_branches_by_sign(c);
   return mode != before;
@@ -121,7 +145,9 @@ MG_INTERNAL int mg_settle_load_branches(mg_context *c, mg_events *events) {
   mg_evaluate_run_state(c);
   for (int k = 0; k < c->system->n_switch; k++) c->switches.mode_before[k] = c->run->switch_mode[k];
   for (int round = 0, changed = 1; round < MG_BRANCH_ROUNDS && changed; round++) {
+    for (int k = 0; k < c->system->n_switch; k++) c->switches.is_at_zero[k] = 0;
     changed = mg_set_branches_by_sign(c);
+    for (int k = 0; k < c->system->n_switch; k++) c->switches.is_at_zero[k] = mg_is_switch_at_zero(c, k);
     for (int k = 0; k < c->system->n_switch; k++)
       if (c->switches.is_at_zero[k] && !c->run->switch_leader[k]) changed |= mg_choose_branch(c, k);
   }
@@ -129,7 +155,7 @@ MG_INTERNAL int mg_settle_load_branches(mg_context *c, mg_events *events) {
     c->switches.triggered[k] = 0;
     if (c->run->switch_mode[k] == c->switches.mode_before[k]) continue;
     changes++;
-    if (events) mg_append_event(c, events, c->run->t, MG_EVENT_LOAD_SWITCH, k, 0);
+    if (events && c->switches.is_at_zero[k]) mg_append_event(c, events, c->run->t, MG_EVENT_LOAD_SWITCH, k, 0);
   }
   return changes;
 }

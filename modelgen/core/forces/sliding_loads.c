@@ -21,9 +21,12 @@ MG_INTERNAL void mg_begin_slide(const mg_context *c, mg_slide *slide) {
     if (c->run->switch_mode[k] == MG_BRANCH_SLIDES && !c->run->switch_leader[k]) slide->of[slide->n++] = k;
 }
 
-/* Rate by which a switching function that slides is to return to zero and does not, 1/s. */
+/* Rate by which a switching function that slides is to return to zero and does not, 1/s. Of a function of t and poses
+   alone it follows from the second rate. */
 static mg_real mg_slide_residual(const mg_context *c, int which) {
-  return c->switches.rate[which] + c->switches.value[which] / c->system->time;
+  const mg_real time = c->system->time, rate = c->switches.rate[which], value = c->switches.value[which];
+  return c->switches.second[2 * which] > 0 ? time * c->switches.second[2 * which + 1] + 2 * rate + value / time
+                                           : rate + value / time;
 }
 
 static void mg_shift_branch(const mg_context *c, mg_slide *slide) {

@@ -334,6 +334,8 @@ typedef struct {
 typedef struct {
   mg_real *value;          /* [n_switch] value */
   mg_real *rate;           /* [n_switch] its rate, 1/s */
+  mg_real *second;         /* [2 n_switch] 1 for a function of t and poses alone, and its second rate, 1/s^2; else 0 */
+  mg_real *size;           /* [n_switch] sum of the sizes of what it depends on, times its derivatives */
   mg_real *noise;          /* [n_switch] size up to which a value counts as zero */
   mg_real *slope;          /* [MG_SWITCH_COLUMNS n_switch] gradient by t, pose and twist of a and of b */
   mg_real *gradient;       /* [most of one load] gradients of those of one load, as its kernel writes them */
@@ -341,6 +343,7 @@ typedef struct {
   int *triggered;          /* [n_switch] 1: its event has triggered */
   int *is_at_zero;         /* [n_switch] 1: it is zero where branches are chosen */
   int *mode_before;        /* [n_switch] its mode before that */
+  int is_unresolved;       /* 1: no branches were found on which the run can go on */
   int is_literal;          /* 1: loads are evaluated as they are written, without branches */
 } mg_switch_workspace;
 

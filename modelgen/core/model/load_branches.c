@@ -3,7 +3,7 @@
 #include "model/model.h"
 #include "base/base.h"
 
-#define MG_SWITCH_ROUNDING 64 /* roundings of what a switching function depends on */
+#define MG_SWITCH_ROUNDING 64 /* roundings of what a switching function depends on that count as zero */
 
 MG_INTERNAL int mg_switch_begin(const mg_system *s, int load) { return s->n_switch ? s->load_switch[load] : 0; }
 
@@ -46,12 +46,12 @@ static void mg_evaluate_switches(mg_context *c, mg_real t, int load) {
   c->kernels->load_switches(s->load_kind[load], &t, c->bodies.pose + 12 * a, c->bodies.twist + 6 * a,
                             c->bodies.pose + 12 * b, c->bodies.twist + 6 * b, s->parameters + s->load_parameters[load],
                             c->run->input, c->run->branch + first, c->switches.value + first, c->switches.gradient,
-                            c->switches.input_gradient);
+                            c->switches.input_gradient, c->switches.second + 2L * first);
 }
 
-/* Adds to the rate and to the size of a switching function what the motion of a body contributes. */
+/* Adds to rate, second rate and size of a switching function what the motion of a body contributes. */
 static void mg_add_motion_to_switch(const mg_context *c, int body, const mg_real *gradient, mg_real *rate,
-                                    mg_real *size) {
+                                    mg_real *second, mg_real *size) {
   const mg_real *pose = c->bodies.pose + 12 * body, *twist = c->bodies.twist + 6 * body,
                 *acceleration = c->bodies.acceleration + 6 * body, *spin = twist + 3, length = c->system->length,
                 time = c->system->time;
@@ -61,14 +61,16 @@ static void mg_add_motion_to_switch(const mg_context *c, int body, const mg_real
              fabs(gradient[15 + i]) * (fabs(spin[i]) + 1 / time);
     if (is_fixed) continue;
     *rate += gradient[i] * twist[i] + gradient[12 + i] * acceleration[i] + gradient[15 + i] * acceleration[3 + i];
+    *second += gradient[i] * acceleration[i];
   }
   for (int i = 0; i < 3; i++) {
     const mg_real *x = pose + 3 + i, *g = gradient + 3 + i; /* row i of the rotation matrix */
-    const mg_real turned[3] = {x[3] * spin[2] - x[6] * spin[1], x[6] * spin[0] - x[0] * spin[2],
-                               x[0] * spin[1] - x[3] * spin[0]};
     for (int k = 0; k < 3; k++) {
+      const int next = (k + 1) % 3, last = (k + 2) % 3;
       *size += fabs(g[3 * k]);
-      if (!is_fixed) *rate += g[3 * k] * turned[k];
+      if (is_fixed) continue;
+      *rate += g[3 * k] * (x[3 * next] * spin[last] - x[3 * last] * spin[next]);
+      *second += g[3 * k] * (x[3 * next] * acceleration[3 + last] - x[3 * last] * acceleration[3 + next]);
     }
   }
 }
@@ -98,13 +100,13 @@ MG_INTERNAL void mg_update_switches(mg_context *c, mg_real t) {
     for (int k = first; k < end; k++) {
       const mg_real *g = c->switches.gradient + (long)(k - first) * (MG_SWITCH_COLUMNS + n),
                     *by_input = c->switches.input_gradient + 3L * s->n_input * (k - first);
-      mg_real rate = g[0], size = fabs(g[0]) * (fabs(t) + s->time);
-      mg_add_motion_to_switch(c, a, g + 1, &rate, &size);
-      if (b >= 0) mg_add_motion_to_switch(c, b, g + 19, &rate, &size);
+      mg_real rate = g[0], size = fabs(g[0]) * (fabs(t) + s->time), *second = c->switches.second + 2L * k;
+      mg_add_motion_to_switch(c, a, g + 1, &rate, second + 1, &size);
+      if (b >= 0) mg_add_motion_to_switch(c, b, g + 19, &rate, second + 1, &size);
       for (int i = 0; i < n; i++) size += fabs(g[MG_SWITCH_COLUMNS + i] * s->parameters[s->load_parameters[load] + i]);
       for (int i = 0; i < 3 * s->n_input; i++) size += fabs(by_input[i] * c->run->input[i]);
       mg_copy_reals(c->switches.slope + (long)MG_SWITCH_COLUMNS * k, g, MG_SWITCH_COLUMNS);
-      c->switches.rate[k] = rate;
+      c->switches.rate[k] = rate, c->switches.size[k] = size;
       c->switches.noise[k] =
           MG_SWITCH_ROUNDING * MG_EPS * size + 4 * c->settings->event_tolerance * s->time * fabs(rate);
     }

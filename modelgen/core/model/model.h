@@ -51,7 +51,7 @@ MG_INTERNAL void mg_add_branch_wrench(const mg_context *c, mg_real t, int load, 
 MG_INTERNAL const mg_real *mg_switch_gradient(mg_context *c, mg_real t, int load, int which,
                                               const mg_real **input_gradient);
 
-/* Evaluates all switching functions with their rates. Needs poses, twists and accelerations at t. */
+/* Evaluates all switching functions with their rates and second rates. Needs poses, twists and accelerations at t. */
 MG_INTERNAL void mg_update_switches(mg_context *c, mg_real t);
 
 /* bodies.c */
