@@ -868,8 +868,8 @@ MG_API int mg_load(const mg_system *system, const mg_settings *settings, mg_run 
 MG_API void mg_smooth(const mg_system *system, const mg_settings *settings, mg_run *run, long n, mg_real *work,
                       int *iwork);
 
-/* Evaluates the right-hand side x_dot [length of x] at time t and state x [length of x] with the active set of the run.
-   Writes run->force. */
+/* Evaluates the right-hand side x_dot [length of x] at time t and state x [length of x] with the active set of the run;
+   loads are taken as they are written, unless they slide on a zero of a switching function. Writes run->force. */
 MG_API void mg_evaluate(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t, const mg_real *x,
                         mg_real *x_dot, mg_real *work, int *iwork);
 

@@ -30,6 +30,15 @@ class Branches:
             "abs": self.absolute, "sign": self.of, "min": self.least, "max": self.greatest, "atan2": self.angle
         }  # fmt: skip
 
+    def watched(self, name: str, call: Callable[..., ca.SX]) -> Callable[..., ca.SX]:
+        """A function as it is written, whose switching function is one of `functions` all the same."""
+
+        def evaluated(*arguments: ca.SX) -> ca.SX:
+            self.calls()[name](*arguments)
+            return call(*arguments)
+
+        return evaluated
+
     def of(self, function: ca.SX) -> ca.SX:
         """The branch of a switching function."""
         if function.is_constant():

@@ -126,6 +126,9 @@ typedef struct {
 /* Sets the branch of a switching function that slides, and of those that slide along with it. */
 MG_INTERNAL void mg_set_sliding_branch(const mg_context *c, int which, mg_real branch);
 
+/* True if loads slide on a zero of a switching function. */
+MG_INTERNAL int mg_slides(const mg_context *c);
+
 /* Begins the search for the branches at a state. */
 MG_INTERNAL void mg_begin_slide(const mg_context *c, mg_slide *slide);
 

@@ -14,6 +14,12 @@ MG_INTERNAL void mg_set_sliding_branch(const mg_context *c, int which, mg_real b
       c->run->branch[k] = c->run->switch_leader[k] > 0 ? branch : -branch;
 }
 
+MG_INTERNAL int mg_slides(const mg_context *c) {
+  for (int k = 0; k < c->system->n_switch; k++)
+    if (c->run->switch_mode[k] == MG_BRANCH_SLIDES) return 1;
+  return 0;
+}
+
 MG_INTERNAL void mg_begin_slide(const mg_context *c, mg_slide *slide) {
   slide->n = slide->round = 0, slide->trial = -1;
   if (!mg_has_branches(c)) return;

@@ -87,15 +87,12 @@ static void mg_sample_time_functions(mg_context *c, mg_real t, mg_real step_leng
     for (int k = 0; k < kind->n_rows && kind->prescribed; k++)
       *value++ = c->rows.d[c->layout.joint_row_begin + s->joint_row[j] + k];
   }
-  const int is_literal = c->switches.is_literal;
-  c->switches.is_literal = 1;
   for (int i = 0; i < s->n_load; i++) {
     if (!mg_is_load_variable(s, i)) continue;
     for (int k = 0; k < 12; k++) value[k] = 0;
-    mg_load_wrench(c, t, i, value);
+    mg_written_load_wrench(c, t, i, value);
     value += 12;
   }
-  c->switches.is_literal = is_literal;
 }
 
 /* Bound of the acceleration of a body per unit force or torque. */

@@ -71,7 +71,10 @@ MG_INTERNAL void mg_update_poses(mg_context *c, mg_real t, const mg_real *x);
 /* True if loads with switching functions are on their branches: not in time-stepping. */
 MG_INTERNAL int mg_has_branches(const mg_context *c);
 
-/* Wrenches (12) of a load on its two bodies at t, at the present poses and twists. */
+/* Wrenches (12) of a load on its two bodies at t, at the present poses and twists, as its expressions are written. */
+MG_INTERNAL void mg_written_load_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench);
+
+/* The same on the branches of the run. */
 MG_INTERNAL void mg_load_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench);
 
 /* Writes q_dot and the power of the loads into x_dot, and the accelerations without constraint forces into
