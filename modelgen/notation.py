@@ -131,8 +131,9 @@ _TABLE = (
              "as its expressions", "by kind"),
     Notation("input_gradient", "", "derivatives of switching functions by the settings of inputs",
              "as its expressions", "3 an input"),
-    Notation("second_rate", "", "of each switching function of t and poses alone: 1, and its second rate without "
-             "accelerations; else 0", "as its expressions", "2 a switch"),
+    Notation("second_rate", "",
+             "of each switching function of t and poses alone: 1, second rate without accelerations; else 0",
+             "as its expressions", "2 a switch"),
     Notation("pairs", "", "of each pair that may touch: least gap, sum of the normal forces", "m, N",
              "2 a pair"),
     Notation("joints", "", "wrench of each joint on its second body", "N, N m", "6 a joint",

@@ -25,19 +25,20 @@ def with_branches(derivation: Derivation) -> Derivation:
 
 def switch_count(kind: LoadKind) -> int:
     """Number of switching functions of a load."""
-    return len(_on_branches(kind)[1].functions)
+    return 0 if kind.is_spring else len(_on_branches(kind)[1].functions)
 
 
 def _formulas(model: Model) -> list[Formula]:
     found: list[Formula] = []
     for index, kind in enumerate(model.load_kinds):
+        if not switch_count(kind):
+            continue
         load, branches = _on_branches(kind)
-        if branches.functions:
-            branch = {"branch": ca.vertcat(*branches.symbols)}
-            wrench = kernel(f"mg_{kind.name}_branch", load.inputs | branch, load.wrenches)
-            found.append(Formula(wrench.name(), wrench, CITATION, "branch", index))
-            switches = kernel(f"mg_{kind.name}_switches", load.inputs | branch, _switches(load, branches))
-            found.append(Formula(switches.name(), switches, CITATION, "switches", index))
+        inputs = load.inputs | {"branch": ca.vertcat(*branches.symbols)}
+        wrench = kernel(f"mg_{kind.name}_branch", inputs, load.wrenches)
+        found.append(Formula(wrench.name(), wrench, CITATION, "branch", index))
+        switches = kernel(f"mg_{kind.name}_switches", inputs, _switches(load, branches))
+        found.append(Formula(switches.name(), switches, CITATION, "switches", index))
     return found
 
 

@@ -126,7 +126,7 @@ def _load_kind(kind: LoadKind) -> dict[str, Any]:
         "expressions": list(kind.expressions),
         "joint": kind.joint,
         "n_parameters": _load_size(kind),
-        "switches": switch_count(kind),
+        **({"switches": switches} if (switches := switch_count(kind)) else {}),
         **_inputs(kind),
     }
 

@@ -693,8 +693,8 @@ typedef struct {
   long count;           /* steps so far */
   unsigned char *bytes; /* [(capacity + 1) mg_save_size] the run before each step, and after the last */
   mg_real *slopes;      /* [12 (n_q + n_u + n_eta + 1) capacity] right-hand sides of the stages of each step */
-  int *crossing;        /* [5 capacity] event function of each step: kind, contact or switching function, constraint, whether it is a blow,
-                           reason */
+  int *crossing; /* [5 capacity] event function of each step: kind, contact or switching function, constraint, whether
+                    it is a blow, reason */
 } mg_tape;
 
 /* Cotangents: derivatives of one number by the state of a run and by the numbers of the system; the caller's arrays. */
@@ -790,8 +790,8 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
 /* Advances a run until t_stop, for at most max_steps attempted steps, and appends samples and events. Inputs that have
    changed take effect first: contacts with bodies whose prescribed velocity jumps are struck or released, and the
    contact modes under the new loads are chosen.
-   Returns an outcome, MG_DONE at t_stop. The list of events needs room for 4 n_contact + 2 n_switch + 2 entries at every
-   step. */
+   Returns an outcome, MG_DONE at t_stop. The list of events needs room for 4 n_contact + 2 n_switch + 2 entries at
+   every step. */
 MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t_stop, long max_steps,
                       mg_record *record, mg_events *events, mg_real *work, int *iwork);
 

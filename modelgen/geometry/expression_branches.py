@@ -27,7 +27,8 @@ class Branches:
     def calls(self) -> Mapping[str, Callable[..., ca.SX]]:
         """The functions of expressions that are not smooth, on their branches."""
         return {
-            "abs": self.absolute, "sign": self.of, "min": self.least, "max": self.greatest, "atan2": self.angle
+            "abs": self.absolute, "sign": self.of, "atan2": self.angle,
+            "min": self.least, "max": self.greatest,
         }  # fmt: skip
 
     def watched(self, name: str, call: Callable[..., ca.SX]) -> Callable[..., ca.SX]:

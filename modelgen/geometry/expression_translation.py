@@ -43,9 +43,7 @@ _ROOTS = ("sqrt", "log", "asin", "acos")  # have no value beyond the end of thei
 _Calls = Mapping[str, Callable[..., ca.SX]]
 
 
-def lower(
-    expression: Expression, symbols: Mapping[str, ca.SX], branches: Branches | None = None
-) -> ca.SX:
+def lower(expression: Expression, symbols: Mapping[str, ca.SX], branches: Branches | None = None) -> ca.SX:
     """The scalar SX of `expression`, each name its symbol; ExpressionError for a name without one.
 
     `branches`: those on which calls of functions that are not smooth are taken; they are added to it. Within
@@ -72,9 +70,7 @@ def _lower(node: Node, symbols: Mapping[str, ca.SX], functions: _Calls, written:
             return -_lower(x, symbols, functions, written)
         case Binary("**", a, b) if not _is_whole(b):
             of_base = written if _is_positive(b) else _FUNCTIONS
-            return _BINARY["**"](
-                _lower(a, symbols, of_base, of_base), _lower(b, symbols, functions, written)
-            )
+            return _BINARY["**"](_lower(a, symbols, of_base, of_base), _lower(b, symbols, functions, written))
         case Binary(op, a, b):
             return _BINARY[op](_lower(a, symbols, functions, written), _lower(b, symbols, functions, written))
         case Call(fn, args):

@@ -100,8 +100,11 @@ class Session:
             Event(
                 float(t),
                 EVENT_KINDS[kind],
-                *((self._switching_load(contact), "") if EVENT_KINDS[kind] == "load-switch"
-                  else self._named(contact, feature_pair)),
+                *(
+                    (self._switching_load(contact), "")
+                    if EVENT_KINDS[kind] == "load-switch"
+                    else self._named(contact, feature_pair)
+                ),
                 speed=float(speed),
             )
             for t, kind, contact, feature_pair, speed in zip(*given, strict=True)
@@ -121,7 +124,7 @@ class Session:
         """The kind of the load that has a switching function, and its bodies."""
         kinds, bodies = self.library.manifest.kinds["load"], self.instance["bodies"]
         for load in self.instance["loads"]:
-            switch -= int(kinds[load["kind"]]["switches"])
+            switch -= int(kinds[load["kind"]].get("switches", 0))
             if switch < 0:
                 names = " and ".join(bodies[body]["name"] for body in load["bodies"])
                 return f"{kinds[load['kind']]['kind']} on {names}"

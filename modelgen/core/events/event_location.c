@@ -90,9 +90,9 @@ static void mg_recompute_step_end(mg_context *c, mg_real h, mg_real tried, int c
 }
 
 /* Refine the time of an event by secant corrections on steps of their own; returns the step. The zero is taken
-   from before where rounding hides it, because a bounce must lose energy; that of a switching function is corrected once
-   more, because its side decides. Where corrections do not shrink, as at
-   a jump of the loads, the time found on the interpolant is kept. */
+   from before where rounding hides it, because a bounce must lose energy; that of a switching function is corrected
+   once more, because its side decides. Where corrections do not shrink, as at a jump of the loads, the time found on
+   the interpolant is kept. */
 static mg_real mg_refine_event_time(mg_context *c, mg_located_event event, mg_real tried, int collocated) {
   const mg_real time_tolerance = c->settings->event_tolerance * c->system->time,
                 correction_limit = tried * c->settings->event_correction_step,
@@ -115,7 +115,8 @@ static mg_real mg_refine_event_time(mg_context *c, mg_located_event event, mg_re
     const int stalled = round > 2 && fabs(correction) > previous_correction / 2;
     if (stalled && correction > 0) return h;
     h += correction;
-    if (!is_last && !stalled && (round == 1 || fabs(correction) * (fabs(correction) / previous_correction) > time_tolerance))
+    if (!is_last && !stalled &&
+        (round == 1 || fabs(correction) * (fabs(correction) / previous_correction) > time_tolerance))
       continue;
     mg_recompute_step_end(c, h, tried, collocated);
     return h;

@@ -67,6 +67,8 @@ static int mg_set_branches_by_sign(mg_context *c) {
   for (int k = 0; k < c->system->n_switch; k++) {
     const int side = c->switches.value[k] > 0 ? 1 : -1;
     if (c->switches.is_at_zero[k] || mg_is_switch_at_zero(c, k) || c->run->switch_mode[k] == side) continue;
+    if (mg_is_returning_switch(c, k) && fabs(c->switches.value[k]) <= c->settings->tolerance * c->switches.size[k])
+      continue;
     c->run->switch_mode[k] = side, c->run->branch[k] = side, c->run->switch_leader[k] = 0;
     mg_evaluate_run_state(c);
     changed = 1;
@@ -132,8 +134,7 @@ static int mg_choose_branch(mg_context *c, int which) {
     mode = MG_BRANCH_SLIDES;
     if (up.other_modes != down.other_modes || mg_slide_count(c) == MG_SLIDING_MAX) c->switches.is_unresolved = 1;
   }
-  mg_set_switch_mode(c, which, mode,
-                     mode == MG_BRANCH_SLIDES ? (up.rate + down.rate) / (down.rate - up.rate) : mode);
+  mg_set_switch_mode(c, which, mode, mode == MG_BRANCH_SLIDES ? (up.rate + down.rate) / (down.rate - up.rate) : mode);
   mg_evaluate_run_state(c);
   mg_set_branches_by_sign(c);
   return mode != before;

@@ -114,17 +114,14 @@ MG_INTERNAL mg_real mg_hull_margin_lower_bound(const mg_context *c, int patch, c
 
 /* Search for the loads that keep switching functions at zero. */
 typedef struct {
-  int n;                                              /* switching functions that slide */
-  int of[MG_SLIDING_MAX];                             /* these */
-  int round;                                          /* rounds of Newton's method */
-  int trial;                                          /* whose branch is shifted at present, or -1 */
-  mg_real kept;                                       /* that branch before */
-  mg_real residual[MG_SLIDING_MAX];                   /* rates that are to be zero, 1/s */
+  int n;                                               /* switching functions that slide */
+  int of[MG_SLIDING_MAX];                              /* these */
+  int round;                                           /* rounds of Newton's method */
+  int trial;                                           /* whose branch is shifted at present, or -1 */
+  mg_real kept;                                        /* that branch before */
+  mg_real residual[MG_SLIDING_MAX];                    /* rates that are to be zero, 1/s */
   mg_real derivative[MG_SLIDING_MAX * MG_SLIDING_MAX]; /* their derivatives by the branches, by columns */
 } mg_slide;
-
-/* Sets the branch of a switching function that slides, and of those that slide along with it. */
-MG_INTERNAL void mg_set_sliding_branch(const mg_context *c, int which, mg_real branch);
 
 /* True if loads slide on a zero of a switching function. */
 MG_INTERNAL int mg_slides(const mg_context *c);
@@ -143,6 +140,13 @@ MG_INTERNAL mg_real mg_switch_event_value(const mg_context *c, int which);
 
 /* What is left of it before the event triggers; MG_MAX where there is none. */
 MG_INTERNAL mg_real mg_switch_event_margin(const mg_context *c, int which);
+
+/* True if a switching function is beyond zero and on its way back to the side of its branch, as where drift has been
+   projected away after its event. */
+MG_INTERNAL int mg_is_returning_switch(const mg_context *c, int which);
+
+/* Notes by how much such functions are beyond zero at the start of a step. */
+MG_INTERNAL void mg_note_returning_switches(const mg_context *c);
 
 /* Marks all events of switching functions that have triggered; returns their number. */
 MG_INTERNAL int mg_mark_switch_events(const mg_context *c);

@@ -15,14 +15,24 @@ MG_INTERNAL mg_real mg_switch_event_margin(const mg_context *c, int which) {
   if (!mg_has_branches(c) || c->run->switch_leader[which]) return MG_MAX;
   const mg_real slack = mode == MG_BRANCH_SLIDES ? c->settings->event_tolerance
                         : mode == MG_BRANCH_ZERO ? 0
-                                                 : c->switches.noise[which];
+                                                 : c->switches.noise[which] + c->switches.slack[which];
   return mg_min(mg_switch_event_value(c, which) + slack, MG_MAX);
+}
+
+MG_INTERNAL int mg_is_returning_switch(const mg_context *c, int which) {
+  const int mode = c->run->switch_mode[which];
+  return (mode == MG_BRANCH_POSITIVE || mode == MG_BRANCH_NEGATIVE) && mode * c->switches.value[which] < 0 &&
+         mode * c->switches.rate[which] > 0;
+}
+
+MG_INTERNAL void mg_note_returning_switches(const mg_context *c) {
+  for (int k = 0; k < c->system->n_switch; k++)
+    c->switches.slack[k] = mg_is_returning_switch(c, k) ? 2 * fabs(c->switches.value[k]) : 0;
 }
 
 MG_INTERNAL int mg_mark_switch_events(const mg_context *c) {
   int count = 0;
-  for (int k = 0; k < c->system->n_switch; k++)
-    count += c->switches.triggered[k] = mg_switch_event_margin(c, k) < 0;
+  for (int k = 0; k < c->system->n_switch; k++) count += c->switches.triggered[k] = mg_switch_event_margin(c, k) < 0;
   return count;
 }
 

@@ -7,7 +7,8 @@
 
 enum { MG_SLIDE_ROUNDS = 4 }; /* most rounds of Newton's method */
 
-MG_INTERNAL void mg_set_sliding_branch(const mg_context *c, int which, mg_real branch) {
+/* Sets the branch of a switching function that slides, and of those that slide along with it. */
+static void mg_set_sliding_branch(const mg_context *c, int which, mg_real branch) {
   c->run->branch[which] = branch;
   for (int k = 0; k < c->system->n_switch; k++)
     if (c->run->switch_leader[k] == which + 1 || c->run->switch_leader[k] == -which - 1)
@@ -45,8 +46,7 @@ static void mg_note_shifted_branch(const mg_context *c, mg_slide *slide) {
   const int n = slide->n, which = slide->of[slide->trial];
   const mg_real shift = c->run->branch[which] - slide->kept;
   for (int k = 0; k < n; k++)
-    slide->derivative[k + n * slide->trial] =
-        (mg_slide_residual(c, slide->of[k]) - slide->residual[k]) / shift;
+    slide->derivative[k + n * slide->trial] = (mg_slide_residual(c, slide->of[k]) - slide->residual[k]) / shift;
   mg_set_sliding_branch(c, which, slide->kept);
 }
 

@@ -93,8 +93,8 @@ MG_INTERNAL int mg_load_of_switch(const mg_system *s, int which) {
 MG_INTERNAL void mg_update_switches(mg_context *c, mg_real t) {
   const mg_system *s = c->system;
   for (int load = 0; load < s->n_load; load++) {
-    const int first = mg_switch_begin(s, load), end = mg_switch_end(s, load), a = s->load_a[load],
-              b = s->load_b[load], n = c->kernels->load_kinds[s->load_kind[load]].n_parameters;
+    const int first = mg_switch_begin(s, load), end = mg_switch_end(s, load), a = s->load_a[load], b = s->load_b[load],
+              n = c->kernels->load_kinds[s->load_kind[load]].n_parameters;
     if (first == end) continue;
     mg_evaluate_switches(c, t, load);
     for (int k = first; k < end; k++) {

@@ -23,8 +23,8 @@ MG_API long mg_sensitivity_size(const mg_system *s, int n) {
   const long states = (long)s->n_q + s->n_u + s->n_eta + 1;
   return 2 * mg_count_reals(mg_save_size(s), 1) + mg_count_reals(1, sizeof(mg_blow)) + 36L * s->n_body +
          4 * mg_sensitivity_rows(s) + s->n_friction_row + (12L * (n ? n : 1) + 2 * n + 3) * states +
-         3 * mg_packed_size(s) + 18 + s->n_switch + 2 * n + 1 + s->n_friction + s->n_patch_slot + 2L * s->n_pair + 6L * s->n_joint +
-         12L * s->n_load + 6L * s->n_patch_slot;
+         3 * mg_packed_size(s) + 18 + s->n_switch + 2 * n + 1 + s->n_friction + s->n_patch_slot + 2L * s->n_pair +
+         6L * s->n_joint + 12L * s->n_load + 6L * s->n_patch_slot;
 }
 
 MG_API long mg_sensitivity_int_size(const mg_system *s) { return (long)s->n_contact + s->n_friction + s->n_patch_slot; }

@@ -243,7 +243,8 @@ static void mg_note_event(const mg_context *c, mg_sensitivity *s, const mg_cross
   mg_tangent *tangent = s->tangent;
   const int n = s->directions->n, k = tangent->count++;
   if (k >= tangent->capacity) return;
-  tangent->event_t[k] = c->run->t, tangent->event_contact[k] = crossing->kind == MG_CROSSES_SWITCH ? -1 : crossing->contact;
+  tangent->event_t[k] = c->run->t,
+  tangent->event_contact[k] = crossing->kind == MG_CROSSES_SWITCH ? -1 : crossing->contact;
   for (int j = 0; j < n; j++) tangent->event_t_dot[(long)k * n + j] = mg_event_time_dot(s, j);
 }
 

@@ -32,8 +32,8 @@ MG_INTERNAL int mg_count_transitions(const mg_events *events, int first) {
   return count;
 }
 
-/* Work of one right-hand side: the equations of all contacts, loads that switch as those of one, and the factorisation for the forces of those that carry
-   some, with their friction rows. */
+/* Work of one right-hand side: the equations of all contacts, loads that switch as those of one, and the factorisation
+   for the forces of those that carry some, with their friction rows. */
 static mg_real mg_work_of_evaluation(const mg_context *c) {
   mg_real n = 0;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))

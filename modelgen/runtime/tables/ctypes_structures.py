@@ -386,7 +386,11 @@ def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) 
     integers["load_switch"] = _switches(manifest)
     add_limits(integers, instance["limits"], starts["limits"])
     add_patches(integers, sides.numbers, parameters, instance)
-    of_inputs = len(instance["inputs"]), integers["load_switch"][-1], append(parameters, instance["sensors"]["parameters"])
+    of_inputs = (
+        len(instance["inputs"]),
+        integers["load_switch"][-1],
+        append(parameters, instance["sensors"]["parameters"]),
+    )
     constraints, balls = FrictionTables(instance), BallTables(instance)
     integers |= (
         constraints.integers
@@ -468,7 +472,7 @@ def _loads_and_joints(instance: Mapping[str, Any], starts: Mapping[str, list[int
 def _switches(manifest: Manifest) -> list[int]:
     """The first switching function of each load, and the one after the last."""
     kinds, loads = manifest.kinds["load"], manifest.instance["loads"]
-    return [*accumulate((int(kinds[load["kind"]]["switches"]) for load in loads), initial=0)]
+    return [*accumulate((int(kinds[load["kind"]].get("switches", 0)) for load in loads), initial=0)]
 
 
 def _reals(instance: Mapping[str, Any]) -> dict[str, list[float]]:
