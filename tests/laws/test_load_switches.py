@@ -13,7 +13,7 @@ from random import Random
 import numpy as np
 import pytest
 
-from modelgen import Accuracy, simulate
+from modelgen import Accuracy, simulate, start
 from modelgen.codegen.library import Library
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene.read import read_text
@@ -223,3 +223,74 @@ def test_branches_that_change_with_the_side_are_not_trusted() -> None:
     """Both sides of 0.8 m/s lead back to it, with different branches of min."""
     path = run(point(["min(2*x, -3*sign(vx - 0.8))", "0", "0"], (-0.2, 0, 0), V), "balanced", 1.0)
     assert any("time-stepping" in doubt for doubt in path.doubts)
+
+
+HELD = """
+[[input]]
+name = "grip"
+default = 4.0
+"""
+
+
+def held(text: str = "1.5 - grip*sign(vx)") -> Library:
+    return built(POINT.format(force=[text, "0", "0"], place=list(X), velocity=list(V)) + HELD)
+
+
+@pytest.mark.parametrize("accuracy", ACCURACIES)
+def test_an_input_releases_what_dry_friction_holds(accuracy: str) -> None:
+    """1.25 m/s^2 stop it in 0.8 s; from 1 s on a grip of 0.5 N leaves 1 N of 1.5 N, from 1.6 s on one of 4 N
+    brakes again."""
+    sim = start(held(), accuracy=accuracy)
+    assert [event.t for event in sim.step(1.0)] == pytest.approx([0.8], abs=1e-7)
+    sim.inputs["grip"] = 0.5
+    sim.step(1.6)
+    sim.inputs["grip"] = 4.0
+    sim.step(3.0)
+    braked = 0.3**2 / (2 * 1.25)
+    assert sim.state[0] == pytest.approx(0.3 + 0.4 + 0.5 * 0.6**2 / 2 + braked, abs=1e-7)
+    assert sim.state[3] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("force", ["1.5 - grip*sign(vx)", "-grip*sign(x - 0.5)", "grip*max(abs(x), vx)"])
+@pytest.mark.parametrize("instant", [0.3, 0.8, 1.0, 1.4])
+def test_a_saved_state_goes_on_bit_for_bit(force: str, instant: float) -> None:
+    """Branches, and what slides, are part of it."""
+    sim = start(held(force), accuracy="balanced")
+    sim.step(instant)
+    mark = sim.save()
+    ends = []
+    for _ in range(2):
+        events = sim.step(2.0)
+        ends.append((bytes(sim.state), events))
+        sim.load(mark)
+    other = start(held(force), accuracy="balanced")
+    other.load(mark)
+    ends.append((b"", other.step(2.0)))
+    assert ends[0] == ends[1] == (bytes(other.state), ends[2][1])
+
+
+@pytest.mark.parametrize("force", ["1.5 - grip*sign(vx)", "-grip*sign(x - 0.5)", "grip*max(abs(x), vx)"])
+def test_a_run_in_pieces_is_that_in_one(force: str) -> None:
+    path = run(held(force), "tight")
+    sim = start(held(force), accuracy="tight")
+    events = [event for k in range(1, 41) for event in sim.step(k * UNTIL / 40)]
+    assert path.estimate is not None
+    assert np.allclose(sim.state[:3], path.p[-1, 0], rtol=0, atol=2 * path.estimate.position[-1] + RESOLVED)
+    assert [each.t for each in events] == pytest.approx([each.t for each in path.events], abs=1e-10)
+
+
+@pytest.mark.parametrize("real", ["float", "long double"])
+def test_other_real_types(real: str) -> None:
+    scene = read_text(POINT.format(force=["1.5 - 4*sign(vx)", "0", "0"], place=list(X), velocity=list(V)))
+    path = run(library_of(scene, real), "fast")
+    eps = float(np.finfo(np.float32 if real == "float" else float).eps)
+    assert [event.t for event in path.events] == pytest.approx([0.8], abs=1e3 * eps + 1e-9)
+    assert path.p[-1, 0, 0] == pytest.approx(0.7, abs=1e3 * eps + 1e-9)
+
+
+def test_fixed_steps_locate_them_too() -> None:
+    """Classical Runge-Kutta steps are exact for loads that are constant between two zeros."""
+    library = point(["1.5 - 4*sign(vx)", "0", "0"], X, V)
+    path = simulate(library, until=UNTIL, accuracy=Accuracy.balanced(), method="rk4", step=0.013)
+    assert path.p[-1, 0, 0] == pytest.approx(0.7, abs=1e-12)
+    assert [event.t for event in path.events] == pytest.approx([0.8], abs=1e-12)
