@@ -81,6 +81,7 @@ EventKind = Literal[
     "fallback-end",
     "load-switch",
 ]
+LOAD_SWITCH: EventKind = "load-switch"
 EVENT_KINDS: tuple[EventKind, ...] = get_args(EventKind)  # by MG_EVENT_IMPACT ..
 SEARCH_EVENTS: tuple[EventKind, ...] = ("appear", "vanish")  # at ends of steps
 

@@ -22,7 +22,7 @@ SLOW = 1e-3  # rates at zeros below are too near to a graze
 
 
 class UndecidedError(Exception):
-    """A zero that is not passed at once: it is kept, or only touched."""
+    """A zero that is not passed at once: it is kept, only touched, or one of several at a time."""
 
 
 class Switched:
@@ -86,6 +86,9 @@ class SwitchedMotion:
             t, state = float(found.t[-1]), found.y[:, -1]
             if found.status != 1:
                 return np.asarray(state)
+            arguments = sum(self._evaluate(t, state)[1], [])
+            if sum(abs(argument) < CLOSE for argument in arguments) > 1:
+                raise UndecidedError
             hit = tuple(s for s, times in zip(self.switches, found.t_events, strict=True) if len(times))
             for switch in hit:
                 self._pass(t, state, switch, hit)
