@@ -284,9 +284,10 @@ typedef struct {
   mg_real start_joint_gap;   /* at the start, joint errors <= start_joint_gap * length are corrected, others refused */
   mg_real drift_tolerance;   /* drift is projected away if d exceeds drift_tolerance * length, or d_dot that over
                                 time */
-  mg_real rest_speed;        /* contacts that approach slower than rest_speed * length / time do not rebound */
-  mg_real slip_speed;        /* slip below slip_speed * length / time (spin, rolling: slip_speed / time) sticks if
-                                the forces permit it */
+  mg_real rest_speed; /* contacts that approach slower than rest_speed * length / time do not rebound; loads hold a
+                         switching function of place at a zero that it passes as slowly */
+  mg_real slip_speed; /* slip below slip_speed * length / time (spin, rolling: slip_speed / time) sticks if
+                         the forces permit it */
   mg_real friction_bound_margin; /* a friction constraint whose force has reached its bound is tried with a bound that
                                     is smaller by this part */
   mg_real rest_acceleration;     /* gap accelerations below rest_acceleration * length / time^2 do not open a contact */

@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import math
 from collections.abc import Sequence
+from itertools import chain
 from random import Random
 
 import numpy as np
@@ -86,7 +87,7 @@ class SwitchedMotion:
             t, state = float(found.t[-1]), found.y[:, -1]
             if found.status != 1:
                 return np.asarray(state)
-            arguments = sum(self._evaluate(t, state)[1], [])
+            arguments = chain.from_iterable(self._evaluate(t, state)[1])
             if sum(abs(argument) < CLOSE for argument in arguments) > 1:
                 raise UndecidedError
             hit = tuple(s for s, times in zip(self.switches, found.t_events, strict=True) if len(times))
