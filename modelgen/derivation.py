@@ -41,6 +41,8 @@ Role = Literal[
     "path",
     "wrench",
     "deflection",
+    "branch",
+    "switches",
     "surface",
     "curve",
     "point",

@@ -30,7 +30,7 @@ from modelgen.geometry.frames import zeros
 ROWS = 6  # most rows of a contact or joint
 SIZES: Mapping[str, int] = {"t": 1, "q": 7, "u": 6, "wrench": 6, "gravity": 3, "pose": 12, "twist": 6}
 TASKS: Mapping[str, str] = {
-    "pose": "pose", "motion": "motion", "path": "path", "wrench": "load",
+    "pose": "pose", "motion": "motion", "path": "path", "wrench": "load", "branch": "load",
     "rates": "contact", "place": "placement", "rows": "joint", "sensors": "sensors", "rhs": "scene",
 }  # fmt: skip
 """The task of core/sensitivity that a role serves."""
@@ -50,12 +50,14 @@ class PackedFormula:
 
 def packed_formulas(derivation: Derivation, formulas: Iterable[Formula]) -> tuple[PackedFormula, ...]:
     """Those of the formulas of a model that its runs are differentiated by, with their derivatives."""
+    given = tuple(formulas)
+    on_branch = {formula.kind for formula in given if formula.role == "branch"}
     return tuple(
         _differentiated_scene(derivation, formula)
         if formula.role == "rhs"
         else _differentiated(formula, *_packed(derivation, formula))
-        for formula in formulas
-        if formula.role in TASKS
+        for formula in given
+        if formula.role in TASKS and not (formula.role == "wrench" and formula.kind in on_branch)
     )
 
 
@@ -134,11 +136,12 @@ def _packed(derivation: Derivation, formula: Formula) -> tuple[ca.SX, ca.SX, ca.
         return _packed_rows(formula)
     function = _loaded_motion(derivation, formula) if formula.role == "motion" else formula.function
     x, values = _arguments(function)
-    results = dict(zip(function.name_out(), function.call(values), strict=True))
+    fixed = [ca.SX.sym("branch", function.numel_in("branch"))] if formula.role == "branch" else []
+    results = dict(zip(function.name_out(), function.call([*values, *fixed]), strict=True))
     if formula.role == "place":
         return ca.SX(0, 1), x, ca.vertcat(results["d"], results["eta_next"])
     padded = [_padded(value, SIZES.get(_base(name))) for name, value in results.items()]
-    return ca.SX(0, 1), x, ca.vertcat(*padded)
+    return ca.vertcat(ca.SX(0, 1), *fixed), x, ca.vertcat(*padded)
 
 
 def _loaded_motion(derivation: Derivation, formula: Formula) -> ca.Function:
@@ -187,9 +190,11 @@ def _jacobian(results: Mapping[str, ca.SX], side: int, rows: int) -> ca.SX:
 
 
 def _arguments(function: ca.Function) -> tuple[ca.SX, list[ca.SX]]:
-    """x of all arguments, each at its full size, and what of it each argument is."""
+    """x of all arguments but the branch of a load, each at its full size, and what of it each argument is."""
     symbols, values = [], []
     for name, size in _sizes(function):
+        if name == "branch":
+            continue
         symbol = ca.SX.sym(name, size)
         symbols.append(symbol)
         used = int(function.numel_in(name))

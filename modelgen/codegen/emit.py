@@ -12,6 +12,7 @@ from modelgen.codegen.amalgamation import HEADER, abi, header_text
 from modelgen.codegen.casadi_external_entries import entries_text, internal_functions
 from modelgen.codegen.derivative_kernels import NO_DERIVATIVES, derivatives_text
 from modelgen.codegen.kernel_table import table_text
+from modelgen.codegen.load_branches import with_branches
 from modelgen.codegen.manifest import Json, Manifest
 from modelgen.codegen.manifest_model import instance_of, kinds_of, parameters_of
 from modelgen.codegen.scene_step import MOST_INLINED, inlined
@@ -92,6 +93,7 @@ def emit(derivation: Derivation, derivatives: bool = False) -> Package:
     Raises ModelgenError if it is given something else.
     """
     expect("emit", derivation, Derivation)
+    derivation = with_branches(derivation)
     compiled = [
         each for each in derivation.formulas if each.role != "rhs" or runs_in_steps(derivation.model, each)
     ]

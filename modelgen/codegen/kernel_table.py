@@ -66,6 +66,16 @@ DISPATCHERS = (
         ("wrench_a", "wrench_b"),
     ),
     Dispatcher(
+        ("branch",), "load_branch",
+        ("t", "pose_a", "twist_a", "pose_b", "twist_b", "parameters", "inputs", "branch"),
+        ("wrench_a", "wrench_b"),
+    ),
+    Dispatcher(
+        ("switches",), "load_switches",
+        ("t", "pose_a", "twist_a", "pose_b", "twist_b", "parameters", "inputs", "branch"),
+        ("switching", "gradient", "input_gradient", "second_rate"),
+    ),
+    Dispatcher(
         ("deflection",), "load_deflection", ("pose_a", "pose_b", "parameters"), ("deflection", "J")
     ),
     Dispatcher(
@@ -144,6 +154,11 @@ def _tables(derivation: Derivation) -> list[str]:
         for formula in derivation.formulas
         if formula.role == "rows"
     }
+    switches = {
+        formula.kind: int(formula.function.numel_in("branch"))
+        for formula in derivation.formulas
+        if formula.role == "switches"
+    }
     seeking = {formula.kind for formula in derivation.formulas if formula.role == "seek"}
     bodies = [
         f"MG_{motion.upper()}, {Q_SIZE[motion]}, {U_SIZE[motion]}, {sizes.get(('motion', index), 12)}"
@@ -181,6 +196,7 @@ def _tables(derivation: Derivation) -> list[str]:
             sizes["wrench", formula.kind],
             *_hidden(formula.function, model.load_kinds[formula.kind]),
             int(model.load_kinds[formula.kind].is_spring),
+            switches.get(formula.kind, 0),
         )
         for formula in derivation.formulas
         if formula.role == "wrench"
@@ -189,7 +205,7 @@ def _tables(derivation: Derivation) -> list[str]:
         _table("mg_body_kind", bodies, [kind.name for kind in model.body_kinds], "0, 0, 0, 0"),
         _table("mg_contact_kind", contacts, contact_names, _row(*[0] * 8)),
         _table("mg_joint_kind", joints, [kind.name for kind in model.joint_kinds], "0, 0, 0, 0"),
-        _table("mg_load_kind", loads, [kind.name for kind in model.load_kinds], "0, 0, 0, 0"),
+        _table("mg_load_kind", loads, [kind.name for kind in model.load_kinds], _row(*[0] * 5)),
         _table("mg_shape_kind", shapes, [kind.name for kind in model.shape_kinds], "0, 0, 0, 0"),
     ]
 

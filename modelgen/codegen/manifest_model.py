@@ -9,6 +9,7 @@ from typing import Any
 from modelgen.assembly import Q_SIZE, U_SIZE
 from modelgen.assembly.contact_reuse import models_have_same_contacts
 from modelgen.assembly.masses import pose_numbers
+from modelgen.codegen.load_branches import switch_count
 from modelgen.codegen.manifest_open_edges import open_edges_of
 from modelgen.codegen.manifest_planar_contacts import face_table, patch_table
 from modelgen.codegen.manifest_repeated_pairs import repeated
@@ -125,6 +126,7 @@ def _load_kind(kind: LoadKind) -> dict[str, Any]:
         "expressions": list(kind.expressions),
         "joint": kind.joint,
         "n_parameters": _load_size(kind),
+        **({"switches": switches} if (switches := switch_count(kind)) else {}),
         **_inputs(kind),
     }
 

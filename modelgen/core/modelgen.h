@@ -46,7 +46,7 @@
 #include "solve/lcp/lcp.h"
 #include "base/real.h"
 
-#define MG_ABI 23 /* version of these structures; a library and its caller must agree on it (mg_abi) */
+#define MG_ABI 24 /* version of these structures; a library and its caller must agree on it (mg_abi) */
 
 /* Kind of a condition of a feature pair. A condition is a function of the contact point x of one feature in its shape's
    axes, of the chart coordinates (u, v) of x, and of the normal N out of that feature's shape. It holds where the
@@ -121,6 +121,7 @@ typedef struct {
   int n_friction_row;        /* rows of all contacts other than their normal rows */
   int n_ball;                /* balls around shapes */
   int n_input;               /* inputs: numbers of loads and prescribed motions that the caller sets during a run */
+  int n_switch;              /* switching functions of all loads */
   int sensor_parameters;     /* offset into parameters of those of the sensors */
   int n_parameters;          /* length of parameters */
   int n_numbers;             /* length of numbers */
@@ -171,6 +172,7 @@ typedef struct {
   const int *load_a;          /* [n_load] first body */
   const int *load_b;          /* [n_load] second body, or -1 */
   const int *load_parameters; /* [n_load] offset into parameters */
+  const int *load_switch;     /* [n_load + 1] range of switching functions */
 
   const int *joint_kind;       /* [n_joint] joint kind of the library */
   const int *joint_a;          /* [n_joint] first body */
@@ -282,9 +284,10 @@ typedef struct {
   mg_real start_joint_gap;   /* at the start, joint errors <= start_joint_gap * length are corrected, others refused */
   mg_real drift_tolerance;   /* drift is projected away if d exceeds drift_tolerance * length, or d_dot that over
                                 time */
-  mg_real rest_speed;        /* contacts that approach slower than rest_speed * length / time do not rebound */
-  mg_real slip_speed;        /* slip below slip_speed * length / time (spin, rolling: slip_speed / time) sticks if
-                                the forces permit it */
+  mg_real rest_speed; /* contacts that approach slower than rest_speed * length / time do not rebound; loads hold a
+                         switching function of place at a zero that it passes as slowly */
+  mg_real slip_speed; /* slip below slip_speed * length / time (spin, rolling: slip_speed / time) sticks if
+                         the forces permit it */
   mg_real friction_bound_margin; /* a friction constraint whose force has reached its bound is tried with a bound that
                                     is smaller by this part */
   mg_real rest_acceleration;     /* gap accelerations below rest_acceleration * length / time^2 do not open a contact */
@@ -361,6 +364,14 @@ enum {
   MG_ON_STRAIGHT_EDGE = 3 /* first support point of a slot: a straight side of the hull is held */
 };
 
+/* Where a switching function of a load is. */
+enum {
+  MG_BRANCH_NEGATIVE = -1, /* below zero */
+  MG_BRANCH_ZERO = 0,      /* at zero, without loads that keep it there */
+  MG_BRANCH_POSITIVE = 1,  /* above zero */
+  MG_BRANCH_SLIDES = 2     /* kept at zero by loads between those of both branches (Filippov's sliding mode) */
+};
+
 /* Outcome of mg_begin and mg_advance. */
 enum {
   MG_DONE = 0,             /* t_stop has been reached; of mg_begin: the run can be advanced */
@@ -397,7 +408,8 @@ enum {
   MG_EVENT_SLIP_REVERSAL = 11,  /* slip changes to another direction at once; spin, rolling: as above */
   MG_EVENTS_PER_FRICTION = 3,   /* not an event: number of slip events, the step from slip to spin to rolling */
   MG_EVENT_FALLBACK_START = 18, /* the run goes on by time-stepping */
-  MG_EVENT_FALLBACK_END = 19    /* events are located again */
+  MG_EVENT_FALLBACK_END = 19,   /* events are located again */
+  MG_EVENT_LOAD_SWITCH = 20     /* a load jumps or has a kink: `contact` is the switching function */
 };
 
 /* One run: its state, its active set and what it reports. Before mg_begin the caller sets t, h (0: chosen by the
@@ -437,6 +449,10 @@ typedef struct {
                      change along a line; time at which it has that value, s. The caller writes settings before
                      mg_begin and between two calls of mg_advance, at whose start they take effect */
   mg_real *applied_input; /* [3 n_input] settings that have taken effect */
+  mg_real *branch;        /* [n_switch] branch of the loads by each switching function, -1..1 */
+  int *switch_mode;       /* [n_switch] MG_BRANCH_NEGATIVE .. MG_BRANCH_SLIDES */
+  int *switch_leader;     /* [n_switch] of one that slides on the zeros of another: the number of that one from 1 on,
+                             negative where their signs are opposite; else 0 */
   mg_real *search_bound;  /* [n_cell_tree] bound up to which the unbounded coordinates of the features of a tree
                              have been searched for closest points */
   mg_real *joint_independence_max; /* [n_joint] largest product of the independence of its rows so far, 0..1 */
@@ -678,8 +694,8 @@ typedef struct {
   long count;           /* steps so far */
   unsigned char *bytes; /* [(capacity + 1) mg_save_size] the run before each step, and after the last */
   mg_real *slopes;      /* [12 (n_q + n_u + n_eta + 1) capacity] right-hand sides of the stages of each step */
-  int *crossing;        /* [5 capacity] event function of each step: kind, contact, constraint, whether it is a blow,
-                           reason */
+  int *crossing; /* [5 capacity] event function of each step: kind, contact or switching function, constraint, whether
+                    it is a blow, reason */
 } mg_tape;
 
 /* Cotangents: derivatives of one number by the state of a run and by the numbers of the system; the caller's arrays. */
@@ -775,7 +791,8 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
 /* Advances a run until t_stop, for at most max_steps attempted steps, and appends samples and events. Inputs that have
    changed take effect first: contacts with bodies whose prescribed velocity jumps are struck or released, and the
    contact modes under the new loads are chosen.
-   Returns an outcome, MG_DONE at t_stop. The list of events needs room for 4 n_contact + 2 entries at every step. */
+   Returns an outcome, MG_DONE at t_stop. The list of events needs room for 4 n_contact + 2 n_switch + 2 entries at
+   every step. */
 MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t_stop, long max_steps,
                       mg_record *record, mg_events *events, mg_real *work, int *iwork);
 
@@ -852,8 +869,8 @@ MG_API int mg_load(const mg_system *system, const mg_settings *settings, mg_run 
 MG_API void mg_smooth(const mg_system *system, const mg_settings *settings, mg_run *run, long n, mg_real *work,
                       int *iwork);
 
-/* Evaluates the right-hand side x_dot [length of x] at time t and state x [length of x] with the active set of the run.
-   Writes run->force. */
+/* Evaluates the right-hand side x_dot [length of x] at time t and state x [length of x] with the active set of the run;
+   loads are taken as they are written, unless they slide on a zero of a switching function. Writes run->force. */
 MG_API void mg_evaluate(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t, const mg_real *x,
                         mg_real *x_dot, mg_real *work, int *iwork);
 

@@ -9,6 +9,7 @@ import casadi as ca
 from modelgen.dynamics.bodies import kernel
 from modelgen.dynamics.inputs import input_argument, input_values
 from modelgen.dynamics.symbolic_rotations import quaternion
+from modelgen.geometry.expression_branches import Branches
 from modelgen.geometry.expression_translation import lower
 from modelgen.geometry.frames import cross, dot, frame_of, zeros
 from modelgen.model import BodyMotion, LoadKind
@@ -41,23 +42,37 @@ class Point:
         return ca.vertcat(force, cross(self.arm, ca.mtimes(self.rotation.T, force)))
 
 
+@dataclass(frozen=True)
+class LoadFormulas:
+    """The wrenches of a load on its bodies a and b, and the arguments of its kernels."""
+
+    inputs: dict[str, ca.SX]
+    wrenches: dict[str, ca.SX]
+
+
 def load_kernel(kind: LoadKind) -> ca.Function:
     """`mg_<kind>_wrench`: (t, pose_a, twist_a, pose_b, twist_b, parameters) -> (wrench_a(6), wrench_b(6)).
 
     A load that depends on inputs also takes `inputs`, their settings.
     """
+    formulas = load_formulas(kind)
+    return kernel(f"mg_{kind.name}_wrench", formulas.inputs, formulas.wrenches)
+
+
+def load_formulas(kind: LoadKind, branches: Branches | None = None) -> LoadFormulas:
+    """Those of `load_kernel`, on `branches` if there are any."""
     t = ca.SX.sym("t")
     spring = kind.kind == "spring"
     numbers, points = _points(kind)
     a, b = points[0], points[1] if spring else Point(ca.SX(0, 1), ca.SX(0, 1), zeros(3), ca.SX.eye(3))
     settings = input_argument(kind.inputs)
     values = {"t": t} | input_values(kind.inputs, t, settings)
-    wrench_a, wrench_b = _spring(a, b, numbers[-3:]) if spring else (_given(kind, values, a), ca.SX(0, 1))
+    wrench_a, wrench_b = (
+        _spring(a, b, numbers[-3:]) if spring else (_given(kind, values, a, branches), ca.SX(0, 1))
+    )
     inputs = {"t": t, "pose_a": a.pose, "twist_a": a.twist, "pose_b": b.pose, "twist_b": b.twist}
-    return kernel(
-        f"mg_{kind.name}_wrench",
-        inputs | {"parameters": numbers} | settings,
-        {"wrench_a": wrench_a, "wrench_b": wrench_b},
+    return LoadFormulas(
+        inputs | {"parameters": numbers} | settings, {"wrench_a": wrench_a, "wrench_b": wrench_b}
     )
 
 
@@ -95,13 +110,13 @@ def _point(name: str, motion: BodyMotion, arm: ca.SX) -> Point:
     return Point(pose, twist, arm, ca.SX.eye(3) if motion == "point" else frame_of(pose).rotation)
 
 
-def _given(kind: LoadKind, values: dict[str, ca.SX], point: Point) -> ca.SX:
+def _given(kind: LoadKind, values: dict[str, ca.SX], point: Point, branches: Branches | None) -> ca.SX:
     """The wrench of a force or torque that the scene gives as expressions of t, inputs and the body's state;
     `values` are time and inputs by name."""
     load = kind.load
     assert load is not None
     symbols = values | _state_symbols(point, kind.motions[0])
-    vector = ca.vertcat(*(lower(component, symbols) for component in load.components))
+    vector = ca.vertcat(*(lower(component, symbols, branches) for component in load.components))
     match load:
         case ForceLoad(frame=frame):
             return point.wrench(vector if frame == "world" else ca.mtimes(point.rotation, vector))

@@ -30,7 +30,7 @@ from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.simulate import simulate
 from modelgen.runtime.tables.ctypes_structures import RECORD_ARRAYS, Array, address
 from modelgen.runtime.tables.planar_contacts import SUPPORT_POINTS
-from modelgen.runtime.trajectory import EVENT_KINDS, OUTCOME_OF_CODE
+from modelgen.runtime.trajectory import EVENT_KINDS, LOAD_SWITCH, OUTCOME_OF_CODE
 from modelgen.scene.scene_types import Scene
 from modelgen.view.packing import packed_doubles
 from modelgen.view.page import TOLERANCE, running_page_text
@@ -99,6 +99,8 @@ def browser_page(scene: Scene, library: Library, package: Package, fixed: Collec
         "outcomes": {code: outcome.value for code, outcome in OUTCOME_OF_CODE.items()},
         "event_kinds": list(EVENT_KINDS),
         "contact_names": list(session.contacts),
+        "load_switch": LOAD_SWITCH,
+        "switching_loads": session.switching_loads,
         "face_names": [str(patch["name"]).rpartition(":")[0] for patch in instance["patches"]],
         "feature_pairs": len(session.feature_pair_names),
         "support_points": SUPPORT_POINTS,

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import casadi as ca
 
+from modelgen.dynamics.bodies import kernel
 from modelgen.dynamics.inputs import input_argument, input_values
+from modelgen.dynamics.loads import LoadFormulas
+from modelgen.geometry.expression_branches import Branches
 from modelgen.geometry.expression_translation import lower
 from modelgen.joint.joint_frames import meeting
 from modelgen.joint.joint_kernels import numbers_of, parameters_of
@@ -19,17 +22,26 @@ def actuator_kernel(kind: LoadKind) -> ca.Function:
     limits. The force is gain times the expression, cut off at the limits; an angle lies within half a turn.
     An actuator that depends on inputs also takes `inputs`, their settings.
     """
+    formulas = actuator_formulas(kind)
+    return kernel(f"mg_{kind.name}_wrench", formulas.inputs, formulas.wrenches)
+
+
+def actuator_formulas(kind: LoadKind, branches: Branches | None = None) -> LoadFormulas:
+    """Those of `actuator_kernel`, on `branches` if there are any."""
     assert kind.law is not None
     m, numbers, own = meeting(), numbers_of(kind.joint), ca.SX.sym("actuator", 3 if kind.limited else 1)
     value, settings = coordinate_of(kind.joint).value(m, numbers), input_argument(kind.inputs)
     rate = m.rate(value)
     names = {"t": m.t, "coordinate": value, "rate": rate.total} | input_values(kind.inputs, m.t, settings)
-    push = own[0] * lower(kind.law, names)
+    push = own[0] * lower(kind.law, names, branches)
     if kind.limited:
-        push = ca.fmin(ca.fmax(push, own[1]), own[2])
+        least, greatest = (branches.least, branches.greatest) if branches else (ca.fmin, ca.fmax)
+        push = least(greatest(push, own[1]), own[2])
     inputs = {"t": m.t, **m.moving, "parameters": parameters_of(m, numbers, own)} | settings
     outputs = {"wrench_a": push * rate.J_a.T, "wrench_b": push * rate.J_b.T}
-    return m.kernel(f"mg_{kind.name}_wrench", inputs, outputs)
+    if branches and branches.functions:
+        branches.functions = m.placed(branches.functions)
+    return LoadFormulas(inputs, dict(zip(outputs, m.placed(outputs.values()), strict=True)))
 
 
 def law_of(kind: LoadKind) -> ca.Function:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import casadi as ca
@@ -128,11 +129,13 @@ class Meeting:
 
     def kernel(self, name: str, inputs: dict[str, ca.SX], outputs: dict[str, ca.SX]) -> ca.Function:
         """A kernel whose outputs are expressions of the span and the axes."""
+        return kernel(name, inputs, dict(zip(outputs, self.placed(outputs.values()), strict=True)))
+
+    def placed(self, values: Iterable[ca.SX]) -> list[ca.SX]:
+        """Expressions of the span and the axes as expressions of the poses."""
         symbols = [self.span, self.a.rotation, self.b.rotation]
-        found = ca.substitute(
-            list(outputs.values()), symbols, [self.b.position - self.a.position, self.a.turned, self.b.turned]
-        )
-        return kernel(name, inputs, dict(zip(outputs, found, strict=True)))
+        places = [self.b.position - self.a.position, self.a.turned, self.b.turned]
+        return list(ca.substitute(list(values), symbols, places))
 
     def _with(self, spins: list[ca.SX]) -> list[tuple[ca.SX, Side]]:
         return list(zip(spins, (self.a, self.b), strict=True))

@@ -102,6 +102,7 @@ class Accuracy:
         start_joint_gap: joints that fit at t = 0 up to this times L are closed; others are refused.
         drift_tolerance: |d| above this times L, or |d_dot| above this times L/T, is projected away.
         rest_speed: an approach faster than this times L/T is an impact; it rebounds if it is 5/4 as fast.
+            A load whose jump leads back to a place holds there what passes it slower.
         slip_speed: slip slower than this times L/T (spinning and rolling: 1/T) stops if friction can hold it.
         friction_bound_margin: fraction by which the friction bound of a contact that reached it is lowered.
         rest_acceleration: separation slower than this times L/T^2 does not open a contact.

@@ -22,7 +22,7 @@ from modelgen.runtime.tables.ctypes_structures import (
 )
 from modelgen.runtime.tables.library_tables import EVENT_PREFIX, library_tables
 from modelgen.runtime.tables.planar_contacts import SUPPORT_POINTS
-from modelgen.runtime.trajectory import EVENT_KINDS, Event
+from modelgen.runtime.trajectory import EVENT_KINDS, LOAD_SWITCH, Event
 
 CONTINUE, FULL = 1, 2
 
@@ -97,9 +97,17 @@ class Session:
         """The first events of an mg_events, given by its columns."""
         given = [column[:count].tolist() for column in columns]
         return [
-            Event(float(t), EVENT_KINDS[kind], *self._named(contact, feature_pair), speed=float(speed))
+            Event(
+                float(t), EVENT_KINDS[kind], *self._subject(kind, contact, feature_pair), speed=float(speed)
+            )
             for t, kind, contact, feature_pair, speed in zip(*given, strict=True)
         ]
+
+    def _subject(self, kind: int, number: int, feature_pair: int) -> tuple[str, str]:
+        """What an event is of: a contact and its features, or a load."""
+        if EVENT_KINDS[kind] == LOAD_SWITCH:
+            return self.switching_loads[number], ""
+        return self._named(number, feature_pair)
 
     def _named(self, contact: int, feature_pair: int) -> tuple[str, str]:
         """The contact and its features; of a support point, its patch and the two faces."""
@@ -110,6 +118,16 @@ class Session:
         patch = self.instance["patches"][(feature_pair - len(self.feature_pair_names)) // SUPPORT_POINTS]
         pair, _, faces = str(patch["name"]).rpartition(":")
         return pair, faces
+
+    @property
+    def switching_loads(self) -> list[str]:
+        """Of each switching function the kind of its load, and its bodies."""
+        kinds, bodies = self.library.manifest.kinds["load"], self.instance["bodies"]
+        found: list[str] = []
+        for load in self.instance["loads"]:
+            kind, names = kinds[load["kind"]], (bodies[body]["name"] for body in load["bodies"])
+            found += [f"{kind['kind']} on {' and '.join(names)}"] * int(kind.get("switches", 0))
+        return found
 
     def contact_name(self, contact: int) -> str:
         """The name of a contact; of a support point, that of its pair."""

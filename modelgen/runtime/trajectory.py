@@ -79,14 +79,19 @@ EventKind = Literal[
     "roll-reversal",
     "fallback-start",
     "fallback-end",
+    "load-switch",
 ]
+LOAD_SWITCH: EventKind = "load-switch"
 EVENT_KINDS: tuple[EventKind, ...] = get_args(EventKind)  # by MG_EVENT_IMPACT ..
 SEARCH_EVENTS: tuple[EventKind, ...] = ("appear", "vanish")  # at ends of steps
 
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """A change of mode: `t` in s, `kind` of EVENT_KINDS, the contact's name, the approach speed in m/s."""
+    """A change of mode: `t` in s, `kind` of EVENT_KINDS, the contact's name, the approach speed in m/s.
+
+    `contact` of a load that switches says which load: "force on ball".
+    """
 
     t: float
     kind: EventKind

@@ -61,12 +61,13 @@ async function startRun() {
   const goesOn = () => code === live.goes_on || code === live.list_full;
   // the name of a contact; of a support point of a face, that of its pair
   const touching = (contact, pair) => live.contact_names[contact] || live.face_names[Math.floor((pair - live.feature_pairs) / live.support_points)] || "";
+  const named = (kind, contact, pair) => (kind === live.load_switch ? live.switching_loads[contact] : touching(contact, pair));
   function takeEvents() {
     const count = core.page_events(), all = core.memory.buffer;
     if (!count) return;
     const [t, kind, contact, speed, pair] = [Float64Array, Int32Array, Int32Array, Float64Array, Int32Array].map((type, k) => new type(all, core.page_event(k), count));
     for (let k = 0; k < count; k++)
-      data.events.push({ t: t[k], kind: live.event_kinds[kind[k]], contact: touching(contact[k], pair[k]), speed: speed[k] });
+      data.events.push({ t: t[k], kind: live.event_kinds[kind[k]], contact: named(live.event_kinds[kind[k]], contact[k], pair[k]), speed: speed[k] });
     showEvents();
   }
   // computes until there is a sample at `target`, s, or the time for one picture is over

@@ -99,7 +99,8 @@ def test_samples_are_right_in_a_first_step_that_an_event_ends() -> None:
 
 def pushed_to(library: Library, end: float, accuracy: Accuracy) -> Trajectory:
     path = simulate(library, until=end, samples=4, accuracy=accuracy, estimate=False)
-    assert [event.kind for event in path.events] == ["face-contact", "tipping"]
+    kinds = [event.kind for event in path.events if event.kind != "load-switch"]
+    assert kinds == ["face-contact", "tipping"]
     return path
 
 

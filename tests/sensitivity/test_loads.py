@@ -1,4 +1,4 @@
-"""Loads with kinks and jumps: the first are differentiated where they are met, the second are told."""
+"""Loads with kinks and jumps are differentiated over them; loads that keep to a jump are told."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import pytest
 
 from modelgen import gradient, sensitivity
 from modelgen.codegen.library import Library
+from modelgen.runtime.finite_differences import run_differences
 from tests.sensitivity.test_closed_forms import built, complex_step
 
 BALL = """
@@ -102,27 +103,62 @@ def test_an_actuator_at_its_limit(accuracy: str) -> None:
     assert np.allclose(slope.gradient, expected, rtol=0, atol=2e-8)
 
 
+OF = ["ball.position", "ball.velocity"]
+
+
 @pytest.mark.parametrize(
-    ("force", "jumps"),
+    "force",
     [
-        ("-3*sign(x)", True),
-        ("-3*sign(x)*push", True),
-        ("sign(vx - 0.9) - 2", True),
-        ("-3*sign(x - 0.3*t)", True),
-        ("1e-3*sign(x)", True),
-        ("-3*sign(t - 0.3)", False),
-        ("-3*sign(t - 0.3)*x", False),
-        ("5*tanh(500*x)", False),
-        ("5*exp(-300*t) + 3*sin(200*t)*x", False),
+        "-3*sign(x)", "-3*sign(x)*push", "sign(vx - 0.9) - 2", "-3*sign(x - 0.3*t)", "1e-3*sign(x)",
+        "-3*sign(x - 0.1*push)", "-4*abs(x)*sign(x - 0.05)", "-3*sign(abs(x) - 0.1)", "-max(sign(x), 0.5*x)",
+        "atan2(x - 0.05, -1 - x)", "-3*sign(t - 0.3)*x",
     ],
-)
+)  # fmt: skip
 @pytest.mark.parametrize("accuracy", ["balanced", "tight"])
-def test_a_load_that_jumps_where_the_motion_takes_it(force: str, jumps: bool, accuracy: str) -> None:
+def test_a_load_that_jumps_is_differentiated_over_the_jump(force: str, accuracy: str) -> None:
+    """Against differences of runs; backwards against forwards."""
+    library = pushed(force)
+    found = sensitivity(library, 0.5, of=OF, by=BY, accuracy=accuracy)
+    assert found.verdict
+    expected = run_differences(library, 0.5, of=OF, by=BY, accuracy="tight")
+    assert np.allclose(found.jacobian, expected, rtol=0, atol=2e-8)
+    assert found.error is not None
+    assert np.max(np.abs(found.jacobian - expected)) <= np.max(found.error) + 1e-8
+    values = ca.MX.sym("values", 1, 6)
+    loss = ca.Function("loss", [values], [values[0] + 0.3 * values[3]])
+    back = gradient(library, [0.5], loss, of=OF, by=BY, accuracy=accuracy)
+    assert np.allclose(back.gradient, found.jacobian[0, 0] + 0.3 * found.jacobian[0, 3], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("accuracy", ["balanced", "tight"])
+def test_the_time_of_a_jump_is_differentiated(accuracy: str) -> None:
+    """3 N speed 2 kg up as far as x = 0.1 push, and brake them from there on."""
+    t = 0.5
+
+    def place(heavy: complex, place: complex, fast: complex, push: complex) -> complex:
+        a = 3 / heavy
+        way = 0.1 * push - place
+        after = np.sqrt(fast**2 + 2 * a * way)
+        left = t - (after - fast) / a
+        return 0.1 * push + after * left - a * left**2 / 2
+
     found = sensitivity(
-        pushed(force), [0.05, 0.5], of=["ball.position"], by=["fast"], accuracy=accuracy, estimate=False
+        pushed("-3*sign(x - 0.1*push)"), t, of=["ball.position"], by=BY, accuracy=accuracy, estimate=False
     )
+    assert found.verdict
+    expected = complex_step(place, [*BALL_VALUES.values(), 1.0])
+    assert np.allclose(found.jacobian[0, 0], expected, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("force", ["5*tanh(500*x)", "5*exp(-300*t) + 3*sin(200*t)*x"])
+@pytest.mark.parametrize("accuracy", ["balanced", "tight"])
+def test_a_load_that_changes_fast_does_not_jump(force: str, accuracy: str) -> None:
+    assert sensitivity(pushed(force), 0.5, of=OF, by=["fast"], accuracy=accuracy, estimate=False).verdict
+
+
+def test_a_load_that_keeps_to_its_jump_is_told() -> None:
+    """Dry friction has stopped the ball: loads between those of both sides are not differentiated."""
+    found = sensitivity(pushed("-9*sign(vx)"), [0.1, 0.5], of=OF, by=["fast"], estimate=False)
     assert found.verdicts[0]
-    assert bool(found.verdict) != jumps
-    if jumps:
-        assert found.verdict.reason == "a load jumps where the motion takes it"
-        assert 0.05 < found.verdict.t < 0.5
+    assert not found.verdict
+    assert found.verdict.reason == "a load jumps where the motion takes it"

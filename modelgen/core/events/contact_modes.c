@@ -53,7 +53,8 @@ static int mg_is_contact_opening(mg_context *c, int contact) {
   return c->events.triggered[contact] && !mg_is_contact_redundant(c, contact);
 }
 
-MG_INTERNAL int mg_solve_contact_modes(mg_context *c, mg_events *events) {
+/* The modes of the contacts under loads on their present branches. */
+static int mg_solve_modes_on_branches(mg_context *c, mg_events *events) {
   const int m = c->system->n_contact;
   int held = 0;
   mg_begin_flat_patches(c, events, c->settings->start_gap * c->system->length);
@@ -71,6 +72,14 @@ MG_INTERNAL int mg_solve_contact_modes(mg_context *c, mg_events *events) {
     if (mg_is_contact_opening(c, i)) mg_apply_contact_transition(c, events, i, MG_LIFTS_OFF, c->run->t, 0);
   if (c->system->n_friction) mg_report_friction_events(c, events), mg_report_patch_friction_events(c, events);
   return MG_DONE;
+}
+
+MG_INTERNAL int mg_solve_contact_modes(mg_context *c, mg_events *events) {
+  c->switches.is_unresolved = 0;
+  mg_settle_load_branches(c, events);
+  int outcome = mg_solve_modes_on_branches(c, events);
+  if (!outcome && mg_settle_load_branches(c, events)) outcome = mg_solve_modes_on_branches(c, events);
+  return outcome || !c->switches.is_unresolved ? outcome : MG_TOO_MANY_EVENTS;
 }
 
 MG_INTERNAL int mg_is_active_set_outdated(mg_context *c) {

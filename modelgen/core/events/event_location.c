@@ -25,15 +25,22 @@ static int mg_first_triggered_contact(const mg_context *c) {
   return -1;
 }
 
-/* Number of the first triggered event, or -1: contacts first, then friction constraints. */
+/* Number of the first triggered event, or -1: contacts first, then friction constraints, switching functions. */
 static int mg_first_triggered_event(const mg_context *c) {
   const int first = mg_first_triggered_contact(c),
-            constraint = first < 0 && c->system->n_friction ? mg_first_friction_event(c) : -1;
+            constraint = first < 0 && c->system->n_friction ? mg_first_friction_event(c) : -1,
+            of_load = first < 0 && constraint < 0 ? mg_first_switch_event(c) : -1;
+  if (of_load >= 0) return c->system->n_contact + c->system->n_friction + of_load;
   return constraint < 0 ? first : c->system->n_contact + constraint;
 }
 
-/* True if the event number is that of a friction constraint. */
-static int mg_is_friction_event(const mg_context *c, int event) { return event >= c->system->n_contact; }
+/* True if the event number is that of a friction constraint or a switching function, not of a contact. */
+static int mg_is_not_of_contact(const mg_context *c, int event) { return event >= c->system->n_contact; }
+
+/* True if the event number is that of a switching function of a load. */
+static int mg_is_load_event(const mg_context *c, int event) {
+  return event >= c->system->n_contact + c->system->n_friction;
+}
 
 /* Condition that the contact passes when it leaves its feature pair, with eta of the state x corrected to the extremum.
  */
@@ -48,6 +55,7 @@ static mg_real mg_feature_pair_exit_value(mg_context *c, int contact, const mg_r
  */
 static mg_real mg_event_value(mg_context *c, int contact, int cause, const mg_real *x) {
   const int constraint = contact - c->system->n_contact;
+  if (mg_is_load_event(c, contact)) return mg_switch_event_value(c, constraint - c->system->n_friction);
   if (constraint >= 0) return mg_friction_event_value(c, mg_contact_of_friction(c, constraint), constraint);
   if (mg_is_support_contact(c, contact)) return mg_patch_event_value(c, contact, cause);
   if (cause) return mg_feature_pair_exit_value(c, contact, x);
@@ -57,7 +65,7 @@ static mg_real mg_event_value(mg_context *c, int contact, int cause, const mg_re
 /* Describe the first triggered event at theta: its event function and rate; returns 0 if none has triggered.
    Needs the state there, and leaves another. */
 static int mg_describe_first_event(mg_context *c, mg_real h, mg_real theta, mg_located_event *event) {
-  const int contact = mg_first_triggered_event(c), constraint = mg_is_friction_event(c, contact);
+  const int contact = mg_first_triggered_event(c), constraint = mg_is_not_of_contact(c, contact);
   if (contact < 0) return 0;
   const int way = constraint ? 0 : c->events.broken_condition[contact],
             cause = !constraint && c->events.triggered[contact] >= MG_LEAVES_FEATURE ? c->events.triggered[contact] : 0;
@@ -82,8 +90,9 @@ static void mg_recompute_step_end(mg_context *c, mg_real h, mg_real tried, int c
 }
 
 /* Refine the time of an event by secant corrections on steps of their own; returns the step. The zero is taken
-   from before where rounding hides it, because a bounce must lose energy. Where corrections do not shrink, as at
-   a jump of the loads, the time found on the interpolant is kept. */
+   from before where rounding hides it, because a bounce must lose energy; that of a switching function is corrected
+   once more, because its side decides. Where corrections do not shrink, as at a jump of the loads, the time found on
+   the interpolant is kept. */
 static mg_real mg_refine_event_time(mg_context *c, mg_located_event event, mg_real tried, int collocated) {
   const mg_real time_tolerance = c->settings->event_tolerance * c->system->time,
                 correction_limit = tried * c->settings->event_correction_step,
@@ -100,12 +109,14 @@ static mg_real mg_refine_event_time(mg_context *c, mg_located_event event, mg_re
                                  : first_correction > noise                ? first_correction
                                                                            : noise))
       break;
-    if (fabs(correction) <= time_tolerance || round == MG_EVENT_CORRECTIONS) return h;
+    const int is_last = fabs(correction) <= time_tolerance || round == MG_EVENT_CORRECTIONS;
+    if (is_last && !mg_is_load_event(c, event.contact)) return h;
     if (h + correction <= 0 || h + correction > tried) return h;
     const int stalled = round > 2 && fabs(correction) > previous_correction / 2;
     if (stalled && correction > 0) return h;
     h += correction;
-    if (!stalled && (round == 1 || fabs(correction) * (fabs(correction) / previous_correction) > time_tolerance))
+    if (!is_last && !stalled &&
+        (round == 1 || fabs(correction) * (fabs(correction) / previous_correction) > time_tolerance))
       continue;
     mg_recompute_step_end(c, h, tried, collocated);
     return h;
@@ -194,7 +205,10 @@ static int mg_bisect_event_bracket(mg_context *c, mg_real h, mg_real *low, mg_re
 
 /* Mark the events at theta again; if none triggers this time, restore the mark of the event that did. */
 static void mg_restore_event_mark(mg_context *c, mg_real h, mg_real theta, const mg_located_event *event) {
-  if (!mg_mark_triggered_events_at(c, h, theta) && !mg_is_friction_event(c, event->contact))
+  if (mg_mark_triggered_events_at(c, h, theta)) return;
+  if (mg_is_load_event(c, event->contact))
+    c->switches.triggered[event->contact - c->system->n_contact - c->system->n_friction] = 1;
+  else if (!mg_is_not_of_contact(c, event->contact))
     c->events.triggered[event->contact] = event->cause ? event->cause : 1;
 }
 
@@ -207,9 +221,10 @@ static int mg_is_event_nearly_linear(mg_context *c, mg_located_event *event, int
   if (count > 1 ||
       !(correction >= 0 && correction <= 4 * (mg_real)MG_EVENT_COARSE_PART * h && correction < event->start))
     return 0;
-  const int way = c->events.broken_condition[event->contact];
+  const int of_contact = !mg_is_not_of_contact(c, event->contact),
+            way = of_contact ? c->events.broken_condition[event->contact] : 0;
   mg_mark_triggered_events_at(c, h, low);
-  c->events.broken_condition[event->contact] = way;
+  if (of_contact) c->events.broken_condition[event->contact] = way;
   const mg_real before = mg_event_value(c, event->contact, event->cause, c->step.stage);
   const mg_real slope_ratio = (event->value - before) / ((high - low) * h * event->slope);
   if (!(slope_ratio > (mg_real)0.75 && slope_ratio < (mg_real)1.5)) return 0;

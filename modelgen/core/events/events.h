@@ -73,6 +73,12 @@ MG_INTERNAL int mg_solve_contact_modes(mg_context *c, mg_events *events);
    be chosen again. */
 MG_INTERNAL int mg_is_active_set_outdated(mg_context *c);
 
+/* load_branch_changes.c */
+
+/* Put the loads on their branches at the run's state and report those that change, unless the list is null; returns how
+   many do. Leaves the right-hand side there. Sets c->switches.is_unresolved where no branches are found. */
+MG_INTERNAL int mg_settle_load_branches(mg_context *c, mg_events *events);
+
 /* event_processing.c */
 
 /* False if more contacts are closed than the caller gave memory for. */

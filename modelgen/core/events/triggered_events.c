@@ -83,7 +83,7 @@ MG_INTERNAL void mg_mark_contacts_within_border(mg_context *c) {
 MG_INTERNAL int mg_mark_triggered_events(mg_context *c, mg_real *x) {
   const mg_real deep = -c->settings->contact_gap * c->system->length,
                 rest = -c->settings->rest_speed * mg_speed_scale(c);
-  int count = mg_mark_patch_events(c);
+  int count = mg_mark_patch_events(c) + mg_mark_switch_events(c);
   for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
     if (mg_is_closed_without_force(c, i))
       c->events.triggered[i] =

@@ -22,11 +22,14 @@ MG_INTERNAL void mg_sample_event_margins(mg_context *c, int sample) {
     for (int g = s->contact_friction[i]; g < s->contact_friction[i + 1]; g++)
       constraints[g].lower = constraints[g].upper = mg_friction_event_margin(c, i, g);
   }
+  for (int k = 0; k < s->n_switch; k++)
+    constraints[s->n_friction + k].lower = constraints[s->n_friction + k].upper = mg_switch_event_margin(c, k);
   for (int support = c->layout.support_begin; support < s->n_contact; support++) taken[support] = now[support];
 }
 
 MG_INTERNAL void mg_sample_margins_at_start(mg_context *c) {
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) mg_find_slot_event(c, slot);
+  mg_note_returning_switches(c);
   mg_sample_event_margins(c, 0);
 }
 

@@ -1,13 +1,14 @@
-/* Memory of event margins: one of each contact and friction constraint at each sample of a step, and at the last
-   right-hand side. */
+/* Memory of event margins: one of each contact, friction constraint and switching function of a load at each sample of
+   a step, and at the last right-hand side. */
 #include "forces/forces.h"
 #include "base/base.h"
 #include "model/model.h"
 
-MG_INTERNAL int mg_event_margin_count(const mg_system *s) { return s->n_contact + s->n_friction; }
+MG_INTERNAL int mg_event_margin_count(const mg_system *s) { return s->n_contact + s->n_friction + s->n_switch; }
 
 MG_INTERNAL int mg_next_event_margin(const mg_context *c, int which) {
   const int n = c->system->n_contact, contact = which < n ? mg_next_row(c, which) : n;
+  if (which >= n + c->system->n_friction) return which + 1;
   return contact < n ? contact : n + mg_next_constraint(c, which < n ? -1 : which - n);
 }
 

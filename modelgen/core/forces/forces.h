@@ -108,6 +108,55 @@ MG_INTERNAL mg_real mg_patch_hull_margin(mg_context *c, int patch, const mg_real
    negative where it tells nothing. */
 MG_INTERNAL mg_real mg_hull_margin_lower_bound(const mg_context *c, int patch, const mg_real *world);
 
+/* sliding_loads.c */
+
+#define MG_SLIDING_MAX 8 /* most zeros of switching functions on which loads slide at a time */
+
+/* Search for the loads that keep switching functions at zero. */
+typedef struct {
+  int n;                                               /* switching functions that slide */
+  int of[MG_SLIDING_MAX];                              /* these */
+  int round;                                           /* rounds of Newton's method */
+  int trial;                                           /* whose branch is shifted at present, or -1 */
+  mg_real kept;                                        /* that branch before */
+  mg_real residual[MG_SLIDING_MAX];                    /* rates that are to be zero, 1/s */
+  mg_real derivative[MG_SLIDING_MAX * MG_SLIDING_MAX]; /* their derivatives by the branches, by columns */
+} mg_slide;
+
+/* True if loads slide on a zero of a switching function. */
+MG_INTERNAL int mg_slides(const mg_context *c);
+
+/* Begins the search for the branches at a state. */
+MG_INTERNAL void mg_begin_slide(const mg_context *c, mg_slide *slide);
+
+/* Notes the switching functions at the right-hand side evaluated with the present branches; returns 1 if it is to be
+   evaluated again with others. */
+MG_INTERNAL int mg_continue_slide(const mg_context *c, mg_slide *slide);
+
+/* load_switch_events.c */
+
+/* Event function of a switching function of a load, which falls through zero. */
+MG_INTERNAL mg_real mg_switch_event_value(const mg_context *c, int which);
+
+/* What is left of it before the event triggers; MG_MAX where there is none. */
+MG_INTERNAL mg_real mg_switch_event_margin(const mg_context *c, int which);
+
+/* True if a switching function is beyond zero and on its way back to the side of its branch, as where drift has been
+   projected away after its event. */
+MG_INTERNAL int mg_is_returning_switch(const mg_context *c, int which);
+
+/* Notes by how much such functions are beyond zero at the start of a step. */
+MG_INTERNAL void mg_note_returning_switches(const mg_context *c);
+
+/* Marks all events of switching functions that have triggered; returns their number. */
+MG_INTERNAL int mg_mark_switch_events(const mg_context *c);
+
+/* True if an event of a switching function has triggered. */
+MG_INTERNAL int mg_has_switch_event(const mg_context *c);
+
+/* First switching function whose event is marked, or -1. */
+MG_INTERNAL int mg_first_switch_event(const mg_context *c);
+
 /* event_margin_storage.c */
 
 /* Number of event margins of one sample: contacts and friction constraints. */

@@ -117,7 +117,8 @@ MG_INTERNAL mg_real mg_prescribed_motion_power(const mg_context *c) {
   return power;
 }
 
-MG_INTERNAL void mg_right_hand_side(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot) {
+/* The right-hand side on the present branches of the loads. */
+static void mg_right_hand_side_on_branches(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot) {
   const mg_system *s = c->system;
   mg_update_poses(c, t, x);
   mg_free_accelerations(c, t, x, x_dot);
@@ -133,6 +134,15 @@ MG_INTERNAL void mg_right_hand_side(mg_context *c, mg_real t, const mg_real *x, 
     x_dot[c->layout.work_state] += mg_prescribed_motion_power(c);
   if (s->n_friction) x_dot[c->layout.work_state] += mg_friction_power(c);
   c->run->rhs_evals++;
+}
+
+MG_INTERNAL void mg_right_hand_side(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot) {
+  mg_slide slide;
+  mg_begin_slide(c, &slide);
+  do {
+    mg_right_hand_side_on_branches(c, t, x, x_dot);
+    if (c->system->n_switch) mg_update_switches(c, t);
+  } while (mg_continue_slide(c, &slide));
 }
 
 /* True if all friction of a contact sticks. */

@@ -12,5 +12,6 @@ MG_INTERNAL void mg_watch_event_signs(mg_context *c) {
   for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     if (c->run->closed[i] ? c->run->active[i] && c->solution.force[i] < 0 : c->rows.d[i] < deep)
       c->step.sign_changed = 1;
+  if (mg_has_switch_event(c)) c->step.sign_changed = 1;
   if (c->system->n_friction && mg_has_any_friction_event(c)) c->step.sign_changed = 1;
 }

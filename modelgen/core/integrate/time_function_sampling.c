@@ -65,8 +65,8 @@ static mg_real *mg_time_sample_row(const mg_context *c, int which) {
   return c->step.time_samples + (long)which * c->layout.n_timed;
 }
 
-/* Evaluates all functions of time at t. Bodies that forces move keep their poses, or, for step_length > 0, follow
-   the interpolant of a step of that length. */
+/* Evaluates all functions of time at t, loads as they are written. Bodies that forces move keep their poses, or, for
+   step_length > 0, follow the interpolant of a step of that length. */
 static void mg_sample_time_functions(mg_context *c, mg_real t, mg_real step_length, mg_real *value) {
   const mg_system *s = c->system;
   if (step_length > 0) {
@@ -90,7 +90,7 @@ static void mg_sample_time_functions(mg_context *c, mg_real t, mg_real step_leng
   for (int i = 0; i < s->n_load; i++) {
     if (!mg_is_load_variable(s, i)) continue;
     for (int k = 0; k < 12; k++) value[k] = 0;
-    mg_load_wrench(c, t, i, value);
+    mg_written_load_wrench(c, t, i, value);
     value += 12;
   }
 }

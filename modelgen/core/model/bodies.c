@@ -32,12 +32,22 @@ MG_INTERNAL void mg_update_poses(mg_context *c, mg_real t, const mg_real *x) {
   }
 }
 
-MG_INTERNAL void mg_load_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench) {
+MG_INTERNAL void mg_written_load_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench) {
   const mg_system *s = c->system;
   const int a = s->load_a[load], b = s->load_b[load] < 0 ? a : s->load_b[load];
   c->kernels->load_wrench(s->load_kind[load], &t, c->bodies.pose + 12 * a, c->bodies.twist + 6 * a,
                           c->bodies.pose + 12 * b, c->bodies.twist + 6 * b, s->parameters + s->load_parameters[load],
                           c->run->input, wrench, wrench + 6);
+}
+
+MG_INTERNAL void mg_load_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench) {
+  const int first = mg_switch_begin(c->system, load);
+  if (!mg_has_branches(c) || first == mg_switch_end(c->system, load)) {
+    mg_written_load_wrench(c, t, load, wrench);
+    return;
+  }
+  mg_zero_reals(wrench, 12);
+  mg_add_branch_wrench(c, t, load, first, 1, wrench);
 }
 
 /* Adds the wrenches of a load to those of its bodies, and its power to *power. */
@@ -88,6 +98,10 @@ MG_INTERNAL int mg_moving_body(const mg_context *c, int contact) {
 
 MG_INTERNAL int mg_is_time_stepping(const mg_context *c) {
   return c->settings->method == MG_TIME_STEPPING || c->run->fallback_left > 0;
+}
+
+MG_INTERNAL int mg_has_branches(const mg_context *c) {
+  return c->system->n_switch && !c->switches.is_literal && !mg_is_time_stepping(c);
 }
 
 MG_INTERNAL int mg_is_free_body(const mg_context *c, int body) { return c->bodies.motion[body] == MG_FREE; }

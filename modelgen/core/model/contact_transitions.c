@@ -31,7 +31,7 @@ MG_INTERNAL void mg_append_event(const mg_context *c, mg_events *events, mg_real
   if (events->count >= events->capacity) return;
   const int k = events->count++;
   events->t[k] = t, events->kind[k] = kind, events->contact[k] = contact, events->speed[k] = speed;
-  events->feature_pair[k] = c->run->feature_pair[contact];
+  events->feature_pair[k] = kind == MG_EVENT_LOAD_SWITCH ? -1 : c->run->feature_pair[contact];
 }
 
 MG_INTERNAL void mg_apply_contact_transition(mg_context *c, mg_events *events, int contact, int cause, mg_real t,

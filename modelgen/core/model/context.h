@@ -27,6 +27,8 @@
 #define MG_MAX_ETA 8           /* room for the eta of one contact */
 #define MG_STAGES 17           /* rows of c->step.slopes: 16 of DOP853, one for the right-hand side at other states */
 
+#define MG_SWITCH_COLUMNS 37 /* numbers by which a gradient of a switching function begins: t, poses and twists */
+
 #define MG_NONFINITE_STEP_CUT ((mg_real)0.2)  /* factor of the step after one whose end is not finite */
 #define MG_STEP_GROWTH ((mg_real)6)           /* most by which a step is longer than the one before it */
 #define MG_COMPANION_STEP_GROWTH ((mg_real)2) /* the same in a companion run, which so takes the shorter steps */
@@ -328,6 +330,24 @@ typedef struct {
   mg_singular_passage passage; /* singular passage */
 } mg_event_workspace;
 
+/* Switching functions of the loads at the right-hand side evaluated last. */
+typedef struct {
+  mg_real *value;          /* [n_switch] value */
+  mg_real *rate;           /* [n_switch] its rate, 1/s */
+  mg_real *second;         /* [2 n_switch] 1 for a function of t and poses alone, and its second rate, 1/s^2; else 0 */
+  mg_real *size;           /* [n_switch] sum of the sizes of what it depends on, times its derivatives */
+  mg_real *noise;          /* [n_switch] size up to which a value counts as zero */
+  mg_real *slope;          /* [MG_SWITCH_COLUMNS n_switch] gradient by t, pose and twist of a and of b */
+  mg_real *gradient;       /* [most of one load] gradients of those of one load, as its kernel writes them */
+  mg_real *input_gradient; /* [3 n_input most of one load] the same by the inputs */
+  mg_real *slack;    /* [n_switch] by how much it may be beyond zero in a step at whose start it was, on its way back */
+  int *triggered;    /* [n_switch] 1: its event has triggered */
+  int *is_at_zero;   /* [n_switch] 1: it is zero where branches are chosen */
+  int *mode_before;  /* [n_switch] its mode before that */
+  int is_unresolved; /* 1: no branches were found on which the run can go on */
+  int is_literal;    /* 1: loads are evaluated as they are written, without branches */
+} mg_switch_workspace;
+
 /* What sensors show the bodies, contacts and joints of. */
 typedef struct {
   mg_real *acceleration; /* [6 n_body] rates of the twists; NaN in time-stepping, which has none */
@@ -417,6 +437,7 @@ struct mg_context {
   mg_search_workspace search;
   mg_step_workspace step;
   mg_event_workspace events;
+  mg_switch_workspace switches;
   mg_sensor_workspace sensors;
 };
 

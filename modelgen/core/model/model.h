@@ -29,6 +29,31 @@ enum {
   MG_TRIAL_TORN_OFF = 3 /* the same, of a patch that had rested */
 };
 
+/* load_branches.c */
+
+/* First switching function of a load, and the one after its last. */
+MG_INTERNAL int mg_switch_begin(const mg_system *s, int load);
+MG_INTERNAL int mg_switch_end(const mg_system *s, int load);
+
+/* Load of a switching function. */
+MG_INTERNAL int mg_load_of_switch(const mg_system *s, int which);
+
+/* Memory of the gradients of one load, in mg_real. */
+MG_INTERNAL long mg_switch_gradient_size(const mg_system *s);
+
+/* Adds `weight` times the wrenches (12) of a load with switching functions on the branches of the run; between branches
+   where those from `from` on slide. */
+MG_INTERNAL void mg_add_branch_wrench(const mg_context *c, mg_real t, int load, int from, mg_real weight,
+                                      mg_real *wrench);
+
+/* Gradient of a switching function of a load at the state evaluated last: by t, poses and twists
+   (MG_SWITCH_COLUMNS) and parameters; and by the inputs. */
+MG_INTERNAL const mg_real *mg_switch_gradient(mg_context *c, mg_real t, int load, int which,
+                                              const mg_real **input_gradient);
+
+/* Evaluates all switching functions with their rates and second rates. Needs poses, twists and accelerations at t. */
+MG_INTERNAL void mg_update_switches(mg_context *c, mg_real t);
+
 /* bodies.c */
 
 /* Body kind of a body. */
@@ -43,7 +68,13 @@ MG_INTERNAL void mg_copy_velocity(const mg_context *c, int body, const mg_real *
 /* Writes poses and twists of all bodies at time t and state x; of driven bodies also their accelerations. */
 MG_INTERNAL void mg_update_poses(mg_context *c, mg_real t, const mg_real *x);
 
-/* Wrenches (12) of a load on its two bodies at t, at the present poses and twists. */
+/* True if loads with switching functions are on their branches: not in time-stepping. */
+MG_INTERNAL int mg_has_branches(const mg_context *c);
+
+/* Wrenches (12) of a load on its two bodies at t, at the present poses and twists, as its expressions are written. */
+MG_INTERNAL void mg_written_load_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench);
+
+/* The same on the branches of the run. */
 MG_INTERNAL void mg_load_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench);
 
 /* Writes q_dot and the power of the loads into x_dot, and the accelerations without constraint forces into

@@ -184,7 +184,7 @@ static int mg_advance_step(mg_context *c, mg_real h, mg_record *record, mg_event
 
 /* True if the list has room for the events of a step. */
 static int mg_has_event_room(const mg_context *c, const mg_events *events) {
-  return events->count + 4 * c->system->n_contact + 2 <= events->capacity;
+  return events->count + 4 * c->system->n_contact + 2 * c->system->n_switch + 2 <= events->capacity;
 }
 
 /* True if a step of length h ends at t_stop, which is `left` away: it reaches it, or leaves less than the resolution of

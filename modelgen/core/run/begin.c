@@ -95,6 +95,8 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
   mg_start_after_kink(&c);
   for (int i = 0; i < system->n_friction; i++)
     run->friction_mode[i] = MG_FRICTION_OFF, c.friction.triggered[i] = 0, c.friction.mode_before[i] = MG_FRICTION_OFF;
+  for (int k = 0; k < system->n_switch; k++)
+    run->branch[k] = 0, run->switch_mode[k] = MG_BRANCH_ZERO, run->switch_leader[k] = 0;
   for (int i = 0; i < system->n_patch_slot; i++) run->patch_mode[i] = MG_FRICTION_OFF;
   mg_zero_reals(run->search_bound, system->n_cell_tree);
   run->x[c.layout.work_state] = 0;
@@ -113,6 +115,7 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
   run->energy_0 = mg_energy(&c, &kinetic);
   mg_clear_triggered_events(&c);
   if (settings->method == MG_TIME_STEPPING) return mg_begin_time_stepping(&c);
+  mg_settle_load_branches(&c, 0);
   outcome = mg_resolve_impacts(&c, events);
   mg_report_touch_downs(&c, events);
   if (!outcome) outcome = mg_solve_contact_modes(&c, events);

@@ -75,6 +75,9 @@ static void mg_move_run(mg_stream *stream, const mg_system *s, mg_run *run) {
   mg_move_ints(stream, run->joint_row_ever_independent, s->n_joint_row);
   mg_move_reals(stream, run->input, 3L * s->n_input);
   mg_move_reals(stream, run->applied_input, 3L * s->n_input);
+  mg_move_reals(stream, run->branch, s->n_switch);
+  mg_move_ints(stream, run->switch_mode, s->n_switch);
+  mg_move_ints(stream, run->switch_leader, s->n_switch);
   const size_t from = offsetof(mg_run, steps);
   mg_move(stream, (unsigned char *)run + from, sizeof(mg_run) - from);
 }
@@ -82,9 +85,10 @@ static void mg_move_run(mg_stream *stream, const mg_system *s, mg_run *run) {
 /* Digest of the sizes of a system. */
 static mg_digest mg_digest_sizes(const mg_system *s) {
   const int sizes[] = {
-      s->n_body, s->n_contact,      s->n_load,          s->n_pair,    s->n_feature_pair, s->n_q,        s->n_u,
-      s->n_eta,  s->n_joint,        s->n_joint_row,     s->n_patch,   s->n_patch_slot,   s->n_friction, s->n_cell_tree,
-      s->n_cell, s->n_friction_row, s->closed_capacity, s->n_numbers, s->n_parameters,   s->n_input,    s->n_ball};
+      s->n_body,       s->n_contact,   s->n_load,  s->n_pair,         s->n_feature_pair,  s->n_q,
+      s->n_u,          s->n_eta,       s->n_joint, s->n_joint_row,    s->n_patch,         s->n_patch_slot,
+      s->n_friction,   s->n_cell_tree, s->n_cell,  s->n_friction_row, s->closed_capacity, s->n_numbers,
+      s->n_parameters, s->n_input,     s->n_ball,  s->n_switch};
   return mg_digest_ints(MG_DIGEST_START, sizes, (long)(sizeof sizes / sizeof *sizes));
 }
 
@@ -104,10 +108,11 @@ static mg_digest mg_digest_index_tables(mg_digest digest, const mg_index_table *
 /* Digest of the tables of bodies, loads and joints. */
 static mg_digest mg_digest_bodies(mg_digest digest, const mg_system *s) {
   const int b = s->n_body, l = s->n_load, j = s->n_joint;
-  const mg_index_table tables[] = {{s->body_kind, b},  {s->body_q, b},  {s->body_u, b},  {s->body_parameters, b},
-                                   {s->load_kind, l},  {s->load_a, l},  {s->load_b, l},  {s->load_parameters, l},
-                                   {s->joint_kind, j}, {s->joint_a, j}, {s->joint_b, j}, {s->joint_parameters, j},
-                                   {s->joint_row, j}};
+  const mg_index_table tables[] = {{s->body_kind, b},        {s->body_q, b},          {s->body_u, b},
+                                   {s->body_parameters, b},  {s->load_kind, l},       {s->load_a, l},
+                                   {s->load_b, l},           {s->load_parameters, l}, {s->load_switch, l ? l + 1 : 0},
+                                   {s->joint_kind, j},       {s->joint_a, j},         {s->joint_b, j},
+                                   {s->joint_parameters, j}, {s->joint_row, j}};
   digest = mg_digest_index_tables(digest, tables, (int)(sizeof tables / sizeof *tables));
   return mg_digest_reals(digest, s->mass_inverse, 10L * b);
 }

@@ -20,7 +20,7 @@ static mg_real mg_largest_magnitude(const mg_real *values, int n, mg_real size) 
 static mg_real mg_load_magnitude(const mg_context *c, int load, mg_real t) {
   const int body[2] = {c->system->load_a[load], c->system->load_b[load]};
   mg_real wrench[12] = {0}, size = 0;
-  mg_load_wrench(c, t, load, wrench);
+  mg_written_load_wrench(c, t, load, wrench);
   for (int side = 0; side < 2; side++)
     if (body[side] >= 0 && mg_is_moved_by_forces(c, body[side]))
       size = mg_largest_magnitude(wrench + 6 * side, c->kernels->body_kinds[mg_body_kind_of(c, body[side])].n_u, size);

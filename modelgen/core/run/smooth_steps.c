@@ -8,6 +8,7 @@ MG_API void mg_smooth(const mg_system *system, const mg_settings *settings, mg_r
                       int *iwork) {
   mg_context c;
   mg_open_context(&c, system, settings, run, work, iwork);
+  c.switches.is_literal = 1;
   const int is_composed = mg_is_in_mode_of_scene_rhs(&c);
   for (long step = 0; step < n; step++) {
     if (is_composed) mg_scene_rk4(&c, run->t, run->x, settings->step, 0, run->x);

@@ -32,6 +32,7 @@ MG_API void mg_evaluate(const mg_system *system, const mg_settings *settings, mg
                         mg_real *x_dot, mg_real *work, int *iwork) {
   mg_context c;
   mg_open_context(&c, system, settings, run, work, iwork);
+  c.switches.is_literal = !mg_slides(&c);
   mg_right_hand_side(&c, t, x, x_dot);
   for (int i = 0; i < system->n_contact; i++) run->force[i] = c.solution.force[i];
 }

@@ -103,14 +103,15 @@ MG_API long mg_work_size(const mg_system *s) {
          s->n_joint_row + 4 * m + s->n_eta + k * k + 3 * k + n * n + n + mg_lcp_work_size((int)k) +
          mg_count_reals(mg_max_patch_arcs(s), sizeof(mg_arc)) + mg_hull_memory_max(s) + (MG_STAGES + 12) * x + 32 +
          2 * s->n_eta + mg_search_memory_size(s) + mg_event_margin_size(s) + m * mg_rolling_start_size() +
+         (MG_SWITCH_COLUMNS + 7L) * s->n_switch + mg_switch_gradient_size(s) + 3L * s->n_input * s->n_switch +
          mg_friction_memory_size(s) + mg_time_sample_size(s) + 2L * s->n_pair + 6L * s->n_joint;
 }
 
 MG_API long mg_iwork_size(const mg_system *s) {
   const long m = s->n_contact, r = mg_row_count(s), k = mg_held_row_capacity(s);
-  return 7 * m + 2L * s->n_patch_slot + 10 * r + 2L * mg_spring_count(s) + 4 + mg_search_int_memory_size(s) + 2 * k +
-         mg_lcp_iwork_size((int)k) + 4L * s->n_body + 1 + mg_friction_int_memory_size(s) +
-         mg_listing_int_memory_size(s);
+  return 7 * m + 3L * s->n_switch + 2L * s->n_patch_slot + 10 * r + 2L * mg_spring_count(s) + 4 +
+         mg_search_int_memory_size(s) + 2 * k + mg_lcp_iwork_size((int)k) + 4L * s->n_body + 1 +
+         mg_friction_int_memory_size(s) + mg_listing_int_memory_size(s);
 }
 
 MG_API mg_digest mg_shapes_digest(const mg_system *system) { return mg_digest_searched_shapes(system); }
@@ -253,6 +254,14 @@ static void mg_set_arrays(mg_context *c, mg_real *work, int *iwork) {
   c->layout.n_timed = mg_time_function_count(s), c->step.time_samples = mg_take_reals(&work, mg_time_sample_size(s));
   c->sensors.acceleration = mg_take_reals(&work, 6 * b);
   c->sensors.pair = mg_take_reals(&work, 2L * s->n_pair), c->sensors.joint = mg_take_reals(&work, 6L * s->n_joint);
+  c->switches.value = mg_take_reals(&work, s->n_switch), c->switches.rate = mg_take_reals(&work, s->n_switch),
+  c->switches.size = mg_take_reals(&work, s->n_switch), c->switches.slack = mg_take_reals(&work, s->n_switch);
+  c->switches.noise = mg_take_reals(&work, s->n_switch), c->switches.second = mg_take_reals(&work, 2L * s->n_switch);
+  c->switches.slope = mg_take_reals(&work, (long)MG_SWITCH_COLUMNS * s->n_switch),
+  c->switches.gradient = mg_take_reals(&work, mg_switch_gradient_size(s)),
+  c->switches.input_gradient = mg_take_reals(&work, 3L * s->n_input * s->n_switch);
+  c->switches.triggered = mg_take_ints(&iwork, s->n_switch), c->switches.is_at_zero = mg_take_ints(&iwork, s->n_switch),
+  c->switches.mode_before = mg_take_ints(&iwork, s->n_switch);
   c->rows.tangents = c->rows.kernel_rows = 0;
   if (s->n_friction) mg_set_friction_arrays(c, work, iwork);
 }
@@ -282,7 +291,8 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
   c->layout.joint_row_begin = system->n_contact + 1, c->layout.spring_row_end = (int)mg_row_count(system);
   c->layout.friction_row_begin = c->layout.joint_row_end = c->layout.joint_row_begin + system->n_joint_row,
   c->layout.spring_row_begin = c->layout.friction_row_end = c->layout.friction_row_begin + system->n_friction_row,
-  c->friction.slips = c->friction.couples_normal = c->friction.follows_angle = 0;
+  c->friction.slips = c->friction.couples_normal = c->friction.follows_angle = c->switches.is_literal =
+      c->switches.is_unresolved = 0;
   mg_set_arrays(c, work, iwork);
   for (int b = 0; b < system->n_body; b++) c->bodies.motion[b] = c->kernels->body_kinds[system->body_kind[b]].motion;
   for (int i = 0; i < c->layout.n_states; i++) c->step.scale[i] = system->scale[i];
@@ -299,6 +309,7 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
     c->lcp.column[i] = -1, c->contacts.n_eta[i] = c->events.within_border[i] = 0, mg_load_feature_pair(c, i);
   for (int slot = 0; slot < system->n_patch_slot; slot++) c->patches.barred[slot] = -1, c->patches.trial[slot] = 0;
   for (int pair = 0; pair < system->n_pair; pair++) c->search.searched_gap[pair] = -1;
+  for (int k = 0; k < system->n_switch; k++) c->switches.triggered[k] = 0, c->switches.slack[k] = 0;
   mg_init_listing(c);
   mg_keep_cells_of_same_shapes(c);
   mg_init_joint_rows(c);

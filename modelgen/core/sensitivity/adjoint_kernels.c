@@ -89,6 +89,7 @@ MG_INTERNAL void mg_load_adjoint(const mg_context *c, mg_sensitivity *s, int loa
             b = system->load_b[load] < 0 ? a : system->load_b[load], n = c->kernels->load_kinds[kind].n_parameters,
             offset = system->load_parameters[load];
   *s->x = t;
+  mg_pack_branches(c, s, load);
   mg_real *x = mg_pack_state(c, b, mg_pack_state(c, a, s->x + 1));
   mg_pack(mg_pack(x, n, system->parameters + offset), 3 * system->n_input, c->run->input);
   for (int k = 0; k < 3 * system->n_input; k++) s->x_dot[37 + n + k] = 0;

@@ -23,8 +23,8 @@ MG_API long mg_sensitivity_size(const mg_system *s, int n) {
   const long states = (long)s->n_q + s->n_u + s->n_eta + 1;
   return 2 * mg_count_reals(mg_save_size(s), 1) + mg_count_reals(1, sizeof(mg_blow)) + 36L * s->n_body +
          4 * mg_sensitivity_rows(s) + s->n_friction_row + (12L * (n ? n : 1) + 2 * n + 3) * states +
-         3 * mg_packed_size(s) + 18 + 2 * n + 1 + s->n_friction + s->n_patch_slot + 2L * s->n_pair + 6L * s->n_joint +
-         12L * s->n_load + 6L * s->n_patch_slot;
+         3 * mg_packed_size(s) + 18 + s->n_switch + 2 * n + 1 + s->n_friction + s->n_patch_slot + 2L * s->n_pair +
+         6L * s->n_joint + 12L * s->n_load + 6L * s->n_patch_slot;
 }
 
 MG_API long mg_sensitivity_int_size(const mg_system *s) { return (long)s->n_contact + s->n_friction + s->n_patch_slot; }
@@ -110,7 +110,7 @@ MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int
   s->stage = mg_take_reals(&work, states), s->before = mg_take_reals(&work, states);
   s->slope_before = mg_take_reals(&work, states);
   s->x = mg_take_reals(&work, mg_packed_size(system)), s->x_dot = mg_take_reals(&work, mg_packed_size(system));
-  s->y_dot = mg_take_reals(&work, mg_packed_size(system)), s->weights = mg_take_reals(&work, 18);
+  s->y_dot = mg_take_reals(&work, mg_packed_size(system)), s->weights = mg_take_reals(&work, 18L + system->n_switch);
   s->end = mg_take_reals(&work, n * states), s->size = mg_take_reals(&work, n);
   s->event_rate = mg_take_reals(&work, n + 1);
   s->slip = mg_take_reals(&work, system->n_friction + system->n_patch_slot);
@@ -272,7 +272,8 @@ MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settin
       outcome = MG_CONTINUE;
       continue;
     }
-    const int of_event = s.crossing.kind == MG_CROSSES_NOTHING ? -1 : s.crossing.contact;
+    const int of_event =
+        s.crossing.kind == MG_CROSSES_NOTHING || s.crossing.kind == MG_CROSSES_SWITCH ? -1 : s.crossing.contact;
     mg_doubt_tangent(tangent, reason, end, s.doubtful >= 0 ? s.doubtful : of_event);
     mg_restore_run(system, run, step->after);
     mg_keep_step(system, &s);

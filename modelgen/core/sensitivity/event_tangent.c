@@ -21,6 +21,7 @@ static int mg_crossed_function(const mg_context *c, int kind, int contact) {
     return c->run->closed[contact] ? MG_CROSSES_NOTHING : MG_CROSSES_GAP;
   if (kind == MG_EVENT_LIFT_OFF || kind == MG_EVENT_TIPPING) return MG_CROSSES_FORCE;
   if (kind == MG_EVENT_FEATURE_CHANGE || kind == MG_EVENT_VANISH) return MG_CROSSES_BORDER;
+  if (kind == MG_EVENT_LOAD_SWITCH) return MG_CROSSES_SWITCH;
   if (kind < MG_EVENT_SLIP_START || kind >= MG_EVENT_FALLBACK_START) return MG_CROSSES_NOTHING;
   const int slot = mg_slot_of_support(c, contact);
   if (slot >= 0 ? !mg_is_whole_plane(c, mg_patch_of_slot(c, slot)) : mg_constraint_of_event(c, contact, kind) < 0)
@@ -30,7 +31,7 @@ static int mg_crossed_function(const mg_context *c, int kind, int contact) {
 
 /* Why an event of the list makes derivatives uncertain, or 0. */
 static int mg_uncertain_event(const mg_context *c, int kind, int contact) {
-  if (kind >= MG_EVENT_FALLBACK_START) return MG_BY_TIME_STEPPING;
+  if (kind == MG_EVENT_FALLBACK_START || kind == MG_EVENT_FALLBACK_END) return MG_BY_TIME_STEPPING;
   if (kind == MG_EVENT_FACE_CONTACT) return MG_BY_FACES;
   if (kind == MG_EVENT_TOUCH_DOWN && c->system->restitution[contact] > 0) return MG_BY_REST_SPEED;
   return MG_NO_REASON;
@@ -39,7 +40,7 @@ static int mg_uncertain_event(const mg_context *c, int kind, int contact) {
 MG_INTERNAL mg_crossing mg_find_crossing(const mg_context *c, const mg_events *events, int first) {
   mg_crossing found = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON};
   int several = 0;
-  static const int order[] = {0, 5, 4, 3, 2, 1}; /* by MG_CROSSES_..: what jumps most comes first */
+  static const int order[] = {0, 6, 4, 3, 2, 1, 5}; /* by MG_CROSSES_..: what jumps most comes first */
   for (int k = first; k < events->count; k++) {
     const int kind = events->kind[k], contact = events->contact[k];
     const int function = mg_crossed_function(c, kind, contact), reason = mg_uncertain_event(c, kind, contact);
@@ -140,6 +141,10 @@ MG_INTERNAL void mg_differentiate_event(mg_context *c, mg_sensitivity *s, mg_cro
     s->is_time = j == n;
     const mg_real *dx = s->is_time ? s->slope_before : s->tangent->x + (long)j * states;
     mg_rhs_tangent(c, s, j, t, c->step.end, dx, s->stage);
+    if (crossing->kind == MG_CROSSES_SWITCH) {
+      s->event_rate[j] = mg_switch_tangent(c, s, j, t, contact);
+      continue;
+    }
     const int eta = c->system->n_q + c->system->n_u + c->system->contact_eta[contact];
     const int slot = mg_slot_of_support(c, contact);
     if (crossing->kind == MG_CROSSES_GAP) s->event_rate[j] = s->at.value[contact];
@@ -238,7 +243,8 @@ static void mg_note_event(const mg_context *c, mg_sensitivity *s, const mg_cross
   mg_tangent *tangent = s->tangent;
   const int n = s->directions->n, k = tangent->count++;
   if (k >= tangent->capacity) return;
-  tangent->event_t[k] = c->run->t, tangent->event_contact[k] = crossing->contact;
+  tangent->event_t[k] = c->run->t,
+  tangent->event_contact[k] = crossing->kind == MG_CROSSES_SWITCH ? -1 : crossing->contact;
   for (int j = 0; j < n; j++) tangent->event_t_dot[(long)k * n + j] = mg_event_time_dot(s, j);
 }
 

@@ -71,7 +71,7 @@ typedef struct {
 /* What the events of a step are to the derivatives. */
 typedef struct {
   int kind;       /* MG_CROSSES_NOTHING .. */
-  int contact;    /* of the event function */
+  int contact;    /* of the event function; a switching function of a load: its number */
   int constraint; /* friction constraint of it, or -1 */
   int blow;       /* 1: velocities jump */
   int reason;     /* why they are not certain, or 0 */
@@ -83,7 +83,8 @@ enum {
   MG_CROSSES_SLIP = 2,    /* slip ends */
   MG_CROSSES_BOUND = 3,   /* a friction force reaches its bound */
   MG_CROSSES_FORCE = 4,   /* a force becomes tensile */
-  MG_CROSSES_BORDER = 5   /* a contact leaves its feature pair */
+  MG_CROSSES_BORDER = 5,  /* a contact leaves its feature pair */
+  MG_CROSSES_SWITCH = 6   /* a switching function of a load is zero */
 };
 
 /* The step that the run takes, and the lists as they were before it. */
@@ -143,6 +144,12 @@ typedef struct {
 } mg_sensitivity;
 
 /* tangent_kernels.c: results in s->y_dot */
+
+/* Packs the branches of a load into the weights. */
+MG_INTERNAL void mg_pack_branches(const mg_context *c, mg_sensitivity *s, int load);
+
+/* Derivative of a switching function of a load along a direction. Needs the tangents of the bodies. */
+MG_INTERNAL mg_real mg_switch_tangent(mg_context *c, const mg_sensitivity *s, int direction, mg_real t, int which);
 
 /* Number of the direction, or none while s->is_time. */
 MG_INTERNAL void mg_contact_tangent(mg_context *c, mg_sensitivity *s, int direction, int contact, const mg_real *eta,

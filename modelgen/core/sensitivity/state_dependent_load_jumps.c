@@ -4,6 +4,7 @@
 #include "sensitivity/sensitivity.h"
 #include "base/base.h"
 #include "model/model.h"
+#include "forces/forces.h"
 
 #define MG_JUMP_BISECTIONS 16 /* of the way along which a jump is sought */
 
@@ -64,6 +65,7 @@ MG_INTERNAL int mg_has_load_jump(mg_context *c, mg_sensitivity *s, mg_real t, co
                                  mg_real h) {
   mg_real wrench[12];
   int has_rates = 0;
+  if (mg_slides(c)) return 1;
   for (int i = 0; i < c->system->n_load; i++) {
     mg_wrench_of_load(c, t, i, wrench);
     const mg_real *before = s->load + 12 * i, change = mg_wrench_difference(c, wrench, before),

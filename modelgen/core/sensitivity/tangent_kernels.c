@@ -72,6 +72,28 @@ static const mg_real *mg_inputs_dot(const mg_context *c, const mg_sensitivity *s
   return mg_row_of_direction(s, s->directions->input, 3L * c->system->n_input, direction);
 }
 
+MG_INTERNAL void mg_pack_branches(const mg_context *c, mg_sensitivity *s, int load) {
+  const int first = mg_switch_begin(c->system, load);
+  mg_pack(s->weights, mg_switch_end(c->system, load) - first, c->run->branch + first);
+}
+
+MG_INTERNAL mg_real mg_switch_tangent(mg_context *c, const mg_sensitivity *s, int direction, mg_real t, int which) {
+  const mg_system *system = c->system;
+  const int load = mg_load_of_switch(system, which), n = c->kernels->load_kinds[system->load_kind[load]].n_parameters,
+            bodies[2] = {system->load_a[load], system->load_b[load]};
+  const mg_real *by_input, *g = mg_switch_gradient(c, t, load, which, &by_input),
+                           *numbers = mg_parameters_dot(c, s, direction, system->load_parameters[load]),
+                           *inputs = mg_inputs_dot(c, s, direction);
+  mg_real sum = g[0] * mg_time_dot(s, direction);
+  for (int side = 0; side < 2; side++)
+    for (int k = 0; k < 18 && bodies[side] >= 0; k++)
+      sum +=
+          g[1 + 18 * side + k] * (k < 12 ? s->at.pose[12 * bodies[side] + k] : s->at.twist[6 * bodies[side] + k - 12]);
+  for (int k = 0; k < n && numbers; k++) sum += g[MG_SWITCH_COLUMNS + k] * numbers[k];
+  for (int k = 0; k < 3 * system->n_input && inputs; k++) sum += by_input[k] * inputs[k];
+  return sum;
+}
+
 static void mg_call_tangent(const mg_context *c, mg_sensitivity *s, int task, int kind) {
   c->kernels->derivatives->tangent(task, kind, s->weights, s->x, s->x_dot, s->y_dot);
 }
@@ -162,6 +184,7 @@ MG_INTERNAL void mg_load_tangent(const mg_context *c, mg_sensitivity *s, int dir
             offset = system->load_parameters[load];
   mg_real *x = s->x, *x_dot = s->x_dot;
   *x++ = t, *x_dot++ = mg_time_dot(s, direction);
+  mg_pack_branches(c, s, load);
   mg_pack_body(c, s, a, &x, &x_dot), mg_pack_body(c, s, b, &x, &x_dot);
   x = mg_pack(x, n, system->parameters + offset), x_dot = mg_pack(x_dot, n, mg_parameters_dot(c, s, direction, offset));
   mg_pack(x, 3 * system->n_input, c->run->input), mg_pack(x_dot, 3 * system->n_input, mg_inputs_dot(c, s, direction));

@@ -26,18 +26,19 @@ MG_INTERNAL int mg_count_transitions(const mg_events *events, int first) {
   int count = 0;
   for (int i = first; i < events->count; i++) {
     const int kind = events->kind[i];
-    count += kind == MG_EVENT_IMPACT || kind == MG_EVENT_TOUCH_DOWN || kind == MG_EVENT_LIFT_OFF;
+    count += kind == MG_EVENT_IMPACT || kind == MG_EVENT_TOUCH_DOWN || kind == MG_EVENT_LIFT_OFF ||
+             kind == MG_EVENT_LOAD_SWITCH;
   }
   return count;
 }
 
-/* Work of one right-hand side: the equations of all contacts, and the factorisation for the forces of those that carry
-   some, with their friction rows. */
+/* Work of one right-hand side: the equations of all contacts, loads that switch as those of one, and the factorisation
+   for the forces of those that carry some, with their friction rows. */
 static mg_real mg_work_of_evaluation(const mg_context *c) {
   mg_real n = 0;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     n += c->run->active[i] ? 1 + mg_tangential_row_count(c, i) : 0;
-  return c->listed.n_contact + n * n * n / MG_PIVOTS_PER_EVALUATION;
+  return c->listed.n_contact + (c->system->n_switch > 0) + n * n * n / MG_PIVOTS_PER_EVALUATION;
 }
 
 MG_INTERNAL int mg_has_costly_events(mg_context *c, const mg_events *events, int first, long evaluations) {

@@ -33,7 +33,7 @@ SYSTEM_INTEGERS = (
     *("n_q", "n_u", "n_eta", "closed_capacity", "n_joint", "n_joint_row"),
     *("n_patch", "n_patch_slot", "n_cell_tree", "n_cell", "n_friction", "n_friction_row"),
     "n_ball",
-    *("n_input", "sensor_parameters"),
+    *("n_input", "n_switch", "sensor_parameters"),
     *("n_parameters", "n_numbers"),
 )
 SYSTEM_INDICES = (
@@ -53,7 +53,7 @@ SYSTEM_INDICES = (
     *("feature_shape", "feature_parameters", "feature_numbers", "feature_tree"),
     *("condition_kind", "condition_feature", "condition_feature_pair", "condition_numbers"),
     "condition_is_line_end",
-    *("load_kind", "load_a", "load_b", "load_parameters"),
+    *("load_kind", "load_a", "load_b", "load_parameters", "load_switch"),
     *("joint_kind", "joint_a", "joint_b", "joint_parameters", "joint_row"),
     *("patch_pair", "patch_slots", "patch_arc", "patch_arc_f", "patch_numbers", "patch_covered"),
     "covered_feature_pair",
@@ -163,6 +163,7 @@ RUN_ARRAYS = (
         "reference_force",
     ),
     *("force", "margin", "rolling_start", "tilt_direction", "input", "applied_input"),
+    *("branch", "switch_mode", "switch_leader"),
     *("search_bound", "joint_independence_max", "joint_response"),
     *("joint_row_independent", "joint_row_ever_independent"),
 )
@@ -382,9 +383,14 @@ def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) 
     }
     sides = FeatureTables(manifest, parameters, float(np.finfo(tables.dtype).max))
     integers = _bodies_and_contacts(instance, starts) | sides.integers | _loads_and_joints(instance, starts)
+    integers["load_switch"] = _switches(manifest)
     add_limits(integers, instance["limits"], starts["limits"])
     add_patches(integers, sides.numbers, parameters, instance)
-    of_inputs = len(instance["inputs"]), append(parameters, instance["sensors"]["parameters"])
+    of_inputs = (
+        len(instance["inputs"]),
+        integers["load_switch"][-1],
+        append(parameters, instance["sensors"]["parameters"]),
+    )
     constraints, balls = FrictionTables(instance), BallTables(instance)
     integers |= (
         constraints.integers
@@ -461,6 +467,12 @@ def _loads_and_joints(instance: Mapping[str, Any], starts: Mapping[str, list[int
         **{f"joint_{key}": [entry[key] for entry in joints] for key in ("kind", "a", "b", "row")},
         "joint_parameters": starts["joints"],
     }
+
+
+def _switches(manifest: Manifest) -> list[int]:
+    """The first switching function of each load, and the one after the last."""
+    kinds, loads = manifest.kinds["load"], manifest.instance["loads"]
+    return [*accumulate((int(kinds[load["kind"]].get("switches", 0)) for load in loads), initial=0)]
 
 
 def _reals(instance: Mapping[str, Any]) -> dict[str, list[float]]:

@@ -75,7 +75,7 @@ def _make(library: Library) -> LibraryTables:
     names = tuple(c["name"] for c in (*instance["contacts"], *instance["limits"]))
     slots = slot_count(instance)
     n_contact, limits = len(names) + SUPPORT_POINTS * slots, len(instance["limits"])
-    n_event = 64 + 8 * n_contact
+    n_event = 64 + 8 * n_contact + 4 * int(system.n_switch)
     reals, integers = _sizes_of_run(instance, system, n_contact, slots)
     work, iwork, checkpoint = _memory_sizes(library.cdll, system)
     return LibraryTables(
@@ -141,6 +141,7 @@ def _sizes_of_run(
         "margin": m,
         "tilt_direction": 3 * n_contact + 3,
         **dict.fromkeys(("input", "applied_input"), SETTING_SIZE * len(instance["inputs"]) + 1),
+        "branch": int(system.n_switch) + 1,
         "search_bound": int(system.n_cell_tree) + 1,
         "joint_independence_max": int(system.n_joint) + 1,
         "joint_response": 12 * int(system.n_joint_row) + 1,
@@ -149,6 +150,7 @@ def _sizes_of_run(
         **dict.fromkeys(("feature_pair", "closed", "active", "rolling_start"), m),
         **dict.fromkeys(("is_search_due", "is_far"), pairs),
         "friction_mode": groups + 1,
+        **dict.fromkeys(("switch_mode", "switch_leader"), int(system.n_switch) + 1),
         "patch_mode": slots + 1,
         **dict.fromkeys(("joint_row_independent", "joint_row_ever_independent"), int(system.n_joint_row) + 1),
     }
