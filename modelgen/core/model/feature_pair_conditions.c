@@ -171,6 +171,11 @@ MG_INTERNAL int mg_is_revolved(const mg_context *c, int feature_pair, int side) 
          c->system->numbers[c->system->condition_numbers[k] + 6] < 0;
 }
 
+MG_INTERNAL int mg_is_part_of_circle(const mg_context *c, int feature_pair) {
+  const int k = mg_coaxial_condition_of(c, feature_pair);
+  return k >= 0 && c->system->numbers[c->system->condition_numbers[k] + 6] > 0;
+}
+
 MG_INTERNAL mg_real mg_least_margin(const mg_context *c, int feature_pair) {
   return mg_is_almost_coaxial(c, feature_pair) ? 0 : c->settings->search_margin;
 }
