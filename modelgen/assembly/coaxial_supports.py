@@ -66,11 +66,11 @@ def _label(feature: Feature) -> str:
     return feature.name or feature.shape.kind
 
 
-def has_coaxial_supports(feature: Feature, other: Feature) -> bool:
+def has_coaxial_supports(feature: Feature, other: Feature, is_first: bool) -> bool:
     """Whether supports of the feature replace it while it is coaxial with the other one.
 
     That is a ball, or another surface of revolution. Where both could have supports, those of the lower
-    dimension are taken.
+    dimension are taken, of two alike those of the first one of the pair: `is_first` says whether this is it.
     """
     if other.dimension < 2 or is_coaxial_support(other):
         return False
@@ -81,7 +81,10 @@ def has_coaxial_supports(feature: Feature, other: Feature) -> bool:
     if mine is None or is_ball:
         return mine is not None
     theirs = meridian_of(other)
-    return theirs is None or (mine.dimension, feature.name) <= (theirs.dimension, other.name)
+    if theirs is None:
+        return True
+    mine_first, theirs_first = (mine.dimension, feature.name), (theirs.dimension, other.name)
+    return is_first if mine_first == theirs_first else mine_first < theirs_first
 
 
 def eccentric(feature: Feature) -> Feature:

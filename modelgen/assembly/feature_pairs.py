@@ -225,9 +225,9 @@ def _allowed(side: Sequence[Feature], pair: ContactPair) -> list[Two]:
 def _may_touch(features: Two, bearers: Two, alone: bool, once: bool) -> bool:
     """`bearers`: what the features are parts of, or they themselves; `alone`: the shapes have one feature
     each; `once`: they touch in one point at a time."""
-    for support, bearer, other in zip(features, bearers, reversed(features), strict=True):
+    for k, (support, bearer) in enumerate(zip(features, bearers, strict=True)):
         if is_coaxial_support(support):
-            return not once and has_coaxial_supports(bearer, other)
+            return not once and has_coaxial_supports(bearer, features[1 - k], k == 0)
     return alone or _touch_in_points(*features)
 
 
@@ -265,8 +265,8 @@ def _off_axis(a: Feature, b: Feature) -> Two:
     """The condition by which a ring or funnel hands over to its coaxial supports where it is coaxial with
     another body."""
     return (
-        eccentric(a) if has_coaxial_supports(a, b) else a,
-        eccentric(b) if has_coaxial_supports(b, a) else b,
+        eccentric(a) if has_coaxial_supports(a, b, True) else a,
+        eccentric(b) if has_coaxial_supports(b, a, False) else b,
     )
 
 

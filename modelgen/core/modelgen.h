@@ -318,13 +318,14 @@ typedef struct {
   mg_real penetration_limit;      /* a run ends where bodies penetrate deeper than this times length */
   mg_real appear_depth;           /* a contact may appear in a run with d >= -appear_depth * pair length */
   mg_real step_min;               /* a step below step_min * time ends the run */
-  mg_real margin_warn;            /* a contact that starts at a zero of its margin has no bound on it up to here */
-  mg_real margin_refuse;          /* a closed contact whose margin falls below this ends the run */
-  mg_real appear_margin;    /* a contact without a feature pair of its own appears in a run only with a margin above
-                               this */
-  mg_real appear_tilt_sine; /* a closest point on a vertex or edge is accepted if no watched condition of it, the
-                               sine of a tilt, is below -appear_tilt_sine */
-  mg_real search_margin;    /* a search drops closest points with a margin below this */
+  mg_real margin_warn;   /* a contact that starts at a zero of its margin has no bound on it up to here, nor has one of
+                            features of revolution closer to coaxial than this and this times the length */
+  mg_real margin_refuse; /* a closed contact whose margin falls below this ends the run */
+  mg_real appear_margin; /* a contact without a feature pair of its own appears in a run only with a margin above
+                            this */
+  mg_real appear_tilt_sine;      /* a closest point on a vertex or edge is accepted if no watched condition of it, the
+                                    sine of a tilt, is below -appear_tilt_sine */
+  mg_real search_margin;         /* a search drops closest points with a margin below this */
   mg_real search_merge_distance; /* closest points nearer than search_merge_distance * pair length are one */
   mg_real search_gap;      /* contacts that appear in a run are followed from gaps below search_gap * pair length */
   mg_real search_movement; /* MG_SEARCH_MOVED: a pair is searched after it has moved by search_movement * pair length */

@@ -109,7 +109,8 @@ class Accuracy:
         event_tolerance: events are located to this times T.
         extremality_residual: residual of the closest-point equations at the start, relative to L and 1.
         step_min: a run ends if its step falls below this times T.
-        margin_warn: a closed contact whose margin falls below this is reported.
+        margin_warn: a closed contact whose margin falls below this is reported. Features of revolution
+            closer to coaxial than this and this times L are followed at any margin.
         margin_refuse: a run ends if the margin of a closed contact falls below this.
         slip_stop_speed_ratio: slip stops at an event only if stopping costs less energy than slip at this
             times `slip_speed` has.

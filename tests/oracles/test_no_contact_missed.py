@@ -16,7 +16,7 @@ from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Body
 from tests.benchmarks.cliff_scenes import links_and_dust
 from tests.benchmarks.non_convex_scenes import judge
-from tests.oracles.pieces import TABLE, ran
+from tests.oracles.pieces import TABLE, ball, ran
 from tests.running import library_of
 
 Array = np.ndarray[Any, Any]
@@ -305,3 +305,26 @@ def test_a_contact_that_leaves_its_edge_is_not_taken_to_the_far_side() -> None:
     verdict = judge(636)
     assert verdict.outcome == "DONE", str(verdict)
     assert verdict.deepest < 1e-9
+
+
+@pytest.mark.cases(4)
+@pytest.mark.parametrize("semi_axes", [[0.03, 0.04], [0.04, 0.03], [0.03, 0.0301]])
+@pytest.mark.parametrize("fall", [0.01, 0.02, 0.05])
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("accuracy", ["fast", "balanced"])
+def test_all_that_touches_at_an_impact_takes_part_in_it(
+    semi_axes: list[float], fall: float, restitution: float, accuracy: str
+) -> None:
+    """A ball falls from rest along the axis of an elliptical ring, whose two nearest points are farther away
+    than a search follows: both are struck at once, and the ball stays on the axis."""
+    height = float(np.sqrt(0.05**2 - min(semi_axes) ** 2))
+    ring = make.fixed("ring", make.shape("ellipse_curve", semi_axes=semi_axes))
+    body = ball("ball", [0.0, 0.0, height + fall], 0.05)
+    contact = [{"between": ["ball", "ring"], "restitution": restitution}]
+    library = library_of(make.scene("oracle", [ring, body], contact=contact))
+    path = simulate(library, until=0.2, accuracy=Accuracy.named(accuracy), samples=20)
+    assert path.outcome is Outcome.DONE
+    assert path.penetration_max < 1e-10
+    assert path.estimate is not None
+    aside = np.hypot(path.p[:, 1, 0], path.p[:, 1, 1])
+    assert (aside <= np.minimum(path.estimate.position, 1e-6)).all()

@@ -75,6 +75,33 @@ static int mg_is_gap_closing(const mg_context *c, int contact) {
          (fabs(c->rows.d[contact]) <= c->settings->contact_gap * c->system->length && mg_is_approaching(c, contact));
 }
 
+/* True for an open contact that touches, within the resolution of event times, and does not separate, of a circle of
+   which another contact has just closed. */
+static int mg_is_circle_closing(const mg_context *c, int contact) {
+  const int pair = c->system->contact_pair[contact], feature_pair = c->run->feature_pair[contact];
+  if (c->run->closed[contact] || feature_pair < 0 || !mg_is_part_of_circle(c, feature_pair)) return 0;
+  const mg_real moment = c->settings->event_tolerance * c->system->time, approach = -c->rows.d_dot[contact];
+  if (approach < 0 || fabs(c->rows.d[contact]) > c->settings->contact_gap * c->system->length + moment * approach)
+    return 0;
+  for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
+    if (c->events.triggered[i] == MG_JUST_CLOSED && mg_is_part_of_circle(c, c->run->feature_pair[i])) return 1;
+  return 0;
+}
+
+/* The first closed contact of the circle that a closed contact is a part of; of no circle: itself. */
+static int mg_first_of_circle(const mg_context *c, int contact) {
+  if (!mg_is_part_of_circle(c, c->run->feature_pair[contact])) return contact;
+  int i = mg_pair_first_contact(c, c->system->contact_pair[contact]);
+  while (!c->run->closed[i] || !mg_is_part_of_circle(c, c->run->feature_pair[i])) i++;
+  return i;
+}
+
+/* Close an open contact. */
+static void mg_close_gap(mg_context *c, mg_events *events, int contact) {
+  mg_apply_contact_transition(c, events, contact, MG_IMPACT_INELASTIC, c->run->t, 0);
+  c->events.triggered[contact] = MG_JUST_CLOSED;
+}
+
 /* True if another feature pair lies behind the border that a contact is about to pass. */
 static int mg_has_feature_pair_behind(const mg_context *c, int contact) {
   return c->system->condition_feature_pair[c->events.broken_condition[contact]] >= 0;
@@ -101,10 +128,9 @@ static int mg_process_contact_events(mg_context *c, mg_events *events) {
     mg_open_separated_contacts(c, events);
   }
   for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
-    if (mg_is_gap_closing(c, i)) {
-      mg_apply_contact_transition(c, events, i, MG_IMPACT_INELASTIC, c->run->t, 0);
-      c->events.triggered[i] = MG_JUST_CLOSED;
-    }
+    if (mg_is_gap_closing(c, i)) mg_close_gap(c, events, i);
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
+    if (mg_is_circle_closing(c, i)) mg_close_gap(c, events, i);
   if (!mg_has_closed_contact_capacity(c)) return MG_TOO_MANY_CLOSED;
   const int outcome = mg_resolve_impacts(c, events);
   if (outcome) return outcome;
@@ -112,7 +138,8 @@ static int mg_process_contact_events(mg_context *c, mg_events *events) {
     if (c->events.triggered[i] != MG_JUST_CLOSED) continue;
     c->events.triggered[i] = 0;
     if (c->run->closed[i])
-      mg_apply_contact_transition(c, events, i, MG_TOUCHES_DOWN, c->run->t + mg_remaining_bounce_time(c, i),
+      mg_apply_contact_transition(c, events, i, MG_TOUCHES_DOWN,
+                                  c->run->t + mg_remaining_bounce_time(c, mg_first_of_circle(c, i)),
                                   mg_max(0, -c->rows.d_dot[i]));
   }
   const int settled = mg_solve_contact_modes(c, events);

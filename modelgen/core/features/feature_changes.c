@@ -427,7 +427,21 @@ static int mg_is_only_minimum_followed(const mg_context *c, int pair, mg_real ga
 }
 
 /* What a search of a pair finds that no contact follows. */
-enum { MG_ALL_FOLLOWED = 0, MG_NEW_MINIMUM = 1, MG_NEW_PENETRATION = 2 };
+enum { MG_ALL_FOLLOWED = 0, MG_NEW_MINIMUM = 1, MG_NEW_TOUCH = 2, MG_NEW_PENETRATION = 3 };
+
+/* Marks in c->search.searched_gap. */
+enum { MG_NOT_SEARCHED = -1, MG_TOUCH_FOUND = -2 };
+
+/* What a minimum that no contact follows is: MG_NEW_MINIMUM .. . One touches that may do so within the resolution of
+   event times. */
+static int mg_kind_of_unfollowed_minimum(const mg_context *c, const mg_minimum *found, mg_real depth) {
+  const mg_system *s = c->system;
+  const mg_real moment = c->settings->event_tolerance * s->time,
+                touching = c->settings->contact_gap * s->length +
+                           moment * mg_pair_speed_bound(c, s->feature_pair_owner[found->feature_pair]);
+  if (!(found->d <= touching) || !mg_is_minimum_accepted(c, found, depth)) return MG_NEW_MINIMUM;
+  return found->d < -c->settings->start_gap * s->length ? MG_NEW_PENETRATION : MG_NEW_TOUCH;
+}
 
 /* Searches a pair, which has moved since its last search, at the present poses for minima that no contact follows:
    MG_ALL_FOLLOWED .. . */
@@ -448,8 +462,8 @@ static int mg_find_unfollowed_minimum(mg_context *c, int pair, mg_real moved) {
     if (!mg_is_minimum_within_reach(c, each, limits.depth) || mg_is_minimum_tracked(c, pair, -1, each) ||
         mg_is_minimum_ignored(c, each))
       continue;
-    const int is_deep = each->d < -touching && mg_is_minimum_accepted(c, each, limits.depth);
-    kind = is_deep ? MG_NEW_PENETRATION : MG_NEW_MINIMUM;
+    const int found_kind = mg_kind_of_unfollowed_minimum(c, each, limits.depth);
+    if (found_kind > kind) kind = found_kind;
   }
   return kind;
 }
@@ -533,7 +547,7 @@ MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
   const mg_system *s = c->system;
   mg_real *const start = c->run->x;
   for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair))
-    c->search.searched_gap[pair] = -1;
+    c->search.searched_gap[pair] = MG_NOT_SEARCHED;
   for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) {
     const mg_real moved = c->run->moved_since_search[pair] + h * mg_pair_speed_bound(c, pair);
     const int guided = mg_has_own_feature_pairs(c, pair) && s->pair_search[pair] != MG_SEARCH_NEVER;
@@ -545,6 +559,7 @@ MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
     const int found = mg_find_unfollowed_minimum(c, pair, moved);
     c->run->x = start;
     if (found == MG_ALL_FOLLOWED) c->search.searched_gap[pair] = mg_max(c->search.open_gap, (mg_real)0);
+    if (found == MG_NEW_TOUCH) c->search.searched_gap[pair] = MG_TOUCH_FOUND;
     if (found != MG_NEW_PENETRATION) continue;
     mg_update_poses(c, c->run->t, start);
     const int was_there = mg_find_unfollowed_minimum(c, pair, moved) == MG_NEW_PENETRATION;
@@ -554,6 +569,30 @@ MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
     return 1;
   }
   return 0;
+}
+
+/* True if a gap closes. */
+static int mg_is_any_gap_closing(const mg_context *c) {
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
+    if (c->events.triggered[i] == 1 && !c->run->closed[i]) return 1;
+  return 0;
+}
+
+/* True if a contact of the pair is about to change its feature. */
+static int mg_is_pair_changing_features(const mg_context *c, int pair) {
+  for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
+    if (c->events.triggered[i] >= MG_LEAVES_FEATURE) return 1;
+  return 0;
+}
+
+MG_INTERNAL int mg_follow_touching_minima(mg_context *c, mg_events *events, mg_real h) {
+  int count = 0;
+  if (!mg_is_any_gap_closing(c)) return 0;
+  for (int pair = mg_next_pair(c, -1); pair < c->system->n_pair; pair = mg_next_pair(c, pair))
+    if (c->search.searched_gap[pair] == MG_TOUCH_FOUND && !mg_is_pair_changing_features(c, pair))
+      count +=
+          mg_search_pair_contacts(c, events, pair, c->run->moved_since_search[pair] + h * mg_pair_speed_bound(c, pair));
+  return count;
 }
 
 MG_INTERNAL int mg_request_penetration_searches(mg_context *c) {
@@ -615,7 +654,7 @@ MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h)
     const mg_real moved = c->run->moved_since_search[pair];
     const int is_done = c->search.searched_gap[pair] >= 0 && !c->run->is_search_due[pair];
     if (is_done) c->run->unfollowed_gap[pair] = c->search.searched_gap[pair];
-    c->search.searched_gap[pair] = -1;
+    c->search.searched_gap[pair] = MG_NOT_SEARCHED;
     c->run->moved_since_search[pair] = 0, c->run->is_search_due[pair] = mg_has_opening_patch(c, pair);
     const int found = is_done ? 0 : mg_search_pair_contacts(c, events, pair, moved);
     c->run->watched_movement[pair] = found ? 0 : mg_max(c->run->watched_movement[pair] - step, (mg_real)0);

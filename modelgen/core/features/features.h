@@ -38,6 +38,10 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
    contact follows and that is not there at its start: closest points have appeared within the step. */
 MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h);
 
+/* Lets contacts follow the closest points that mg_has_new_penetration found to touch at the end of the step of length
+   h, so that they take part in an impact there. Returns how many do. */
+MG_INTERNAL int mg_follow_touching_minima(mg_context *c, mg_events *events, mg_real h);
+
 /* True if the contact ends at a fold: its minimum has met a saddle. */
 MG_INTERNAL int mg_is_contact_at_fold(const mg_context *c, int contact);
 

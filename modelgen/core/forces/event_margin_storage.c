@@ -1,7 +1,6 @@
 /* Memory of event margins: one of each contact, friction constraint and switching function of a load at each sample of
    a step, and at the last right-hand side. */
 #include "forces/forces.h"
-#include "base/base.h"
 #include "model/model.h"
 
 MG_INTERNAL int mg_event_margin_count(const mg_system *s) { return s->n_contact + s->n_friction + s->n_switch; }
@@ -10,10 +9,6 @@ MG_INTERNAL int mg_next_event_margin(const mg_context *c, int which) {
   const int n = c->system->n_contact, contact = which < n ? mg_next_row(c, which) : n;
   if (which >= n + c->system->n_friction) return which + 1;
   return contact < n ? contact : n + mg_next_constraint(c, which < n ? -1 : which - n);
-}
-
-MG_INTERNAL long mg_event_margin_size(const mg_system *s) {
-  return mg_count_reals((MG_MARGIN_SAMPLES + 1L) * mg_event_margin_count(s), sizeof(mg_event_margin));
 }
 
 MG_INTERNAL mg_event_margin *mg_event_margins_of_sample(const mg_context *c, int sample) {

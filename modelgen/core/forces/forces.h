@@ -166,9 +166,6 @@ MG_INTERNAL int mg_event_margin_count(const mg_system *s);
    number. */
 MG_INTERNAL int mg_next_event_margin(const mg_context *c, int which);
 
-/* Memory of all samples of event margins, in mg_real. */
-MG_INTERNAL long mg_event_margin_size(const mg_system *s);
-
 /* Event margins of one sample. */
 MG_INTERNAL mg_event_margin *mg_event_margins_of_sample(const mg_context *c, int sample);
 

@@ -276,8 +276,8 @@ typedef struct {
   mg_real *tree_bound;            /* [2 per cell tree] where a coordinate has no bound: that of these cells */
   mg_digest *cells_digest;        /* [1] digest of the shapes to which the cells belong */
   mg_taylor_model *bounds_memory; /* memory of bounds programs */
-  mg_real *searched_gap;   /* [per pair] open_gap of a search at the end of this step that found all minima followed, or
-                              -1: not searched, m */
+  mg_real *searched_gap;   /* [per pair] open_gap of a search at the end of this step that found all minima followed, m;
+                              -1: not searched; -2: it found minima that touch and that no contact followed */
   int *cell_pairs;         /* [2 MG_CELL_PAIRS] pairs of cells still to be treated */
   mg_real open_gap;        /* least gap noted in the present search by mg_note_open_gap, m; MG_MAX: none */
   mg_real singular_gap;    /* the same of closest points that are not isolated, which no contact can follow */

@@ -3,8 +3,6 @@
 #include "model/model.h"
 #include "base/base.h"
 
-#define MG_ALMOST_COAXIAL 64 /* margins of features so many times farther from coaxial than margin_refuse exceed it */
-
 MG_INTERNAL int mg_is_unconditional_feature_pair(const mg_context *c, int feature_pair) {
   return c->system->feature_pair_condition[feature_pair] == c->system->feature_pair_condition[feature_pair + 1];
 }
@@ -160,8 +158,7 @@ static int mg_coaxial_condition_of(const mg_context *c, int feature_pair) {
 MG_INTERNAL int mg_is_almost_coaxial(const mg_context *c, int feature_pair) {
   const int k = mg_coaxial_condition_of(c, feature_pair);
   return k >= 0 && mg_off_axis(c, feature_pair, c->system->condition_feature[k],
-                               c->system->numbers + c->system->condition_numbers[k]) <
-                       MG_ALMOST_COAXIAL * c->settings->margin_refuse;
+                               c->system->numbers + c->system->condition_numbers[k]) < c->settings->margin_warn;
 }
 
 MG_INTERNAL int mg_is_handed_over_early(const mg_context *c, int feature_pair) {
@@ -172,6 +169,11 @@ MG_INTERNAL int mg_is_revolved(const mg_context *c, int feature_pair, int side) 
   const int k = mg_coaxial_condition_of(c, feature_pair);
   return k >= 0 && c->system->condition_feature[k] == side && mg_is_ball(c, feature_pair, 1 - side) &&
          c->system->numbers[c->system->condition_numbers[k] + 6] < 0;
+}
+
+MG_INTERNAL int mg_is_part_of_circle(const mg_context *c, int feature_pair) {
+  const int k = mg_coaxial_condition_of(c, feature_pair);
+  return k >= 0 && c->system->numbers[c->system->condition_numbers[k] + 6] > 0;
 }
 
 MG_INTERNAL mg_real mg_least_margin(const mg_context *c, int feature_pair) {

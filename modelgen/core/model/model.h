@@ -145,6 +145,10 @@ MG_INTERNAL int mg_is_handed_over_early(const mg_context *c, int feature_pair);
 /* True if a side of a feature pair is a feature of revolution that parts of it replace while a ball is on its axis. */
 MG_INTERNAL int mg_is_revolved(const mg_context *c, int feature_pair, int side);
 
+/* True if a side of a feature pair is one of the parts that replace a feature of revolution while the other one is
+   coaxial with it: together they are one contact along a circle. */
+MG_INTERNAL int mg_is_part_of_circle(const mg_context *c, int feature_pair);
+
 /* Margin that closest points of the feature pair need. */
 MG_INTERNAL mg_real mg_least_margin(const mg_context *c, int feature_pair);
 

@@ -111,6 +111,7 @@ static int mg_finish_accepted_step(mg_context *c, mg_real h, int event, mg_recor
   mg_accept_state(c, h);
   int outcome = mg_control_drift(c);
   if (outcome) return outcome;
+  if (event && mg_follow_touching_minima(c, events, h)) mg_evaluate_run_state(c);
   if (event) outcome = mg_change_mode(c, events);
   else if (mg_is_active_set_outdated(c)) {
     mg_clear_triggered_events(c);

@@ -1,7 +1,9 @@
 """Impacts on one body so close in time that the error of the run leaves their order open.
 
 What follows differs by a finite amount: a cube that falls on an edge goes on otherwise when one corner of it
-is struck first. Where run and companion differ in that, it shows; but both may err to the same side.
+is struck first. Contacts that are struck at once, as the supports of a ball on a ring, have no order, and the
+next impact at one of them comes after those. Where run and companion differ in that, it shows; but both may
+err to the same side.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ from typing import Any
 from modelgen.runtime.trajectory import Event
 
 IMPACTS = ("impact", "touch-down")
+Key = tuple[str, int]  # the contact, and the number of the impact there
 
 
 def undecided_impacts(
@@ -32,12 +35,14 @@ def undecided_impacts(
         safe: the time between two impacts errs by `safe` times what the companion has otherwise.
         least: m; impacts that move less than this until `end`, s, are left aside.
     """
-    own, struck = _impacts(mine, end), _moving(instance)
-    other = _numbered(_impacts(theirs, end))
-    for (a, key_a), (b, key_b) in pairwise((event, key) for key, event in _numbered(own).items()):
-        if a.contact == b.contact or not struck[a.contact] & struck[b.contact]:
+    struck = _moving(instance)
+    numbered, other = (_numbered(_impacts(events, end)) for events in (mine, theirs))
+    for (a, key_a), (b, key_b) in pairwise((event, key) for key, event in numbered.items()):
+        if not struck[a.contact] & struck[b.contact]:
             continue
         if key_a not in other or key_b not in other or min(a.speed, b.speed) * (end - b.t) <= least:
+            continue
+        if all(_is_after(key_b, key_a, impacts) for impacts in (numbered, other)):
             continue
         between, again = b.t - a.t, other[key_b].t - other[key_a].t
         if between > 0 and again > 0 and safe * abs(between - again) >= min(between, again):
@@ -49,7 +54,7 @@ def _impacts(events: Sequence[Event], end: float) -> Iterator[Event]:
     return (event for event in events if event.kind in IMPACTS and event.t <= end)
 
 
-def _numbered(impacts: Iterator[Event]) -> dict[tuple[str, int], Event]:
+def _numbered(impacts: Iterator[Event]) -> dict[Key, Event]:
     """The impacts in order, keyed by contact and number of the impact at that contact."""
     counts: dict[str, int] = defaultdict(int)
     numbered = {}
@@ -57,6 +62,13 @@ def _numbered(impacts: Iterator[Event]) -> dict[tuple[str, int], Event]:
         numbered[event.contact, counts[event.contact]] = event
         counts[event.contact] += 1
     return numbered
+
+
+def _is_after(key: Key, first: Key, impacts: Mapping[Key, Event]) -> bool:
+    """Whether an impact follows one at its own contact that was at the time of the `first`, so that it comes
+    after that in any case."""
+    before = impacts.get((key[0], key[1] - 1))
+    return before is not None and before.t == impacts[first].t
 
 
 def _moving(instance: Mapping[str, Any]) -> dict[str, set[int]]:
