@@ -145,7 +145,7 @@ def test_the_command_fits_draws_and_prints(workplace: Path) -> None:
     assert "<svg" in (workplace / "left.svg").read_text()
     refused = CliRunner().invoke(app, ["fit", "ball.toml", "nowhere.csv", "--by", "friction"])
     assert refused.exit_code == 2
-    assert "nowhere.csv: cannot be read" in refused.stderr
+    assert "nowhere.csv: no such file" in refused.stderr
     wrong = CliRunner().invoke(app, ["fit", "ball.toml", "ball.csv", "--by", "frict"])
     assert wrong.exit_code == 2
     assert "did you mean 'friction'?" in wrong.stderr

@@ -10,7 +10,7 @@
 #include "forces/forces.h"
 #include "integrate/integrate.h"
 
-/* Scratch memory of the caller and how much of it is reserved. Without a begin it is only counted. */
+/* What is left of the scratch memory of the caller, and how much is reserved. Null pointers: it is only counted. */
 typedef struct {
   mg_real *reals;
   int *ints;
@@ -19,16 +19,14 @@ typedef struct {
 
 /* Reserves n mg_real; returns where they begin, 0 where memory is only counted. */
 static mg_real *mg_reserve_reals(mg_memory *memory, long n) {
-  mg_real *at = memory->reals ? memory->reals + memory->n_reals : 0;
   memory->n_reals += n;
-  return at;
+  return memory->reals ? mg_take_reals(&memory->reals, n) : 0;
 }
 
 /* The same of n int. */
 static int *mg_reserve_ints(mg_memory *memory, long n) {
-  int *at = memory->ints ? memory->ints + memory->n_ints : 0;
   memory->n_ints += n;
-  return at;
+  return memory->ints ? mg_take_ints(&memory->ints, n) : 0;
 }
 
 /* The same of n items of `size` bytes, aligned for all types of the core. */
