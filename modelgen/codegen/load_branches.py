@@ -31,9 +31,11 @@ def switch_count(kind: LoadKind) -> int:
 def _formulas(model: Model) -> list[Formula]:
     found: list[Formula] = []
     for index, kind in enumerate(model.load_kinds):
-        if not switch_count(kind):
+        if kind.is_spring:
             continue
         load, branches = _on_branches(kind)
+        if not branches.functions:
+            continue
         inputs = load.inputs | {"branch": ca.vertcat(*branches.symbols)}
         wrench = kernel(f"mg_{kind.name}_branch", inputs, load.wrenches)
         found.append(Formula(wrench.name(), wrench, CITATION, "branch", index))

@@ -104,7 +104,7 @@ MG_INTERNAL void mg_bound_bends(mg_context *c, int feature_pair, int side, int n
 /* The same of the spine of a feature. Over an angle of 2 `half` of a circle, vectors that turn with it change by
    the chord of `half`, and points leave the tangent by half the curvature times the square of the arc; `radius` bounds
    the arc. */
-static void mg_bound_centre_cell(mg_context *c, int feature_pair, int side, mg_cell *cell) {
+static void mg_bound_spine_cell(mg_context *c, int feature_pair, int side, mg_cell *cell) {
   mg_spine curve;
   mg_read_spine(c, feature_pair, side, &curve);
   const mg_real *ends = cell->box + 2 * curve.coordinate, half = (ends[1] - ends[0]) / 2, middle = ends[0] + half;
@@ -135,7 +135,7 @@ static int mg_new_cell(mg_context *c, int feature_pair, int side, int is_of_spin
   mg_cell *cell = c->search.cells + *c->search.n_cells;
   for (int k = 0; k < 4; k++) cell->box[k] = box[k];
   cell->halves = 0, cell->is_of_spine = cell->has_bends = is_of_spine;
-  if (is_of_spine) mg_bound_centre_cell(c, feature_pair, side, cell);
+  if (is_of_spine) mg_bound_spine_cell(c, feature_pair, side, cell);
   else mg_bound_cell(c, feature_pair, side, cell);
   return (*c->search.n_cells)++;
 }

@@ -34,8 +34,8 @@ static int mg_first_triggered_event(const mg_context *c) {
   return constraint < 0 ? first : c->system->n_contact + constraint;
 }
 
-/* True if the event number is that of a friction constraint or a switching function, not of a contact. */
-static int mg_is_not_of_contact(const mg_context *c, int event) { return event >= c->system->n_contact; }
+/* True if the event number is that of a contact, not of a friction constraint or a switching function. */
+static int mg_is_contact_event(const mg_context *c, int event) { return event < c->system->n_contact; }
 
 /* True if the event number is that of a switching function of a load. */
 static int mg_is_load_event(const mg_context *c, int event) {
@@ -65,18 +65,19 @@ static mg_real mg_event_value(mg_context *c, int contact, int cause, const mg_re
 /* Describe the first triggered event at theta: its event function and rate; returns 0 if none has triggered.
    Needs the state there, and leaves another. */
 static int mg_describe_first_event(mg_context *c, mg_real h, mg_real theta, mg_located_event *event) {
-  const int contact = mg_first_triggered_event(c), constraint = mg_is_not_of_contact(c, contact);
+  const int contact = mg_first_triggered_event(c), is_of_contact = mg_is_contact_event(c, contact);
   if (contact < 0) return 0;
-  const int way = constraint ? 0 : c->events.broken_condition[contact],
-            cause = !constraint && c->events.triggered[contact] >= MG_LEAVES_FEATURE ? c->events.triggered[contact] : 0;
+  const int way = is_of_contact ? c->events.broken_condition[contact] : 0,
+            cause =
+                is_of_contact && c->events.triggered[contact] >= MG_LEAVES_FEATURE ? c->events.triggered[contact] : 0;
   event->contact = contact, event->cause = cause, event->slope = 0;
-  if (!constraint && mg_is_closed_without_force(c, contact) && !cause) return 1;
+  if (is_of_contact && mg_is_closed_without_force(c, contact) && !cause) return 1;
   event->value = mg_event_value(c, contact, cause, c->step.stage),
-  event->slope = constraint ? 0 : c->rows.d_dot[contact];
-  if (!constraint && !c->run->closed[contact] && !cause) return 1;
+  event->slope = is_of_contact ? c->rows.d_dot[contact] : 0;
+  if (is_of_contact && !c->run->closed[contact] && !cause) return 1;
   const mg_real step = theta > (mg_real)0.01 ? (mg_real)0.01 : theta / 2;
   mg_mark_triggered_events_at(c, h, theta - step);
-  if (!constraint) c->events.broken_condition[contact] = way;
+  if (is_of_contact) c->events.broken_condition[contact] = way;
   event->slope = (event->value - mg_event_value(c, contact, cause, c->step.stage)) / (step * h);
   return 1;
 }
@@ -208,7 +209,7 @@ static void mg_restore_event_mark(mg_context *c, mg_real h, mg_real theta, const
   if (mg_mark_triggered_events_at(c, h, theta)) return;
   if (mg_is_load_event(c, event->contact))
     c->switches.triggered[event->contact - c->system->n_contact - c->system->n_friction] = 1;
-  else if (!mg_is_not_of_contact(c, event->contact))
+  else if (mg_is_contact_event(c, event->contact))
     c->events.triggered[event->contact] = event->cause ? event->cause : 1;
 }
 
@@ -221,10 +222,10 @@ static int mg_is_event_nearly_linear(mg_context *c, mg_located_event *event, int
   if (count > 1 ||
       !(correction >= 0 && correction <= 4 * (mg_real)MG_EVENT_COARSE_PART * h && correction < event->start))
     return 0;
-  const int of_contact = !mg_is_not_of_contact(c, event->contact),
-            way = of_contact ? c->events.broken_condition[event->contact] : 0;
+  const int is_of_contact = mg_is_contact_event(c, event->contact),
+            way = is_of_contact ? c->events.broken_condition[event->contact] : 0;
   mg_mark_triggered_events_at(c, h, low);
-  if (of_contact) c->events.broken_condition[event->contact] = way;
+  if (is_of_contact) c->events.broken_condition[event->contact] = way;
   const mg_real before = mg_event_value(c, event->contact, event->cause, c->step.stage);
   const mg_real slope_ratio = (event->value - before) / ((high - low) * h * event->slope);
   if (!(slope_ratio > (mg_real)0.75 && slope_ratio < (mg_real)1.5)) return 0;

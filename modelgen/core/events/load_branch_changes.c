@@ -8,8 +8,6 @@
 
 enum { MG_BRANCH_ROUNDS = 6 }; /* most rounds in which branches are chosen one after another */
 
-#define MG_SAME_SURFACE ((mg_real)1e-10) /* part by which gradients of the same surface may differ */
-
 /* True if a switching function depends on the branch of another one of its load. */
 static int mg_depends_on_branch(mg_context *c, int which, int other) {
   const int load = mg_load_of_switch(c->system, which);
@@ -39,7 +37,7 @@ static int mg_same_surface(mg_context *c, int one, int other) {
   for (int k = 0; k < MG_SWITCH_COLUMNS; k++) gg += g[k] * g[k], gh += g[k] * h[k];
   if (!(gg > 0) || gh == 0) return 0;
   for (int k = 0; k < MG_SWITCH_COLUMNS; k++) rest = mg_max(rest, fabs(h[k] - gh / gg * g[k]));
-  if (rest > MG_SAME_SURFACE * fabs(gh) / sqrt(gg)) return 0;
+  if (rest > MG_SWITCH_ROUNDING * MG_EPS * fabs(gh) / sqrt(gg)) return 0;
   if (mg_depends_on_branch(c, one, other) || mg_depends_on_branch(c, other, one)) return 0;
   return gh > 0 ? 1 : -1;
 }

@@ -159,7 +159,7 @@ MG_INTERNAL int mg_first_switch_event(const mg_context *c);
 
 /* event_margin_storage.c */
 
-/* Number of event margins of one sample: contacts and friction constraints. */
+/* Number of event margins of one sample: contacts, friction constraints and switching functions. */
 MG_INTERNAL int mg_event_margin_count(const mg_system *s);
 
 /* Margin after `which` (-1: the first) of contacts and friction constraints that take part; beyond the last their

@@ -64,20 +64,20 @@ static void mg_correct_branches(const mg_context *c, mg_slide *slide) {
   }
 }
 
+/* Notes the residuals on the present branches; returns 1 if they are zero within rounding. */
+static int mg_note_slide_residuals(const mg_context *c, mg_slide *slide) {
+  int are_zero = 1;
+  for (int k = 0; k < slide->n; k++) {
+    slide->residual[k] = mg_slide_residual(c, slide->of[k]);
+    are_zero &= fabs(slide->residual[k]) <= c->switches.noise[slide->of[k]] / c->system->time;
+  }
+  return are_zero;
+}
+
 MG_INTERNAL int mg_continue_slide(const mg_context *c, mg_slide *slide) {
   if (!slide->n) return 0;
   if (slide->trial >= 0) mg_note_shifted_branch(c, slide);
-  else {
-    int is_done = slide->round == MG_SLIDE_ROUNDS;
-    if (!is_done) {
-      is_done = 1;
-      for (int k = 0; k < slide->n; k++) {
-        slide->residual[k] = mg_slide_residual(c, slide->of[k]);
-        if (!(fabs(slide->residual[k]) <= c->switches.noise[slide->of[k]] / c->system->time)) is_done = 0;
-      }
-    }
-    if (is_done) return 0;
-  }
+  else if (slide->round == MG_SLIDE_ROUNDS || mg_note_slide_residuals(c, slide)) return 0;
   if (++slide->trial < slide->n) {
     mg_shift_branch(c, slide);
     return 1;

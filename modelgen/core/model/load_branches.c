@@ -3,8 +3,6 @@
 #include "model/model.h"
 #include "base/base.h"
 
-#define MG_SWITCH_ROUNDING 64 /* roundings of what a switching function depends on that count as zero */
-
 MG_INTERNAL int mg_switch_begin(const mg_system *s, int load) { return s->n_switch ? s->load_switch[load] : 0; }
 
 MG_INTERNAL int mg_switch_end(const mg_system *s, int load) { return s->n_switch ? s->load_switch[load + 1] : 0; }

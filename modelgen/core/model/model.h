@@ -31,6 +31,8 @@ enum {
 
 /* load_branches.c */
 
+#define MG_SWITCH_ROUNDING 64 /* roundings of what a switching function depends on that count as zero */
+
 /* First switching function of a load, and the one after its last. */
 MG_INTERNAL int mg_switch_begin(const mg_system *s, int load);
 MG_INTERNAL int mg_switch_end(const mg_system *s, int load);

@@ -9,25 +9,24 @@ static void mg_switch_adjoint(mg_context *c, mg_sensitivity *s, mg_real t, int w
   const int load = mg_load_of_switch(system, which), n = c->kernels->load_kinds[system->load_kind[load]].n_parameters,
             bodies[2] = {system->load_a[load], system->load_b[load]};
   const mg_real *by_input, *g = mg_switch_gradient(c, t, load, which, &by_input);
-  for (int side = 0; side < 2; side++)
-    for (int k = 0; k < 18 && bodies[side] >= 0; k++)
-      (k < 12 ? s->at.pose + 12 * bodies[side] : s->at.twist + 6 * bodies[side] - 12)[k] +=
-          weight * g[1 + 18 * side + k];
+  for (int side = 0; side < 2; side++) {
+    const int body = bodies[side];
+    if (body < 0) continue;
+    for (int k = 0; k < 12; k++) s->at.pose[12 * body + k] += weight * g[1 + 18 * side + k];
+    for (int k = 0; k < 6; k++) s->at.twist[6 * body + k] += weight * g[13 + 18 * side + k];
+  }
   for (int k = 0; k < n; k++)
     s->adjoint->parameters[system->load_parameters[load] + k] += weight * g[MG_SWITCH_COLUMNS + k];
   for (int k = 0; k < 3 * system->n_input; k++) s->adjoint->input[k] += weight * by_input[k];
 }
 
-MG_INTERNAL void mg_event_function_adjoint(mg_context *c, mg_sensitivity *s, const mg_crossing *crossing, mg_real t,
-                                           mg_real weight, mg_real *x_bar) {
-  const int of_load = crossing->kind == MG_CROSSES_SWITCH;
-  const int contact = of_load ? 0 : crossing->contact, g = crossing->constraint,
-            eta = c->system->n_q + c->system->n_u + (of_load ? 0 : c->system->contact_eta[contact]),
-            slot = of_load ? -1 : mg_slot_of_support(c, contact);
+/* The same of the event function of a contact or of its friction. */
+static void mg_contact_event_adjoint(mg_context *c, mg_sensitivity *s, const mg_crossing *crossing, mg_real weight,
+                                     mg_real *x_bar) {
+  const int contact = crossing->contact, g = crossing->constraint,
+            eta = c->system->n_q + c->system->n_u + c->system->contact_eta[contact],
+            slot = mg_slot_of_support(c, contact);
   const int row = g < 0 ? 0 : mg_first_friction_row(c, contact, g), rows = g < 0 ? 0 : mg_friction_row_count(c, g);
-  mg_clear_cotangents(c, s);
-  mg_zero_reals(s->stage, c->layout.n_states);
-  if (of_load) mg_switch_adjoint(c, s, t, crossing->contact, weight);
   if (crossing->kind == MG_CROSSES_GAP) s->at.value[contact] = weight;
   if (crossing->kind == MG_CROSSES_SLIP && slot >= 0) mg_patch_slip_rate_adjoint(c, s, slot, weight);
   if (crossing->kind == MG_CROSSES_BOUND && slot >= 0) mg_patch_bound_adjoint(c, s, slot, weight);
@@ -50,6 +49,14 @@ MG_INTERNAL void mg_event_function_adjoint(mg_context *c, mg_sensitivity *s, con
     }
   }
   if (crossing->kind == MG_CROSSES_BORDER) mg_border_adjoint(c, s, contact, c->step.end + eta, weight, x_bar + eta);
+}
+
+MG_INTERNAL void mg_event_function_adjoint(mg_context *c, mg_sensitivity *s, const mg_crossing *crossing, mg_real t,
+                                           mg_real weight, mg_real *x_bar) {
+  mg_clear_cotangents(c, s);
+  mg_zero_reals(s->stage, c->layout.n_states);
+  if (crossing->kind == MG_CROSSES_SWITCH) mg_switch_adjoint(c, s, t, crossing->contact, weight);
+  else mg_contact_event_adjoint(c, s, crossing, weight, x_bar);
   mg_rhs_adjoint(c, s, t, c->step.end, s->stage, x_bar);
 }
 

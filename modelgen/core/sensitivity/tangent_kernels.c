@@ -85,10 +85,12 @@ MG_INTERNAL mg_real mg_switch_tangent(mg_context *c, const mg_sensitivity *s, in
                            *numbers = mg_parameters_dot(c, s, direction, system->load_parameters[load]),
                            *inputs = mg_inputs_dot(c, s, direction);
   mg_real sum = g[0] * mg_time_dot(s, direction);
-  for (int side = 0; side < 2; side++)
-    for (int k = 0; k < 18 && bodies[side] >= 0; k++)
-      sum +=
-          g[1 + 18 * side + k] * (k < 12 ? s->at.pose[12 * bodies[side] + k] : s->at.twist[6 * bodies[side] + k - 12]);
+  for (int side = 0; side < 2; side++) {
+    const int body = bodies[side];
+    if (body < 0) continue;
+    for (int k = 0; k < 12; k++) sum += g[1 + 18 * side + k] * s->at.pose[12 * body + k];
+    for (int k = 0; k < 6; k++) sum += g[13 + 18 * side + k] * s->at.twist[6 * body + k];
+  }
   for (int k = 0; k < n && numbers; k++) sum += g[MG_SWITCH_COLUMNS + k] * numbers[k];
   for (int k = 0; k < 3 * system->n_input && inputs; k++) sum += by_input[k] * inputs[k];
   return sum;
