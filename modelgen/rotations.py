@@ -10,6 +10,10 @@ import numpy as np
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 Quaternion = tuple[float, float, float, float]
+# 4 q[i] q[j] for i != j is the sum or difference of two entries of a rotation matrix, given by their numbers:
+FIRST = np.array([0, 7, 2, 3, 7, 0, 1, 2, 2, 3, 0, 5, 3, 6, 7, 0])
+SECOND = np.array([0, 5, 6, 1, 5, 0, 3, 6, 6, 1, 0, 7, 1, 2, 5, 0])
+SIGN = np.array([0, -1, -1, -1, -1, 0, 1, 1, -1, 1, 0, 1, -1, 1, 1, 0])
 
 
 def rotation_of(quaternion: Quaternion) -> Array:
@@ -39,17 +43,14 @@ def quaternions_of(rotations: Array) -> Array:
 
 def _unscaled(R: Array) -> Array:
     """(n, 4) quaternions of (n, 3, 3), times four times their largest entry, which may be negative."""
-    diagonal = np.diagonal(R, axis1=1, axis2=2)
+    entries = R.reshape(len(R), 9)
+    diagonal = entries[:, ::4]
     trace = diagonal[:, 0] + diagonal[:, 1] + diagonal[:, 2]
-    rows = np.empty((len(R), 4, 4))  # row k: 4 q[k] q
-    rows[:, 1:, 1:] = R + np.swapaxes(R, 1, 2)
-    rows[:, 0, 0] = 1 + trace
-    for k in range(3):
-        i, j = (k + 1) % 3, (k + 2) % 3
-        rows[:, 0, 1 + k] = rows[:, 1 + k, 0] = R[:, j, i] - R[:, i, j]
-        rows[:, 1 + k, 1 + k] = 1 + 2 * R[:, k, k] - trace
-    largest = np.argmax(np.diagonal(rows, axis1=1, axis2=2), axis=1)
-    found: Array = rows[np.arange(len(R)), largest]
+    rows = entries[:, FIRST] + SIGN * entries[:, SECOND]  # row k: 4 q[k] q
+    rows[:, 0] = 1 + trace
+    rows[:, 5::5] = 1 + 2 * diagonal - trace[:, None]
+    largest = np.argmax(rows[:, ::5], axis=1)
+    found: Array = rows.reshape(-1, 4, 4)[np.arange(len(R)), largest]
     return found
 
 

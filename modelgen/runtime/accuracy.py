@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
+from functools import cache, lru_cache
 from math import sqrt
 from types import MappingProxyType
 from typing import Any, Literal, get_args
@@ -229,8 +230,10 @@ class Accuracy:
     overlap_depth: float = 1e-4
 
     def __post_init__(self) -> None:
-        for each in fields(self):
-            _check_type(each.name, getattr(self, each.name), str(each.type))
+        for name, kind in _types_of_fields():
+            value = getattr(self, name)
+            if not (type(value) is float and value >= 0 and kind == "float"):
+                _check_type(name, value, kind)
 
     @classmethod
     def fast(cls) -> Accuracy:
@@ -302,9 +305,7 @@ class Accuracy:
     @classmethod
     def of_run(cls, run: Mapping[str, Any]) -> Accuracy:
         """The record for the `accuracy` or `tolerance` of the [run] of a manifest."""
-        tolerance = run.get("tolerance")
-        base = cls.named(run["accuracy"]) if tolerance is None else cls.of(tolerance)
-        return replace(base, imaginary_edge=run["imaginary_edge"])
+        return _of_run(run["accuracy"], run.get("tolerance"), run["imaginary_edge"])
 
     @classmethod
     def taken(cls, value: object) -> Accuracy:
@@ -381,7 +382,18 @@ class Accuracy:
         )
 
 
+@lru_cache(maxsize=64)
+def _of_run(name: str, tolerance: float | None, imaginary_edge: float) -> Accuracy:
+    base = Accuracy.named(name) if tolerance is None else Accuracy.of(tolerance)
+    return replace(base, imaginary_edge=imaginary_edge)
+
+
 NAMES = {"Method": Method, "Scheme": Scheme, "Solver": Solver, "Impacts": Impacts}  # types of fields
+
+
+@cache
+def _types_of_fields() -> tuple[tuple[str, str], ...]:
+    return tuple((each.name, str(each.type)) for each in fields(Accuracy))
 
 
 def _check_type(name: str, value: Any, kind: str) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Mapping, Sequence
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from modelgen.runtime.tables.planar_contacts import SUPPORT_POINTS
 from modelgen.runtime.trajectory import EVENT_KINDS, LOAD_SWITCH, Event
 
 CONTINUE, FULL = 1, 2
+OF_EVENTS = tuple(EVENT_PREFIX + name for name in EVENT_ARRAYS)
 
 
 class Session:
@@ -49,9 +51,7 @@ class Session:
         self.settings = settings_of(shared.tables, accuracy, self.instance)
         reals, real_at = shared.reals.zeros(self.tables.dtype)
         integers, integer_at = shared.integers.zeros(INTEGER)
-        arrays, at = reals | integers, real_at | integer_at
-        self._placed = {at[name]: array for name, array in arrays.items()}
-        self.run_arrays = {name: arrays[name] for name in RUN_ARRAYS}
+        self._arrays, self._addresses = reals | integers, real_at | integer_at
         self.x, self.force, self.margin = reals["x"], reals["force"], reals["margin"]
         self.tilt_direction, self.rolling_start = reals["tilt_direction"], integers["rolling_start"]
         self.closed, self.active = integers["closed"], integers["active"]
@@ -59,15 +59,18 @@ class Session:
         self.input, self.applied_input = reals["input"], reals["applied_input"]
         self.x[:], self.feature_pair[:] = shared.start, -1
         self.input[:-1:SETTING_SIZE] = [each["default"] for each in self.instance["inputs"]]
-        self.run = self.tables.Run(0.0, 0.0, *(at[name] for name in RUN_ARRAYS))
-        of_events = [EVENT_PREFIX + name for name in EVENT_ARRAYS]
-        self._event_columns = [arrays[name] for name in of_events]
-        self.events = self.tables.Events(shared.n_event, 0, *(at[name] for name in of_events))
+        self.run = self.tables.Run(0.0, 0.0, *itemgetter(*RUN_ARRAYS)(self._addresses))
+        self.events = self.tables.Events(shared.n_event, 0, *itemgetter(*OF_EVENTS)(self._addresses))
         self.sensed = self._reals(shared.n_sensor + 1)
         self.work = np.empty(shared.work_size, dtype=self.tables.dtype)
         self.iwork = np.zeros(shared.iwork_size, dtype=INTEGER)
         self._head = (ctypes.byref(self.system), ctypes.byref(self.settings), ctypes.byref(self.run))
         self._scratch = (ctypes.c_void_p(address(self.work)), ctypes.c_void_p(address(self.iwork)))
+
+    @property
+    def run_arrays(self) -> dict[str, Array]:
+        """The arrays of the mg_run, by name."""
+        return {name: self._arrays[name] for name in RUN_ARRAYS}
 
     @property
     def eta(self) -> Array:
@@ -79,7 +82,8 @@ class Session:
 
     def arrays(self) -> dict[int, Array]:
         """All arrays that the structures of a session of the library's own system point to, by address."""
-        return {address(array): array for array in self.shared.arrays} | self._placed
+        own = {self._addresses[name]: array for name, array in self._arrays.items()}
+        return {address(array): array for array in self.shared.arrays} | own
 
     def poses(self) -> Array:
         """The poses of all bodies at the state, (nb, 12): p, then R column-major."""
@@ -89,12 +93,14 @@ class Session:
 
     def drain_events(self) -> list[Event]:
         """The events since the last call, removed from the core's list."""
-        told = self.named(self._event_columns, self.events.count)
+        told = self.named(itemgetter(*OF_EVENTS)(self._arrays), self.events.count)
         self.events.count = 0
         return told
 
     def named(self, columns: Sequence[Array], count: int) -> list[Event]:
         """The first events of an mg_events, given by its columns."""
+        if not count:
+            return []
         given = [column[:count].tolist() for column in columns]
         return [
             Event(

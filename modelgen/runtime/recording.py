@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -19,34 +20,21 @@ class Recording:
     """Room for one sample at each of `times`, filled by the core."""
 
     def __init__(self, session: Session, times: Array) -> None:
-        n, nb, nc, nj = len(times), session.n_body, session.n_contact, len(session.joints)
-        n_eta = session.instance["n_eta"]
-        shapes: dict[str, tuple[int, ...]] = {
-            **{"t": (n,), "pose": (n, nb, 12), "twist": (n, nb, 6), "eta": (n, n_eta)},
-            **{"force": (n, nc), "gap": (n, nc), "normal": (n, nc, 3)},
-            **{
-                "point_o": (n, nc, 3),
-                "point_f": (n, nc, 3),
-                "feature_pair": (n, nc),
-                "energy": (n,),
-                "work": (n,),
-            },
-            **dict.fromkeys(("friction", "torque", "slip"), (n, nc, 3)),
-            **{
-                "patch": (n, session.n_patch_slot),
-                "pressure": (n, session.n_patch_slot, 4),
-                "patch_friction": (n, session.n_patch_slot, 8),
-            },
-            **{"joint_wrench": (n, nj, 6), "coordinate": (n, nj, 3), "sensors": (n, session.shared.n_sensor)},
-        }
-        whole = ArrayBlock({name: shapes.pop(name) for name in INTEGERS})
-        integers, integer_at = whole.zeros(INTEGER)
-        reals, real_at = ArrayBlock(shapes).zeros(session.tables.dtype)
+        n_joint, shared = len(session.joints), session.shared
+        sizes = (session.n_body, session.n_contact, n_joint, session.instance["n_eta"])
+        reals_of_n, integers_of_n = _layout(len(times), *sizes, session.n_patch_slot, shared.n_sensor)
+        integers, integer_at = integers_of_n.zeros(INTEGER)
+        reals, real_at = reals_of_n.zeros(session.tables.dtype)
         self.arrays, at = integers | reals, integer_at | real_at
-        self.placed = {at[name]: array for name, array in self.arrays.items()}  # by address
+        self._addresses = at
         self.arrays["t"][:] = times
         self.session = session
-        self.record = session.tables.Record(n, 0, *(at[name] for name in RECORD_ARRAYS))
+        self.record = session.tables.Record(len(times), 0, *(at[name] for name in RECORD_ARRAYS))
+
+    @property
+    def placed(self) -> dict[int, Array]:
+        """The columns by address."""
+        return {self._addresses[name]: array for name, array in self.arrays.items()}
 
     def end(self) -> None:
         """Adds a sample at the end of the run if it ended after the last one with a finite state."""
@@ -68,8 +56,9 @@ class Recording:
             "quaternion": quaternions_of(rotation),
             "w": np.einsum("nbij,nbj->nbi", rotation, kept["twist"][..., 3:]),
         }
-        for column in turning.values():
-            column[:, self._unknown_turning()] = np.nan
+        unknown = self._unknown_turning()
+        for column in turning.values() if unknown else ():
+            column[:, unknown] = np.nan
         return {
             "t": kept["t"],
             "p": kept["pose"][..., :3],
@@ -95,4 +84,22 @@ class Recording:
     def _unknown_turning(self) -> list[int]:
         """Bodies whose rotation is left out because nothing observes it."""
         instance = self.session.instance
-        return [k for k, b in enumerate(instance["bodies"]) if instance["observe"] and b["motion"] == "point"]
+        if not instance["observe"]:
+            return []
+        return [k for k, b in enumerate(instance["bodies"]) if b["motion"] == "point"]
+
+
+@lru_cache(maxsize=64)
+def _layout(
+    n: int, n_body: int, n_contact: int, n_joint: int, n_eta: int, n_patch_slot: int, n_sensor: int
+) -> tuple[ArrayBlock, ArrayBlock]:
+    """Where the columns of n samples lie: those of real numbers, and those of integers."""
+    reals: dict[str, tuple[int, ...]] = {
+        **{"t": (n,), "pose": (n, n_body, 12), "twist": (n, n_body, 6), "eta": (n, n_eta)},
+        **{"force": (n, n_contact), "gap": (n, n_contact), "energy": (n,), "work": (n,)},
+        **dict.fromkeys(("normal", "point_o", "point_f", "friction", "torque", "slip"), (n, n_contact, 3)),
+        **{"pressure": (n, n_patch_slot, 4), "patch_friction": (n, n_patch_slot, 8)},
+        **{"joint_wrench": (n, n_joint, 6), "coordinate": (n, n_joint, 3), "sensors": (n, n_sensor)},
+    }
+    integers = zip(INTEGERS, ((n, n_contact), (n, n_patch_slot)), strict=True)
+    return ArrayBlock(reals), ArrayBlock(dict(integers))

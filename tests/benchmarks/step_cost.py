@@ -28,6 +28,7 @@ from modelgen.codegen.amalgamation import elementary_text
 from modelgen.codegen.compiler import find_compiler
 from modelgen.codegen.library import Library
 from modelgen.runtime.core_session import Session
+from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.start import begin
 from modelgen.runtime.tables.ctypes_structures import Array, address
 from modelgen.scene import python_scenes as make
@@ -65,10 +66,15 @@ def start(library: Library) -> Session:
     return session
 
 
-def compiled_prototype(library: Library, folder: Path, cpu: str) -> Path:
-    """The prototype of a scene, compiled with the flags of its library."""
-    instance = library.manifest.instance
-    (pair,) = instance["feature_pairs"]
+def feature_pair_of(session: Session) -> int:
+    """The number of the feature pair that the contact is on."""
+    return int(session.feature_pair[int(np.flatnonzero(session.active)[0])])
+
+
+def compiled_prototype(session: Session, folder: Path, cpu: str) -> Path:
+    """The prototype of a scene at a start, compiled with the flags of its library."""
+    library, instance = session.library, session.instance
+    pair = instance["feature_pairs"][feature_pair_of(session)]
     kinds = library.manifest.kinds
     fixed_o = instance["bodies"][pair["o"]]["motion"] == "fixed"
     moved = instance["bodies"][pair["f" if fixed_o else "o"]]
@@ -96,7 +102,8 @@ class Prototype:
 
     def __init__(self, session: Session, path: Path) -> None:
         instance, system = session.instance, session.system
-        (pair,) = instance["feature_pairs"]
+        number = feature_pair_of(session)
+        pair = instance["feature_pairs"][number]
         fixed, moved = sorted(
             (pair["o"], pair["f"]), key=lambda b: instance["bodies"][b]["motion"] != "fixed"
         )
@@ -104,7 +111,7 @@ class Prototype:
         offsets = np.ctypeslib.as_array(
             ctypes.cast(system.body_parameters, ctypes.POINTER(ctypes.c_int)), (len(bodies),)
         )
-        of_pair = ctypes.cast(system.feature_pair_parameters, ctypes.POINTER(ctypes.c_int))[0]
+        of_pair = ctypes.cast(system.feature_pair_parameters, ctypes.POINTER(ctypes.c_int))[number]
         mass = np.array(bodies[moved]["mass_inverse"])
         self.mass_inverse = mass[[0, 1, 5, 9]].copy()
         self.gravity = np.array(instance["gravity"])
@@ -132,7 +139,7 @@ class Prototype:
 
 def both(library: Library, folder: Path, cpu: str) -> tuple[Session, Prototype]:
     session = start(library)
-    return session, Prototype(session, compiled_prototype(library, folder, cpu))
+    return session, Prototype(session, compiled_prototype(session, folder, cpu))
 
 
 def seconds(call: Callable[[int], None]) -> float:
@@ -175,21 +182,37 @@ def linked_tori() -> Scene:
 
 
 def times_of_run(name: str, library: Library) -> None:
-    """CPU time of a run per right-hand side beside the prototype's, the least of runs of both in turn."""
+    """CPU time of a run per right-hand side beside the prototype's, the least of runs of all in turn.
+
+    Of a call of `simulate`, and of what the core takes of it, its start included.
+    """
     with TemporaryDirectory() as folder:
         session, prototype = both(library, Path(folder), "-march=native")
         session.smooth(100)
         prototype.steps(100)
         state = prototype.state.copy()
-        ours, theirs = [], []
+        whole, core, theirs = [], [], []
         for _ in range(LINKED_REPEATS):
             begun = process_time()
             path = modelgen.simulate(library, until=LINKED_UNTIL, samples=2, estimate=False)
-            ours.append(1e9 * (process_time() - begun) / path.rhs_evals)
+            whole.append(1e9 * (process_time() - begun) / path.rhs_evals)
+            core.append(1e9 * core_seconds_per_evaluation(library))
             prototype.state[:] = state
             theirs.append(1e9 * seconds(prototype.steps) / STEPS / STAGES)
-    ratio = min(ours) / min(theirs)
-    print(f"{name}, whole run: {min(ours):.0f} ns, prototype {min(theirs):.0f} ns, ratio {ratio:.2f}")
+    least = min(theirs)
+    for label, times in (("whole run", whole), ("of it the core", core)):
+        ratio = f"ratio {min(times) / least:.2f}"
+        print(f"{name}, {label}: {min(times):.0f} ns, prototype {least:.0f} ns, {ratio}")
+
+
+def core_seconds_per_evaluation(library: Library) -> float:
+    """CPU time per right-hand side of the core, in a linked run without samples."""
+    session = Session(library, accuracy_of(library.manifest.instance, None, {}))
+    record = session.tables.Record()
+    begun = process_time()
+    begin(session)
+    session.advance(LINKED_UNTIL, 10**9, record)
+    return (process_time() - begun) / int(session.run.rhs_evals)
 
 
 def counts(name: str) -> None:
@@ -198,7 +221,7 @@ def counts(name: str) -> None:
     with TemporaryDirectory() as text:
         folder = Path(text)
         countable(library, folder)
-        compiled_prototype(library, folder, COUNTED_CPU)
+        compiled_prototype(start(library), folder, COUNTED_CPU)
         ours, theirs = (counted(which, folder) for which in ("core", "prototype"))
     print(f"{name}: instructions: core {ours:.0f}, prototype {theirs:.0f}, ratio {ours / theirs:.2f}")
 

@@ -316,12 +316,13 @@ static int mg_is_line_held_at_end(mg_context *c, int pair, int feature_pair) {
 static void mg_search_free_feature_pairs(mg_context *c, int pair, const mg_search_limits *limits, mg_real least,
                                          mg_minima *kept) {
   const mg_system *s = c->system;
-  const long before = c->run->search_effort;
+  const long before = c->run->search_effort, incomplete = c->run->incomplete_searches;
   for (int feature_pair = s->pair_feature_pair[pair]; feature_pair < s->pair_feature_pair[pair + 1]; feature_pair++)
     if (!mg_is_feature_pair_in_use(c, pair, feature_pair) && !mg_is_out_of_reach(c, feature_pair) &&
         !mg_is_feature_pair_covered(c, feature_pair) && !mg_is_line_held_at_end(c, pair, feature_pair))
       mg_search_feature_pair(c, feature_pair, limits, least, kept);
   c->run->last_effort[pair] = (mg_real)(c->run->search_effort - before);
+  mg_note_missed_gap(c, pair, incomplete);
 }
 
 /* Gaps of interest for a pair that has moved since its last search: a penetration since then is no deeper than that,
@@ -383,10 +384,8 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
   mg_minima found;
   if (mg_has_own_feature_pairs(c, pair)) limits.gap = limits.depth = MG_MAX;
   int count = found.count = 0;
-  const long incomplete = c->run->incomplete_searches;
   mg_forget_noted_gaps(c);
   mg_search_free_feature_pairs(c, pair, &limits, least, &found);
-  mg_note_missed_gap(c, pair, incomplete);
   c->run->unfollowed_gap[pair] = mg_max(c->search.open_gap, (mg_real)0);
   for (int k = 0; k < found.count; k++) {
     const mg_minimum *each = found.list + k;
