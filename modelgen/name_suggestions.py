@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from difflib import get_close_matches
 
 SYNONYMS: Mapping[
     str, tuple[str, ...]
@@ -80,6 +79,8 @@ def nearest(name: object, known: Iterable[str]) -> str:
     """`did you mean 'x'?` for the known name that means the same as `name`, as a pair in the other order, or
     is closest to it, or an empty text."""
     name, names = str(name), list(known)
+    from difflib import get_close_matches  # a command that goes well needs none
+
     exchanged = [each for each in names if is_exchanged(each, name)]
     close = exchanged or get_close_matches(name, names, n=1, cutoff=0.6)
     return synonym(name, names) or (f"did you mean {close[0]!r}?" if close else "")

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
 
-from modelgen.scene.run_settings import SCHEMES, SOLVERS
+from modelgen.scene.run_choices import SCHEMES, SOLVERS
 
 Value = str | int | float | bool
 Settings = Mapping[str, Value]

@@ -15,7 +15,7 @@ def main() -> None:
     """Run the command line. Ctrl-C ends it without a traceback, also while modules are imported."""
     guard_streams()
     try:
-        from modelgen.cli.basic_commands import app
+        from modelgen.cli.command_group import app
 
         app()
     except KeyboardInterrupt:

@@ -6,19 +6,12 @@ import tempfile
 from pathlib import Path
 from typing import Annotated
 
-import typer
+import click
 
-from modelgen.cli.options import (
-    AsJson,
-    Form,
-    RealName,
-    SceneFile,
-    Step,
-    Values,
-    read_option,
-    read_values,
-)
-from modelgen.cli.output import guarded, print_facts
+from modelgen.cli.command import Option
+from modelgen.cli.option_reading import read_option, read_values
+from modelgen.cli.options import AsJson, Form, RealName, SceneFile, Step, Values
+from modelgen.cli.output import print_facts
 from modelgen.cli.pipeline import check_folder, derive_scene, read_scene
 from modelgen.cli.progress import progress
 from modelgen.cli.view import check_page
@@ -26,24 +19,22 @@ from modelgen.errors import ModelgenError
 
 To = Annotated[
     str | None,
-    typer.Option(help="c, fmu, casadi, jax, mjcf, urdf or browser", metavar="FORMAT", show_default=False),
+    Option(help="c, fmu, casadi, jax, mjcf, urdf or browser", metavar="FORMAT"),
 ]
 Folder = Annotated[
     Path | None,
-    typer.Option(
+    Option(
         help="folder for the files, or the page; default: exported/SCENE",
         metavar="FOLDER|FILE.html",
-        readable=False,
     ),
 ]
 
-States = Annotated[bool, typer.Option("--states", help="fmu: states of the bodies as outputs as well")]
+States = Annotated[bool, Option("--states", help="fmu: states of the bodies as outputs as well")]
 Measured = Annotated[
-    bool, typer.Option("--figures/--no-figures", help="c: measure flash, RAM, stack and instructions")
+    bool, Option("--figures/--no-figures", help="c: measure flash, RAM, stack and instructions")
 ]
 
 
-@guarded
 def export(
     scene: SceneFile,
     to: To = None,
@@ -90,4 +81,4 @@ def export(
     }
     titles = (("written", "files"), ("taken otherwise", "approximated"), ("left out", "left_out"))
     lines = [f"{title}: {each}" for title, key in titles for each in facts[key]]
-    print_facts(facts, as_json, lambda: typer.echo("\n".join(lines)))
+    print_facts(facts, as_json, lambda: click.echo("\n".join(lines)))

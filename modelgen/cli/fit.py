@@ -5,61 +5,51 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
+import click
 from rich.console import Console
 
 import modelgen
-from modelgen.cli.options import (
-    AsJson,
-    InputValues,
-    OutPicture,
-    Quality,
-    SceneFile,
-    Tolerance,
-    Values,
-    read_option,
-    read_values,
-)
-from modelgen.cli.output import FAILED, check_outputs, guarded, print_facts
+from modelgen.cli.command import Argument, Option
+from modelgen.cli.option_reading import read_option, read_values
+from modelgen.cli.options import AsJson, InputValues, OutPicture, Quality, SceneFile, Tolerance, Values
+from modelgen.cli.output import FAILED, check_outputs, print_facts
 from modelgen.cli.pipeline import fit_scene
 
 Recordings = Annotated[
     list[Path],
-    typer.Argument(
+    Argument(
         metavar="DATA.csv...",
         help="recordings: t, and components of sensors or bodies",
-        readable=False,
     ),
 ]
 By = Annotated[
     str | None,
-    typer.Option(
+    Option(
         help="what is fitted: parameters, inputs, starts such as ball.velocity or ball.velocity_x",
         metavar="A,B,...",
     ),
 ]
 Of = Annotated[
     str | None,
-    typer.Option(help="columns that count, by name or quantity; default: all", metavar="A,B,..."),
+    Option(help="columns that count, by name or quantity; default: all", metavar="A,B,..."),
 ]
 Shown = Annotated[
     str | None,
-    typer.Option(help="bodies that start as each recording shows, not as the scene says", metavar="A,B,..."),
+    Option(help="bodies that start as each recording shows, not as the scene says", metavar="A,B,..."),
 ]
 NoiseValues = Annotated[
     list[str] | None,
-    typer.Option(
+    Option(
         "--noise",
         help="standard deviation of a column or quantity; default: estimated; repeat it",
         metavar="NAME=NUMBER",
     ),
 ]
-Loss = Annotated[str, typer.Option(help="how deviations count", metavar="[linear|soft_l1|huber|cauchy]")]
-Guesses = Annotated[str | None, typer.Option("--starts", help="number of first guesses", metavar="NUMBER")]
-Seed = Annotated[str | None, typer.Option(help="of first guesses", metavar="NUMBER")]
+Loss = Annotated[str, Option(help="how deviations count", metavar="[linear|soft_l1|huber|cauchy]")]
+Guesses = Annotated[str | None, Option("--starts", help="number of first guesses", metavar="NUMBER")]
+Seed = Annotated[str | None, Option(help="of first guesses", metavar="NUMBER")]
 
 
-@guarded
 def fit(
     scene: SceneFile,
     data: Recordings,
@@ -105,7 +95,7 @@ def fit(
     facts = fit_facts(found) | {"plot": None if plot is None else str(plot)}
     print_facts(facts, as_json, lambda: print_fit(facts, Console()))
     if not found.converged:
-        raise typer.Exit(FAILED)
+        raise click.exceptions.Exit(FAILED)
 
 
 def _listed(names: str | None) -> list[str]:

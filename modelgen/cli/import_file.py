@@ -5,67 +5,59 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
+import click
 
-from modelgen.cli.options import AsJson, read_option
-from modelgen.cli.output import check_file, guarded, print_facts
+from modelgen.cli.command import Argument, Option
+from modelgen.cli.option_reading import read_option
+from modelgen.cli.options import AsJson
+from modelgen.cli.output import check_file, print_facts
 from modelgen.errors import ModelgenError
 
-Source = Annotated[
-    Path, typer.Argument(metavar="FILE", help="MJCF or URDF, or the CSV of a profile", readable=False)
-]
+Source = Annotated[Path, Argument(metavar="FILE", help="MJCF or URDF, or the CSV of a profile")]
 Out = Annotated[
     Path | None,
-    typer.Option(
+    Option(
         "--out",
         "-o",
         help="scene file to write; default: standard output",
         metavar="FILE.toml",
-        readable=False,
     ),
 ]
 Format = Annotated[
     str | None,
-    typer.Option("--format", help="mjcf, urdf or profile; default: by the file itself", metavar="FORMAT"),
+    Option("--format", help="mjcf, urdf or profile; default: by the file itself", metavar="FORMAT"),
 ]
 Key = Annotated[
-    str | None, typer.Option("--key", help="mjcf: keyframe to begin with, by name or number", metavar="NAME")
+    str | None, Option("--key", help="mjcf: keyframe to begin with, by name or number", metavar="NAME")
 ]
-Floating = Annotated[
-    bool, typer.Option("--floating", help="urdf: the first link moves freely; else it rests")
-]
-Until = Annotated[
-    str | None, typer.Option("--until", help="end of the run, s; default: 1", metavar="SECONDS")
-]
+Floating = Annotated[bool, Option("--floating", help="urdf: the first link moves freely; else it rests")]
+Until = Annotated[str | None, Option("--until", help="end of the run, s; default: 1", metavar="SECONDS")]
 Corners = Annotated[
     str | None,
-    typer.Option("--corners", help="most corners of a polyhedron that stands for a mesh", metavar="NUMBER"),
+    Option("--corners", help="most corners of a polyhedron that stands for a mesh", metavar="NUMBER"),
 ]
 As = Annotated[
     str | None,
-    typer.Option("--as", help="shape of a profile: revolution, profile_wall or extrusion", metavar="SHAPE"),
+    Option("--as", help="shape of a profile: revolution, profile_wall or extrusion", metavar="SHAPE"),
 ]
 Columns = Annotated[
-    str | None, typer.Option("--columns", help="of a profile, by name or number; default: 1,2", metavar="A,B")
+    str | None, Option("--columns", help="of a profile, by name or number; default: 1,2", metavar="A,B")
 ]
-Unit = Annotated[str, typer.Option("--unit", help="of a profile", metavar="[m|cm|mm|um|in]")]
+Unit = Annotated[str, Option("--unit", help="of a profile", metavar="[m|cm|mm|um|in]")]
 Off = Annotated[
     str | None,
-    typer.Option(
+    Option(
         "--tolerance",
         help="by which points may lie off, on average, m; default: their noise",
         metavar="NUMBER",
     ),
 ]
-Length = Annotated[
-    str | None, typer.Option("--length", help="of a wall or an extrusion, m", metavar="NUMBER")
-]
+Length = Annotated[str | None, Option("--length", help="of a wall or an extrusion, m", metavar="NUMBER")]
 Without = Annotated[
-    str | None, typer.Option("--without", help="parts of the file that may be left out", metavar="A,B,...")
+    str | None, Option("--without", help="parts of the file that may be left out", metavar="A,B,...")
 ]
 
 
-@guarded
 def import_file(
     file: Source,
     out: Out = None,
@@ -119,9 +111,9 @@ def import_file(
 
 def _print(facts: dict[str, Any]) -> None:
     if facts["text"] is not None:
-        typer.echo(facts["text"], nl=False)
+        click.echo(facts["text"], nl=False)
         return
-    typer.echo(f"written: {facts['file']}")
+    click.echo(f"written: {facts['file']}")
     for title, key in (("taken otherwise", "approximated"), ("left out", "left_out")):
         for sentence in facts[key]:
-            typer.echo(f"{title}: {sentence}")
+            click.echo(f"{title}: {sentence}")

@@ -5,30 +5,30 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
 from rich.console import Console
 
 import modelgen
-from modelgen.cli.options import AsJson, Form, SceneFile, Values, named_values, read_values
-from modelgen.cli.output import check_outputs, guarded, print_facts
+from modelgen.cli.command import Option
+from modelgen.cli.option_reading import named_values, read_values
+from modelgen.cli.options import AsJson, Form, SceneFile, Values
+from modelgen.cli.output import check_outputs, print_facts
 from modelgen.cli.pipeline import linearise_scene
 from modelgen.errors import ModelgenError
 
-Steady = Annotated[bool, typer.Option("--steady", help="about the steady motion near the start")]
+Steady = Annotated[bool, Option("--steady", help="about the steady motion near the start")]
 Vary = Annotated[
     str | None,
-    typer.Option(
+    Option(
         help="eigenvalues of the steady motion over a parameter, and where it is stable",
         metavar="NAME=a:b:n",
     ),
 ]
 Plot = Annotated[
     Path | None,
-    typer.Option(help="with --vary: draw them to FILE.png or FILE.svg", metavar="FILE", readable=False),
+    Option(help="with --vary: draw them to FILE.png or FILE.svg", metavar="FILE"),
 ]
 
 
-@guarded
 def linearise(
     scene: SceneFile,
     steady: Steady = False,

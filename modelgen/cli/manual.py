@@ -6,10 +6,10 @@ import re
 from pathlib import Path
 from typing import Annotated
 
-import typer
+import click
 from rich.console import Console
 
-from modelgen.cli.output import guarded
+from modelgen.cli.command import Argument, Option
 from modelgen.errors import ModelgenError
 from modelgen.name_suggestions import nearest
 
@@ -24,23 +24,22 @@ TOPICS = (
     *("measurements", "glossary", "changelog"),
 )
 
-Topic = Annotated[str | None, typer.Argument(metavar="TOPIC", help="a page; without it the list of pages")]
+Topic = Annotated[str | None, Argument(metavar="TOPIC", help="a page; without it the list of pages")]
 
 
-Script = Annotated[bool, typer.Option("--script", help="the Python code of the page alone")]
+Script = Annotated[bool, Option("--script", help="the Python code of the page alone")]
 
 
-@guarded
 def manual(topic: Topic = None, script: Script = False) -> None:
     """Print a page of the manual, or the list of its topics."""
     if topic is None:
         width = max(map(len, TOPICS))
         for name in TOPICS:
-            typer.echo(f"{name:{width}}  {summary_of(page(name))}")
-        typer.echo("\nmodelgen manual TOPIC prints a page.")
+            click.echo(f"{name:{width}}  {summary_of(page(name))}")
+        click.echo("\nmodelgen manual TOPIC prints a page.")
         return
     if script:
-        typer.echo(script_of(page(topic)), nl=False)
+        click.echo(script_of(page(topic)), nl=False)
     else:
         print_page(page(topic))
 
@@ -59,7 +58,7 @@ def print_page(text: str) -> None:
 
         console.print(Markdown(text), soft_wrap=False)
     else:
-        typer.echo(text, nl=False)
+        click.echo(text, nl=False)
 
 
 def page(topic: str) -> str:

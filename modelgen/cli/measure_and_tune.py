@@ -7,22 +7,15 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
+import click
 from rich.console import Console
 
 import modelgen
 from modelgen.cli import INTERRUPTED
-from modelgen.cli.options import (
-    AsJson,
-    OutPicture,
-    Samples,
-    SceneFile,
-    Until,
-    Values,
-    read_option,
-    read_values,
-)
-from modelgen.cli.output import FAILED, check_file, check_outputs, guarded, print_facts
+from modelgen.cli.command import Argument, Option
+from modelgen.cli.option_reading import read_option, read_values
+from modelgen.cli.options import AsJson, OutPicture, Samples, SceneFile, Until, Values
+from modelgen.cli.output import FAILED, check_file, check_outputs, print_facts, print_lines
 from modelgen.cli.pipeline import check_folder, folder_of
 from modelgen.cli.progress import activity
 from modelgen.errors import ModelgenError
@@ -33,32 +26,26 @@ if TYPE_CHECKING:
 UNITS = {"ns": 1.0, "us": 1e3, "µs": 1e3, "ms": 1e6, "s": 1e9}  # of a budget, in ns
 
 Knobs = Annotated[
-    str | None, typer.Option(help="only these knobs, by name; default: all that matter", metavar="A,B,...")
+    str | None, Option(help="only these knobs, by name; default: all that matter", metavar="A,B,...")
 ]
-Limit = Annotated[
-    str | None, typer.Option(help="wall time, s, after which nothing new is tried", metavar="NUMBER")
-]
+Limit = Annotated[str | None, Option(help="wall time, s, after which nothing new is tried", metavar="NUMBER")]
 Against = Annotated[
     str | None,
-    typer.Option(
-        help="other simulators beside it: mujoco, drake, siconos, exudyn, simbody", metavar="A,B,..."
-    ),
+    Option(help="other simulators beside it: mujoco, drake, siconos, exudyn, simbody", metavar="A,B,..."),
 ]
-SceneOrNone = Annotated[Path | None, typer.Argument(metavar="SCENE", help="scene file, TOML", readable=False)]
+SceneOrNone = Annotated[Path | None, Argument(metavar="SCENE", help="scene file, TOML")]
 Extremes = Annotated[
     bool,
-    typer.Option(
-        "--extremes", help="instead: gaps, curvatures, masses, units .. by decades, without a scene"
-    ),
+    Option("--extremes", help="instead: gaps, curvatures, masses, units .. by decades, without a scene"),
 ]
-Only = Annotated[str | None, typer.Option(help="only these extremes, by name", metavar="A,B,...")]
-Fresh = Annotated[bool, typer.Option("--fresh", help="measure again what is remembered")]
+Only = Annotated[str | None, Option(help="only these extremes, by name", metavar="A,B,...")]
+Fresh = Annotated[bool, Option("--fresh", help="measure again what is remembered")]
 AllowedError = Annotated[
-    str | None, typer.Option(help="that is allowed, over the characteristic length", metavar="NUMBER")
+    str | None, Option(help="that is allowed, over the characteristic length", metavar="NUMBER")
 ]
 Budget = Annotated[
     str | None,
-    typer.Option(
+    Option(
         help="CPU time per simulated second that is allowed, such as 20us; the setting found may exceed it "
         "by 20 %, and says so",
         metavar="TIME",
@@ -66,14 +53,11 @@ Budget = Annotated[
 ]
 OutScene = Annotated[
     Path | None,
-    typer.Option(
-        help="the scene with the settings; default: SCENE_tuned.toml", metavar="FILE", readable=False
-    ),
+    Option(help="the scene with the settings; default: SCENE_tuned.toml", metavar="FILE"),
 ]
-InPlace = Annotated[bool, typer.Option("--in-place", help="write them into SCENE itself")]
+InPlace = Annotated[bool, Option("--in-place", help="write them into SCENE itself")]
 
 
-@guarded
 def measure(
     scene: SceneOrNone = None,
     until: Until = None,
@@ -126,7 +110,7 @@ def _show(found: Measurement, plot: Path | None, as_json: bool) -> None:
     facts = found.as_json() | {"plot": None if plot is None else str(plot)}
     print_facts(facts, as_json, lambda: print_measurement(found, Console()))
     if found.was_stopped:
-        raise typer.Exit(INTERRUPTED)
+        raise click.exceptions.Exit(INTERRUPTED)
 
 
 def _survey(
@@ -145,12 +129,11 @@ def _survey(
         found = survey(_names("only", only), on_progress=report)
     print_facts(found.as_json(), as_json, lambda: print_survey(found, Console()))
     if found.interrupted:
-        raise typer.Exit(INTERRUPTED)
+        raise click.exceptions.Exit(INTERRUPTED)
     if not found.holds:
-        raise typer.Exit(FAILED)
+        raise click.exceptions.Exit(FAILED)
 
 
-@guarded
 def tune(
     scene: SceneFile,
     error: AllowedError = None,
@@ -167,7 +150,7 @@ def tune(
     from modelgen.benchmark import tune as tuned
     from modelgen.benchmark.measurement_table import print_tuned
     from modelgen.benchmark.run_table_rewriting import with_run_table
-    from modelgen.report.summary import print_written
+    from modelgen.report.summary import written_line
 
     target = _target(scene, out, in_place)
     what = modelgen.read(scene)
@@ -188,7 +171,7 @@ def tune(
     facts = found.as_json() | {"file": str(target)}
     print_facts(facts, as_json, lambda: print_tuned(found, Console()))
     if not as_json:
-        print_written(target, Console())
+        print_lines([written_line(target)])
 
 
 def _target(scene: Path, out: Path | None, in_place: bool) -> Path:
@@ -268,5 +251,5 @@ def _resumable() -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
-        typer.echo(resumable(STOPPED), err=True)
-        raise typer.Exit(INTERRUPTED) from None
+        click.echo(resumable(STOPPED), err=True)
+        raise click.exceptions.Exit(INTERRUPTED) from None

@@ -5,23 +5,23 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
+import click
 
+from modelgen.cli.command import Argument, Option
 from modelgen.cli.options import AsJson
-from modelgen.cli.output import check_file, guarded, print_facts, write_text
+from modelgen.cli.output import check_file, print_facts, write_text
 from modelgen.errors import ModelgenError
 from modelgen.name_suggestions import nearest
 
 FOLDER = Path(__file__).parents[1] / "scene" / "templates"
 
-Kind = Annotated[str | None, typer.Argument(metavar="KIND", help="of scene; without it the list of kinds")]
+Kind = Annotated[str | None, Argument(metavar="KIND", help="of scene; without it the list of kinds")]
 SceneOut = Annotated[
     Path | None,
-    typer.Option("--out", "-o", help="file of the scene; default: KIND.toml", metavar="FILE", readable=False),
+    Option("--out", "-o", help="file of the scene; default: KIND.toml", metavar="FILE"),
 ]
 
 
-@guarded
 def new(kind: Kind = None, out: SceneOut = None, as_json: AsJson = False) -> None:
     """Write a commented scene of a kind, ready to be run and changed, or list the kinds."""
     if kind is None:
@@ -38,7 +38,7 @@ def new(kind: Kind = None, out: SceneOut = None, as_json: AsJson = False) -> Non
     check_file(path)
     write_text(text, path)
     facts: dict[str, Any] = {"kind": kind, "file": str(path)}
-    print_facts(facts, as_json, lambda: typer.echo(f"written: {path}\nrun it: modelgen simulate {path}"))
+    print_facts(facts, as_json, lambda: click.echo(f"written: {path}\nrun it: modelgen simulate {path}"))
 
 
 def kinds() -> dict[str, str]:
@@ -70,7 +70,7 @@ def _list_kinds(out: Path | None, as_json: bool) -> None:
     def show() -> None:
         width = max(map(len, known))
         for name, line in known.items():
-            typer.echo(f"{name:{width}}  {line}")
-        typer.echo("\nmodelgen new KIND writes KIND.toml.")
+            click.echo(f"{name:{width}}  {line}")
+        click.echo("\nmodelgen new KIND writes KIND.toml.")
 
     print_facts({"kinds": known}, as_json, show)

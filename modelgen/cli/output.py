@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import functools
 import json
 import math
-from collections.abc import Callable, Mapping
+import sys
+from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ParamSpec, get_type_hints
+from typing import TYPE_CHECKING, Any
 
-import typer
-from typer.models import ArgumentInfo
+import click
 
 from modelgen.cli import INTERRUPTED
 from modelgen.errors import ModelgenError
@@ -21,66 +20,6 @@ if TYPE_CHECKING:
     from modelgen.scene.scene_types import Scene
 
 FAILED, REFUSED = 1, 2
-
-P = ParamSpec("P")
-
-
-def guarded(command: Callable[P, None]) -> Callable[P, None]:
-    """Turn errors of the user into one message on standard error and an exit code, without a traceback."""
-
-    @functools.wraps(command)
-    def wrapper(*args: P.args, **kwargs: P.kwargs) -> None:
-        try:
-            check_inputs(command, kwargs)
-            command(*args, **kwargs)
-        except ModelgenError as error:
-            message, code = str(error), REFUSED
-        except OSError as error:
-            message, code = f"{error.filename or 'standard output'}: {error.strerror}", REFUSED
-        except KeyboardInterrupt:
-            message, code = "interrupted", INTERRUPTED
-        else:
-            return
-        typer.echo(message, err=True)
-        raise typer.Exit(code)
-
-    return wrapper
-
-
-def check_inputs(command: Callable[..., None], given: Mapping[str, object]) -> None:
-    """Raise ModelgenError for a file that a command reads and that is not there, before anything else is
-    looked at."""
-    for name, value in given.items():
-        if name not in _arguments(command):
-            continue
-        for path in value if isinstance(value, list) else [value]:
-            if isinstance(path, Path) and is_missing(path):
-                raise _missing(path)
-
-
-@functools.cache
-def _arguments(command: Callable[..., None]) -> frozenset[str]:
-    """The parameters of a command that are written without a name."""
-    hints = get_type_hints(command, include_extras=True)
-    marks = {name: getattr(hint, "__metadata__", ()) for name, hint in hints.items()}
-    return frozenset(
-        name for name, each in marks.items() if any(isinstance(mark, ArgumentInfo) for mark in each)
-    )
-
-
-def is_missing(path: Path) -> bool:
-    """Whether nothing has this path; False of what is no path."""
-    try:
-        return not path.exists()
-    except (OSError, ValueError):
-        return False
-
-
-def _missing(path: Path) -> ModelgenError:
-    from modelgen.report.run_files import missing_run
-    from modelgen.scene.read import no_such_file
-
-    return missing_run(path) if path.suffix == ".npz" else no_such_file(path)
 
 
 def check_outputs(run: Path | None, picture: Path | None) -> None:
@@ -158,18 +97,31 @@ def write_run(
 
 def print_facts(facts: dict[str, Any], as_json: bool, show: Callable[[], None]) -> None:
     if as_json:
-        typer.echo(json.dumps(_finite(facts), allow_nan=False))
+        click.echo(json.dumps(_finite(facts), allow_nan=False))
     else:
         show()
+
+
+def print_lines(lines: Iterable[str]) -> None:
+    """Print lines; on a terminal their numbers are coloured."""
+    if not sys.stdout.isatty():
+        for line in lines:
+            click.echo(line)
+        return
+    from rich.console import Console
+
+    console = Console()
+    for line in lines:
+        console.print(line, markup=False, emoji=False, soft_wrap=True)
 
 
 def print_text(text: str, out: Path | None) -> None:
     """Print a text, or write it into a file and name that."""
     if out is None:
-        typer.echo(text)
+        click.echo(text)
         return
     write_text(text, out)
-    typer.echo(f"written: {out}")
+    click.echo(f"written: {out}")
 
 
 def _finite(value: Any) -> Any:
@@ -186,12 +138,12 @@ def exit_with(trajectory: Trajectory) -> None:
     interrupted."""
     outcome = trajectory.outcome
     if not outcome.succeeded:
-        typer.echo(_ending(trajectory), err=True)
+        click.echo(_ending(trajectory), err=True)
     elif trajectory.interrupted:
-        typer.echo(_whole(trajectory), err=True)
+        click.echo(_whole(trajectory), err=True)
     else:
         return
-    raise typer.Exit(INTERRUPTED if trajectory.interrupted else FAILED)
+    raise click.exceptions.Exit(INTERRUPTED if trajectory.interrupted else FAILED)
 
 
 def _whole(trajectory: Trajectory) -> str:

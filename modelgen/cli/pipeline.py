@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import modelgen
 from modelgen.cli.built_library_lookup import recall, remember, scene_key
-from modelgen.cli.options import read_option
+from modelgen.cli.option_reading import read_option
 from modelgen.cli.progress import activity, progress
 from modelgen.errors import ModelgenError
 from modelgen.scene.scene_name import scene_name

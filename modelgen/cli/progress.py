@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-import typer
-from rich.console import Console
+import click
 
 INTERVAL = 10.0  # s between two lines where standard error is no terminal; shorter work prints none
 
@@ -16,14 +16,14 @@ INTERVAL = 10.0  # s between two lines where standard error is no terminal; shor
 @contextmanager
 def progress(label: str) -> Iterator[Callable[[float], None]]:
     """Shows the share of the work that is done, from 0 to 1; before the first share, that work goes on."""
-    console = Console(stderr=True)
-    if not console.is_terminal:
+    if not sys.stderr.isatty():
         line = _lines()
         yield lambda share: line(f"{label}: {100 * share:.0f} %")
         return
+    from rich.console import Console
     from rich.progress import Progress
 
-    with Progress(console=console, transient=True) as bar:
+    with Progress(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(label, total=None)
         yield lambda share: bar.update(task, total=1.0, completed=share)
 
@@ -31,14 +31,14 @@ def progress(label: str) -> Iterator[Callable[[float], None]]:
 @contextmanager
 def activity(label: str) -> Iterator[Callable[[str], None]]:
     """Shows what is being done, in words."""
-    console = Console(stderr=True)
-    if not console.is_terminal:
+    if not sys.stderr.isatty():
         yield _lines()
         return
+    from rich.console import Console
     from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
     columns: tuple[Any, ...] = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True) as bar:
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(label, total=None)
         yield lambda text: bar.update(task, description=text)
 
@@ -51,6 +51,6 @@ def _lines() -> Callable[[str], None]:
         nonlocal last
         if time.monotonic() - last >= INTERVAL:
             last = time.monotonic()
-            typer.echo(text, err=True)
+            click.echo(text, err=True)
 
     return line

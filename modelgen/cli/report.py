@@ -5,21 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-from rich.console import Console
-
-from modelgen.cli.options import AsJson, Frames, InputValues, Quality, Until, Values, Verify, read_option
-from modelgen.cli.output import exit_with, guarded, needed, print_facts, write_text
+from modelgen.cli.command import Option
+from modelgen.cli.option_reading import read_option
+from modelgen.cli.options import AsJson, Frames, InputValues, Quality, Until, Values, Verify
+from modelgen.cli.output import exit_with, needed, print_facts, print_lines, write_text
 from modelgen.cli.pipeline import derive_scene
 from modelgen.cli.view import RunOrScene, check_page, given_settings, recorded
 
 FRAMES = 4  # pictures of the bodies, where no number is given
-PageFile = Annotated[
-    Path | None, typer.Option("--out", "-o", help="FILE.html, needed", metavar="FILE", readable=False)
-]
+PageFile = Annotated[Path | None, Option("--out", "-o", help="FILE.html, needed", metavar="FILE")]
 
 
-@guarded
 def report(
     source: RunOrScene,
     out: PageFile = None,
@@ -34,7 +30,7 @@ def report(
     """Write a page about a run: its error, pictures, events, results, what the scene required, formulas."""
     from modelgen.report.run_page import run_page
     from modelgen.report.run_plot import require_matplotlib
-    from modelgen.report.summary import print_written
+    from modelgen.report.summary import written_line
 
     out = needed(out, "report.html")
     check_page(out)
@@ -44,6 +40,6 @@ def report(
     derivation = derive_scene(record.scene_again("report"))
     write_text(run_page(record, derivation, FRAMES if pictures is None else pictures, n), out)
     facts = {"file": str(out), "scene": record.summary["scene"], "outcome": record.summary["outcome"]}
-    print_facts(facts, as_json, lambda: print_written(out, Console()))
+    print_facts(facts, as_json, lambda: print_lines([written_line(out)]))
     if trajectory is not None:
         exit_with(trajectory)

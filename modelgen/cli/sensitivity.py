@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-import typer
+import click
 from rich.console import Console
 
 import modelgen
-from modelgen.cli.options import AsJson, InputValues, Quality, SceneFile, Values, read_option, read_values
-from modelgen.cli.output import FAILED, guarded, print_facts
+from modelgen.cli.command import Option
+from modelgen.cli.option_reading import read_option, read_values
+from modelgen.cli.options import AsJson, InputValues, Quality, SceneFile, Values
+from modelgen.cli.output import FAILED, print_facts
 from modelgen.cli.pipeline import (
     DERIVATIVES,
     build_derivation,
@@ -22,19 +24,16 @@ from modelgen.errors import ModelgenError
 
 By = Annotated[
     str,
-    typer.Option(help="parameters, inputs, starts: mass,egg.velocity", metavar="A,B,...", show_default=False),
+    Option(help="parameters, inputs, starts: mass,egg.velocity", metavar="A,B,..."),
 ]
 Of = Annotated[
     str | None,
-    typer.Option(help="sensors, or egg.position and the like; default: all sensors", metavar="A,B,..."),
+    Option(help="sensors, or egg.position and the like; default: all sensors", metavar="A,B,..."),
 ]
-AtTimes = Annotated[
-    str | None, typer.Option("--at", help="times, s; default: the scene's end", metavar="T,T,...")
-]
-Compared = Annotated[bool, typer.Option("--check", help="beside them, differences of runs")]
+AtTimes = Annotated[str | None, Option("--at", help="times, s; default: the scene's end", metavar="T,T,...")]
+Compared = Annotated[bool, Option("--check", help="beside them, differences of runs")]
 
 
-@guarded
 def sensitivity(
     scene: SceneFile,
     by: By,
@@ -70,8 +69,8 @@ def sensitivity(
     facts = sensitivity_facts(found, differences)
     print_facts(facts, as_json, lambda: print_sensitivity(facts, Console()))
     if found.outcome is not None:
-        typer.echo(f"{found.outcome.name.lower()}: {found.outcome.value}", err=True)
-        raise typer.Exit(FAILED)
+        click.echo(f"{found.outcome.name.lower()}: {found.outcome.value}", err=True)
+        raise click.exceptions.Exit(FAILED)
 
 
 def _names(option: str, text: str) -> list[str]:

@@ -5,10 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
+import click
 from rich.console import Console
 
 import modelgen
+from modelgen.cli.command import Option
+from modelgen.cli.option_reading import named_values, read_option, read_values
 from modelgen.cli.options import (
     AsJson,
     Estimated,
@@ -25,55 +27,46 @@ from modelgen.cli.options import (
     Tolerance,
     Until,
     Values,
-    named_values,
-    read_option,
-    read_values,
 )
-from modelgen.cli.output import FAILED, check_outputs, guarded, print_facts
+from modelgen.cli.output import FAILED, check_outputs, print_facts, print_lines
 from modelgen.cli.pipeline import read_scene, ready_library, run_settings
 from modelgen.cli.progress import progress
 from modelgen.errors import ModelgenError
 
 Varied = Annotated[
     list[str] | None,
-    typer.Option(
+    Option(
         help="values of a parameter, an input or a start: mass=0.5:2:4, mass=1,2, mass=0.5:2; repeat it",
         metavar="NAME=A:B:N",
     ),
 ]
 Runs = Annotated[
     str | None,
-    typer.Option("--samples", help="number of runs that are drawn; default: a grid", metavar="NUMBER"),
+    Option("--samples", help="number of runs that are drawn; default: a grid", metavar="NUMBER"),
 ]
-Design = Annotated[
-    str | None, typer.Option(help="how values are chosen", metavar="[grid|sobol|latin|random]")
-]
-Seed = Annotated[str | None, typer.Option(help="of the draws", metavar="NUMBER")]
+Design = Annotated[str | None, Option(help="how values are chosen", metavar="[grid|sobol|latin|random]")]
+Seed = Annotated[str | None, Option(help="of the draws", metavar="NUMBER")]
 Threads = Annotated[
-    str | None, typer.Option(help="in which runs go; default: as many as processors", metavar="NUMBER")
+    str | None, Option(help="in which runs go; default: as many as processors", metavar="NUMBER")
 ]
 Scheduler = Annotated[
-    str | None, typer.Option(help="runs go on the workers of this Dask scheduler", metavar="tcp://HOST:PORT")
+    str | None, Option(help="runs go on the workers of this Dask scheduler", metavar="tcp://HOST:PORT")
 ]
-Keep = Annotated[
-    str | None, typer.Option(help="what is kept beside the table: whole runs", metavar="trajectories")
-]
+Keep = Annotated[str | None, Option(help="what is kept beside the table: whole runs", metavar="trajectories")]
 TableFolder = Annotated[
     Path | None,
-    typer.Option(
+    Option(
         "--out",
         help="folder of the table, in which the same command goes on",
         metavar="FOLDER",
-        readable=False,
     ),
 ]
 Of = Annotated[
     str | None,
-    typer.Option(help="columns of a sweep that are drawn; default: the sensors", metavar="A,B,..."),
+    Option(help="columns of a sweep that are drawn; default: the sensors", metavar="A,B,..."),
 ]
 
 
-@guarded
 def sweep(
     scene: SceneFile,
     vary: Varied = None,
@@ -141,8 +134,8 @@ def sweep(
     }
     print_facts(facts, as_json, lambda: print_sweep(facts, Console()))
     if found.failed.all():
-        typer.echo("every run failed", err=True)
-        raise typer.Exit(FAILED)
+        click.echo("every run failed", err=True)
+        raise click.exceptions.Exit(FAILED)
 
 
 def check_picture(plot: Path | None) -> None:
@@ -168,10 +161,10 @@ def columns_drawn(of: str | None, plot: Path | None) -> list[str] | None:
 def plot_sweep(folder: Path, out: Path, of: str | None, as_json: bool) -> None:
     """Draw the outcomes in the folder of a sweep."""
     from modelgen.parameter_study.outcome_plot import draw_sweep
-    from modelgen.report.summary import print_written
+    from modelgen.report.summary import written_line
 
     check_picture(out)
     found = modelgen.load_sweep(folder)
     draw_sweep(found, out, columns_drawn(of, out))
     facts = {"file": str(out), "scene": found.plan["scene"], "outcome": dict(found.outcomes)}
-    print_facts(facts, as_json, lambda: print_written(out, Console()))
+    print_facts(facts, as_json, lambda: print_lines([written_line(out)]))

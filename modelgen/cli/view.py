@@ -5,12 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-from rich.console import Console
+import click
 
 import modelgen
-from modelgen.cli.options import AsJson, InputValues, Quality, Until, Values, read_option, read_values
-from modelgen.cli.output import check_file, exit_with, guarded, print_facts
+from modelgen.cli.command import Argument, Option
+from modelgen.cli.option_reading import read_option, read_values
+from modelgen.cli.options import AsJson, InputValues, Quality, Until, Values
+from modelgen.cli.output import check_file, exit_with, print_facts, print_lines
 from modelgen.cli.pipeline import read_scene, ready_library, run_scene, run_settings
 from modelgen.errors import ModelgenError
 
@@ -18,24 +19,17 @@ if TYPE_CHECKING:
     from modelgen.report.run_record import Record
     from modelgen.runtime.trajectory import Trajectory
 
-RunOrScene = Annotated[
-    Path, typer.Argument(metavar="RUN.npz|SCENE", help="a run, or a scene to run first", readable=False)
-]
+RunOrScene = Annotated[Path, Argument(metavar="RUN.npz|SCENE", help="a run, or a scene to run first")]
 PageFile = Annotated[
     Path | None,
-    typer.Option(
-        "--out", "-o", help="FILE.html; without it a scene runs live", metavar="FILE", readable=False
-    ),
+    Option("--out", "-o", help="FILE.html; without it a scene runs live", metavar="FILE"),
 ]
-Plots = Annotated[
-    str | None, typer.Option(help="plots that are open at first: energy,sensors", metavar="NAMES")
-]
-Port = Annotated[str | None, typer.Option(help="of the live page; default: 8080", metavar="NUMBER")]
+Plots = Annotated[str | None, Option(help="plots that are open at first: energy,sensors", metavar="NAMES")]
+Port = Annotated[str | None, Option(help="of the live page; default: 8080", metavar="NUMBER")]
 SUFFIXES = (".html", ".htm")
 PORT = 8080
 
 
-@guarded
 def view(
     source: RunOrScene,
     out: PageFile = None,
@@ -52,7 +46,7 @@ def view(
     if out is None:
         _run_live(source, settings, PORT if port is None else read_option("port", port))
         return
-    from modelgen.report.summary import print_written
+    from modelgen.report.summary import written_line
     from modelgen.view.page import write_page
     from modelgen.view.plots import check_plots
 
@@ -61,7 +55,7 @@ def view(
     record, trajectory = recorded(source, settings)
     write_page(record, out, plots=opened)
     facts = {"file": str(out), "scene": record.summary["scene"], "outcome": record.summary["outcome"]}
-    print_facts(facts, as_json, lambda: print_written(out, Console()))
+    print_facts(facts, as_json, lambda: print_lines([written_line(out)]))
     if trajectory is not None:
         exit_with(trajectory)
 
@@ -117,7 +111,7 @@ def _run_live(source: Path, settings: dict[str, Any], port: int) -> None:
     model = modelgen.require(read_scene(source, None))
     with ready_library(source, None) as library:
         live = Live(library, model, port=port, **settings)
-    typer.echo(f"{live.address} plays {source}; Ctrl-C ends it")
+    click.echo(f"{live.address} plays {source}; Ctrl-C ends it")
     try:
         live.run(until)
     except KeyboardInterrupt:

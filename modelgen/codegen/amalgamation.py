@@ -15,7 +15,7 @@ from importlib.resources.abc import Traversable
 
 HEADER, SOURCE = "modelgen.h", "modelgen_runtime.c"
 ELEMENTARY, SENSITIVITY = "elementary/", "sensitivity/"  # folders of the core
-INCLUDE = re.compile(r'^#include "([^"]+)"[^\n]*\n', re.MULTILINE)
+INCLUDE = re.compile(r'#include "([^"]+)"[^\n]*\n')  # begins with a literal, which is found ten times as fast
 
 
 @cache

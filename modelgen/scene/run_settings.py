@@ -5,24 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from modelgen.scene.run_choices import (
+    ACCURACIES,
+    FORMS,
+    IMPACTS,
+    LEVELS,
+    METHODS,
+    REALS,
+    SCHEMES,
+    SOLVERS,
+    STEPPED,
+)
 from modelgen.scene.scalar_types import POSITIVE, Choice, Real, Switch, Whole
 from modelgen.scene.source_location import Place
 from modelgen.scene.table_types import Field, Table
-
-ACCURACIES = ("fast", "balanced", "tight")
-METHODS = ("dop853", "rk4", "time-stepping")
-SCHEMES = ("stewart-trinkle", "anitescu-potra", "moreau")
-IMPACTS = ("simultaneous", "sequential")
-SOLVERS = ("coulomb", "relaxation")
-REALS = ("double", "float", "long double")
-LEVELS = ("O1", "O2", "O3")
-STEPPED = METHODS[1:]  # by fixed steps
-FORMS = (
-    *("auto", "explicit", "support", "implicit", "block", "mixed", "paper", "differentiated"),
-    *("curve_implicit", "curve_block", "curve_paper", "curve_differentiated"),
-    *("curves_block", "curves_paper", "curves_differentiated"),
-    *("centre_surface", "centre_curve", "edge_edge"),
-)
 
 _TOLERANCE = "a number is written tolerance = ..., without accuracy"
 

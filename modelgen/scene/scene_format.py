@@ -16,7 +16,8 @@ from modelgen.scene.parameters import PARAMETERS
 from modelgen.scene.patterns import PATTERN
 from modelgen.scene.pose_input import ORIENTATIONS, POSE_FIELDS, VECTOR
 from modelgen.scene.restitution import RestitutionValue
-from modelgen.scene.run_settings import FORMS, RUN
+from modelgen.scene.run_choices import FORMS
+from modelgen.scene.run_settings import RUN
 from modelgen.scene.scalar_types import NUMBER, POSITIVE, Choice, ExpressionText, Switch, Text, Whole
 from modelgen.scene.scene_types import Restitution
 from modelgen.scene.sensor_format import SENSORS

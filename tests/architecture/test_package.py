@@ -18,7 +18,7 @@ def run(code: str) -> str:
 
 
 def test_import_is_cheap() -> None:
-    heavy = {"casadi", "numpy", "scipy", "sympy", "typer", "rich", "matplotlib"}
+    heavy = {"casadi", "numpy", "scipy", "sympy", "click", "rich", "matplotlib"}
     loaded = run("import modelgen, sys; print(*(name.split('.')[0] for name in sys.modules))").split()
     assert not heavy & set(loaded)
 

@@ -1,7 +1,8 @@
 """Start of the command, in turn with what it must import: `python -m tests.benchmarks.command_start`.
 
 Each line: the least wall and CPU time of several processes, s. A scene that was run before is run again, with
-nothing derived; the last line derives and compiles nothing either, but does not know the scene.
+nothing derived; the last line compiles nothing either, but derives the scene, which it does not know. Python
+keeps its bytecode, as it does of an installed package, whatever PYTHONDONTWRITEBYTECODE says.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ CODES = {
     "python": "",
     "numpy": "import numpy",
     "numpy, casadi": "import casadi",
-    "numpy, typer": "import numpy, typer, typer.main, rich.console; typer.main.get_command",
+    "numpy, click": "import numpy, click",
     "modelgen simulate, known": COMMAND,
     "modelgen simulate, not known": COMMAND,
 }
@@ -31,13 +32,18 @@ CODES = {
 
 def spent(code: str, folder: Path) -> tuple[float, float]:
     """Wall and CPU time of one process, s."""
+    own = {
+        "PYTHONPATH": str(SCENE.parents[1]),
+        "PYTHONPYCACHEPREFIX": str(folder / "bytecode"),
+        "PYTHONDONTWRITEBYTECODE": "",
+    }
     before, begun = getrusage(RUSAGE_CHILDREN), perf_counter()
     subprocess.run(
         [sys.executable, "-c", code, str(SCENE)],
         cwd=folder,
         check=True,
         capture_output=True,
-        env={**os.environ, "PYTHONPATH": str(SCENE.parents[1])},
+        env=os.environ | own,
     )
     wall, after = perf_counter() - begun, getrusage(RUSAGE_CHILDREN)
     return wall, after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime

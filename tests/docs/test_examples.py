@@ -10,10 +10,10 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
+from click.testing import CliRunner
 
 from modelgen import require
-from modelgen.cli.basic_commands import app
+from modelgen.cli.command_group import app
 from modelgen.cli.manual import page, script_of
 from modelgen.scene.read import read_text
 from tests.docs.pages import EXAMPLES, MANUAL, PAGES, ROOT, blocks

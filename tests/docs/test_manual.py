@@ -8,11 +8,11 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 from rich.console import Console
-from typer.testing import CliRunner
 
 from modelgen.cli import manual
-from modelgen.cli.basic_commands import app
+from modelgen.cli.command_group import app
 from modelgen.cli.manual import FOLDER, TOPICS, page
 from modelgen.report.keys_page import keys_page, page_of, sections, sections_of
 from modelgen.scene.joint_format import JOINT

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
+from click.testing import CliRunner
 
 from modelgen import derive, require, simulate
-from modelgen.cli.basic_commands import app
+from modelgen.cli.command_group import app
 from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError
 from modelgen.export import browser_page

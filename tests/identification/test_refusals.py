@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from jsonschema import Draft202012Validator
-from typer.testing import CliRunner
 
 from modelgen import fit
-from modelgen.cli.basic_commands import app
+from modelgen.cli.command_group import app
 from modelgen.errors import SimulationError
 from modelgen.identification.recording_files import read_recording
 from modelgen.report.fit_output import fit_facts, fitted_schema

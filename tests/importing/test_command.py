@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
+from click.testing import CliRunner
 
 from modelgen import read
-from modelgen.cli.basic_commands import app
+from modelgen.cli.command_group import app
 from tests.importing.profiles import rail_head
 
 BALL = '<mujoco><worldbody><body name="b"><freejoint/><geom size="0.1"/></body></worldbody></mujoco>'

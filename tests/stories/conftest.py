@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from typer.testing import CliRunner
+from click.testing import CliRunner
 
-from modelgen.cli.basic_commands import app
+from modelgen.cli.command_group import app
 from modelgen.codegen.compiler import find_compiler
 from modelgen.codegen.core_cache import runtime_object
 from tests.running import LEVEL

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
+from click.testing import CliRunner
 
 from modelgen import load, read, record_of, save, simulate
-from modelgen.cli.basic_commands import app
+from modelgen.cli.command_group import app
 from modelgen.errors import ModelgenError
 from modelgen.view.page import page_text
 from tests.running import SCENES, scene_of

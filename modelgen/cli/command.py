@@ -1,0 +1,108 @@
+"""The command of a function: the annotations of its parameters say how they are written.
+
+A parameter is a text, a path, a switch, or a list of texts or paths: `Annotated[type, Option(...)]`.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Any, NamedTuple, get_args, get_origin, get_type_hints
+
+import click
+
+from modelgen.cli.input_files import check_inputs
+from modelgen.cli.output import REFUSED
+from modelgen.errors import ModelgenError
+
+
+class Argument(NamedTuple):
+    """A parameter that is written without a name."""
+
+    metavar: str
+    help: str
+
+
+class Option:
+    """A parameter that is written with one of these names; where none is told, with its own."""
+
+    def __init__(self, *names: str, help: str = "", metavar: str | None = None, hidden: bool = False) -> None:
+        self.names, self.help, self.metavar, self.hidden = names, help, metavar, hidden
+
+
+class Command(click.Command):
+    """Turns errors of the user into one message on standard error and an exit code, without a traceback."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Call the function, once all files that it reads are there."""
+        try:
+            check_inputs(ctx.params[each.name] for each in self.params if isinstance(each, click.Argument))
+            return super().invoke(ctx)
+        except ModelgenError as error:
+            message = str(error)
+        except OSError as error:
+            message = f"{error.filename or 'standard output'}: {error.strerror}"
+        click.echo(message, err=True)
+        raise click.exceptions.Exit(REFUSED)
+
+
+def command_of(function: Callable[..., None], name: str) -> Command:
+    """The command that calls a function; its help is the docstring."""
+    hints = get_type_hints(function, include_extras=True)
+    given = inspect.signature(function).parameters
+    parameters = [_parameter(key, hints[key], each.default) for key, each in given.items()]
+    return Command(name, callback=function, params=parameters, help=inspect.getdoc(function))
+
+
+def _parameter(name: str, hint: Any, default: Any) -> click.Parameter:
+    annotated, written = get_args(hint)
+    kind, is_list = _kind(annotated)
+    shared: dict[str, Any] = {
+        "type": click.Path(path_type=Path, readable=False) if kind is Path else kind,
+        "callback": _listed if is_list else None,
+        "required": default is inspect.Parameter.empty,
+    }
+    if not shared["required"]:
+        shared["default"] = default
+    if isinstance(written, Argument):
+        metavar = written.metavar if shared["required"] else f"[{written.metavar}]"
+        return click.Argument(
+            [name], metavar=metavar, help=written.help, nargs=-1 if is_list else 1, **shared
+        )
+    long = name.replace("_", "-")
+    names = written.names or (f"--{long}/--no-{long}" if kind is bool else f"--{long}",)
+    return click.Option(
+        [*names, name],
+        metavar=written.metavar,
+        help=written.help,
+        hidden=written.hidden,
+        is_flag=kind is bool,
+        multiple=is_list,
+        show_default=True,
+        **shared,
+    )
+
+
+def _kind(annotated: Any) -> tuple[type, bool]:
+    """The type of a value, and whether there may be several."""
+    if isinstance(annotated, UnionType):
+        (annotated,) = (each for each in get_args(annotated) if each is not NoneType)
+    return (get_args(annotated)[0], True) if get_origin(annotated) is list else (annotated, False)
+
+
+def _listed(_: click.Context, __: click.Parameter, values: tuple[Any, ...]) -> list[Any] | None:
+    """The values of a parameter that may be repeated; None where there are none."""
+    return list(values) or None
+
+
+def option_that(acts: Callable[[], None], name: str, help: str) -> click.Option:
+    """An option that does one thing in place of a command."""
+
+    def called(ctx: click.Context, _: click.Parameter, given: bool) -> None:
+        if given and not ctx.resilient_parsing:
+            acts()
+            ctx.exit()
+
+    return click.Option([name], is_flag=True, is_eager=True, expose_value=False, help=help, callback=called)

@@ -1,0 +1,78 @@
+"""The commands by name, each loaded when it is named or the help of all is shown."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+import click
+from click.exceptions import NoSuchCommand
+
+from modelgen import __version__
+from modelgen.cli import INTERRUPTED
+from modelgen.cli.command import command_of
+from modelgen.cli.shell_completion import completion_options
+
+MODULES = {  # of `modelgen.cli`, each with a function of the name of its command
+    "new": "new",
+    "check": "check",
+    "build": "build",
+    "simulate": "simulate",
+    "linearise": "linearise",
+    "fit": "fit",
+    "sweep": "sweep",
+    "measure": "measure_and_tune",
+    "tune": "measure_and_tune",
+    "manual": "manual",
+    "sensitivity": "sensitivity",
+    "view": "view",
+    "export": "export",
+    "import": "import_file",
+    "report": "report",
+    "plot": "plot",
+    "inspect": "inspect",
+    "schema": "schema",
+}
+FUNCTIONS = {"import": "import_file"}  # where the name of a command is a word of Python
+
+
+class Commands(click.Group):
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(MODULES)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in MODULES:
+            return None
+        module = import_module(f"modelgen.cli.{MODULES[cmd_name]}")
+        return command_of(getattr(module, FUNCTIONS.get(cmd_name, cmd_name)), cmd_name)
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """The command that is named; where there is none, the nearest names are suggested."""
+        try:
+            return super().resolve_command(ctx, args)
+        except NoSuchCommand as error:
+            raise NoSuchCommand(error.command_name, possibilities=MODULES, ctx=ctx) from None
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Ctrl-C ends a command without a traceback, also while its modules are imported."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            click.echo("interrupted", err=True)
+            ctx.exit(INTERRUPTED)
+
+
+def _print_version() -> None:
+    click.echo(f"modelgen {__version__}")
+
+
+app = Commands(
+    "modelgen",
+    help="From a scene file to a compiled model of rigid bodies in smooth contact, and its trajectory.",
+    params=completion_options(),
+)
+click.version_option(
+    __version__, prog_name="modelgen", message="%(prog)s %(version)s", help="print the version"
+)(app)

@@ -1,0 +1,70 @@
+"""Completion of commands and options in the shell that is used: its script, shown or installed."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import NamedTuple
+
+import click
+
+from modelgen.cli.command import option_that
+
+
+class Shell(NamedTuple):
+    """Where a shell finds a script of completion, in the home folder, and the line of its start for that."""
+
+    script: str
+    start: str = ""
+    line: str = ""
+
+
+SHELLS = {
+    "bash": Shell(
+        ".bash_completions/modelgen.sh", ".bashrc", "source '{home}/.bash_completions/modelgen.sh'"
+    ),
+    "zsh": Shell(".zfunc/_modelgen", ".zshrc", "fpath+=~/.zfunc; autoload -Uz compinit; compinit"),
+    "fish": Shell(".config/fish/completions/modelgen.fish"),
+}
+
+
+def completion_options() -> list[click.Parameter]:
+    """`--install-completion` and `--show-completion`."""
+    return [
+        option_that(_install, "--install-completion", "set up completion for the shell that SHELL names"),
+        option_that(_show, "--show-completion", "print the script of completion for that shell"),
+    ]
+
+
+def _shell() -> str:
+    name = Path(os.environ.get("SHELL", "")).name
+    if name not in SHELLS:
+        raise click.UsageError(f"SHELL names no shell of {', '.join(SHELLS)}: {name!r}")
+    return name
+
+
+def _script(shell: str) -> str:
+    from click.shell_completion import get_completion_class
+
+    writer = get_completion_class(shell)
+    assert writer is not None
+    return writer(click.get_current_context().command, {}, "modelgen", "_MODELGEN_COMPLETE").source()
+
+
+def _show() -> None:
+    click.echo(_script(_shell()))
+
+
+def _install() -> None:
+    """Write the script where the shell looks for it, and one line, once, into the file of its start."""
+    shell = _shell()
+    home, files = Path.home(), SHELLS[shell]
+    script = home / files.script
+    script.parent.mkdir(parents=True, exist_ok=True)
+    script.write_text(_script(shell), encoding="utf-8")
+    if files.start:
+        start, line = home / files.start, files.line.format(home=home)
+        text = start.read_text(encoding="utf-8") if start.exists() else ""
+        if line not in text:
+            start.write_text(f"{text.rstrip()}\n{line}\n".lstrip(), encoding="utf-8")
+    click.echo(f"written: {script}; completion works in a new shell")
