@@ -181,6 +181,7 @@ static void mg_set_arrays(mg_context *c, mg_memory *memory) {
   c->patches.hull_memory = mg_reserve_reals(memory, mg_hull_memory_max(s)); /* pointers first */
   mg_set_listing_arrays(c, memory);
   c->contacts.length = mg_reserve_reals(memory, m + 1);
+  c->bodies.quaternion = mg_reserve_reals(memory, 4 * b);
   c->bodies.pose = mg_reserve_reals(memory, 12 * b), c->bodies.twist = mg_reserve_reals(memory, 6 * b);
   c->bodies.acceleration = mg_reserve_reals(memory, 6 * b), c->bodies.wrench = mg_reserve_reals(memory, 6 * b);
   c->rows.J = mg_reserve_reals(memory, 12 * r), c->rows.MJ = mg_reserve_reals(memory, 12 * r);
