@@ -132,6 +132,7 @@ static int mg_choose_branch(mg_context *c, int which) {
     mode = MG_BRANCH_SLIDES;
     if (up.other_modes != down.other_modes || mg_slide_count(c) == MG_SLIDING_MAX) c->switches.is_unresolved = 1;
   }
+  c->switches.repels[which] = (up.direction > 0 && down.direction <= 0) || (up.direction == 0 && down.direction < 0);
   mg_set_switch_mode(c, which, mode, mode == MG_BRANCH_SLIDES ? (up.rate + down.rate) / (down.rate - up.rate) : mode);
   mg_evaluate_run_state(c);
   mg_set_branches_by_sign(c);
@@ -144,7 +145,7 @@ MG_INTERNAL int mg_settle_load_branches(mg_context *c, mg_events *events) {
   mg_evaluate_run_state(c);
   for (int k = 0; k < c->system->n_switch; k++) c->switches.mode_before[k] = c->run->switch_mode[k];
   for (int round = 0, changed = 1; round < MG_BRANCH_ROUNDS && changed; round++) {
-    for (int k = 0; k < c->system->n_switch; k++) c->switches.is_at_zero[k] = 0;
+    for (int k = 0; k < c->system->n_switch; k++) c->switches.is_at_zero[k] = c->switches.repels[k] = 0;
     changed = mg_set_branches_by_sign(c);
     for (int k = 0; k < c->system->n_switch; k++) c->switches.is_at_zero[k] = mg_is_switch_at_zero(c, k);
     for (int k = 0; k < c->system->n_switch; k++)

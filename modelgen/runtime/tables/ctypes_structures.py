@@ -223,6 +223,7 @@ RUN_INTEGERS = (
         "forces_redundant",
         "friction_redundant",
         "indeterminate",
+        "indeterminate_switch",
     ),
 )
 RECORD_ARRAYS = (
