@@ -82,8 +82,8 @@ def uncertified(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any
         yield "fixed steps lose their order where slip dies"
     if path.indeterminate_load:
         yield (
-            f"from t = {path.indeterminate_t:.6g} s the motion is not unique: {path.indeterminate_load} is at a "
-            "jump from which it leads away"
+            f"from t = {path.indeterminate_t:.6g} s the motion is not unique: {path.indeterminate_load} "
+            "is at a jump from which it leads away"
         )
     elif path.indeterminate_t is not None:
         yield (
