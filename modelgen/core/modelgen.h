@@ -539,6 +539,7 @@ typedef struct {
   int forces_redundant;     /* 1: forces are not unique; those nearest to reference_force are taken */
   int friction_redundant;   /* 1: friction forces of the present modes are not unique */
   int indeterminate;        /* 1: friction forces or a load left the motion open, or were not proved not to */
+  int shared_switch;        /* switching function of the first load at a jump that contacts or joints hold too, or -1 */
   int indeterminate_switch; /* switching function of that load, or -1: friction forces */
 } mg_run;
 

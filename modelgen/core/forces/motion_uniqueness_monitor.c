@@ -86,8 +86,11 @@ MG_INTERNAL void mg_monitor_redundant_friction(mg_context *c) {
   c->run->indeterminate = 1, c->run->indeterminate_t = c->run->t;
 }
 
-MG_INTERNAL void mg_monitor_repelling_switches(const mg_context *c) {
-  for (int k = 0; k < c->system->n_switch && !c->run->indeterminate; k++)
-    if (c->switches.repels[k])
+MG_INTERNAL void mg_monitor_loads_at_jumps(const mg_context *c) {
+  if (!mg_has_branches(c)) return;
+  for (int k = 0; k < c->system->n_switch; k++) {
+    if (c->switches.repels[k] && !c->run->indeterminate)
       c->run->indeterminate = 1, c->run->indeterminate_t = c->run->t, c->run->indeterminate_switch = k;
+    if (c->switches.shares[k] && c->run->shared_switch < 0) c->run->shared_switch = k;
+  }
 }

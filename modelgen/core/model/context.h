@@ -344,6 +344,7 @@ typedef struct {
   int *triggered;    /* [n_switch] 1: its event has triggered */
   int *is_at_zero;   /* [n_switch] 1: it is zero where branches are chosen */
   int *mode_before;  /* [n_switch] its mode before that */
+  int *shares;       /* [n_switch] 1: contacts or joints hold it at zero, whatever load between both branches acts */
   int *repels;       /* [n_switch] 1: it is zero, and may leave it or not: the motion is not unique */
   int is_unresolved; /* 1: no branches were found on which the run can go on */
   int is_literal;    /* 1: loads are evaluated as they are written, without branches */

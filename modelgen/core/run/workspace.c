@@ -169,6 +169,7 @@ static void mg_set_switch_arrays(mg_context *c, mg_memory *memory) {
   c->switches.input_gradient = mg_reserve_reals(memory, 3L * c->system->n_input * n);
   c->switches.triggered = mg_reserve_ints(memory, n), c->switches.is_at_zero = mg_reserve_ints(memory, n);
   c->switches.mode_before = mg_reserve_ints(memory, n), c->switches.repels = mg_reserve_ints(memory, n);
+  c->switches.shares = mg_reserve_ints(memory, n);
 }
 
 /* Divides the memory. */

@@ -223,6 +223,7 @@ RUN_INTEGERS = (
         "forces_redundant",
         "friction_redundant",
         "indeterminate",
+        "shared_switch",
         "indeterminate_switch",
     ),
 )
