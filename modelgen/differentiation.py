@@ -34,6 +34,7 @@ TASKS: Mapping[str, str] = {
     "rates": "contact", "place": "placement", "rows": "joint", "sensors": "sensors", "rhs": "scene",
 }  # fmt: skip
 """The task of core/sensitivity that a role serves."""
+ON_BRANCH = ("branch", "quaternion")  # arguments of a load on its branches, which are not differentiated
 Computed = tuple[Mapping[str, ca.SX], ca.SX]  # arguments by name, and what is computed of them
 
 
@@ -136,7 +137,8 @@ def _packed(derivation: Derivation, formula: Formula) -> tuple[ca.SX, ca.SX, ca.
         return _packed_rows(formula)
     function = _loaded_motion(derivation, formula) if formula.role == "motion" else formula.function
     x, values = _arguments(function)
-    fixed = [ca.SX.sym("branch", function.numel_in("branch"))] if formula.role == "branch" else []
+    chosen = ON_BRANCH if formula.role == "branch" else ()
+    fixed = [ca.SX.sym(name, function.numel_in(name)) for name in chosen]
     results = dict(zip(function.name_out(), function.call([*values, *fixed]), strict=True))
     if formula.role == "place":
         return ca.SX(0, 1), x, ca.vertcat(results["d"], results["eta_next"])
@@ -190,10 +192,11 @@ def _jacobian(results: Mapping[str, ca.SX], side: int, rows: int) -> ca.SX:
 
 
 def _arguments(function: ca.Function) -> tuple[ca.SX, list[ca.SX]]:
-    """x of all arguments but the branch of a load, each at its full size, and what of it each argument is."""
+    """x of all arguments but those that choose the branch of a load, each at its full size, and what of it
+    each argument is."""
     symbols, values = [], []
     for name, size in _sizes(function):
-        if name == "branch":
+        if name in ON_BRANCH:
             continue
         symbol = ca.SX.sym(name, size)
         symbols.append(symbol)

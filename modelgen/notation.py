@@ -125,6 +125,7 @@ _TABLE = (
              "as the scene says, per s, s", "3 an input"),
     Notation("branch", "", "of a load: the side on which each of its switching functions is, 1, -1 or 0", "1",
              "switches"),
+    Notation("quaternion", "", "of the body of a load, with the sign that its state has", "1", "4"),
     Notation("switching", "", "switching functions of a load, which are zero where it jumps or has a kink",
              "as its expressions", "switches"),
     Notation("gradient", "", "derivatives of switching functions by t, poses, twists and parameters",

@@ -67,12 +67,12 @@ DISPATCHERS = (
     ),
     Dispatcher(
         ("branch",), "load_branch",
-        ("t", "pose_a", "twist_a", "pose_b", "twist_b", "parameters", "inputs", "branch"),
+        ("t", "pose_a", "twist_a", "pose_b", "twist_b", "parameters", "inputs", "branch", "quaternion"),
         ("wrench_a", "wrench_b"),
     ),
     Dispatcher(
         ("switches",), "load_switches",
-        ("t", "pose_a", "twist_a", "pose_b", "twist_b", "parameters", "inputs", "branch"),
+        ("t", "pose_a", "twist_a", "pose_b", "twist_b", "parameters", "inputs", "branch", "quaternion"),
         ("switching", "gradient", "input_gradient", "second_rate"),
     ),
     Dispatcher(

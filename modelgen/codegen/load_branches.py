@@ -36,7 +36,7 @@ def _formulas(model: Model) -> list[Formula]:
         load, branches = _on_branches(kind)
         if not branches.functions:
             continue
-        inputs = load.inputs | {"branch": ca.vertcat(*branches.symbols)}
+        inputs = load.inputs | {"branch": ca.vertcat(*branches.symbols), "quaternion": load.quaternion}
         wrench = kernel(f"mg_{kind.name}_branch", inputs, load.wrenches)
         found.append(Formula(wrench.name(), wrench, CITATION, "branch", index))
         switches = kernel(f"mg_{kind.name}_switches", inputs, _switches(load, branches))

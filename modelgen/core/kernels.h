@@ -88,11 +88,11 @@ typedef struct {
 /* What a derivative of a formula is for. Each formula is packed as y(w, x) (modelgen/differentiation.py): w is not
    differentiated. Vectors in brackets, one after the other, each at its full size. */
 enum {
-  MG_TASK_POSE = 0,   /* x = [q 7], y = [pose 12] */
-  MG_TASK_PATH = 1,   /* x = [t, parameters, inputs], y = [pose 12, twist 6, rate of the twist 6] */
-  MG_TASK_MOTION = 2, /* x = [q 7, u 6, wrench 6, gravity 3, parameters], y = [q_dot 7, u_dot 6] */
-  MG_TASK_LOAD = 3, /* w = branch [n_switch], x = [t, pose a 12, twist a 6, pose b 12, twist b 6, parameters, inputs], y
-                       = [wrenches of a, b 12] */
+  MG_TASK_POSE = 0,      /* x = [q 7], y = [pose 12] */
+  MG_TASK_PATH = 1,      /* x = [t, parameters, inputs], y = [pose 12, twist 6, rate of the twist 6] */
+  MG_TASK_MOTION = 2,    /* x = [q 7, u 6, wrench 6, gravity 3, parameters], y = [q_dot 7, u_dot 6] */
+  MG_TASK_LOAD = 3,      /* w = [branch, quaternion], x = [t, pose a 12, twist a 6, pose b 12, twist b 6, parameters,
+                            inputs], y = [wrenches of a, b 12] */
   MG_TASK_CONTACT = 4,   /* w = [forces of the rows 6, accelerations of o, f 12], x = [pose o 12, twist o 6, pose f 12,
                             twist f 6, eta, parameters], y = [J^T force 12, J a + gamma 6, J u 6, d, t1, t2, eta_dot] */
   MG_TASK_PLACEMENT = 5, /* x = [pose o 12, pose f 12, eta, parameters], y = [d, eta_next] */
@@ -159,19 +159,18 @@ typedef struct {
 
   /* The same of a load with switching functions on its branches: branch [n_switch], 1 where a function is positive, -1
      where it is negative, 0 where it stays zero. A wrench is smooth as long as the branches stay, also beyond the
-     zeros.
-   */
+     zeros. `quaternion`, here and below: that of body a, of which only the sign counts. */
   void (*load_branch)(int kind, const mg_real *t, const mg_real *pose_a, const mg_real *twist_a, const mg_real *pose_b,
                       const mg_real *twist_b, const mg_real *parameters, const mg_real *inputs, const mg_real *branch,
-                      mg_real *wrench_a, mg_real *wrench_b);
+                      const mg_real *quaternion, mg_real *wrench_a, mg_real *wrench_b);
 
   /* Switching functions of a load [n_switch], each on the branches of those before it; gradient by t, pose and
      twist of a and of b (12, 6, 12, 6) and the parameters, row after row, and by the inputs; second_rate [2 n_switch]:
      1 for a function of t and poses alone, whose second rate without accelerations follows; else 0. */
   void (*load_switches)(int kind, const mg_real *t, const mg_real *pose_a, const mg_real *twist_a,
                         const mg_real *pose_b, const mg_real *twist_b, const mg_real *parameters, const mg_real *inputs,
-                        const mg_real *branch, mg_real *switching, mg_real *gradient, mg_real *input_gradient,
-                        mg_real *second_rate);
+                        const mg_real *branch, const mg_real *quaternion, mg_real *switching, mg_real *gradient,
+                        mg_real *input_gradient, mg_real *second_rate);
 
   /* Of a spring: how far its length, or the coordinate of its joint, is from rest, m or rad; J (12) of the rate of this
      deflection, the columns of a, then of b. Its force along J is -stiffness deflection - damping J u. */

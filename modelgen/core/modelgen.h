@@ -538,7 +538,9 @@ typedef struct {
   int spring_rate_load;     /* load of spring_rate_max, or -1 */
   int forces_redundant;     /* 1: forces are not unique; those nearest to reference_force are taken */
   int friction_redundant;   /* 1: friction forces of the present modes are not unique */
-  int indeterminate;        /* 1: friction forces were not unique, and the motion was not proved to be */
+  int indeterminate;        /* 1: friction forces or a load left the motion open, or were not proved not to */
+  int shared_switch;        /* switching function of the first load at a jump that contacts or joints hold too, or -1 */
+  int indeterminate_switch; /* switching function of that load, or -1: friction forces */
 } mg_run;
 
 /* Samples at times that the caller gives. Row k of an array belongs to t[k]; shapes are those of one row. The caller's

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import casadi as ca
 
@@ -13,8 +13,10 @@ from modelgen.geometry.expression_branches import Branches
 from modelgen.geometry.expression_translation import lower
 from modelgen.geometry.frames import cross, dot, frame_of, zeros
 from modelgen.model import BodyMotion, LoadKind
+from modelgen.scene.expression_parity import parity
 from modelgen.scene.scene_types import ForceLoad, TorqueLoad
 
+QUATERNION = frozenset({"qw", "qx", "qy", "qz"})
 NO_LENGTH = 1e-30  # m: guards the direction of a spring of length zero, which then exerts no force
 
 
@@ -26,6 +28,7 @@ class Point:
     twist: ca.SX  # argument
     arm: ca.SX  # (3,) m, body axes, from the centre of mass
     rotation: ca.SX  # (3,3) body -> world
+    quaternion: ca.SX  # argument: which of both that the rotation has is continuous
 
     @property
     def position(self) -> ca.SX:
@@ -48,6 +51,7 @@ class LoadFormulas:
 
     inputs: dict[str, ca.SX]
     wrenches: dict[str, ca.SX]
+    quaternion: ca.SX = field(default_factory=lambda: zeros(0))  # argument on branches
 
 
 def load_kernel(kind: LoadKind) -> ca.Function:
@@ -64,7 +68,7 @@ def load_formulas(kind: LoadKind, branches: Branches | None = None) -> LoadFormu
     t = ca.SX.sym("t")
     spring = kind.kind == "spring"
     numbers, points = _points(kind)
-    a, b = points[0], points[1] if spring else Point(ca.SX(0, 1), ca.SX(0, 1), zeros(3), ca.SX.eye(3))
+    a, b = points[0], points[1] if spring else Point(zeros(0), zeros(0), zeros(3), ca.SX.eye(3), zeros(0))
     settings = input_argument(kind.inputs)
     values = {"t": t} | input_values(kind.inputs, t, settings)
     wrench_a, wrench_b = (
@@ -72,7 +76,9 @@ def load_formulas(kind: LoadKind, branches: Branches | None = None) -> LoadFormu
     )
     inputs = {"t": t, "pose_a": a.pose, "twist_a": a.twist, "pose_b": b.pose, "twist_b": b.twist}
     return LoadFormulas(
-        inputs | {"parameters": numbers} | settings, {"wrench_a": wrench_a, "wrench_b": wrench_b}
+        inputs | {"parameters": numbers} | settings,
+        {"wrench_a": wrench_a, "wrench_b": wrench_b},
+        a.quaternion,
     )
 
 
@@ -107,7 +113,8 @@ def _points(kind: LoadKind) -> tuple[ca.SX, list[Point]]:
 def _point(name: str, motion: BodyMotion, arm: ca.SX) -> Point:
     pose = ca.SX.sym(f"pose_{name}", 12)
     twist = ca.SX.sym(f"twist_{name}", 0 if motion == "fixed" else 6)
-    return Point(pose, twist, arm, ca.SX.eye(3) if motion == "point" else frame_of(pose).rotation)
+    rotation = ca.SX.eye(3) if motion == "point" else frame_of(pose).rotation
+    return Point(pose, twist, arm, rotation, ca.SX.sym("quaternion", 4 if motion == "free" else 0))
 
 
 def _given(kind: LoadKind, values: dict[str, ca.SX], point: Point, branches: Branches | None) -> ca.SX:
@@ -115,7 +122,10 @@ def _given(kind: LoadKind, values: dict[str, ca.SX], point: Point, branches: Bra
     `values` are time and inputs by name."""
     load = kind.load
     assert load is not None
-    symbols = values | _state_symbols(point, kind.motions[0])
+    turn = quaternion(point.rotation)
+    if branches and kind.motions[0] == "free" and _reads_quaternion(load):
+        turn = _turn_on_branch(turn, point, load, branches)
+    symbols = values | _state_symbols(point, kind.motions[0], turn)
     vector = ca.vertcat(*(lower(component, symbols, branches) for component in load.components))
     match load:
         case ForceLoad(frame=frame):
@@ -124,12 +134,24 @@ def _given(kind: LoadKind, values: dict[str, ca.SX], point: Point, branches: Bra
             return ca.vertcat(zeros(3), vector if frame == "body" else ca.mtimes(point.rotation.T, vector))
 
 
-def _state_symbols(point: Point, motion: BodyMotion) -> dict[str, ca.SX]:
+def _reads_quaternion(load: ForceLoad | TorqueLoad) -> bool:
+    return any(component.names & QUATERNION for component in load.components)
+
+
+def _turn_on_branch(turn: ca.SX, point: Point, load: ForceLoad | TorqueLoad, branches: Branches) -> ca.SX:
+    """The quaternion with qw >= 0 as the body's own, which is continuous, on the branch by its qw, unless the
+    load is the same with either."""
+    own = ca.if_else(ca.dot(turn, point.quaternion) < 0, -1, 1) * turn
+    is_even = all(parity(component.tree, QUATERNION) == 1 for component in load.components)
+    return own if is_even else branches.of(own[0]) * own
+
+
+def _state_symbols(point: Point, motion: BodyMotion, turn: ca.SX) -> dict[str, ca.SX]:
     """The state of the centre of mass in world axes, by the names of expressions."""
     velocity = point.twist[0:3] if motion != "fixed" else zeros(3)
     turns = motion in ("driven", "free")
     spin = ca.mtimes(point.rotation, point.twist[3:6]) if turns else zeros(3)
-    columns = {"xyz": point.pose[0:3], "v": velocity, "w": spin, "q": quaternion(point.rotation)}
+    columns = {"xyz": point.pose[0:3], "v": velocity, "w": spin, "q": turn}
     symbols = {axis: columns["xyz"][i] for i, axis in enumerate("xyz")}
     symbols |= {f"{letter}{axis}": columns[letter][i] for letter in "vw" for i, axis in enumerate("xyz")}
     return symbols | {f"q{axis}": columns["q"][i] for i, axis in enumerate("wxyz")}

@@ -155,8 +155,9 @@ _PROPERTIES = {
     "indeterminate_t": entry(
         ["number", "null"],
         "s, first time at which forces of contacts with friction were not unique and the motion was not "
-        "proved to be, or null",
+        "proved to be, or at which a load that jumps left the motion open; or null",
     ),
+    "indeterminate_load": entry("string", "that load, or empty"),
     "unfollowed_minima": entry(
         "integer",
         "how often a search found closest points of a pair within reach that no contact of it was free to "

@@ -179,7 +179,8 @@ class Trajectory:
     kinds: tuple[str, ...]
     instructions: dict[str, int]
     accuracy: str
-    indeterminate_t: float | None = None  # s: first time at which friction forces left the motion open
+    indeterminate_t: float | None = None  # s: first time at which friction or a load left the motion open
+    indeterminate_load: str = ""  # that load, as events name it; "": friction forces
     energy_rounding: float = 0.0  # energy drift that rounding may explain
     penetration_t: float = 0.0  # s, of `penetration_max`
     penetration_pair: str = ""  # the pair that penetrates so deep, "" where none does
@@ -274,6 +275,7 @@ class Trajectory:
             "margin_min": self.margin_min,
             "redundant_max": self.redundant_max,
             "indeterminate_t": self.indeterminate_t,
+            "indeterminate_load": self.indeterminate_load,
             "unfollowed_minima": self.unfollowed_minima,
             "incomplete_searches": self.incomplete_searches,
             "search_effort": self.search_effort,

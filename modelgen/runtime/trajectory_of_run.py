@@ -74,6 +74,9 @@ def trajectory_of(
         margin_min=float(min(run.margin_min, 1.0)),
         redundant_max=int(run.redundant_max),
         indeterminate_t=float(run.indeterminate_t) if run.indeterminate else None,
+        indeterminate_load=session.switching_loads[switch]
+        if (switch := run.indeterminate_switch) >= 0
+        else "",
         unfollowed_minima=int(run.unfollowed_minima),
         incomplete_searches=int(run.incomplete_searches),
         search_effort=int(run.search_effort),

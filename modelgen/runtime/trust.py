@@ -80,7 +80,12 @@ def uncertified(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any
         yield "time-stepping locates no events"
     if accuracy.method == "rk4" and any(event.kind in DYING for event in path.events):
         yield "fixed steps lose their order where slip dies"
-    if path.indeterminate_t is not None:
+    if path.indeterminate_load:
+        yield (
+            f"from t = {path.indeterminate_t:.6g} s the motion is not unique: {path.indeterminate_load} "
+            "is at a jump from which it leads away"
+        )
+    elif path.indeterminate_t is not None:
         yield (
             "contact forces with friction were not unique, and from "
             f"t = {path.indeterminate_t:.6g} s the motion not proved to be: which contact slips first is not "

@@ -226,6 +226,59 @@ def test_branches_that_change_with_the_side_are_not_trusted() -> None:
     assert any("time-stepping" in doubt for doubt in path.doubts)
 
 
+REPELLING = {  # force on 2 kg at 1/3 m from rest: the others leave it in one way, or are held there
+    "sign(x - 1/3)": True,
+    "2*sign(x - 1/3) - 1.9": True,
+    "1 + sign(x - 1/3)": True,
+    "-1 - sign(1/3 - x)": True,
+    "-1 + sign(1/3 - x)": False,
+    "sign(vx)": True,
+    "0.5*sign(vx) + t": True,
+    "-sign(vx)*sign(x - 1)": True,
+    "2*sign(x - 1/3) - 2.1": False,
+    "1.5 + sign(vx)": False,
+    "-sign(x - 1/3)": False,
+    "0.2 - sign(vx)": False,
+    "abs(x - 1/3)": False,
+    "max(0, x - 1/3)": False,
+    "sign(t)": False,
+}
+
+
+@pytest.mark.parametrize("accuracy", ACCURACIES)
+@pytest.mark.parametrize("force", REPELLING)
+def test_a_start_that_loads_leave_to_either_side_is_not_trusted(force: str, accuracy: str) -> None:
+    path = run(point([force, "0", "0"], (1 / 3, 0, 0), (0, 0.1, 0)), accuracy, 0.5)
+    assert path.indeterminate_t == (0.0 if REPELLING[force] else None)
+    assert any("not unique" in doubt for doubt in path.doubts) == REPELLING[force]
+    assert path.indeterminate_load == ("force on m" if REPELLING[force] else "")
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_an_event_that_loads_leave_to_either_side_is_not_trusted(seed: int) -> None:
+    """It is brought to rest at a place where the load then pushes away."""
+    random = Random(seed)
+    speed, brake = random.uniform(0.5, 1.5), random.uniform(2.0, 4.0)
+    rest = speed**2 / brake  # 2 kg
+    force = f"-{brake!r}*sign(vx)*max(0, sign(t_off - t)) + 3*max(0, sign(t - t_off))*sign(vx)"
+    until = speed * 2 / brake
+    path = run(
+        point([force.replace("t_off", repr(until + 0.2)), "0", "0"], (0, 0, 0), (speed, 0, 0)), "balanced"
+    )
+    assert path.p[-1, 0, 0] == pytest.approx(rest)
+    assert path.indeterminate_t == pytest.approx(until + 0.2)
+
+
+def test_what_a_contact_keeps_at_a_jump_is_trusted() -> None:
+    """The load only presses on the ball, which the contact keeps at its jump."""
+    library = built(
+        ROLLING.format(
+            force=["0", "0", "-1 - sign(z - 0.5)"], place=[0, 0, 0.5], velocity=[0, 0, 0], spin=[0] * 3
+        )
+    )
+    assert not run(library, "balanced").doubts
+
+
 HELD = """
 [[input]]
 name = "grip"

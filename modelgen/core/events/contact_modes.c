@@ -79,6 +79,7 @@ MG_INTERNAL int mg_solve_contact_modes(mg_context *c, mg_events *events) {
   mg_settle_load_branches(c, events);
   int outcome = mg_solve_modes_on_branches(c, events);
   if (!outcome && mg_settle_load_branches(c, events)) outcome = mg_solve_modes_on_branches(c, events);
+  mg_monitor_loads_at_jumps(c);
   return outcome || !c->switches.is_unresolved ? outcome : MG_TOO_MANY_EVENTS;
 }
 

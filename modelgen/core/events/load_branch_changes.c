@@ -113,6 +113,20 @@ static mg_departure mg_departure_on_branch(mg_context *c, int which, int side) {
   return found;
 }
 
+/* True if the load of a switching function that is zero is another one on its other branch. */
+static int mg_is_jump(mg_context *c, int which) {
+  const int load = mg_load_of_switch(c->system, which);
+  const mg_real kept = c->run->branch[which];
+  const int mode = c->run->switch_mode[which];
+  mg_real up[12] = {0}, down[12] = {0}, apart = 0, size = 0;
+  c->run->switch_mode[which] = MG_BRANCH_POSITIVE;
+  c->run->branch[which] = 1, mg_load_wrench(c, c->run->t, load, up);
+  c->run->branch[which] = -1, mg_load_wrench(c, c->run->t, load, down);
+  c->run->branch[which] = kept, c->run->switch_mode[which] = mode;
+  for (int i = 0; i < 12; i++) apart = mg_max(apart, fabs(up[i] - down[i])), size = mg_max(size, fabs(up[i]));
+  return apart > c->settings->event_tolerance * size;
+}
+
 /* Number of switching functions that slide, each surface counted once. */
 static int mg_slide_count(const mg_context *c) {
   int count = 0;
@@ -126,12 +140,14 @@ static int mg_slide_count(const mg_context *c) {
 static int mg_choose_branch(mg_context *c, int which) {
   const int before = c->run->switch_mode[which];
   const mg_departure up = mg_departure_on_branch(c, which, 1), down = mg_departure_on_branch(c, which, -1);
+  c->switches.shares[which] = !up.direction && !down.direction && mg_is_jump(c, which);
   const int leads_back = up.direction < 0 && down.direction > 0, sum = up.direction + down.direction;
   int mode = sum > 0 ? MG_BRANCH_POSITIVE : sum < 0 ? MG_BRANCH_NEGATIVE : MG_BRANCH_ZERO;
   if (leads_back && up.determined && down.determined) {
     mode = MG_BRANCH_SLIDES;
     if (up.other_modes != down.other_modes || mg_slide_count(c) == MG_SLIDING_MAX) c->switches.is_unresolved = 1;
   }
+  c->switches.repels[which] = (up.direction > 0 && down.direction <= 0) || (up.direction == 0 && down.direction < 0);
   mg_set_switch_mode(c, which, mode, mode == MG_BRANCH_SLIDES ? (up.rate + down.rate) / (down.rate - up.rate) : mode);
   mg_evaluate_run_state(c);
   mg_set_branches_by_sign(c);
@@ -144,7 +160,8 @@ MG_INTERNAL int mg_settle_load_branches(mg_context *c, mg_events *events) {
   mg_evaluate_run_state(c);
   for (int k = 0; k < c->system->n_switch; k++) c->switches.mode_before[k] = c->run->switch_mode[k];
   for (int round = 0, changed = 1; round < MG_BRANCH_ROUNDS && changed; round++) {
-    for (int k = 0; k < c->system->n_switch; k++) c->switches.is_at_zero[k] = 0;
+    for (int k = 0; k < c->system->n_switch; k++)
+      c->switches.is_at_zero[k] = c->switches.repels[k] = c->switches.shares[k] = 0;
     changed = mg_set_branches_by_sign(c);
     for (int k = 0; k < c->system->n_switch; k++) c->switches.is_at_zero[k] = mg_is_switch_at_zero(c, k);
     for (int k = 0; k < c->system->n_switch; k++)

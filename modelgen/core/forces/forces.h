@@ -270,6 +270,10 @@ MG_INTERNAL void mg_solve_unsymmetric_rows(mg_context *c, const int *list, int n
    at the run's state. */
 MG_INTERNAL void mg_monitor_redundant_friction(mg_context *c);
 
+/* Note the first time at which a load is at a jump from which it leads away (c->switches.repels), and the first load
+   that shares what it holds (c->switches.shares). */
+MG_INTERNAL void mg_monitor_loads_at_jumps(const mg_context *c);
+
 /* contact_point_friction.c */
 
 /* Contact that a friction constraint belongs to. */

@@ -1,5 +1,6 @@
-/* Motion while friction forces are not unique: whether Coulomb's law leaves one motion only. Reads modes, rows and
-   forces of the run at its state; writes its statistics. */
+/* Whether the motion is unique: what Coulomb's law leaves open while friction forces are not unique, and loads that
+   jump away from zeros at which they are. Reads modes, rows and forces of the run at its state; writes its statistics.
+ */
 #include "forces/forces.h"
 #include "model/model.h"
 #include "solve/friction/friction_solvers.h"
@@ -83,4 +84,13 @@ static int mg_is_present_motion_unique(mg_context *c) {
 MG_INTERNAL void mg_monitor_redundant_friction(mg_context *c) {
   if (!c->run->friction_redundant || c->run->indeterminate || mg_is_present_motion_unique(c)) return;
   c->run->indeterminate = 1, c->run->indeterminate_t = c->run->t;
+}
+
+MG_INTERNAL void mg_monitor_loads_at_jumps(const mg_context *c) {
+  if (!mg_has_branches(c)) return;
+  for (int k = 0; k < c->system->n_switch; k++) {
+    if (c->switches.repels[k] && !c->run->indeterminate)
+      c->run->indeterminate = 1, c->run->indeterminate_t = c->run->t, c->run->indeterminate_switch = k;
+    if (c->switches.shares[k] && c->run->shared_switch < 0) c->run->shared_switch = k;
+  }
 }

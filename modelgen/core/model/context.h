@@ -344,6 +344,8 @@ typedef struct {
   int *triggered;    /* [n_switch] 1: its event has triggered */
   int *is_at_zero;   /* [n_switch] 1: it is zero where branches are chosen */
   int *mode_before;  /* [n_switch] its mode before that */
+  int *shares;       /* [n_switch] 1: contacts or joints hold it at zero, whatever load between both branches acts */
+  int *repels;       /* [n_switch] 1: it is zero, and may leave it or not: the motion is not unique */
   int is_unresolved; /* 1: no branches were found on which the run can go on */
   int is_literal;    /* 1: loads are evaluated as they are written, without branches */
 } mg_switch_workspace;
@@ -382,6 +384,7 @@ typedef struct {
   mg_real *pose;         /* [12 per body] position of the centre of mass, m, and rotation matrix by columns */
   mg_real *twist;        /* [6 per body] velocity, world axes, m/s, and angular velocity, body axes, rad/s */
   mg_real *acceleration; /* [6 per body] rate of the twist; without contact forces until those are found */
+  mg_real *quaternion;   /* [4 per body] of a free body, as its state has it */
   mg_real *wrench;       /* [6 per body] force, world axes, N, and torque, body axes, N m; also changes of the twist */
 } mg_body_workspace;
 

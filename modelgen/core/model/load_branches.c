@@ -32,7 +32,8 @@ MG_INTERNAL void mg_add_branch_wrench(const mg_context *c, mg_real t, int load, 
   }
   c->kernels->load_branch(s->load_kind[load], &t, c->bodies.pose + 12 * a, c->bodies.twist + 6 * a,
                           c->bodies.pose + 12 * b, c->bodies.twist + 6 * b, s->parameters + s->load_parameters[load],
-                          c->run->input, branch + mg_switch_begin(s, load), part, part + 6);
+                          c->run->input, branch + mg_switch_begin(s, load), c->bodies.quaternion + 4 * a, part,
+                          part + 6);
   for (int i = 0; i < 12; i++) wrench[i] += weight * part[i];
 }
 
@@ -43,8 +44,9 @@ static void mg_evaluate_switches(mg_context *c, mg_real t, int load) {
   mg_zero_reals(c->switches.input_gradient, 3L * s->n_input * (mg_switch_end(s, load) - first));
   c->kernels->load_switches(s->load_kind[load], &t, c->bodies.pose + 12 * a, c->bodies.twist + 6 * a,
                             c->bodies.pose + 12 * b, c->bodies.twist + 6 * b, s->parameters + s->load_parameters[load],
-                            c->run->input, c->run->branch + first, c->switches.value + first, c->switches.gradient,
-                            c->switches.input_gradient, c->switches.second + 2L * first);
+                            c->run->input, c->run->branch + first, c->bodies.quaternion + 4 * a,
+                            c->switches.value + first, c->switches.gradient, c->switches.input_gradient,
+                            c->switches.second + 2L * first);
 }
 
 /* Adds to rate, second rate and size of a switching function what the motion of a body contributes. */

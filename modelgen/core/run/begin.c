@@ -64,7 +64,8 @@ static void mg_reset_report(mg_run *run) {
   run->dead_centre_t = 0;
   run->t_event = run->t, run->t_roundoff = 0;
   run->unfollowed_minima = 0, run->unfollowed_t = 0, run->unfollowed_pair = -1;
-  run->friction_redundant = run->indeterminate = 0, run->indeterminate_t = 0;
+  run->friction_redundant = run->indeterminate = 0, run->indeterminate_t = 0,
+  run->indeterminate_switch = run->shared_switch = -1;
   run->incomplete_searches = 0, run->search_effort = 0, run->incomplete_t = 0, run->incomplete_pair = -1;
   run->penetration_t = run->t, run->penetration_contact = -1;
   run->spring_rate_max = run->spin_max = 0, run->spring_rate_load = run->spin_body = -1;

@@ -168,7 +168,8 @@ static void mg_set_switch_arrays(mg_context *c, mg_memory *memory) {
   c->switches.gradient = mg_reserve_reals(memory, mg_switch_gradient_size(c->system));
   c->switches.input_gradient = mg_reserve_reals(memory, 3L * c->system->n_input * n);
   c->switches.triggered = mg_reserve_ints(memory, n), c->switches.is_at_zero = mg_reserve_ints(memory, n);
-  c->switches.mode_before = mg_reserve_ints(memory, n);
+  c->switches.mode_before = mg_reserve_ints(memory, n), c->switches.repels = mg_reserve_ints(memory, n);
+  c->switches.shares = mg_reserve_ints(memory, n);
 }
 
 /* Divides the memory. */
@@ -181,6 +182,7 @@ static void mg_set_arrays(mg_context *c, mg_memory *memory) {
   c->patches.hull_memory = mg_reserve_reals(memory, mg_hull_memory_max(s)); /* pointers first */
   mg_set_listing_arrays(c, memory);
   c->contacts.length = mg_reserve_reals(memory, m + 1);
+  c->bodies.quaternion = mg_reserve_reals(memory, 4 * b);
   c->bodies.pose = mg_reserve_reals(memory, 12 * b), c->bodies.twist = mg_reserve_reals(memory, 6 * b);
   c->bodies.acceleration = mg_reserve_reals(memory, 6 * b), c->bodies.wrench = mg_reserve_reals(memory, 6 * b);
   c->rows.J = mg_reserve_reals(memory, 12 * r), c->rows.MJ = mg_reserve_reals(memory, 12 * r);

@@ -145,7 +145,7 @@ typedef struct {
 
 /* tangent_kernels.c: results in s->y_dot */
 
-/* Packs the branches of a load into the weights. */
+/* Packs the branches of a load, and the quaternion of its body, into the weights. */
 MG_INTERNAL void mg_pack_branches(const mg_context *c, mg_sensitivity *s, int load);
 
 /* Derivative of a switching function of a load along a direction. Needs the tangents of the bodies. */

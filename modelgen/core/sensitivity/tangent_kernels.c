@@ -74,7 +74,8 @@ static const mg_real *mg_inputs_dot(const mg_context *c, const mg_sensitivity *s
 
 MG_INTERNAL void mg_pack_branches(const mg_context *c, mg_sensitivity *s, int load) {
   const int first = mg_switch_begin(c->system, load);
-  mg_pack(s->weights, mg_switch_end(c->system, load) - first, c->run->branch + first);
+  mg_real *w = mg_pack(s->weights, mg_switch_end(c->system, load) - first, c->run->branch + first);
+  mg_pack(w, 4, c->bodies.quaternion + 4 * c->system->load_a[load]);
 }
 
 MG_INTERNAL mg_real mg_switch_tangent(mg_context *c, const mg_sensitivity *s, int direction, mg_real t, int which) {

@@ -223,6 +223,8 @@ RUN_INTEGERS = (
         "forces_redundant",
         "friction_redundant",
         "indeterminate",
+        "shared_switch",
+        "indeterminate_switch",
     ),
 )
 RECORD_ARRAYS = (

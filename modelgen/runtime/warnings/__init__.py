@@ -58,6 +58,8 @@ def warnings(session: Session, accuracy: Accuracy, events: Sequence[Event]) -> t
         )
     if redundant:
         found.append(_redundancy(redundant, bool(session.system.n_friction)))
+    if session.run.shared_switch >= 0:
+        found.append(_shared(session))
     if session.run.unfollowed_minima:
         found.append(_unfollowed(session))
     if session.run.incomplete_searches:
@@ -79,6 +81,15 @@ def _redundancy(redundant: int, has_friction: bool) -> str:
     return (
         f"contact forces are not unique: {redundant} more contacts carried force than have independent "
         "rows; the motion is unique, the forces given are those of minimum norm"
+    )
+
+
+def _shared(session: Session) -> str:
+    """Warns that a load at a jump and contacts or joints hold the same motion."""
+    load = session.switching_loads[session.run.shared_switch]
+    return (
+        f"forces are not unique: {load} rests at its jump, and contacts or joints hold it there too; the "
+        "motion is the same however they share what they hold, of which the forces given are one way"
     )
 
 
