@@ -46,7 +46,7 @@
 #include "solve/lcp/lcp.h"
 #include "base/real.h"
 
-#define MG_ABI 24 /* version of these structures; a library and its caller must agree on it (mg_abi) */
+#define MG_ABI 25 /* version of these structures; a library and its caller must agree on it (mg_abi) */
 
 /* Kind of a condition of a feature pair. A condition is a function of the contact point x of one feature in its shape's
    axes, of the chart coordinates (u, v) of x, and of the normal N out of that feature's shape. It holds where the
@@ -539,8 +539,8 @@ typedef struct {
   int forces_redundant;     /* 1: forces are not unique; those nearest to reference_force are taken */
   int friction_redundant;   /* 1: friction forces of the present modes are not unique */
   int indeterminate;        /* 1: friction forces or a load left the motion open, or were not proved not to */
-  int shared_switch;        /* switching function of the first load at a jump that contacts or joints hold too, or -1 */
   int indeterminate_switch; /* switching function of that load, or -1: friction forces */
+  int shared_switch;        /* switching function of the first load at a jump that contacts or joints hold too, or -1 */
 } mg_run;
 
 /* Samples at times that the caller gives. Row k of an array belongs to t[k]; shapes are those of one row. The caller's

@@ -223,8 +223,8 @@ RUN_INTEGERS = (
         "forces_redundant",
         "friction_redundant",
         "indeterminate",
-        "shared_switch",
         "indeterminate_switch",
+        "shared_switch",
     ),
 )
 RECORD_ARRAYS = (
