@@ -64,10 +64,6 @@ class Commands(click.Group):
             ctx.exit(INTERRUPTED)
 
 
-def _print_version() -> None:
-    click.echo(f"modelgen {__version__}")
-
-
 app = Commands(
     "modelgen",
     help="From a scene file to a compiled model of rigid bodies in smooth contact, and its trajectory.",

@@ -109,7 +109,7 @@ def _event_lines(events: list[dict[str, Any]]) -> Iterator[str]:
             yield f"... {between} more in between; --json and --out hold all"
         if not between or not FIRST <= k < len(events) - LAST:
             speed = f" at {event['speed']:.6g} m/s" if event["speed"] else ""
-            yield (f"{event['t']:.9f} s  {event['kind']}{_contact(event)}{speed}")
+            yield f"{event['t']:.9f} s  {event['kind']}{_contact(event)}{speed}"
 
 
 def _contact(event: dict[str, Any]) -> str:

@@ -231,9 +231,7 @@ class Accuracy:
 
     def __post_init__(self) -> None:
         for name, kind in _types_of_fields():
-            value = getattr(self, name)
-            if not (type(value) is float and value >= 0 and kind == "float"):
-                _check_type(name, value, kind)
+            _check_type(name, getattr(self, name), kind)
 
     @classmethod
     def fast(cls) -> Accuracy:

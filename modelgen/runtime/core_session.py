@@ -13,6 +13,7 @@ from modelgen.codegen.library import Library
 from modelgen.notation import ETA_SIZE, SETTING_SIZE
 from modelgen.runtime import checkpoint
 from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.tables.array_block import by_address
 from modelgen.runtime.tables.ctypes_structures import (
     EVENT_ARRAYS,
     INTEGER,
@@ -26,7 +27,8 @@ from modelgen.runtime.tables.planar_contacts import SUPPORT_POINTS
 from modelgen.runtime.trajectory import EVENT_KINDS, LOAD_SWITCH, Event
 
 CONTINUE, FULL = 1, 2
-OF_EVENTS = tuple(EVENT_PREFIX + name for name in EVENT_ARRAYS)
+OF_RUN = itemgetter(*RUN_ARRAYS)
+OF_EVENTS = itemgetter(*(EVENT_PREFIX + name for name in EVENT_ARRAYS))
 
 
 class Session:
@@ -59,8 +61,8 @@ class Session:
         self.input, self.applied_input = reals["input"], reals["applied_input"]
         self.x[:], self.feature_pair[:] = shared.start, -1
         self.input[:-1:SETTING_SIZE] = [each["default"] for each in self.instance["inputs"]]
-        self.run = self.tables.Run(0.0, 0.0, *itemgetter(*RUN_ARRAYS)(self._addresses))
-        self.events = self.tables.Events(shared.n_event, 0, *itemgetter(*OF_EVENTS)(self._addresses))
+        self.run = self.tables.Run(0.0, 0.0, *OF_RUN(self._addresses))
+        self.events = self.tables.Events(shared.n_event, 0, *OF_EVENTS(self._addresses))
         self.sensed = self._reals(shared.n_sensor + 1)
         self.work = np.empty(shared.work_size, dtype=self.tables.dtype)
         self.iwork = np.zeros(shared.iwork_size, dtype=INTEGER)
@@ -82,8 +84,8 @@ class Session:
 
     def arrays(self) -> dict[int, Array]:
         """All arrays that the structures of a session of the library's own system point to, by address."""
-        own = {self._addresses[name]: array for name, array in self._arrays.items()}
-        return {address(array): array for array in self.shared.arrays} | own
+        shared = {address(array): array for array in self.shared.arrays}
+        return shared | by_address(self._arrays, self._addresses)
 
     def poses(self) -> Array:
         """The poses of all bodies at the state, (nb, 12): p, then R column-major."""
@@ -93,7 +95,7 @@ class Session:
 
     def drain_events(self) -> list[Event]:
         """The events since the last call, removed from the core's list."""
-        told = self.named(itemgetter(*OF_EVENTS)(self._arrays), self.events.count)
+        told = self.named(OF_EVENTS(self._arrays), self.events.count)
         self.events.count = 0
         return told
 

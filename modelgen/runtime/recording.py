@@ -10,7 +10,7 @@ import numpy as np
 from modelgen.rotations import quaternions_of
 from modelgen.runtime.core_session import Session
 from modelgen.runtime.joint_results import joint_columns
-from modelgen.runtime.tables.array_block import ArrayBlock
+from modelgen.runtime.tables.array_block import ArrayBlock, by_address
 from modelgen.runtime.tables.ctypes_structures import INTEGER, RECORD_ARRAYS, Array
 
 INTEGERS = ("feature_pair", "patch")  # columns of integers
@@ -25,16 +25,15 @@ class Recording:
         reals_of_n, integers_of_n = _layout(len(times), *sizes, session.n_patch_slot, shared.n_sensor)
         integers, integer_at = integers_of_n.zeros(INTEGER)
         reals, real_at = reals_of_n.zeros(session.tables.dtype)
-        self.arrays, at = integers | reals, integer_at | real_at
-        self._addresses = at
+        self.arrays, self._addresses = integers | reals, integer_at | real_at
         self.arrays["t"][:] = times
         self.session = session
-        self.record = session.tables.Record(len(times), 0, *(at[name] for name in RECORD_ARRAYS))
+        self.record = session.tables.Record(len(times), 0, *(self._addresses[name] for name in RECORD_ARRAYS))
 
     @property
     def placed(self) -> dict[int, Array]:
         """The columns by address."""
-        return {self._addresses[name]: array for name, array in self.arrays.items()}
+        return by_address(self.arrays, self._addresses)
 
     def end(self) -> None:
         """Adds a sample at the end of the run if it ended after the last one with a finite state."""

@@ -21,7 +21,8 @@ def parity(node: Node, names: Collection[str]) -> int | None:
         case Unary(_, x):
             return parity(x, names)
         case Binary("**", a, Number(exponent)) if exponent == int(exponent):
-            return 1 if exponent % 2 == 0 and parity(a, names) else parity(a, names)
+            of_base = parity(a, names)
+            return 1 if exponent % 2 == 0 and of_base else of_base
         case Binary(op, a, b):
             return _of_operation(op, parity(a, names), parity(b, names))
         case Call(fn, args):

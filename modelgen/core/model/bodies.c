@@ -26,7 +26,8 @@ MG_INTERNAL void mg_update_poses(mg_context *c, mg_real t, const mg_real *x) {
     if (motion == MG_DRIVEN)
       c->kernels->body_path(kind, &t, s->parameters + s->body_parameters[b], c->run->input, pose, twist,
                             c->bodies.acceleration + 6 * b);
-    if (motion == MG_FREE) c->kernels->body_pose(kind, q, pose), mg_copy_reals(c->bodies.quaternion + 4 * b, q + 3, 4);
+    if (motion == MG_FREE) c->kernels->body_pose(kind, q, pose);
+    if (motion == MG_FREE && s->n_switch) mg_copy_reals(c->bodies.quaternion + 4 * b, q + 3, 4);
     if (motion == MG_POINT)
       for (int i = 0; i < 3; i++) pose[i] = q[i];
   }

@@ -384,7 +384,7 @@ typedef struct {
   mg_real *pose;         /* [12 per body] position of the centre of mass, m, and rotation matrix by columns */
   mg_real *twist;        /* [6 per body] velocity, world axes, m/s, and angular velocity, body axes, rad/s */
   mg_real *acceleration; /* [6 per body] rate of the twist; without contact forces until those are found */
-  mg_real *quaternion;   /* [4 per body] of a free body, as its state has it */
+  mg_real *quaternion;   /* [4 per body] of a free body, as its state has it; where loads have switching functions */
   mg_real *wrench;       /* [6 per body] force, world axes, N, and torque, body axes, N m; also changes of the twist */
 } mg_body_workspace;
 

@@ -11,6 +11,11 @@ import numpy as np
 from modelgen.runtime.tables.ctypes_structures import Array, address
 
 
+def by_address(arrays: Mapping[str, Array], addresses: Mapping[str, int]) -> dict[int, Array]:
+    """Arrays by their addresses; both are given by name."""
+    return {addresses[name]: array for name, array in arrays.items()}
+
+
 class ArrayBlock:
     """Where the arrays of a block lie, by name."""
 
