@@ -1,12 +1,14 @@
 """The command of a function: the annotations of its parameters say how they are written.
 
-A parameter is a text, a path, a switch, or a list of texts or paths: `Annotated[type, Option(...)]`.
+A parameter is a text, a path, a switch, or a list of texts or paths: `Annotated[type, Option(...)]`; or a
+dataclass of such parameters, which the command has in its place.
 """
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import is_dataclass
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, NamedTuple, get_args, get_origin, get_type_hints
@@ -50,10 +52,30 @@ class Command(click.Command):
 
 def command_of(function: Callable[..., None], name: str) -> Command:
     """The command that calls a function; its help is the docstring."""
+    parameters: list[click.Parameter] = []
+    records: dict[str, tuple[type, list[str]]] = {}
+    for key, hint, default in _signature(function):
+        written = [(key, hint, default)]
+        if isinstance(hint, type) and is_dataclass(hint):
+            written = list(_signature(hint))
+            records[key] = hint, [field for field, _, _ in written]
+        parameters += [_parameter(*each) for each in written]
+
+    def called(**given: Any) -> None:
+        made = {
+            key: record(**{field: given.pop(field) for field in own})
+            for key, (record, own) in records.items()
+        }
+        function(**made, **given)
+
+    return Command(name, callback=called, params=parameters, help=inspect.getdoc(function))
+
+
+def _signature(function: Callable[..., Any]) -> Iterator[tuple[str, Any, Any]]:
+    """Name, annotation and default of each parameter."""
     hints = get_type_hints(function, include_extras=True)
-    given = inspect.signature(function).parameters
-    parameters = [_parameter(key, hints[key], each.default) for key, each in given.items()]
-    return Command(name, callback=function, params=parameters, help=inspect.getdoc(function))
+    for name, each in inspect.signature(function).parameters.items():
+        yield name, hints[name], each.default
 
 
 def _parameter(name: str, hint: Any, default: Any) -> click.Parameter:

@@ -8,12 +8,12 @@ from typing import Annotated
 import click
 from rich.console import Console
 
-import modelgen
 from modelgen.cli.command import Argument, Option
 from modelgen.cli.option_reading import read_option, read_values
 from modelgen.cli.options import AsJson, InputValues, OutPicture, Quality, SceneFile, Tolerance, Values
 from modelgen.cli.output import FAILED, check_outputs, print_facts
 from modelgen.cli.pipeline import fit_scene
+from modelgen.cli.run_options import accuracy_of
 
 Recordings = Annotated[
     list[Path],
@@ -71,7 +71,6 @@ def fit(
     from modelgen.report.fit_output import fit_facts, print_fit
 
     check_outputs(None, plot)
-    own = read_option("tolerance", tolerance)
     found = fit_scene(
         scene,
         data,
@@ -83,7 +82,7 @@ def fit(
             "loss": loss,
             "starts": read_option("starts", starts) or 1,
             "seed": read_option("seed", seed) or 0,
-            "accuracy": read_option("accuracy", accuracy) if own is None else modelgen.Accuracy.of(own),
+            "accuracy": accuracy_of(accuracy, tolerance),
             "parameters": read_values(values, "--set"),
             "inputs": read_values(inputs, "--input"),
         },

@@ -146,22 +146,3 @@ def removed_if_refused(folder: Path) -> Iterator[Path]:
         if made:
             shutil.rmtree(made[-1], ignore_errors=True)
         raise
-
-
-def run_settings(
-    until: str | None,
-    accuracy: str | None,
-    tolerance: str | None,
-    samples: str | None,
-    **others: str | bool | None,
-) -> dict[str, Any]:
-    """The options of a run as keywords of `simulate`."""
-    name, own = read_option("accuracy", accuracy), read_option("tolerance", tolerance)
-    return {
-        "until": read_option("until", until),
-        "accuracy": name if own is None else modelgen.Accuracy.of(own),
-        "samples": read_option("samples", samples),
-        **{
-            key: read_option(key, value) if isinstance(value, str) else value for key, value in others.items()
-        },
-    }

@@ -7,10 +7,11 @@ from typing import Annotated
 
 from modelgen.cli.command import Option
 from modelgen.cli.option_reading import read_option
-from modelgen.cli.options import AsJson, Frames, InputValues, Quality, Until, Values, Verify
+from modelgen.cli.options import AsJson, Frames, Verify
 from modelgen.cli.output import exit_with, needed, print_facts, print_lines, write_text
 from modelgen.cli.pipeline import derive_scene
-from modelgen.cli.view import RunOrScene, check_page, given_settings, recorded
+from modelgen.cli.run_options import CommonRunOptions
+from modelgen.cli.view import RunOrScene, check_page, recorded
 
 FRAMES = 4  # pictures of the bodies, where no number is given
 PageFile = Annotated[Path | None, Option("--out", "-o", help="FILE.html, needed", metavar="FILE")]
@@ -18,11 +19,8 @@ PageFile = Annotated[Path | None, Option("--out", "-o", help="FILE.html, needed"
 
 def report(
     source: RunOrScene,
+    run: CommonRunOptions,
     out: PageFile = None,
-    until: Until = None,
-    accuracy: Quality = None,
-    values: Values = None,
-    inputs: InputValues = None,
     frames: Frames = None,
     verify: Verify = None,
     as_json: AsJson = False,
@@ -36,7 +34,7 @@ def report(
     check_page(out)
     require_matplotlib()
     pictures, n = read_option("frames", frames), read_option("verify", verify) or 0
-    record, trajectory = recorded(source, given_settings(until, accuracy, values, inputs))
+    record, trajectory = recorded(source, run.settings())
     derivation = derive_scene(record.scene_again("report"))
     write_text(run_page(record, derivation, FRAMES if pictures is None else pictures, n), out)
     facts = {"file": str(out), "scene": record.summary["scene"], "outcome": record.summary["outcome"]}

@@ -2,44 +2,17 @@
 
 from __future__ import annotations
 
-from modelgen.cli.option_reading import read_values
-from modelgen.cli.options import (
-    AsJson,
-    Estimated,
-    Fallback,
-    Form,
-    InputValues,
-    Method,
-    OutPicture,
-    OutRun,
-    Quality,
-    Samples,
-    SceneFile,
-    Scheme,
-    Solver,
-    Step,
-    Tolerance,
-    Until,
-    Values,
-)
+from modelgen.cli.option_reading import read_option
+from modelgen.cli.options import AsJson, Form, OutPicture, OutRun, Samples, SceneFile
 from modelgen.cli.output import check_outputs, exit_with, print_facts, print_lines, write_run
-from modelgen.cli.pipeline import read_scene, run_scene, run_settings
+from modelgen.cli.pipeline import read_scene, run_scene
+from modelgen.cli.run_options import RunOptions
 
 
 def simulate(
     scene: SceneFile,
-    until: Until = None,
-    accuracy: Quality = None,
-    tolerance: Tolerance = None,
+    run: RunOptions,
     samples: Samples = None,
-    method: Method = None,
-    step: Step = None,
-    scheme: Scheme = None,
-    solver: Solver = None,
-    fallback: Fallback = None,
-    estimate: Estimated = None,
-    values: Values = None,
-    inputs: InputValues = None,
     form: Form = None,
     out: OutRun = None,
     plot: OutPicture = None,
@@ -49,10 +22,7 @@ def simulate(
     from modelgen.report.summary import summary_lines
 
     check_outputs(out, plot)
-    settings = run_settings(
-        until, accuracy, tolerance, samples,
-        method=method, step=step, scheme=scheme, solver=solver, fallback=fallback, estimate=estimate,
-    ) | {"parameters": read_values(values, "--set"), "inputs": read_values(inputs, "--input")}  # fmt: skip
+    settings = run.settings() | {"samples": read_option("samples", samples)}
     trajectory, library = run_scene(scene, form, settings)
     drawn = None if out is None and plot is None else read_scene(scene, form)
     written = write_run(trajectory, library, drawn, out, plot)

@@ -3,34 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import click
 from rich.console import Console
 
 import modelgen
 from modelgen.cli.command import Option
-from modelgen.cli.option_reading import named_values, read_option, read_values
-from modelgen.cli.options import (
-    AsJson,
-    Estimated,
-    Fallback,
-    Form,
-    InputValues,
-    Method,
-    OutPicture,
-    Quality,
-    SceneFile,
-    Scheme,
-    Solver,
-    Step,
-    Tolerance,
-    Until,
-    Values,
-)
+from modelgen.cli.option_reading import named_values, read_option
+from modelgen.cli.options import AsJson, Form, OutPicture, SceneFile
 from modelgen.cli.output import FAILED, check_outputs, print_facts, print_lines
-from modelgen.cli.pipeline import read_scene, ready_library, run_settings
+from modelgen.cli.pipeline import read_scene, ready_library
 from modelgen.cli.progress import progress
+from modelgen.cli.run_options import RunOptions
 from modelgen.errors import ModelgenError
 
 Varied = Annotated[
@@ -69,6 +54,7 @@ Of = Annotated[
 
 def sweep(
     scene: SceneFile,
+    run: RunOptions,
     vary: Varied = None,
     samples: Runs = None,
     design: Design = None,
@@ -77,17 +63,6 @@ def sweep(
     scheduler: Scheduler = None,
     out: TableFolder = None,
     keep: Keep = None,
-    until: Until = None,
-    accuracy: Quality = None,
-    tolerance: Tolerance = None,
-    method: Method = None,
-    step: Step = None,
-    scheme: Scheme = None,
-    solver: Solver = None,
-    fallback: Fallback = None,
-    estimate: Estimated = None,
-    values: Values = None,
-    inputs: InputValues = None,
     form: Form = None,
     plot: OutPicture = None,
     of: Of = None,
@@ -104,12 +79,7 @@ def sweep(
     drawn = columns_drawn(of, plot)
     if out is None:
         raise ModelgenError("--out", "no folder for the table", "", "write --out FOLDER")
-    settings: dict[str, Any] = run_settings(
-        until, accuracy, tolerance, None,
-        method=method, step=step, scheme=scheme, solver=solver, fallback=fallback, estimate=estimate,
-    )  # fmt: skip
-    del settings["samples"]
-    settings |= {
+    settings = run.settings() | {
         "samples": read_option("runs", samples, "samples"),
         "design": design,
         "seed": read_option("seed", seed) or 0,
@@ -117,8 +87,6 @@ def sweep(
         "scheduler": scheduler,
         "out": out,
         "keep": [] if keep is None else [name.strip() for name in keep.split(",")],
-        "parameters": read_values(values, "--set"),
-        "inputs": read_values(inputs, "--input"),
     }
     varied = named_values(vary, "--vary", "mass=0.5:2:4")
     with ready_library(scene, form) as library, progress("running") as report:

@@ -9,10 +9,11 @@ import click
 
 import modelgen
 from modelgen.cli.command import Argument, Option
-from modelgen.cli.option_reading import read_option, read_values
-from modelgen.cli.options import AsJson, InputValues, Quality, Until, Values
+from modelgen.cli.option_reading import read_option
+from modelgen.cli.options import AsJson
 from modelgen.cli.output import check_file, exit_with, print_facts, print_lines
-from modelgen.cli.pipeline import read_scene, ready_library, run_scene, run_settings
+from modelgen.cli.pipeline import read_scene, ready_library, run_scene
+from modelgen.cli.run_options import CommonRunOptions
 from modelgen.errors import ModelgenError
 
 if TYPE_CHECKING:
@@ -32,17 +33,14 @@ PORT = 8080
 
 def view(
     source: RunOrScene,
+    run: CommonRunOptions,
     out: PageFile = None,
-    until: Until = None,
-    accuracy: Quality = None,
-    values: Values = None,
-    inputs: InputValues = None,
     plots: Plots = None,
     port: Port = None,
     as_json: AsJson = False,
 ) -> None:
     """Write a page that plays a run: bodies, contacts, forces, events, curves; or run a scene live."""
-    settings = given_settings(until, accuracy, values, inputs)
+    settings = run.settings()
     if out is None:
         _run_live(source, settings, PORT if port is None else read_option("port", port))
         return
@@ -66,17 +64,6 @@ def check_page(out: Path) -> None:
 
     check_suffix(out, SUFFIXES)
     check_file(out)
-
-
-def given_settings(
-    until: str | None, accuracy: str | None, values: list[str] | None, inputs: list[str] | None
-) -> dict[str, Any]:
-    """The settings of a run that are given, as keywords of `simulate`."""
-    settings = run_settings(until, accuracy, None, None) | {
-        "parameters": read_values(values, "--set"),
-        "inputs": read_values(inputs, "--input"),
-    }
-    return {name: value for name, value in settings.items() if value not in (None, {})}
 
 
 def recorded(source: Path, settings: dict[str, Any]) -> tuple[Record, Trajectory | None]:
