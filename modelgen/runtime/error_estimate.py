@@ -7,7 +7,8 @@ goes from the run is the error of the run, whatever caused it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from bisect import bisect
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from modelgen.runtime.run_distance import (
     times_by_kind,
 )
 from modelgen.runtime.tables.ctypes_structures import Array
-from modelgen.runtime.trajectory import Outcome, Trajectory
+from modelgen.runtime.trajectory import Event, Outcome, Trajectory
 from modelgen.runtime.trust import steps_in_time, uncertified
 from modelgen.runtime.warnings.impact_order import undecided_impacts
 
@@ -32,6 +33,7 @@ ORDERS = {"rk4": 4, "time-stepping": 1}  # of methods whose companion has a fine
 ROUNDED = 8.0  # roundings of lengths, and of 1: no error below is claimed
 BOUNCE = 10.0  # times the bound of rest: slower bounces end in one run and not in the other
 MOTION = ("p", "quaternion", "v", "w")  # columns
+TimesByKind = Mapping[tuple[str, str], Sequence[float]]
 NUDGE = 2.0  # roundings by which each number of the start differs, at most
 
 
@@ -94,11 +96,9 @@ def _without_blows(path: Trajectory, twin: Trajectory, compared: Array, safe: fl
     within the error of its time: each run shows those before it or those after it."""
     far, found = compared[len(APART)].max(initial=0.0), compared.copy()
     rounding = ROUNDED * float(np.finfo(path.p.dtype).eps)
-    theirs = {key: iter(times) for key, times in times_by_kind(twin.events, np.inf).items()}
+    mine, theirs = (times_by_kind(run.events, np.inf) for run in (path, twin))
     blows = [
-        (event.t, next(theirs.get((event.kind, event.contact), iter(())), event.t), event.speed)
-        for event in path.events
-        if event.speed > 0
+        (event.t, _partner(mine, theirs, event), event.speed) for event in path.events if event.speed > 0
     ]
     t, like, speed = np.array(blows).reshape(-1, 3).T
     reach = safe * np.abs(t - like) + rounding * (path.t_end + far / speed)
@@ -155,6 +155,20 @@ def _resolution(path: Trajectory, accuracy: Accuracy) -> float:
         else:
             told += is_stepping
     return path.fallback_step if told else 0.0
+
+
+def _partner(mine: TimesByKind, theirs: TimesByKind, event: Event) -> float:
+    """The time of an event in the other run, its own where it has none: each is the nearest of its kind to the
+    other."""
+    kind = event.kind, event.contact
+    like = _nearest(theirs.get(kind, ()), event.t)
+    return like if _nearest(mine[kind], like) == event.t else event.t
+
+
+def _nearest(times: Sequence[float], t: float) -> float:
+    """The one of increasing times that is nearest to t; t itself where there is none."""
+    at = bisect(times, t)
+    return min(times[max(at - 1, 0) : at + 1], key=lambda each: abs(each - t), default=t)
 
 
 def _predicted(position: Array, rotation: Array, n: int, predictable: float) -> int:

@@ -40,7 +40,8 @@ OTHERS = [pytest.param(name, marks=pytest.mark.slow) for name in NAMES if name n
 @pytest.mark.parametrize("name", [*QUICK, *OTHERS])
 def test_each_kind_of_error_of_the_samples_is_covered(name: str, accuracy: str) -> None:
     """Position, velocity and spin against a run at 1e-13, whose own error counts as known: never less than a
-    third of the error, and not more than a hundred times."""
+    third of the error, and not more than a hundred times. Where one of the run and its companion has impacts
+    alone, samples fall on impacts that nothing tells of: velocities are not compared."""
     library = scene_of(name)
     path, true = (simulate(library, accuracy=each) for each in (accuracy, "tight"))
     assert path.estimate is not None
@@ -49,7 +50,8 @@ def test_each_kind_of_error_of_the_samples_is_covered(name: str, accuracy: str) 
     moving = [k for k, body in bodies if body["motion"] in ("point", "free")]
     turning = [k for k, body in bodies if body["motion"] == "free"]
     n = min(path.estimate.predicted, true.estimate.predicted)
-    for key, column, some in (("position", "p", moving), ("velocity", "v", moving), ("spin", "w", turning)):
+    columns = [("position", "p", moving), ("velocity", "v", moving), ("spin", "w", turning)]
+    for key, column, some in columns[: 1 if path.estimate.events_unmatched else 3]:
         apart = distance_between(getattr(path, column), getattr(true, column), some)[:n].max()
         stated, known = (float(getattr(run.estimate, key)[n - 1]) for run in (path, true))
         assert (apart - known) / 3 <= stated <= 100 * max(apart, known), key
@@ -217,6 +219,18 @@ def test_a_sample_that_falls_on_an_impact_is_left_out_of_the_errors_of_velocitie
         assert len(path.events) == 1
         stated.append(path.velocity_error.max())
     assert max(stated) < 1e-12
+
+
+def test_impacts_that_one_run_has_alone_hide_no_error_of_velocities() -> None:
+    """Each impact is compared with the nearest of the other run, also where that lacks one before it."""
+    table, contact = make.fixed("table", make.plane()), [{"between": ["ball", "table"], "restitution": 0.8}]
+    ball = make.dynamic("ball", make.sphere(0.1), density=1e3, position=[0, 0, 0.3])
+    library = library_of(make.scene("bounces", [table, ball], contact=contact))
+    path = simulate(library, until=1.5, samples=50, estimate=False)
+    twin = replace(path, events=path.events[1:], v=path.v + 1e-6)
+    found = estimate_of(path, twin, Accuracy.balanced(), library.manifest.instance)
+    assert len(path.events) > 3
+    assert (found.velocity >= 1e-6).mean() > 0.9
 
 
 @pytest.mark.cases(3)

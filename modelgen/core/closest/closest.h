@@ -214,9 +214,9 @@ MG_INTERNAL int mg_have_circles_one_minimum(const mg_centred_feature *of, mg_rea
 
 /* far_sides.c */
 
-/* True if the points of the placement evaluated last, whose distance is negative, are on sides of the bodies that face
-   away from each other: no penetration. */
-MG_INTERNAL int mg_is_between_far_sides(mg_context *c, int feature_pair);
+/* True if the points of the placement evaluated last, that at eta, whose distance is negative, are on sides of the
+   bodies that face away from each other: no penetration. */
+MG_INTERNAL int mg_is_between_far_sides(mg_context *c, int feature_pair, const mg_real *eta);
 
 /* exclusion_and_uniqueness.c */
 

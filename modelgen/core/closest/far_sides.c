@@ -113,8 +113,10 @@ static int mg_is_surface(const mg_context *c, int feature_pair, int side) {
 }
 
 /* The part of the segment from the point of one side of a feature pair to that of the other at which it leaves the
-   body of that side, or 1. From an edge or a vertex it leaves no surface at once; a body without surfaces it does. */
-static mg_real mg_part_in_body(mg_context *c, int feature_pair, int side) {
+   body of that side, or 1. From an edge or a vertex it leaves no surface at once, unless the normal is outside of the
+   normal cone: then the body reaches farther beside it. A body without surfaces it leaves at once. */
+static mg_real mg_part_in_body(mg_context *c, int feature_pair, int side, const mg_real *eta) {
+  if (!mg_is_in_normal_cone(c, feature_pair, side, eta)) return 0;
   const mg_system *s = c->system;
   const int pair = s->feature_pair_owner[feature_pair], body = mg_feature_body(c, feature_pair, side);
   const mg_real *start = c->search.placement + (side ? 11 : 8), *last = c->search.placement + (side ? 8 : 11),
@@ -135,10 +137,10 @@ static int mg_has_surfaces(const mg_context *c, int pair) {
   return 0;
 }
 
-MG_INTERNAL int mg_is_between_far_sides(mg_context *c, int feature_pair) {
+MG_INTERNAL int mg_is_between_far_sides(mg_context *c, int feature_pair, const mg_real *eta) {
   if (!mg_has_surfaces(c, c->system->feature_pair_owner[feature_pair])) return 0;
-  const mg_real length = fabs(c->search.placement[0]), first = mg_part_in_body(c, feature_pair, 0);
+  const mg_real length = fabs(c->search.placement[0]), first = mg_part_in_body(c, feature_pair, 0, eta);
   if (!(first < 1)) return 0;
-  const mg_real second = mg_part_in_body(c, feature_pair, 1);
+  const mg_real second = mg_part_in_body(c, feature_pair, 1, eta);
   return second < 1 && (first + second - 1) * length <= c->settings->start_gap * c->system->length;
 }

@@ -67,7 +67,7 @@ MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta,
     return 0;
   found->feature_pair = feature_pair, found->margin = mg_placement_uniqueness(c, probe);
   mg_record_minimum(c, found);
-  if (found->d < -c->settings->start_gap * c->system->length && mg_is_between_far_sides(c, feature_pair)) return 0;
+  if (found->d < -c->settings->start_gap * c->system->length && mg_is_between_far_sides(c, feature_pair, eta)) return 0;
   for (int k = 0; k < 6; k++) found->eta[k] = eta[k];
   return fabs(found->d) <= MG_MAX;
 }
@@ -131,7 +131,7 @@ MG_INTERNAL void mg_note_singular_point(mg_context *c, int feature_pair, const m
   if (fabs(mg_placement_uniqueness(c, c->system->n_contact)) > c->settings->search_margin) return;
   const mg_real least = d < 0 ? -c->settings->feature_border : -c->settings->search_movement;
   if (mg_most_violated_condition(c, feature_pair, eta, &which) < least) return;
-  if (d < 0 && mg_is_between_far_sides(c, feature_pair)) return;
+  if (d < 0 && mg_is_between_far_sides(c, feature_pair, eta)) return;
   mg_note_singular_gap(c, feature_pair, d);
   if (!(d < 0) || !(d > c->search.overlap.d)) return;
   c->search.overlap.feature_pair = feature_pair, c->search.overlap.d = d;

@@ -153,7 +153,7 @@ static int mg_is_minimum_on_far_sides(mg_context *c, const mg_minimum *found) {
   mg_real next[6];
   if (!(found->d < -c->settings->start_gap * c->system->length)) return 0;
   mg_place_contact(c, mg_use_probe_contact(c, found->feature_pair), found->eta, next);
-  return mg_is_between_far_sides(c, found->feature_pair);
+  return mg_is_between_far_sides(c, found->feature_pair, found->eta);
 }
 
 /* Move a contact whose feature pair condition is broken to the adjacent feature pair whose conditions hold, or release

@@ -267,6 +267,19 @@ MG_INTERNAL mg_real mg_least_feature_pair_condition(const mg_context *c, int fea
   return least;
 }
 
+MG_INTERNAL int mg_is_in_normal_cone(const mg_context *c, int feature_pair, int side, const mg_real *eta) {
+  const mg_system *s = c->system;
+  mg_feature_view view = {.side = -1};
+  for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++) {
+    const int kind = s->condition_kind[k],
+              is_of_cone = kind == MG_CONDITION_WING || kind == MG_CONDITION_DIRECTION || kind == MG_CONDITION_TIP;
+    if (is_of_cone && s->condition_feature[k] == side &&
+        mg_condition_value(c, feature_pair, k, eta, &view) < -c->settings->feature_border)
+      return 0;
+  }
+  return 1;
+}
+
 /* True if a contact may be held a little beyond a condition of its feature pair, at the end of that line; -1: of any.
  */
 static int mg_is_end_of_line(const mg_context *c, int condition, int line) {

@@ -173,6 +173,10 @@ enum {
 MG_INTERNAL mg_real mg_least_feature_pair_condition(const mg_context *c, int feature_pair, const mg_real *eta,
                                                     int those, int *which);
 
+/* True if the normal at an edge or a vertex, the feature of one side, is such that no point of its body near it lies
+   farther along the normal. At a surface: True. Needs mg_place_contact at eta. */
+MG_INTERNAL int mg_is_in_normal_cone(const mg_context *c, int feature_pair, int side, const mg_real *eta);
+
 /* Least value of the conditions beyond which a contact leaves the feature pair. */
 MG_INTERNAL mg_real mg_most_violated_condition(const mg_context *c, int feature_pair, const mg_real *eta, int *which);
 
