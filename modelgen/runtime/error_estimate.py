@@ -158,8 +158,8 @@ def _resolution(path: Trajectory, accuracy: Accuracy) -> float:
 
 
 def _partner(mine: TimesByKind, theirs: TimesByKind, event: Event) -> float:
-    """The time of an event in the other run, its own where it has none: each is the nearest of its kind to the
-    other."""
+    """The time of an event in the other run: the nearest of its kind, if the event is the nearest to that in
+    turn; else its own."""
     kind = event.kind, event.contact
     like = _nearest(theirs.get(kind, ()), event.t)
     return like if _nearest(mine[kind], like) == event.t else event.t
