@@ -60,13 +60,29 @@ def support_points_of(feature: Feature) -> tuple[Feature, ...]:
     """
     if not lies_flat(feature):
         return ()
-    axis = tuple(float(x) for x in rotation_of(feature.shape.pose.quaternion)[:, 2])
-    flat = Condition("tilt", (*axis, -1.0), None)
-    points = _on_rim(feature.shape) if is_rim(feature) else _on_crests(feature.shape)
+    if is_rim(feature):
+        places = [(at, _outward_side(feature)) for at in _on_rim(feature.shape)]
+    else:
+        places = [(at, float(np.sign(at[2]))) for at in _on_crests(feature.shape)]
+    axis = rotation_of(feature.shape.pose.quaternion)[:, 2]
     return tuple(
-        Feature(f"{feature.name}.{k}", 0, _point(feature.shape, at), (flat,))
-        for k, at in enumerate(points, start=1)
+        Feature(f"{feature.name}.{k}", 0, _point(feature.shape, at), (_flat(axis, side),))
+        for k, (at, side) in enumerate(places, start=1)
     )
+
+
+def _outward_side(rim: Feature) -> float:
+    """1 or -1 if a solid lies below or above the plane of its rim, in the axes of the rim; 0 if it is on both
+    sides of it, as a disc without thickness is."""
+    rises = [each.numbers[1] for each in rim.conditions if each.kind == "wing"]
+    below, above = min(rises, default=0.0) < 0, max(rises, default=0.0) > 0
+    return float(below - above)
+
+
+def _flat(axis: Array, side: float) -> Condition:
+    """N within `flat_angle` of the axis, out of the side that is flat."""
+    x, y, z = map(float, axis * (side or 1.0))
+    return Condition("tilt", (x, y, z, -1.0, abs(side)), None)
 
 
 def _on_rim(rim: Shape) -> list[Array]:
@@ -87,4 +103,6 @@ def _point(bearer: Shape, at: Array) -> Shape:
 
 def tilted(feature: Feature) -> Feature:
     """A rim or ring as it touches a plane: not while it is flat."""
-    return replace(feature, conditions=(*feature.conditions, Condition("tilt", (0.0, 0.0, 1.0, 1.0), None)))
+    return replace(
+        feature, conditions=(*feature.conditions, Condition("tilt", (0.0, 0.0, 1.0, 1.0, 0.0), None))
+    )

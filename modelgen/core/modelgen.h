@@ -46,7 +46,7 @@
 #include "solve/lcp/lcp.h"
 #include "base/real.h"
 
-#define MG_ABI 25 /* version of these structures; a library and its caller must agree on it (mg_abi) */
+#define MG_ABI 26 /* version of these structures; a library and its caller must agree on it (mg_abi) */
 
 /* Kind of a condition of a feature pair. A condition is a function of the contact point x of one feature in its shape's
    axes, of the chart coordinates (u, v) of x, and of the normal N out of that feature's shape. It holds where the
@@ -57,7 +57,8 @@ enum {
   MG_CONDITION_DISC = 2,      /* (a0^2 - u^2 - v^2) / a0, with a0 the radius */
   MG_CONDITION_WING = 3,      /* -N.(a0 T x z + a1 z) on an edge with unit tangent T; the bracket points into a face */
   MG_CONDITION_DIRECTION = 4, /* -N.(a0, a1, a2) at a vertex; the vector points along an edge */
-  MG_CONDITION_TILT = 5,      /* a3 (sine of the angle between N and (a0, a1, a2) - flat_angle) */
+  MG_CONDITION_TILT = 5, /* a3 (tilt - flat_angle), with tilt the sine of the angle between N and (a0, a1, a2); 2 less
+                            that sine where N points against a vector that points out of a flat side (a4 = 1) */
   MG_CONDITION_COAXIAL = 6, /* a6 (1 - r / limit), with r the distance over length of the origin of the other feature's
                             shape from the axis through (a0, a1, a2) along (a3, a4, a5), both in the axes of the
                             body, from its centre of mass; the limit is search_margin if that shape is a sphere,

@@ -86,11 +86,13 @@ class Condition:
     in the feature's shape frame, m. parameter (index, sign, bound): sign (eta_index - bound), eta the chart
     coordinates of the feature. wing (a, b): -N.w with w = a T x z + b z, T the unit tangent of the edge and z
     the third axis of its shape frame; w points into the face `next`. direction (x, y, z): -N.e with e the
-    unit vector from the vertex along the edge `next`. tip (x, y, z, s): N.a - s with a the axis of the round
-    tip at the vertex. N points out of the solid. disc (radius,):
-    (radius^2 - u^2 - v^2)/radius with the chart coordinates u, v of the feature. coaxial (x, y, z, ax, ay,
-    az, sign): sign times how much nearer than a bound the origin of the other feature is to the axis through
-    (x, y, z) along (ax, ay, az), given in the frame of the composite.
+    unit vector from the vertex along the edge `next`. tip (x, y, z, s): N.a - s with a the axis of the
+    round tip at the vertex. tilt (x, y, z, s, side): s times how far the angle between N and the unit
+    vector is above `flat_angle`, with side = 1 if that vector points out of a flat side, 0 if N may point
+    against it. N points out of the solid. disc (radius,): (radius^2 - u^2 - v^2)/radius with the chart
+    coordinates u, v of the feature. coaxial (x, y, z, ax, ay, az, sign): sign times how much nearer than
+    a bound the origin of the other feature is to the axis through (x, y, z) along (ax, ay, az), given in
+    the frame of the composite.
     """
 
     kind: Literal["quadric", "parameter", "wing", "direction", "disc", "tilt", "coaxial", "tip"]

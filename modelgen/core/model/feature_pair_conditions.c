@@ -187,6 +187,12 @@ MG_INTERNAL int mg_is_replaced_coaxially(const mg_context *c, int feature_pair) 
                               c->system->numbers + c->system->condition_numbers[k]) < -c->settings->feature_border;
 }
 
+/* Tilt of N, of an MG_CONDITION_TILT. */
+static mg_real mg_tilt(const mg_real *a, const mg_real *N) {
+  const mg_real sine = mg_sine_between(a, N);
+  return a[4] > 0 && mg_dot3(a, N) < 0 ? 2 - sine : sine;
+}
+
 /* Contact point, normal out of the feature, and coordinates on one side of a feature pair, in the axes of its shape. */
 typedef struct {
   int side;
@@ -220,7 +226,7 @@ static mg_real mg_condition_value(const mg_context *c, int feature_pair, int k, 
     case MG_CONDITION_WING:
       return mg_wing_condition(c, feature_pair, side, a, view->x, view->uv, view->N);
     case MG_CONDITION_TILT:
-      return a[3] * (mg_sine_between(a, view->N) - c->settings->flat_angle);
+      return a[3] * (mg_tilt(a, view->N) - c->settings->flat_angle);
     case MG_CONDITION_COAXIAL:
       return mg_coaxial_condition(c, feature_pair, side, a);
     case MG_CONDITION_TIP:
