@@ -137,12 +137,12 @@ def check_step(value: object, where: str = "step") -> None:
     check_span(where, value, "give the step")
 
 
-def check_name(where: str, value: object, names: Iterable[str]) -> None:
-    """Raises UnknownNameError unless the value is one of the names."""
+def check_name(where: str, value: object, names: Iterable[str], none: str = "") -> None:
+    """Raises UnknownNameError unless the value is one of the names; `none` is the remedy without names."""
     known = list(names)
     if not isinstance(value, str) or value not in known:
         allowed = ", ".join(known) or "there is none"
-        remedy = nearest(str(value), known) or ("use one of these names" if known else "")
+        remedy = nearest(str(value), known) or ("use one of these names" if known else none)
         raise UnknownNameError(where, shown(value), allowed, remedy)
 
 

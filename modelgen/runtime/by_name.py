@@ -18,12 +18,17 @@ class ByName(dict[str, Value]):
     modelgen.errors.UnknownNameError: contact: 'ball-ring'; ring-ball; did you mean 'ring-ball'?
     """
 
-    def __init__(self, values: Mapping[str, Value] | Iterable[tuple[str, Value]], what: str = "name") -> None:
-        """`what` the names are of, as the error says it."""
+    def __init__(
+        self,
+        values: Mapping[str, Value] | Iterable[tuple[str, Value]],
+        what: str = "name",
+        none: str = "",
+    ) -> None:
+        """`what` the names are of, as the error says it, and its remedy where there are none."""
         super().__init__(values)
-        self._what = what
+        self._what, self._none = what, none
 
     def __getitem__(self, name: str) -> Value:
         if not isinstance(name, str) or name not in self:
-            check_name(self._what, name, self)
+            check_name(self._what, name, self, self._none)
         return super().__getitem__(name)

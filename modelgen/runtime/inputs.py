@@ -14,6 +14,7 @@ from modelgen.runtime.core_session import Session
 from modelgen.runtime.tables.ctypes_structures import Array
 
 Kind = Mapping[str, Any]  # an input of a manifest's instance
+NO_INPUTS = "declare it in the scene, as an [[input]] with this name"
 
 
 def is_outside(kind: Kind, value: Any) -> Any:
@@ -65,7 +66,7 @@ class Inputs(MutableMapping[str, float]):
         self._session, self._changed = session, changed
         self.begun = False  # whether the run has started
         self._kinds = session.instance["inputs"]
-        self._index = ByName({kind["name"]: k for k, kind in enumerate(self._kinds)}, "input")
+        self._index = ByName({kind["name"]: k for k, kind in enumerate(self._kinds)}, "input", NO_INPUTS)
 
     def __getitem__(self, name: str) -> float:
         value, rate, since = self._setting(name)

@@ -74,7 +74,7 @@ def _stepping(record: Accuracy, said: Mapping[str, Any], places: Mapping[str, st
             raise _unfit(places, "step", step, 'method = "rk4" or "time-stepping" with it')
         return record if known else replace(record, method="dop853", step=None)
     if step is None:
-        raise _unfit(places, "method", method, "a fixed step with it, step = ... in s")
+        raise _unfit(places, "method", method, "a fixed step with it: step = 0.001, in s, or --step 0.001")
     if method == "rk4":
         return record if known and step == record.step else record.fixed_step(step)
     scheme, solver = said.get("scheme", record.scheme), said.get("solver", record.solver)

@@ -29,6 +29,7 @@ LANGUAGE = "allowed are numbers, names, + - * / **, parentheses and " + " ".join
 CONDITIONS = "there are no comparisons and conditions: use max, min, abs or sign"
 UNITS = "write the number without its unit: lengths are in m, times in s, masses in kg, angles in rad"
 NUMBER_WITH_UNIT = re.compile(r"([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([A-Za-z°µ%][A-Za-z0-9_/*^²³.-]*)")
+DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+(?:[eE][-+]?\d+)?")
 DEGREES = ("deg", "degs", "degree", "degrees", "°")
 
 _FOREIGN = re.compile(r"[^A-Za-z0-9_+\-*/()., \t\r\n]")
@@ -195,6 +196,7 @@ def parse_expression(
     Raises ExpressionError with position, found, allowed, remedy.
     """
     _check_characters(text)
+    _check_decimal_comma(text)
     flat = re.sub(r"\s", " ", text)
     indent = len(flat) - len(flat.lstrip())
     try:
@@ -286,6 +288,12 @@ def _check_characters(text: str) -> None:
     if foreign:
         remedy = FOREIGN_REMEDIES.get(foreign.group(), "")
         raise _error(text, f"the character {foreign.group()!r}", foreign.start(), LANGUAGE, remedy)
+
+
+def _check_decimal_comma(text: str) -> None:
+    if DECIMAL_COMMA.fullmatch(text.strip()):
+        found, remedy = "a number with a decimal comma", f"write {text.strip().replace(',', '.')}"
+        raise _error(text, found, text.index(","), LANGUAGE, remedy)
 
 
 def _error(

@@ -32,13 +32,27 @@ class Sequence:
         return schema if self.length is None else schema | {"minItems": self.length, "maxItems": self.length}
 
     def _remedy(self, value: object) -> str:
-        """How to write it; twice as many whole numbers as there should be are numbers with decimal commas."""
+        """How to write it; whole numbers that are too many may be numbers with decimal commas."""
         if self.length is None:
             return "write [a, b, ...]"
-        if isinstance(value, list) and len(value) == 2 * self.length and all(type(n) is int for n in value):
-            pairs = zip(value[::2], value[1::2], strict=True)
-            return f"decimals have a point: write [{', '.join(f'{whole}.{part}' for whole, part in pairs)}]"
+        pointed = _with_points(value, self.length) if isinstance(value, list) else []
+        if len(pointed) == 1:
+            return f"decimals have a point: write [{', '.join(pointed[0])}]"
         return f"write {self.example or '[' + ', '.join('...' for _ in range(self.length)) + ']'}"
+
+
+def _with_points(values: list[Any], length: int) -> list[list[str]]:
+    """The ways to read a list that is too long as `length` numbers: two whole numbers side by side may be one
+    with a decimal comma."""
+    if len(values) < length or len(values) > 2 * length:
+        return []
+    if not values:
+        return [[]]
+    first, *rest = values
+    found = [[str(first), *others] for others in _with_points(rest, length - 1)]
+    if rest and type(first) is type(rest[0]) is int and rest[0] >= 0:
+        found += [[f"{first}.{rest[0]}", *others] for others in _with_points(rest[1:], length - 1)]
+    return found
 
 
 @dataclass(frozen=True, slots=True)
