@@ -75,6 +75,9 @@ def _is_said(row: list[str]) -> bool:
 
 def _check_names(path: Path, names: list[str]) -> None:
     for name in names:
+        if separator := re.search(r"[;\t]", name):
+            found, allowed = f"columns apart by {separator[0]!r}", "commas between columns"
+            raise SimulationError(f"{path}: line of names", found, allowed, "write numbers with a point")
         if not name:
             raise SimulationError(f"{path}: line of names", "a column without a name", "", "name it")
         if names.count(name) > 1:

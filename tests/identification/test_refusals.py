@@ -33,6 +33,7 @@ ROWS = "0.0,0.0,0.35\n0.1,0.1,0.301\n0.2,0.2,0.154\n"
         ("t\n0\n1\n", "only times"),
         ("t,ball.position_x,ball.position_x\n0,1,1\n", "twice"),
         ("t,,ball.position_x\n0,1,1\n", "a column without a name"),
+        (HEAD.replace(",", ";") + "0;0,5;1,5\n", "columns apart by ';'; commas between columns"),
         (HEAD + "0,0\n", "line 2: 2 cells; 3, as there are names"),
         (HEAD + "0,0,0.35\n0.1,x,0.3\n", "line 3, column 'ball.position_x': 'x'"),
         (HEAD + "0,0,0.35\n0.1,nan,0.3\n", "leave a cell empty"),
