@@ -61,7 +61,8 @@ def support_points_of(feature: Feature) -> tuple[Feature, ...]:
     if not lies_flat(feature):
         return ()
     if is_rim(feature):
-        places = [(at, _outward_side(feature)) for at in _on_rim(feature.shape)]
+        side = _outward_side(feature)
+        places = [(at, side) for at in _on_rim(feature.shape)]
     else:
         places = [(at, float(np.sign(at[2]))) for at in _on_crests(feature.shape)]
     axis = rotation_of(feature.shape.pose.quaternion)[:, 2]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import modelgen
@@ -33,15 +33,12 @@ class CommonRunOptions:
 
     def settings(self) -> dict[str, Any]:
         """What is given, as keywords of `simulate`. Raises ModelgenError where an option cannot be read."""
-        given = {each.name: getattr(self, each.name) for each in fields(self)}
-        found = {
-            "parameters": read_values(given.pop("values"), "--set"),
-            "inputs": read_values(given.pop("inputs"), "--input"),
-            "accuracy": accuracy_of(given.pop("accuracy"), given.pop("tolerance", None)),
-        }
-        for name, value in given.items():
-            found[name] = read_option(name, value) if isinstance(value, str) else value
-        return {name: value for name, value in found.items() if value not in (None, {})}
+        return _given(
+            until=read_option("until", self.until),
+            accuracy=read_option("accuracy", self.accuracy),
+            parameters=read_values(self.values, "--set"),
+            inputs=read_values(self.inputs, "--input"),
+        )
 
 
 @dataclass(frozen=True)
@@ -55,6 +52,22 @@ class RunOptions(CommonRunOptions):
     solver: Solver = None
     fallback: Fallback = None
     estimate: Estimated = None
+
+    def settings(self) -> dict[str, Any]:
+        """What is given, as keywords of `simulate`. Raises ModelgenError where an option cannot be read."""
+        return super().settings() | _given(
+            accuracy=accuracy_of(self.accuracy, self.tolerance),
+            method=read_option("method", self.method),
+            step=read_option("step", self.step),
+            scheme=read_option("scheme", self.scheme),
+            solver=read_option("solver", self.solver),
+            fallback=self.fallback,
+            estimate=self.estimate,
+        )
+
+
+def _given(**settings: Any) -> dict[str, Any]:
+    return {name: value for name, value in settings.items() if value not in (None, {})}
 
 
 def accuracy_of(name: str | None, tolerance: str | None) -> str | modelgen.Accuracy | None:

@@ -17,6 +17,7 @@ from math import isfinite, pi
 
 from modelgen.errors import ExpressionError
 from modelgen.name_suggestions import nearest
+from modelgen.scene.decimal_comma import DECIMAL_COMMA, with_point
 from modelgen.scene.expression_functions import BINARY, FUNCTIONS, evaluate_binary, evaluate_call
 
 MAX_LENGTH = 20_000  # characters
@@ -29,7 +30,6 @@ LANGUAGE = "allowed are numbers, names, + - * / **, parentheses and " + " ".join
 CONDITIONS = "there are no comparisons and conditions: use max, min, abs or sign"
 UNITS = "write the number without its unit: lengths are in m, times in s, masses in kg, angles in rad"
 NUMBER_WITH_UNIT = re.compile(r"([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([A-Za-z°µ%][A-Za-z0-9_/*^²³.-]*)")
-DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+(?:[eE][-+]?\d+)?")
 DEGREES = ("deg", "degs", "degree", "degrees", "°")
 
 _FOREIGN = re.compile(r"[^A-Za-z0-9_+\-*/()., \t\r\n]")
@@ -292,7 +292,7 @@ def _check_characters(text: str) -> None:
 
 def _check_decimal_comma(text: str) -> None:
     if DECIMAL_COMMA.fullmatch(text.strip()):
-        found, remedy = "a number with a decimal comma", f"write {text.strip().replace(',', '.')}"
+        found, remedy = with_point(text.strip())
         raise _error(text, found, text.index(","), LANGUAGE, remedy)
 
 

@@ -6,9 +6,10 @@ import re
 import tomllib
 from dataclasses import dataclass
 
+from modelgen.scene.decimal_comma import DECIMAL_COMMA, with_point
+
 _POSITION = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
 _NUMBER = r"[-+]?\d[\d_]*(?:\.\d+)?(?:[eE][-+]?\d+)?"
-_DECIMAL_COMMA = re.compile(r"[-+]?\d[\d.]*,\d+(?:[eE][-+]?\d+)?(?![\w,])")
 _WITH_UNIT = re.compile(rf"({_NUMBER})\s*([A-Za-zµ°%][\w/^*²]*)")
 LISTS = ("body", "contact", "joint", "force", "torque", "spring")  # tables of which there may be several
 _CASE = {"true": "true", "false": "false", "nan": "nan", "inf": "inf", "none": "", "null": ""}
@@ -93,17 +94,12 @@ def _short(text: str) -> str:
     return text if len(text) <= 40 else f"{text[:37]}..."
 
 
-def _with_point(number: str) -> tuple[str, str]:
-    """A number with a decimal comma."""
-    return f"the number {number} with a decimal comma", f"write {number.replace('.', '').replace(',', '.')}"
-
-
 def _after_value(line: str, column: int) -> tuple[str, str]:
     """The value ended, but the line goes on."""
     value = line.partition("=")[2].strip()
     rest = line[column:].split("#")[0].strip()
-    if comma := _DECIMAL_COMMA.search(value):
-        return _with_point(comma[0])
+    if comma := DECIMAL_COMMA.search(value):
+        return with_point(comma[0])
     if re.match(r"[-+]?\d+\.(?!\d)", value):
         whole = value.partition(".")[0]
         return f"the number {whole}. without digits after the point", f"write {whole}.0"
@@ -138,6 +134,6 @@ def _no_equals_sign(line: str, column: int) -> tuple[str, str]:
     if character and not character.isascii():
         return f"the character {character!r} in a key", "use the letters A-Z and a-z, digits, _ and - in keys"
     before = line[:column].rstrip()
-    if comma := re.search(rf"(?:{_DECIMAL_COMMA.pattern})$", before):
-        return _with_point(comma[0])
+    if comma := re.search(rf"(?:{DECIMAL_COMMA.pattern})$", before):
+        return with_point(comma[0])
     return f"no '=' after the key {re.split('[{,]', before)[-1].strip()!r}", "write key = value"

@@ -273,16 +273,19 @@ MG_INTERNAL mg_real mg_least_feature_pair_condition(const mg_context *c, int fea
   return least;
 }
 
+/* True if a condition bounds the normals at an edge or a vertex. */
+static int mg_bounds_normal_cone(const mg_context *c, int condition) {
+  const int kind = c->system->condition_kind[condition];
+  return kind == MG_CONDITION_WING || kind == MG_CONDITION_DIRECTION || kind == MG_CONDITION_TIP;
+}
+
 MG_INTERNAL int mg_is_in_normal_cone(const mg_context *c, int feature_pair, int side, const mg_real *eta) {
   const mg_system *s = c->system;
   mg_feature_view view = {.side = -1};
-  for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++) {
-    const int kind = s->condition_kind[k],
-              is_of_cone = kind == MG_CONDITION_WING || kind == MG_CONDITION_DIRECTION || kind == MG_CONDITION_TIP;
-    if (is_of_cone && s->condition_feature[k] == side &&
+  for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++)
+    if (s->condition_feature[k] == side && mg_bounds_normal_cone(c, k) &&
         mg_condition_value(c, feature_pair, k, eta, &view) < -c->settings->feature_border)
       return 0;
-  }
   return 1;
 }
 
@@ -320,8 +323,6 @@ MG_INTERNAL int mg_has_normal_sign(const mg_context *c, int feature_pair) {
 MG_INTERNAL int mg_has_no_outside(const mg_context *c, int feature_pair) {
   const mg_system *s = c->system;
   for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++)
-    if (s->condition_kind[k] == MG_CONDITION_WING || s->condition_kind[k] == MG_CONDITION_DIRECTION ||
-        s->condition_kind[k] == MG_CONDITION_TIP)
-      return 0;
+    if (mg_bounds_normal_cone(c, k)) return 0;
   return 1;
 }
