@@ -46,7 +46,7 @@
 #include "solve/lcp/lcp.h"
 #include "base/real.h"
 
-#define MG_ABI 26 /* version of these structures; a library and its caller must agree on it (mg_abi) */
+#define MG_ABI 27 /* version of these structures; a library and its caller must agree on it (mg_abi) */
 
 /* Kind of a condition of a feature pair. A condition is a function of the contact point x of one feature in its shape's
    axes, of the chart coordinates (u, v) of x, and of the normal N out of that feature's shape. It holds where the
@@ -161,6 +161,8 @@ typedef struct {
   const int *feature_numbers; /* [2 n_feature_pair] features o, f: offset into numbers, see MG_FEATURE_PLACEMENT .. */
   const int
       *feature_tree; /* [2 n_feature_pair] features o, f: tree of its cells, or -1: none; equal features share one */
+  const int *feature_is_listed; /* [2 n_feature_pair] features o, f: 1 at one of the places of a feature in its pair, at
+                                   one with a tree if there is one */
 
   const int *condition_kind;         /* [all conditions] MG_CONDITION_QUADRIC .. */
   const int *condition_feature;      /* [all conditions] feature whose point, coordinates, N it is about: 0 o, 1 f */

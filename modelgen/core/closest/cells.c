@@ -12,6 +12,7 @@
 #define MG_WIDE_SPREAD ((mg_real)1)   /* directions in a cell that is divided when its tree begins */
 #define MG_WIDE_REST ((mg_real)0.5)   /* part of the radius that is not linear, in such a cell */
 #define MG_WIDE_LEVELS 6              /* times that it is divided */
+#define MG_NORMAL_LEVELS 12           /* times that a cell is divided towards a point whose normal is asked for */
 
 /* Norm of n numbers, `otherwise` where it is not finite. */
 static mg_real mg_norm_or(int n, const mg_real *x, mg_real otherwise) {
@@ -249,6 +250,30 @@ MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side, int is_o
   const int first = c->search.tree_root[root] = mg_new_cell(c, feature_pair, side, is_of_spine, window);
   if (first && !is_of_spine) mg_divide_wide_cell(c, feature_pair, side, first, MG_WIDE_LEVELS);
   return first;
+}
+
+/* Number of a small cell of those below one in whose ball a point is, in the axes of the shape, or 0. */
+static int mg_small_cell_around(mg_context *c, int feature_pair, int side, int cell, const mg_real *x, int levels) {
+  const mg_cell *at = c->search.cells + cell;
+  const mg_real span[3] = {x[0] - at->centre[0], x[1] - at->centre[1], x[2] - at->centre[2]};
+  if (mg_dot3(span, span) > at->radius * at->radius) return 0;
+  const int half = levels ? mg_divide_cell(c, feature_pair, side, cell) : 0;
+  if (!half) return cell;
+  const int first = mg_small_cell_around(c, feature_pair, side, half, x, levels - 1);
+  return first ? first : mg_small_cell_around(c, feature_pair, side, half + 1, x, levels - 1);
+}
+
+MG_INTERNAL int mg_normal_near(mg_context *c, int feature_pair, int side, const mg_real *x, mg_real *normal) {
+  const mg_system *s = c->system;
+  mg_real point[3];
+  const int root = mg_root_cell(c, feature_pair, side, 0),
+            cell = root ? mg_small_cell_around(c, feature_pair, side, root, x, MG_NORMAL_LEVELS) : 0;
+  if (!cell) return 0;
+  const mg_real *box = c->search.cells[cell].box;
+  const mg_real uv[2] = {box[0] + (box[1] - box[0]) / 2, box[2] + (box[3] - box[2]) / 2};
+  c->kernels->shape_point(s->feature_shape[2 * feature_pair + side], uv,
+                          s->parameters + s->feature_parameters[2 * feature_pair + side], point, normal);
+  return mg_normalise3(normal);
 }
 
 MG_INTERNAL void mg_limit_feature(const mg_context *c, int feature_pair, int side, mg_feature_limits *limits) {

@@ -130,6 +130,9 @@ MG_INTERNAL void mg_bound_bends(mg_context *c, int feature_pair, int side, int n
 /* Number of the first of the two halves of a cell; 0 if there is no room. */
 MG_INTERNAL int mg_divide_cell(mg_context *c, int feature_pair, int side, int cell);
 
+/* Normal of a surface with cells near a point x, in the axes of its shape. Returns 0 if x is not on the surface. */
+MG_INTERNAL int mg_normal_near(mg_context *c, int feature_pair, int side, const mg_real *x, mg_real *normal);
+
 /* Where the conditions of a feature pair allow contacts on one side: coordinates u, v in a box and in a disc about 0,
    and points within the quadrics; and where its critical points are. */
 typedef struct {
@@ -217,6 +220,10 @@ MG_INTERNAL int mg_have_circles_one_minimum(const mg_centred_feature *of, mg_rea
 /* True if the points of the placement evaluated last, that at eta, whose distance is negative, are on sides of the
    bodies that face away from each other: no penetration. */
 MG_INTERNAL int mg_is_between_far_sides(mg_context *c, int feature_pair, const mg_real *eta);
+
+/* True if it can be told of all surfaces of a pair where a segment leaves them: planes, spheres, those about spines,
+   and those with cells, which convex shapes have none of. */
+MG_INTERNAL int mg_are_far_sides_known(const mg_context *c, int pair);
 
 /* exclusion_and_uniqueness.c */
 

@@ -5,14 +5,18 @@
 #include "base/base.h"
 #include "model/model.h"
 
-#define MG_SEGMENT_START ((mg_real)0.05) /* part of a segment at its start in which it is not tested against cells */
+#define MG_SEGMENT_START ((mg_real)0.05) /* part of a segment about whose start the surface is on which it begins */
 #define MG_SEGMENT_CELLS 64              /* cells smaller than the segment by this factor are not divided */
 #define MG_SEGMENT_STACK 128             /* cells still to be treated */
+#define MG_SEGMENT_STEPS 1024            /* steps along a segment, at most, from one side of a surface to the other */
+#define MG_SEGMENT_BISECTIONS 60
+#define MG_OUTWARD ((mg_real)0.2) /* least cosine to the normal where it starts of a segment that leaves at once */
 
 /* A segment in the axes of a shape: a point and the vector to its end, m; it leaves nothing within `least` of the
-   point, m. */
+   point, m, and what it leaves within `slack` of a border, m, it leaves. It may begin on the body that it leaves. */
 typedef struct {
-  mg_real start[3], along[3], least;
+  mg_real start[3], along[3], least, slack;
+  int begins_on_body;
 } mg_segment;
 
 /* Point of a segment. */
@@ -29,7 +33,25 @@ static mg_real mg_left_at(const mg_context *c, int feature_pair, int side, const
       !(mg_dot3(normal, segment->along) > 0))
     return 1;
   mg_point_of_segment(segment, part, x);
-  return mg_is_within_border(c, feature_pair, side, x) ? mg_max(part, (mg_real)0) : 1;
+  return mg_is_within_border(c, feature_pair, side, x, segment->slack) ? mg_max(part, (mg_real)0) : 1;
+}
+
+/* True if a segment lies in a plane. */
+static int mg_is_in_plane(const mg_segment *segment, const mg_real *point, const mg_real *normal) {
+  const mg_real span[3] = {segment->start[0] - point[0], segment->start[1] - point[1], segment->start[2] - point[2]};
+  return fabs(mg_dot3(normal, span)) <= segment->slack && fabs(mg_dot3(normal, segment->along)) <= segment->slack;
+}
+
+/* The part at which a segment that lies in a plane leaves the face in it, or 1: the body may have no thickness there.
+ */
+static mg_real mg_part_within_border(const mg_context *c, int feature_pair, int side, const mg_segment *segment) {
+  mg_real x[3];
+  for (int step = 0; step <= MG_SEGMENT_STEPS; step++) {
+    const mg_real part = (mg_real)step / MG_SEGMENT_STEPS;
+    mg_point_of_segment(segment, part, x);
+    if (!mg_is_within_border(c, feature_pair, side, x, segment->slack)) return part;
+  }
+  return 1;
 }
 
 /* The part of a segment at which it leaves a plane or a sphere, or 1. */
@@ -40,6 +62,8 @@ static mg_real mg_part_in_closed_feature(mg_context *c, int feature_pair, int si
   mg_real x[3], normal[3];
   c->kernels->shape_point(kind, zero, s->parameters + s->feature_parameters[2 * feature_pair + side], x, normal);
   if (c->kernels->shape_kinds[kind].nearest_point == MG_NEAREST_PLANE) {
+    if (segment->begins_on_body && mg_is_in_plane(segment, x, normal))
+      return mg_part_within_border(c, feature_pair, side, segment);
     const mg_real span[3] = {x[0] - start[0], x[1] - start[1], x[2] - start[2]}, rate = mg_dot3(normal, along);
     return rate > 0 ? mg_left_at(c, feature_pair, side, segment, mg_dot3(normal, span) / rate, normal) : 1;
   }
@@ -52,19 +76,79 @@ static mg_real mg_part_in_closed_feature(mg_context *c, int feature_pair, int si
   return mg_left_at(c, feature_pair, side, segment, part, normal);
 }
 
+/* Distance of a point of a segment from a surface at a constant distance from its spine, m; negative in the body. */
+static mg_real mg_height_over_spine(const mg_spine *spine, const mg_segment *segment, mg_real part) {
+  mg_real x[3];
+  mg_point_of_segment(segment, part, x);
+  const mg_real across = mg_hypot(x[0], x[1]),
+                distance = spine->kind == MG_SPINE_LINE ? across : mg_hypot(across - spine->radius, x[2]);
+  return spine->tube > 0 ? distance - spine->tube : -spine->tube - distance;
+}
+
+/* The part at which a segment rises above a height over such a surface, between one below and one above. */
+static mg_real mg_part_at_height(const mg_spine *spine, const mg_segment *segment, mg_real height, mg_real below,
+                                 mg_real above) {
+  for (int k = 0; k < MG_SEGMENT_BISECTIONS; k++) {
+    const mg_real middle = below + (above - below) / 2;
+    if (mg_height_over_spine(spine, segment, middle) > height) above = middle;
+    else below = middle;
+  }
+  return below;
+}
+
+/* The part at which a segment leaves such a surface, or 1. Where it begins on the surface and goes along it, it leaves
+   the surface above the height that rounding may show. */
+static mg_real mg_part_about_spine(const mg_context *c, int feature_pair, int side, const mg_segment *segment,
+                                   mg_real length) {
+  const mg_real rounding = fabs(segment->least);
+  mg_spine spine;
+  mg_real below = -1, part = 0;
+  mg_read_spine(c, feature_pair, side, &spine);
+  mg_real least = fabs(mg_height_over_spine(&spine, segment, 0)) <= rounding ? rounding : 0;
+  while (part <= 1) {
+    const mg_real height = mg_height_over_spine(&spine, segment, part);
+    if (height > least && below >= 0) {
+      mg_real x[3];
+      const mg_real at = mg_part_at_height(&spine, segment, least, below, part);
+      mg_point_of_segment(segment, at, x);
+      if (at * length > segment->least && mg_is_within_border(c, feature_pair, side, x, segment->slack)) return at;
+    }
+    below = height > least ? -1 : part;
+    if (height < -least) least = 0;
+    part += mg_max(fabs(height) / length, (mg_real)1 / MG_SEGMENT_STEPS);
+  }
+  return 1;
+}
+
+/* Where a segment is nearest to the middle of a cell, as a part of it that may be less than 0 or more than 1. */
+static mg_real mg_part_nearest_to_cell(const mg_cell *cell, const mg_segment *segment, mg_real length) {
+  const mg_real span[3] = {cell->centre[0] - segment->start[0], cell->centre[1] - segment->start[1],
+                           cell->centre[2] - segment->start[2]};
+  return mg_dot3(span, segment->along) / (length * length);
+}
+
 /* The part of a segment before which it does not leave a cell, or 1: it leaves where the cell is near and its normal
    points forwards. */
 static mg_real mg_part_before_cell(const mg_cell *cell, const mg_segment *segment, mg_real length) {
-  const mg_real span[3] = {cell->centre[0] - segment->start[0], cell->centre[1] - segment->start[1],
-                           cell->centre[2] - segment->start[2]};
-  const mg_real nearest = mg_dot3(span, segment->along) / (length * length),
-                part = mg_min(mg_max(nearest, MG_SEGMENT_START), (mg_real)1);
+  const mg_real nearest = mg_part_nearest_to_cell(cell, segment, length),
+                part = mg_min(mg_max(nearest, (mg_real)0), (mg_real)1);
   mg_real apart[3];
-  for (int k = 0; k < 3; k++) apart[k] = span[k] - part * segment->along[k];
+  for (int k = 0; k < 3; k++) apart[k] = cell->centre[k] - segment->start[k] - part * segment->along[k];
   if (mg_dot3(apart, apart) > cell->radius * cell->radius ||
       !(mg_dot3(cell->direction, segment->along) + cell->spread * length > 0))
     return 1;
-  return mg_min(mg_max(nearest - cell->radius / length, MG_SEGMENT_START), (mg_real)1);
+  return mg_min(mg_max(nearest - cell->radius / length, (mg_real)0), (mg_real)1);
+}
+
+/* The same of a small cell: near its start a segment leaves only what all normals show, because the surface on which it
+   begins is there. */
+static mg_real mg_part_before_small_cell(const mg_cell *cell, const mg_segment *segment, mg_real length) {
+  const mg_real part = mg_part_before_cell(cell, segment, length);
+  if (part >= MG_SEGMENT_START ||
+      mg_dot3(cell->direction, segment->along) - cell->spread * length > MG_OUTWARD * length)
+    return part;
+  return mg_part_nearest_to_cell(cell, segment, length) + cell->radius / length > MG_SEGMENT_START ? MG_SEGMENT_START
+                                                                                                   : 1;
 }
 
 /* The part of a segment at which it leaves a surface with cells, or 1; 0 where the search before has left no room to
@@ -82,7 +166,8 @@ static mg_real mg_part_in_cells(mg_context *c, int feature_pair, int side, const
     const mg_real part = mg_is_cell_beyond(c, at, &limits) ? 1 : mg_part_before_cell(cell, segment, length);
     if (!(part < first)) continue;
     if (cell->radius * MG_SEGMENT_CELLS <= length) {
-      if (mg_is_within_border(c, feature_pair, side, cell->centre)) first = part;
+      if (mg_is_within_border(c, feature_pair, side, cell->centre, segment->slack))
+        first = mg_min(first, mg_part_before_small_cell(cell, segment, length));
       continue;
     }
     const int half = count + 2 <= MG_SEGMENT_STACK ? mg_divide_cell(c, feature_pair, side, at) : 0;
@@ -92,19 +177,60 @@ static mg_real mg_part_in_cells(mg_context *c, int feature_pair, int side, const
   return first;
 }
 
-/* The part of the segment between two points, given in world axes, at which it leaves a surface, or 1. */
-static mg_real mg_part_in_feature(mg_context *c, int feature_pair, int side, const mg_real *start, const mg_real *end,
-                                  mg_real least) {
-  mg_segment segment = {.least = least};
+/* The segment between two points, given in world axes, in the axes of the shape of a feature. */
+static mg_segment mg_segment_in_shape_axes(const mg_context *c, int feature_pair, int side, const mg_real *start,
+                                           const mg_real *end, mg_real least, int begins_on_body) {
+  mg_segment segment = {.least = least, .begins_on_body = begins_on_body};
   mg_real last[3];
   mg_point_in_shape_axes(c, feature_pair, side, start, segment.start);
   mg_point_in_shape_axes(c, feature_pair, side, end, last);
   for (int k = 0; k < 3; k++) segment.along[k] = last[k] - segment.start[k];
-  const mg_real length = sqrt(mg_dot3(segment.along, segment.along));
-  if (mg_has_nearest_point(c, feature_pair, side)) return mg_part_in_closed_feature(c, feature_pair, side, &segment);
+  segment.slack = sqrt(mg_dot3(segment.along, segment.along)) / MG_SEGMENT_STEPS;
+  return segment;
+}
+
+/* The part at which a segment leaves a surface, or 1. */
+static mg_real mg_part_in_feature(mg_context *c, int feature_pair, int side, const mg_segment *segment) {
+  const mg_real length = sqrt(mg_dot3(segment->along, segment->along));
+  if (mg_has_nearest_point(c, feature_pair, side)) return mg_part_in_closed_feature(c, feature_pair, side, segment);
+  if (mg_is_about_spine(c, feature_pair, side)) return mg_part_about_spine(c, feature_pair, side, segment, length);
   return c->system->feature_tree[2 * feature_pair + side] >= 0
-             ? mg_part_in_cells(c, feature_pair, side, &segment, length)
+             ? mg_part_in_cells(c, feature_pair, side, segment, length)
              : 1;
+}
+
+/* Normal of a plane or a sphere where a segment begins. Returns 0 if it does not begin there. */
+static int mg_normal_of_closed_feature(const mg_context *c, int feature_pair, int side, const mg_segment *segment,
+                                       mg_real *normal) {
+  const mg_system *s = c->system;
+  const int kind = s->feature_shape[2 * feature_pair + side];
+  const mg_real zero[2] = {0, 0}, *start = segment->start;
+  mg_real x[3];
+  c->kernels->shape_point(kind, zero, s->parameters + s->feature_parameters[2 * feature_pair + side], x, normal);
+  if (!mg_is_within_border(c, feature_pair, side, start, segment->slack)) return 0;
+  if (c->kernels->shape_kinds[kind].nearest_point == MG_NEAREST_PLANE)
+    return fabs(mg_dot3(normal, start) - mg_dot3(normal, x)) <= segment->slack;
+  const mg_real distance = sqrt(mg_dot3(start, start)), radius = sqrt(mg_dot3(x, x)),
+                outward = mg_dot3(x, normal) < 0 ? -1 : 1;
+  for (int k = 0; k < 3; k++) normal[k] = outward / distance * start[k];
+  return fabs(distance - radius) <= segment->slack;
+}
+
+/* True if a segment begins on a surface and goes out of it there, not along it. */
+static int mg_begins_outward(mg_context *c, int feature_pair, int side, const mg_segment *segment) {
+  const mg_real least = MG_OUTWARD * sqrt(mg_dot3(segment->along, segment->along));
+  mg_real normal[3];
+  mg_spine spine;
+  if (mg_has_nearest_point(c, feature_pair, side))
+    return mg_normal_of_closed_feature(c, feature_pair, side, segment, normal) &&
+           mg_dot3(normal, segment->along) > least;
+  if (mg_is_about_spine(c, feature_pair, side)) {
+    mg_read_spine(c, feature_pair, side, &spine);
+    return fabs(mg_height_over_spine(&spine, segment, 0)) <= segment->slack &&
+           mg_height_over_spine(&spine, segment, MG_SEGMENT_START) > MG_SEGMENT_START * least;
+  }
+  return c->system->feature_tree[2 * feature_pair + side] >= 0 &&
+         mg_normal_near(c, feature_pair, side, segment->start, normal) && mg_dot3(normal, segment->along) > least;
 }
 
 /* True if a feature of one side of a feature pair is a surface. */
@@ -112,22 +238,72 @@ static int mg_is_surface(const mg_context *c, int feature_pair, int side) {
   return mg_feature_dimension(c, feature_pair, side) == 2;
 }
 
-/* The part of the segment from the point of one side of a feature pair to that of the other at which it leaves the
-   body of that side, or 1. From an edge or a vertex it leaves no surface at once, unless the normal is outside of the
-   normal cone: then the body reaches farther beside it. A body without surfaces it leaves at once. */
-static mg_real mg_part_in_body(mg_context *c, int feature_pair, int side, const mg_real *eta) {
-  if (!mg_is_in_normal_cone(c, feature_pair, side, eta)) return 0;
+/* The part of the segment between two points at which it leaves the body of one side of a feature pair, or 1; MG_MAX
+   if the body has no surfaces. It leaves none within `least` of its start, m. If it begins on the body, it leaves that
+   at once where it begins outward. */
+static mg_real mg_part_in_surfaces(mg_context *c, int feature_pair, int side, const mg_real *start, const mg_real *end,
+                                   mg_real least, int begins_on_body) {
   const mg_system *s = c->system;
   const int pair = s->feature_pair_owner[feature_pair], body = mg_feature_body(c, feature_pair, side);
-  const mg_real *start = c->search.placement + (side ? 11 : 8), *last = c->search.placement + (side ? 8 : 11),
-                one = c->settings->search_merge_distance * mg_pair_length(c, pair),
-                least = mg_is_surface(c, feature_pair, side) ? -one : one;
   mg_real part = MG_MAX;
   for (int each = s->pair_feature_pair[pair]; each < s->pair_feature_pair[pair + 1]; each++) {
     const int own = mg_feature_body(c, each, 1) == body;
-    if (mg_is_surface(c, each, own)) part = mg_min(part, mg_part_in_feature(c, each, own, start, last, least));
+    if (!mg_is_surface(c, each, own) || !s->feature_is_listed[2 * each + own]) continue;
+    const mg_segment segment = mg_segment_in_shape_axes(c, each, own, start, end, least, begins_on_body);
+    if (begins_on_body && mg_begins_outward(c, each, own, &segment)) return 0;
+    part = mg_min(part, mg_part_in_feature(c, each, own, &segment));
   }
+  return part;
+}
+
+/* Least distance from its start at which a segment leaves a body, m: from a surface at once, from an edge or a vertex
+   behind what rounding of its place may show. */
+static mg_real mg_least_part(const mg_context *c, int feature_pair, int side) {
+  const mg_real rounding =
+      c->settings->search_merge_distance * mg_pair_length(c, c->system->feature_pair_owner[feature_pair]);
+  return mg_is_surface(c, feature_pair, side) ? -rounding : rounding;
+}
+
+/* The part of the segment from the point of one side of a feature pair to that of the other at which it leaves the
+   body of that side, or 1. A body without surfaces it leaves at once, and any if the normal is outside of the normal
+   cone of an edge or a vertex: then the body reaches farther beside it. */
+static mg_real mg_part_in_body(mg_context *c, int feature_pair, int side, const mg_real *eta) {
+  if (!mg_is_in_normal_cone(c, feature_pair, side, eta) || mg_leaves_body_at_once(c, feature_pair, side, eta)) return 0;
+  const mg_real *start = c->search.placement + (side ? 11 : 8), *end = c->search.placement + (side ? 8 : 11),
+                part = mg_part_in_surfaces(c, feature_pair, side, start, end, mg_least_part(c, feature_pair, side), 1);
   return part < MG_MAX ? part : 0;
+}
+
+/* True if a way from the edge or vertex of one side into its body, no longer than it takes to reach the plane through
+   the point of the other side or the size of the larger body, leaves the other body before it leaves its own. */
+static int mg_is_other_body_within(mg_context *c, int feature_pair, int side, const mg_real *eta) {
+  mg_real inward[3], start[3], end[3];
+  const int pair = c->system->feature_pair_owner[feature_pair];
+  const mg_real *point = c->search.placement + (side ? 11 : 8), *N = c->search.placement + 5,
+                radius_o = mg_pair_ball(c, pair, 0)[3], radius_f = mg_pair_ball(c, pair, 1)[3];
+  mg_inward_direction(c, feature_pair, side, eta, inward);
+  mg_real length = fabs(c->search.placement[0]) / fabs(mg_dot3(inward, N));
+  if (radius_o >= 0 && radius_f >= 0) length = mg_min(length, 2 * mg_max(radius_o, radius_f));
+  if (!(length < MG_MAX)) return 0;
+  for (int k = 0; k < 3; k++) end[k] = point[k] + length * inward[k];
+  const mg_real part = mg_part_in_surfaces(c, feature_pair, side, point, end, mg_least_part(c, feature_pair, side), 0);
+  if (!(part > MG_SEGMENT_START)) return 0;
+  for (int k = 0; k < 3; k++) {
+    start[k] = point[k] + mg_min(part, (mg_real)1) * length * inward[k];
+    end[k] = point[k] + MG_SEGMENT_START * length * inward[k];
+  }
+  return mg_part_in_surfaces(c, feature_pair, 1 - side, start, end, 0, 0) < 1;
+}
+
+MG_INTERNAL int mg_are_far_sides_known(const mg_context *c, int pair) {
+  const mg_system *s = c->system;
+  for (int each = s->pair_feature_pair[pair]; each < s->pair_feature_pair[pair + 1]; each++)
+    for (int side = 0; side < 2; side++)
+      if (mg_is_surface(c, each, side) && s->feature_is_listed[2 * each + side] &&
+          s->feature_tree[2 * each + side] < 0 && !mg_has_nearest_point(c, each, side) &&
+          !mg_is_about_spine(c, each, side))
+        return 0;
+  return 1;
 }
 
 /* True if a body of a pair has surfaces; joint limits and curves have none. */
@@ -139,8 +315,12 @@ static int mg_has_surfaces(const mg_context *c, int pair) {
 
 MG_INTERNAL int mg_is_between_far_sides(mg_context *c, int feature_pair, const mg_real *eta) {
   if (!mg_has_surfaces(c, c->system->feature_pair_owner[feature_pair])) return 0;
+  const int leaves[2] = {mg_leaves_body_at_once(c, feature_pair, 0, eta),
+                         mg_leaves_body_at_once(c, feature_pair, 1, eta)};
+  if (leaves[0] && leaves[1]) return 0;
   const mg_real length = fabs(c->search.placement[0]), first = mg_part_in_body(c, feature_pair, 0, eta);
   if (!(first < 1)) return 0;
   const mg_real second = mg_part_in_body(c, feature_pair, 1, eta);
-  return second < 1 && (first + second - 1) * length <= c->settings->start_gap * c->system->length;
+  if (!(second < 1) || (first + second - 1) * length > c->settings->start_gap * c->system->length) return 0;
+  return !(leaves[0] || leaves[1]) || !mg_is_other_body_within(c, feature_pair, leaves[1], eta);
 }

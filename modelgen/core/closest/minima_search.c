@@ -145,6 +145,38 @@ static int mg_is_open_gap_allowed(const mg_context *c) {
   return c->search.open_gap < MG_MAX && mg_is_start_gap_allowed(c, c->search.open_gap) && !mg_is_singular_contact(c);
 }
 
+/* Negative gaps at which two features may overlap, however deep. Of two curves the sign of the gap is not known
+   beforehand. */
+static mg_search_limits mg_overlap_limits(const mg_context *c, int feature_pair) {
+  const int pair = c->system->feature_pair_owner[feature_pair];
+  const mg_real radius_o = mg_pair_ball(c, pair, 0)[3], radius_f = mg_pair_ball(c, pair, 1)[3];
+  const int are_curves = mg_feature_dimension(c, feature_pair, 0) < 2 && mg_feature_dimension(c, feature_pair, 1) < 2;
+  mg_search_limits limits = {0, MG_MAX, MG_EFFORT, MG_MAX};
+  if (radius_o >= 0 && radius_f >= 0) limits.depth = radius_o + radius_f;
+  if (are_curves) limits.gap = limits.depth;
+  return limits;
+}
+
+/* Puts a contact on closest points of its feature pairs from `first` to `end` that penetrate, also where others are
+   nearer. Returns 1 if there are some; 0 too where they are not told from far sides. */
+static int mg_find_start_penetration(mg_context *c, int contact, int first, int end, mg_real least) {
+  const int pair = c->system->feature_pair_owner[first];
+  const mg_real open_gap = c->search.open_gap, singular_gap = c->search.singular_gap;
+  if (mg_pair_clearance(c, pair) > 0 || !mg_are_far_sides_known(c, pair)) return 0;
+  for (int each = first; each < end; each++) {
+    const mg_search_limits limits = mg_overlap_limits(c, each);
+    mg_minima found = {0};
+    mg_find_minima_of_feature_pair(c, each, &limits, least, &found);
+    for (int k = 0; k < found.count; k++) {
+      if (mg_is_start_gap_allowed(c, found.list[k].d)) continue;
+      mg_set_feature_pair(c, contact, each, found.list[k].eta);
+      return 1;
+    }
+  }
+  c->search.open_gap = open_gap, c->search.singular_gap = singular_gap;
+  return mg_follow_overlap(c, contact, &(mg_minima){0});
+}
+
 /* Start of a pair whose contacts have feature pairs of their own. Returns an outcome. */
 static int mg_start_own_feature_pairs(mg_context *c, int pair) {
   const mg_system *s = c->system;
@@ -154,6 +186,7 @@ static int mg_start_own_feature_pairs(mg_context *c, int pair) {
     mg_search_at_start(c, feature_pair, feature_pair + 1, -MG_MAX, &found);
     c->run->failed_contact = i;
     if (mg_follow_overlap(c, i, &found)) return MG_PENETRATION;
+    if (mg_find_start_penetration(c, i, feature_pair, feature_pair + 1, -MG_MAX)) return MG_PENETRATION;
     if (!found.count && !mg_is_open_gap_allowed(c) && mg_is_unconditional_feature_pair(c, feature_pair))
       return mg_refuse_start(c);
     if (found.count && found.list[0].undecided) return MG_NO_OUTSIDE;
@@ -171,8 +204,9 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
   mg_minima found = {0};
   mg_search_at_start(c, s->pair_feature_pair[pair], s->pair_feature_pair[pair + 1], least, &found);
   c->run->failed_contact = first;
-  if (mg_follow_overlap(c, first, &found)) return MG_PENETRATION;
   const int feature_pair = s->pair_feature_pair[pair];
+  if (mg_follow_overlap(c, first, &found)) return MG_PENETRATION;
+  if (mg_find_start_penetration(c, first, feature_pair, s->pair_feature_pair[pair + 1], least)) return MG_PENETRATION;
   if (!found.count && !mg_is_open_gap_allowed(c) && mg_is_unconditional_feature_pair(c, feature_pair) &&
       s->pair_feature_pair[pair + 1] - feature_pair == 1)
     return mg_refuse_start(c);

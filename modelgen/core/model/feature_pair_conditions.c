@@ -3,6 +3,8 @@
 #include "model/model.h"
 #include "base/base.h"
 
+#define MG_CONE_VECTORS 32 /* most vectors of a tangent cone; more are left out */
+
 MG_INTERNAL int mg_is_unconditional_feature_pair(const mg_context *c, int feature_pair) {
   return c->system->feature_pair_condition[feature_pair] == c->system->feature_pair_condition[feature_pair + 1];
 }
@@ -91,9 +93,9 @@ MG_INTERNAL mg_real mg_quadric_condition(const mg_real *a, const mg_real *x) {
          a[8] * x[0] * x[2] + a[9] * x[1] * x[2];
 }
 
-/* Value of an MG_CONDITION_WING at a point x with coordinates uv. */
-static mg_real mg_wing_condition(const mg_context *c, int feature_pair, int side, const mg_real *a, const mg_real *x,
-                                 const mg_real *uv, const mg_real *N) {
+/* The vector of an MG_CONDITION_WING, along a face at a point x of its edge with coordinates uv. */
+static void mg_wing(const mg_context *c, int feature_pair, int side, const mg_real *a, const mg_real *x,
+                    const mg_real *uv, mg_real *wing) {
   const mg_system *s = c->system;
   const mg_real at[2] = {
       mg_has_coordinates_in_eta(c, feature_pair, side) ? uv[0] : mg_curve_parameter_at(c, feature_pair, side, x),
@@ -101,7 +103,8 @@ static mg_real mg_wing_condition(const mg_context *c, int feature_pair, int side
   mg_real point[3], T[3];
   c->kernels->shape_point(s->feature_shape[2 * feature_pair + side], at,
                           s->parameters + s->feature_parameters[2 * feature_pair + side], point, T);
-  return -(a[0] * (T[1] * N[0] - T[0] * N[1]) / sqrt(mg_dot3(T, T)) + a[1] * N[2]);
+  const mg_real size = sqrt(mg_dot3(T, T));
+  wing[0] = a[0] * T[1] / size, wing[1] = -a[0] * T[0] / size, wing[2] = a[1];
 }
 
 MG_INTERNAL mg_real mg_sine_between(const mg_real *a, const mg_real *b) {
@@ -109,11 +112,11 @@ MG_INTERNAL mg_real mg_sine_between(const mg_real *a, const mg_real *b) {
   return sqrt(mg_dot3(cross, cross));
 }
 
-MG_INTERNAL int mg_is_within_border(const mg_context *c, int feature_pair, int side, const mg_real *x) {
+MG_INTERNAL int mg_is_within_border(const mg_context *c, int feature_pair, int side, const mg_real *x, mg_real slack) {
   const mg_system *s = c->system;
   for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++) {
     const mg_real *quadric = mg_bounding_quadric(c, side, k);
-    if (quadric && mg_quadric_condition(quadric, x) < 0) return 0;
+    if (quadric && mg_quadric_condition(quadric, x) < -slack) return 0;
   }
   return 1;
 }
@@ -214,6 +217,7 @@ static mg_real mg_condition_value(const mg_context *c, int feature_pair, int k, 
   const mg_system *s = c->system;
   const mg_real *a = s->numbers + s->condition_numbers[k];
   const int side = s->condition_feature[k];
+  mg_real wing[3];
   if (view->side != side) mg_view_feature(c, feature_pair, side, eta, view);
   switch (s->condition_kind[k]) {
     case MG_CONDITION_QUADRIC:
@@ -224,7 +228,8 @@ static mg_real mg_condition_value(const mg_context *c, int feature_pair, int k, 
     case MG_CONDITION_DISC:
       return a[0] - (view->uv[0] * view->uv[0] + view->uv[1] * view->uv[1]) / a[0];
     case MG_CONDITION_WING:
-      return mg_wing_condition(c, feature_pair, side, a, view->x, view->uv, view->N);
+      mg_wing(c, feature_pair, side, a, view->x, view->uv, wing);
+      return -mg_dot3(wing, view->N);
     case MG_CONDITION_TILT:
       return a[3] * (mg_tilt(a, view->N) - c->settings->flat_angle);
     case MG_CONDITION_COAXIAL:
@@ -287,6 +292,87 @@ MG_INTERNAL int mg_is_in_normal_cone(const mg_context *c, int feature_pair, int 
         mg_condition_value(c, feature_pair, k, eta, &view) < -c->settings->feature_border)
       return 0;
   return 1;
+}
+
+/* Vectors from an edge into its faces, or from a vertex along its edges: the body near it is about within the cone that
+   they span, and its normals are those that none of them points along. */
+typedef struct {
+  int count, is_edge;
+  mg_real along[MG_CONE_VECTORS][3];
+} mg_tangent_cone;
+
+/* Reads the vectors from those conditions of a side that bound its normals; tips of cones have none. */
+static void mg_read_tangent_cone(const mg_context *c, int feature_pair, const mg_feature_view *view,
+                                 mg_tangent_cone *cone) {
+  const mg_system *s = c->system;
+  cone->count = cone->is_edge = 0;
+  for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++) {
+    const int kind = s->condition_kind[k];
+    const mg_real *a = s->numbers + s->condition_numbers[k];
+    if (s->condition_feature[k] != view->side || kind == MG_CONDITION_TIP || !mg_bounds_normal_cone(c, k) ||
+        cone->count == MG_CONE_VECTORS)
+      continue;
+    mg_real *vector = cone->along[cone->count++];
+    if (kind == MG_CONDITION_WING) {
+      mg_wing(c, feature_pair, view->side, a, view->x, view->uv, vector), cone->is_edge = 1;
+    } else {
+      const mg_real size = sqrt(mg_dot3(a, a));
+      for (int i = 0; i < 3; i++) vector[i] = a[i] / size;
+    }
+  }
+}
+
+/* A vector that is normal to two of the vectors of a cone, or of an edge's to one of them within the plane of N. */
+static void mg_side_of_cone(const mg_tangent_cone *cone, int i, int j, const mg_real *N, mg_real *normal) {
+  const mg_real *v = cone->along[i];
+  if (!cone->is_edge) mg_cross_product(v, cone->along[j], normal);
+  for (int k = 0; k < 3 && cone->is_edge; k++) normal[k] = mg_dot3(N, v) * v[k] - N[k];
+}
+
+/* True if a direction against N leaves a cone: a vector that points along none of the cone's points along it. */
+static int mg_is_out_of_cone(const mg_tangent_cone *cone, const mg_real *N, mg_real border) {
+  for (int i = 0; i < cone->count; i++)
+    for (int j = 0; j < cone->count; j++) {
+      mg_real normal[3], most = -MG_MAX;
+      if (j == i) continue;
+      mg_side_of_cone(cone, i, j, N, normal);
+      for (int k = 0; k < cone->count; k++)
+        if (k != i && (cone->is_edge || k != j)) most = mg_max(most, mg_dot3(normal, cone->along[k]));
+      if (-mg_dot3(normal, N) > border && most < -border) return 1;
+    }
+  return 0;
+}
+
+MG_INTERNAL int mg_leaves_body_at_once(const mg_context *c, int feature_pair, int side, const mg_real *eta) {
+  const mg_system *s = c->system;
+  mg_feature_view view;
+  mg_tangent_cone cone;
+  mg_view_feature(c, feature_pair, side, eta, &view);
+  for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++) {
+    const mg_real *a = s->numbers + s->condition_numbers[k], along = mg_dot3(a, view.N);
+    if (s->condition_feature[k] == side && s->condition_kind[k] == MG_CONDITION_TIP)
+      return along * a[3] < mg_sine_between(a, view.N) * sqrt(1 - a[3] * a[3]) - c->settings->feature_border;
+  }
+  mg_read_tangent_cone(c, feature_pair, &view, &cone);
+  return mg_is_out_of_cone(&cone, view.N, c->settings->feature_border);
+}
+
+MG_INTERNAL void mg_inward_direction(const mg_context *c, int feature_pair, int side, const mg_real *eta,
+                                     mg_real *inward) {
+  const mg_system *s = c->system;
+  mg_feature_view view;
+  mg_tangent_cone cone;
+  mg_real sum[3] = {0, 0, 0}, in_body[3];
+  mg_view_feature(c, feature_pair, side, eta, &view);
+  mg_read_tangent_cone(c, feature_pair, &view, &cone);
+  for (int i = 0; i < cone.count; i++)
+    for (int k = 0; k < 3; k++) sum[k] += cone.along[i][k];
+  for (int each = s->feature_pair_condition[feature_pair]; each < s->feature_pair_condition[feature_pair + 1]; each++)
+    for (int k = 0; k < 3 && s->condition_feature[each] == side && s->condition_kind[each] == MG_CONDITION_TIP; k++)
+      sum[k] = -s->numbers[s->condition_numbers[each] + k];
+  mg_normalise3(sum);
+  mg_to_world(mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_PLACEMENT, sum, 0, in_body);
+  mg_to_world(c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side), in_body, 0, inward);
 }
 
 /* True if a contact may be held a little beyond a condition of its feature pair, at the end of that line; -1: of any.

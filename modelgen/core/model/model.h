@@ -124,9 +124,9 @@ MG_INTERNAL const mg_real *mg_bounding_quadric(const mg_context *c, int side, in
 /* Value of an MG_CONDITION_QUADRIC at a point in the axes of its shape, m. */
 MG_INTERNAL mg_real mg_quadric_condition(const mg_real *a, const mg_real *x);
 
-/* True if a point of the surface that carries a feature, in the axes of its shape, lies on the feature by those
-   conditions that are functions of the point alone. */
-MG_INTERNAL int mg_is_within_border(const mg_context *c, int feature_pair, int side, const mg_real *x);
+/* True if a point of the surface that carries a feature, in the axes of its shape, lies on the feature, or within
+   `slack` of it, m, by those conditions that are functions of the point alone. */
+MG_INTERNAL int mg_is_within_border(const mg_context *c, int feature_pair, int side, const mg_real *x, mg_real slack);
 
 /* Transforms a point from world axes to the axes of a feature's shape. */
 MG_INTERNAL void mg_point_in_shape_axes(const mg_context *c, int feature_pair, int side, const mg_real *world,
@@ -176,6 +176,15 @@ MG_INTERNAL mg_real mg_least_feature_pair_condition(const mg_context *c, int fea
 /* True if the normal at an edge or a vertex, the feature of one side, is such that no point of its body near it lies
    farther along the normal. At a surface: True. Needs mg_place_contact at eta. */
 MG_INTERNAL int mg_is_in_normal_cone(const mg_context *c, int feature_pair, int side, const mg_real *eta);
+
+/* True if against the normal of an edge or a vertex, the feature of one side, its body is left at once, as at sharp
+   edges on which the body leans. At a surface: False. Needs mg_place_contact at eta. */
+MG_INTERNAL int mg_leaves_body_at_once(const mg_context *c, int feature_pair, int side, const mg_real *eta);
+
+/* Unit vector in world axes from an edge or a vertex, the feature of one side, into its body. Needs mg_place_contact at
+   eta. */
+MG_INTERNAL void mg_inward_direction(const mg_context *c, int feature_pair, int side, const mg_real *eta,
+                                     mg_real *inward);
 
 /* Least value of the conditions beyond which a contact leaves the feature pair. */
 MG_INTERNAL mg_real mg_most_violated_condition(const mg_context *c, int feature_pair, const mg_real *eta, int *which);

@@ -50,7 +50,7 @@ SYSTEM_INDICES = (
         "feature_pair_group",
         "feature_pair_condition",
     ),
-    *("feature_shape", "feature_parameters", "feature_numbers", "feature_tree"),
+    *("feature_shape", "feature_parameters", "feature_numbers", "feature_tree", "feature_is_listed"),
     *("condition_kind", "condition_feature", "condition_feature_pair", "condition_numbers"),
     "condition_is_line_end",
     *("load_kind", "load_a", "load_b", "load_parameters", "load_switch"),

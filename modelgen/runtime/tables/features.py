@@ -25,6 +25,9 @@ CONDITIONS = (
 )  # MG_CONDITION_QUADRIC ..
 
 
+BORDERS = ("quadric", "parameter", "disc")  # kinds of conditions that tell features of one surface apart
+
+
 class FeatureTables:
     """`integers`: arrays of mg_system; `numbers`: its array of numbers; parameters of shapes are added to
     `parameters`."""
@@ -48,6 +51,7 @@ class FeatureTables:
                 instance, self.numbers, lambda pair: [placed(side) for side in _sides(pair)]
             ),
             "feature_tree": _each(instance, trees.of),
+            "feature_is_listed": _each(instance, lambda pair: _listed(pair, trees.of(pair))),
             "condition_kind": _each(
                 instance, lambda pair: [CONDITIONS.index(each["kind"]) for each in _conditions(pair)]
             ),
@@ -68,6 +72,22 @@ def _sides(pair: Sequence[Entry]) -> list[Entry]:
 
 def _conditions(pair: Sequence[Entry]) -> list[Entry]:
     return [condition for each in pair for condition in each["conditions"]]
+
+
+def _listed(pair: Sequence[Entry], trees: Sequence[int]) -> list[int]:
+    """1 at one place of each feature among those of a pair, at one where it has a tree if there is one."""
+    places: dict[str, int] = {}
+    for place, (each, side) in enumerate((each, side) for each in pair for side in "of"):
+        borders = [
+            condition["numbers"]
+            for condition in each["conditions"]
+            if "of"[condition["side"]] == side and condition["kind"] in BORDERS
+        ]
+        feature = repr((each[side], each[f"shape_{side}"], borders))
+        if feature not in places or trees[places[feature]] < 0 <= trees[place]:
+            places[feature] = place
+    chosen = set(places.values())
+    return [int(place in chosen) for place in range(2 * len(pair))]
 
 
 def _by_pair(instance: Entry, of: Callable[[Sequence[Entry]], Found]) -> Iterator[Found]:

@@ -33,3 +33,4 @@ def add_limits(
         for name in ("feature_shape", "feature_parameters", "feature_numbers"):
             integers[name] += [0, 0]
         integers["feature_tree"] += [-1, -1]
+        integers["feature_is_listed"] += [1, 1]

@@ -95,6 +95,7 @@ def _add_feature_pair(
     for name in ("feature_shape", "feature_parameters", "feature_numbers"):
         integers[name] += [0, 0]
     integers["feature_tree"] += [-1, -1]
+    integers["feature_is_listed"] += [1, 1]
 
 
 def point_restitutions(instance: Mapping[str, Any]) -> Sequence[float]:
