@@ -16,6 +16,7 @@ int main(void) {
   mg_real mass_inverse[20] = {0}, scale[7];
   mg_real x[7] = {0, 0, (mg_real)1.1L, 0, 0, 0, 0}, force[1], margin[1], t[COUNT], speed[COUNT], work[20000];
   mg_real ball_at[8] = {0};
+  const int listed[2] = {1, 1};
   int is_far[1] = {0}, due[1] = {0}, closed[1], active[1], fresh[1], on[] = {-1}, kind[COUNT], contact[COUNT], feature_pair[COUNT], iwork[1000];
   mass_inverse[10] = 1;
   for (int i = 0; i < 7; i++) scale[i] = (mg_real)0.1;
@@ -32,7 +33,7 @@ int main(void) {
                       .pair_is_candidate = candidate, .pair_balls = ends, .n_ball = 2, .ball_body = ends, .ball_partner_begin = partners,
                       .feature_pair_kind = zeros, .feature_pair_o = zeros, .feature_pair_f = f, .feature_pair_parameters = link_parameters,
                       .feature_pair_owner = zeros, .feature_pair_group = groups, .feature_pair_condition = zeros,
-                      .feature_shape = sides, .feature_parameters = side_parameters, .feature_numbers = side_numbers,
+                      .feature_shape = sides, .feature_parameters = side_parameters, .feature_numbers = side_numbers, .feature_is_listed = listed,
                       .contact_friction_row = no_grips, .contact_friction = no_grips, .impact_law = law,
                       .mass_inverse = mass_inverse, .restitution = restitution, .parameters = parameters,
                       .numbers = numbers, .pair_normal = pair_normal, .ball = ball, .scale = scale,

@@ -19,6 +19,11 @@ typedef struct {
   int begins_on_body;
 } mg_segment;
 
+/* True if a surface has cells. */
+static int mg_has_cells(const mg_context *c, int feature_pair, int side) {
+  return c->system->n_cell_tree > 0 && c->system->feature_tree[2 * feature_pair + side] >= 0;
+}
+
 /* Point of a segment. */
 static void mg_point_of_segment(const mg_segment *segment, mg_real part, mg_real *x) {
   for (int k = 0; k < 3; k++) x[k] = segment->start[k] + part * segment->along[k];
@@ -194,9 +199,7 @@ static mg_real mg_part_in_feature(mg_context *c, int feature_pair, int side, con
   const mg_real length = sqrt(mg_dot3(segment->along, segment->along));
   if (mg_has_nearest_point(c, feature_pair, side)) return mg_part_in_closed_feature(c, feature_pair, side, segment);
   if (mg_is_about_spine(c, feature_pair, side)) return mg_part_about_spine(c, feature_pair, side, segment, length);
-  return c->system->feature_tree[2 * feature_pair + side] >= 0
-             ? mg_part_in_cells(c, feature_pair, side, segment, length)
-             : 1;
+  return mg_has_cells(c, feature_pair, side) ? mg_part_in_cells(c, feature_pair, side, segment, length) : 1;
 }
 
 /* Normal of a plane or a sphere where a segment begins. Returns 0 if it does not begin there. */
@@ -229,8 +232,8 @@ static int mg_begins_outward(mg_context *c, int feature_pair, int side, const mg
     return fabs(mg_height_over_spine(&spine, segment, 0)) <= segment->slack &&
            mg_height_over_spine(&spine, segment, MG_SEGMENT_START) > MG_SEGMENT_START * least;
   }
-  return c->system->feature_tree[2 * feature_pair + side] >= 0 &&
-         mg_normal_near(c, feature_pair, side, segment->start, normal) && mg_dot3(normal, segment->along) > least;
+  return mg_has_cells(c, feature_pair, side) && mg_normal_near(c, feature_pair, side, segment->start, normal) &&
+         mg_dot3(normal, segment->along) > least;
 }
 
 /* True if a feature of one side of a feature pair is a surface. */
@@ -300,8 +303,7 @@ MG_INTERNAL int mg_are_far_sides_known(const mg_context *c, int pair) {
   for (int each = s->pair_feature_pair[pair]; each < s->pair_feature_pair[pair + 1]; each++)
     for (int side = 0; side < 2; side++)
       if (mg_is_surface(c, each, side) && s->feature_is_listed[2 * each + side] &&
-          s->feature_tree[2 * each + side] < 0 && !mg_has_nearest_point(c, each, side) &&
-          !mg_is_about_spine(c, each, side))
+          !mg_has_nearest_point(c, each, side) && !mg_is_about_spine(c, each, side) && !mg_has_cells(c, each, side))
         return 0;
   return 1;
 }
