@@ -68,11 +68,8 @@ def test_polygons_in_a_plane_are_refused_where_they_overlap(seed: int) -> None:
     assert refused == do_overlap(lower, placed)
 
 
-PIERCED = (
-    222,
-    275,
-    286,
-)  # a ring passes through a solid, each thinner than the overlap is deep: manual, limits
+# a ring passes through a solid, each thinner than the overlap is deep: manual, limits
+PIERCED = (222, 275, 286)
 
 
 def drawn_solid(rng: np.random.Generator) -> Solid:

@@ -271,7 +271,7 @@ static mg_real mg_least_part(const mg_context *c, int feature_pair, int side) {
    body of that side, or 1. A body without surfaces it leaves at once, and any if the normal is outside of the normal
    cone of an edge or a vertex: then the body reaches farther beside it. */
 static mg_real mg_part_in_body(mg_context *c, int feature_pair, int side, const mg_real *eta) {
-  if (!mg_is_in_normal_cone(c, feature_pair, side, eta) || mg_leaves_body_at_once(c, feature_pair, side, eta)) return 0;
+  if (!mg_is_in_normal_cone(c, feature_pair, side, eta)) return 0;
   const mg_real *start = c->search.placement + (side ? 11 : 8), *end = c->search.placement + (side ? 8 : 11),
                 part = mg_part_in_surfaces(c, feature_pair, side, start, end, mg_least_part(c, feature_pair, side), 1);
   return part < MG_MAX ? part : 0;
@@ -320,9 +320,9 @@ MG_INTERNAL int mg_is_between_far_sides(mg_context *c, int feature_pair, const m
   const int leaves[2] = {mg_leaves_body_at_once(c, feature_pair, 0, eta),
                          mg_leaves_body_at_once(c, feature_pair, 1, eta)};
   if (leaves[0] && leaves[1]) return 0;
-  const mg_real length = fabs(c->search.placement[0]), first = mg_part_in_body(c, feature_pair, 0, eta);
+  const mg_real length = fabs(c->search.placement[0]), first = leaves[0] ? 0 : mg_part_in_body(c, feature_pair, 0, eta);
   if (!(first < 1)) return 0;
-  const mg_real second = mg_part_in_body(c, feature_pair, 1, eta);
+  const mg_real second = leaves[1] ? 0 : mg_part_in_body(c, feature_pair, 1, eta);
   if (!(second < 1) || (first + second - 1) * length > c->settings->start_gap * c->system->length) return 0;
   return !(leaves[0] || leaves[1]) || !mg_is_other_body_within(c, feature_pair, leaves[1], eta);
 }

@@ -295,25 +295,29 @@ MG_INTERNAL int mg_is_in_normal_cone(const mg_context *c, int feature_pair, int 
 }
 
 /* Vectors from an edge into its faces, or from a vertex along its edges: the body near it is about within the cone that
-   they span, and its normals are those that none of them points along. */
+   they span, and its normals are those that none of them points along. The tip of a cone has the numbers of its
+   MG_CONDITION_TIP in place of them. */
 typedef struct {
   int count, is_edge;
   mg_real along[MG_CONE_VECTORS][3];
+  const mg_real *tip; /* or 0 */
 } mg_tangent_cone;
 
-/* Reads the vectors from those conditions of a side that bound its normals; tips of cones have none. */
+/* Reads the tangent cone from those conditions of a side that bound its normals. */
 static void mg_read_tangent_cone(const mg_context *c, int feature_pair, const mg_feature_view *view,
                                  mg_tangent_cone *cone) {
   const mg_system *s = c->system;
-  cone->count = cone->is_edge = 0;
+  cone->count = cone->is_edge = 0, cone->tip = 0;
   for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++) {
-    const int kind = s->condition_kind[k];
     const mg_real *a = s->numbers + s->condition_numbers[k];
-    if (s->condition_feature[k] != view->side || kind == MG_CONDITION_TIP || !mg_bounds_normal_cone(c, k) ||
-        cone->count == MG_CONE_VECTORS)
+    if (s->condition_feature[k] != view->side || !mg_bounds_normal_cone(c, k) || cone->count == MG_CONE_VECTORS)
       continue;
+    if (s->condition_kind[k] == MG_CONDITION_TIP) {
+      cone->tip = a;
+      continue;
+    }
     mg_real *vector = cone->along[cone->count++];
-    if (kind == MG_CONDITION_WING) {
+    if (s->condition_kind[k] == MG_CONDITION_WING) {
       mg_wing(c, feature_pair, view->side, a, view->x, view->uv, vector), cone->is_edge = 1;
     } else {
       const mg_real size = sqrt(mg_dot3(a, a));
@@ -344,32 +348,27 @@ static int mg_is_out_of_cone(const mg_tangent_cone *cone, const mg_real *N, mg_r
 }
 
 MG_INTERNAL int mg_leaves_body_at_once(const mg_context *c, int feature_pair, int side, const mg_real *eta) {
-  const mg_system *s = c->system;
+  const mg_real border = c->settings->feature_border;
   mg_feature_view view;
   mg_tangent_cone cone;
   mg_view_feature(c, feature_pair, side, eta, &view);
-  for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++) {
-    const mg_real *a = s->numbers + s->condition_numbers[k], along = mg_dot3(a, view.N);
-    if (s->condition_feature[k] == side && s->condition_kind[k] == MG_CONDITION_TIP)
-      return along * a[3] < mg_sine_between(a, view.N) * sqrt(1 - a[3] * a[3]) - c->settings->feature_border;
-  }
   mg_read_tangent_cone(c, feature_pair, &view, &cone);
-  return mg_is_out_of_cone(&cone, view.N, c->settings->feature_border);
+  const mg_real *tip = cone.tip, *N = view.N;
+  if (!tip) return mg_is_out_of_cone(&cone, N, border);
+  return mg_dot3(tip, N) * tip[3] < mg_sine_between(tip, N) * sqrt(1 - tip[3] * tip[3]) - border;
 }
 
 MG_INTERNAL void mg_inward_direction(const mg_context *c, int feature_pair, int side, const mg_real *eta,
                                      mg_real *inward) {
-  const mg_system *s = c->system;
   mg_feature_view view;
   mg_tangent_cone cone;
   mg_real sum[3] = {0, 0, 0}, in_body[3];
   mg_view_feature(c, feature_pair, side, eta, &view);
   mg_read_tangent_cone(c, feature_pair, &view, &cone);
-  for (int i = 0; i < cone.count; i++)
-    for (int k = 0; k < 3; k++) sum[k] += cone.along[i][k];
-  for (int each = s->feature_pair_condition[feature_pair]; each < s->feature_pair_condition[feature_pair + 1]; each++)
-    for (int k = 0; k < 3 && s->condition_feature[each] == side && s->condition_kind[each] == MG_CONDITION_TIP; k++)
-      sum[k] = -s->numbers[s->condition_numbers[each] + k];
+  for (int k = 0; k < 3; k++) {
+    for (int i = 0; i < cone.count; i++) sum[k] += cone.along[i][k];
+    if (cone.tip) sum[k] = -cone.tip[k];
+  }
   mg_normalise3(sum);
   mg_to_world(mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_PLACEMENT, sum, 0, in_body);
   mg_to_world(c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side), in_body, 0, inward);

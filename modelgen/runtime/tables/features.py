@@ -76,14 +76,17 @@ def _conditions(pair: Sequence[Entry]) -> list[Entry]:
 
 def _listed(pair: Sequence[Entry], trees: Sequence[int]) -> list[int]:
     """1 at one place of each feature among those of a pair, at one where it has a tree if there is one."""
-    places: dict[str, int] = {}
-    for place, (each, side) in enumerate((each, side) for each in pair for side in "of"):
-        borders = [
-            condition["numbers"]
+    places: dict[tuple[Any, ...], int] = {}
+    for place, (each, number) in enumerate((each, number) for each in pair for number in range(2)):
+        shape = each[("shape_o", "shape_f")[number]]
+        borders = (
+            tuple(condition["numbers"])
             for condition in each["conditions"]
-            if "of"[condition["side"]] == side and condition["kind"] in BORDERS
-        ]
-        feature = repr((each[side], each[f"shape_{side}"], borders))
+            if condition["side"] == number and condition["kind"] in BORDERS
+        )
+        numbers = (tuple(shape[key]) for key in ("parameters", "placement"))
+        domain = map(tuple, shape["domain"])
+        feature = (each["of"[number]], shape["kind"], *numbers, *domain, *borders)
         if feature not in places or trees[places[feature]] < 0 <= trees[place]:
             places[feature] = place
     chosen = set(places.values())
