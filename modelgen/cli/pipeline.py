@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -75,12 +75,19 @@ def build_scene(scene: Scene, folder: Path, real: str | None = None, derivatives
 
 
 def build_derivation(
-    derivation: Derivation, folder: Path, real: str | None = None, derivatives: bool = False
+    derivation: Derivation,
+    folder: Path,
+    real: str | None = None,
+    derivatives: bool = False,
+    check: Callable[[Mapping[str, Any]], None] = lambda instance: None,
 ) -> Library:
+    """`check` is given the instance of the manifest, before anything is compiled."""
     check_folder(folder)
     with progress("compiling"):
+        package = modelgen.emit(derivation, derivatives)
+        check(package.manifest.instance)
         try:
-            return modelgen.build(modelgen.emit(derivation, derivatives), real=real, folder=folder)
+            return modelgen.build(package, real=real, folder=folder)
         except OSError as cause:
             found = f"it cannot be written: {cause.strerror}"
             raise ModelgenError(str(folder), found, *GENERATED) from cause

@@ -47,6 +47,7 @@ def sensitivity(
 ) -> None:
     """Differentiate what a run shows by parameters, inputs and starts, through contacts and impacts."""
     from modelgen.report.sensitivity_output import print_sensitivity, sensitivity_facts
+    from modelgen.runtime.sensitivity import check_names
 
     what = read_scene(scene, None)
     times = _times(at)
@@ -58,7 +59,12 @@ def sensitivity(
         "accuracy": read_option("accuracy", accuracy),
     }
     with removed_if_refused(folder_of(what, DERIVATIVES)) as folder:
-        library = build_derivation(derive_scene(what), folder, derivatives=True)
+        library = build_derivation(
+            derive_scene(what),
+            folder,
+            derivatives=True,
+            check=lambda instance: check_names(instance, settings["by"], settings["of"]),
+        )
         times = times or [float(library.manifest.instance["run"].get("until") or 1.0)]
         found = modelgen.sensitivity(library, times, **settings)
     differences = None

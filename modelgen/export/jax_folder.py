@@ -72,7 +72,7 @@ def _directions(library: Library) -> str:
     parameters = {each["name"] for each in library.manifest.instance.get("parameters", ())}
     names = [
         name
-        for name in known_names(library)
+        for name in known_names(library.manifest.instance)
         if name not in parameters and name.rpartition(".")[2] not in STILL
     ]
     directions = directions_of(library, names)

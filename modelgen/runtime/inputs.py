@@ -42,7 +42,9 @@ def refused_value(kind: Kind, where: str, value: object, outside: bool) -> Simul
         )  # fmt: skip
     least, largest = input_range(kind)
     within = f"from {least:g} to {largest:g}" if largest - least < inf else "that is finite"
-    return SimulationError(where, shown(value), f"a number {within}", "change the value")
+    by_function = "sim = start(library); sim.controller(f, every=0.01) takes a function f(t, sensors)"
+    remedy = by_function if callable(value) else "change the value"
+    return SimulationError(where, shown(value), f"a number {within}", remedy)
 
 
 def refused_rate(where: str, rate: object) -> SimulationError:

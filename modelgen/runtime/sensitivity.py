@@ -26,7 +26,7 @@ from modelgen.runtime.arguments import (
 from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.error_estimate import ROUNDED, SAFE, nudge
 from modelgen.runtime.inputs import Inputs
-from modelgen.runtime.sensitivity_directions import direction_arrays, directions_of
+from modelgen.runtime.sensitivity_directions import direction_arrays, directions_in, directions_of
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.start import begin
 from modelgen.runtime.tables.ctypes_structures import DIRECTION_ARRAYS, INTEGER, Array, address
@@ -216,19 +216,35 @@ def outputs_of(instance: Mapping[str, Any]) -> dict[str, tuple[Component, ...]]:
     return found
 
 
+def _components(instance: Mapping[str, Any], of: Sequence[str] | None) -> list[Component]:
+    """Those of the outputs with these names, of all sensors for None."""
+    known = outputs_of(instance)
+    sensors = [name for name, _ in instance["sensors"]["names"]]
+    chosen = sensors if of is None else names_in("of", of)
+    if not chosen:
+        raise SimulationError("of", "nothing", f"known: {', '.join(known)}", "name what")
+    for name in chosen:
+        if name not in known:
+            raise SimulationError("of", repr(name), f"known: {', '.join(known)}", nearest(name, known))
+    return [component for name in chosen for component in known[name]]
+
+
+def check_names(instance: Mapping[str, Any], by: Sequence[str], of: Sequence[str] | None) -> None:
+    """Raise SimulationError for names that `sensitivity` refuses, before a scene is compiled.
+
+    Args:
+        instance: of the manifest of the scene's package.
+        by, of: as those of `sensitivity`.
+    """
+    directions_in(instance, by)
+    _components(instance, of)
+
+
 class Outputs:
     """What is differentiated: components of sensors, and entries of the state."""
 
     def __init__(self, session: Session, of: Sequence[str] | None) -> None:
-        known = outputs_of(session.instance)
-        sensors = [name for name, _ in session.instance["sensors"]["names"]]
-        chosen = sensors if of is None else names_in("of", of)
-        if not chosen:
-            raise SimulationError("of", "nothing", f"known: {', '.join(known)}", "name what")
-        for name in chosen:
-            if name not in known:
-                raise SimulationError("of", repr(name), f"known: {', '.join(known)}", nearest(name, known))
-        components = [component for name in chosen for component in known[name]]
+        components = _components(session.instance, of)
         self.sensors = [component.sensor for component in components]
         self.states = [component.state for component in components]
         self.names = tuple(component.name for component in components)

@@ -45,12 +45,16 @@ def directions_of(library: Library, names: Sequence[str]) -> tuple[Direction, ..
     Raises SimulationError for a name that is no parameter, no input, and no `BODY.position`, `.orientation`,
     `.velocity` or `.angular_velocity`.
     """
-    return tuple(direction for name in names_in("by", names) for direction in _named(library, name))
+    return directions_in(library.manifest.instance, names)
 
 
-def known_names(library: Library) -> list[str]:
-    """Everything by which a run of a library can be differentiated."""
-    instance = library.manifest.instance
+def directions_in(instance: Mapping[str, Any], names: Sequence[str]) -> tuple[Direction, ...]:
+    """`directions_of` a library whose manifest has this instance."""
+    return tuple(direction for name in names_in("by", names) for direction in _named(instance, name))
+
+
+def known_names(instance: Mapping[str, Any]) -> list[str]:
+    """Everything by which a run can be differentiated, of the instance of a manifest."""
     named = [each["name"] for key in ("parameters", "inputs") for each in instance.get(key, ())]
     return named + [
         f"{body['name']}.{quantity}" for body in instance["bodies"] for quantity in _quantities(body)
@@ -61,14 +65,13 @@ def _quantities(body: Mapping[str, Any]) -> tuple[str, ...]:
     return {"free": QUANTITIES, "point": ("position", "velocity")}.get(body["motion"], ())
 
 
-def _named(library: Library, name: str) -> list[Direction]:
-    instance = library.manifest.instance
+def _named(instance: Mapping[str, Any], name: str) -> list[Direction]:
     if any(each["name"] == name for each in instance.get("parameters", ())):
         return [Direction(name, "parameter", name)]
     if any(each["name"] == name for each in instance["inputs"]):
         return [Direction(name, "input", name)]
-    if name not in known_names(library):
-        known = known_names(library)
+    known = known_names(instance)
+    if name not in known:
         raise SimulationError("by", repr(name), f"known: {', '.join(known)}", nearest(name, known))
     body, _, quantity = name.rpartition(".")
     return [Direction(f"{name}_{axis}", "start", body, quantity, k) for k, axis in enumerate("xyz")]

@@ -342,6 +342,7 @@ def test_an_error_in_a_controller_is_told_where_it_arose_and_the_run_can_go_on()
         (lambda sim: sim.inputs.__setitem__("push", 51.0), "a number from -50 to 50"),
         (lambda sim: sim.inputs.__setitem__("push", float("nan")), "a number from -50 to 50"),
         (lambda sim: sim.inputs.__setitem__("push", "1"), "a number from -50 to 50"),
+        (lambda sim: sim.inputs.__setitem__("push", abs), r"sim\.controller\(f, every=0\.01\)"),
         (lambda sim: sim.inputs.ramp("push", 1.0), "set its value instead"),
         (lambda sim: sim.inputs.pop("push"), "it cannot be removed"),
         (lambda sim: sim.sensors["plase"], "did you mean 'place'"),

@@ -89,7 +89,7 @@ def test_a_run_that_ends_early_keeps_what_it_has(
         (("--by", "ball.velocity", "--at", "soon"), "--at: 'soon'"),
         (("--by", "ball.velocity", "--of", "ball.position", "--at", "0.2,0.1"), "ascending times"),
         (("--by", "ball.velocity", "--of", "ball.position", "--at", "inf"), "finite"),
-        (("--by", "ball.velocity", "--set", "mass=1"), "mass"),
+        (("--by", "ball.velocity", "--of", "ball.position", "--set", "mass=1"), "mass"),
     ],
 )
 def test_what_is_refused_is_named(arguments: tuple[str, ...], message: str, modelgen: Modelgen) -> None:
@@ -97,6 +97,16 @@ def test_what_is_refused_is_named(arguments: tuple[str, ...], message: str, mode
     assert (answer.code, answer.out) == (2, "")
     assert message in answer.err
     assert "Traceback" not in answer.err
+
+
+@pytest.mark.parametrize("named", [("ball.speed",), ("ball.velocity", "--of", "ball.colour")])
+def test_names_are_refused_before_anything_is_compiled(
+    named: tuple[str, ...], modelgen: Modelgen, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("modelgen.build", None)
+    answer = modelgen("sensitivity", BALL, "--by", *named)
+    assert answer.code == 2
+    assert "; known: " in answer.err
 
 
 def test_every_cause_of_doubt_is_in_the_manual() -> None:
