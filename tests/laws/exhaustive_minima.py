@@ -77,10 +77,16 @@ def points_of(shape: Parametrised, w: Array) -> tuple[Array, Array]:
     return tuple(np.array(each).T for each in place_of(shape)(w.T))  # type: ignore[return-value]
 
 
+@cache
+def points_on_grid(shape: Parametrised, n: int) -> tuple[Array, Array, Array]:
+    """Coordinates, points and normals on a grid, in rows."""
+    at = np.stack(np.meshgrid(*shape.grid(n), indexing="ij"), -1).reshape(-1, shape.size)
+    return at, *points_of(shape, at)
+
+
 def grid_minima(o: Parametrised, f: Parametrised, pose: Array, offset: float, n: int) -> Array:
     """Coordinates of both, in rows, of the local minima of the distance on a grid."""
-    grids = [np.stack(np.meshgrid(*s.grid(n), indexing="ij"), -1).reshape(-1, s.size) for s in (o, f)]
-    (x_o, normal), (x_f, _) = (points_of(s, at) for s, at in zip((o, f), grids, strict=True))
+    (first, x_o, normal), (second, x_f, _) = (points_on_grid(shape, n) for shape in (o, f))
     x_o = (x_o - offset * normal).astype(np.float32)
     x_f = (pose[:3] + x_f @ pose[3:].reshape(3, 3, order="F").T).astype(np.float32)
     squares = (x_o**2).sum(1)[:, None] + (x_f**2).sum(1) - 2 * x_o @ x_f.T
@@ -90,14 +96,13 @@ def grid_minima(o: Parametrised, f: Parametrised, pose: Array, offset: float, n:
     for axis, mode in enumerate(modes):
         size = [3 if k == axis else 1 for k in range(squares.ndim)]
         least = minimum_filter(least, size=size, mode=mode)
-    row, column = np.nonzero((squares <= least).reshape(len(grids[0]), -1))
-    return np.hstack([grids[0][row], grids[1][column]])
+    row, column = np.nonzero((squares <= least).reshape(len(first), -1))
+    return np.hstack([first[row], second[column]])
 
 
 def nearest_on_grid(shape: Parametrised, x: Array, n: int = 200) -> Array:
     """Coordinates, in rows, of the points of a grid that are nearest to points in the axes of the shape."""
-    at = np.stack(np.meshgrid(*shape.grid(n), indexing="ij"), -1).reshape(-1, shape.size)
-    points, _ = points_of(shape, at)
+    at, points, _ = points_on_grid(shape, n)
     return at[[np.argmin(np.linalg.norm(points - each, axis=1)) for each in x]].reshape(-1, shape.size)
 
 
