@@ -14,7 +14,6 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from scipy.ndimage import minimum_filter
 
 Array = np.ndarray[Any, Any]
 
@@ -91,13 +90,23 @@ def grid_minima(o: Parametrised, f: Parametrised, pose: Array, offset: float, n:
     x_f = (pose[:3] + x_f @ pose[3:].reshape(3, 3, order="F").T).astype(np.float32)
     squares = (x_o**2).sum(1)[:, None] + (x_f**2).sum(1) - 2 * x_o @ x_f.T
     squares = squares.reshape((n,) * (o.size + f.size))
-    modes = ["wrap" if each else "nearest" for each in (*o.periodic, *f.periodic)]
     least = squares
-    for axis, mode in enumerate(modes):
-        size = [3 if k == axis else 1 for k in range(squares.ndim)]
-        least = minimum_filter(least, size=size, mode=mode)
-    row, column = np.nonzero((squares <= least).reshape(len(first), -1))
+    for axis, periodic in enumerate((*o.periodic, *f.periodic)):
+        least = _least_of_neighbours(least, axis, periodic)
+    row, column = np.divmod(np.flatnonzero(squares <= least), len(second))
     return np.hstack([first[row], second[column]])
+
+
+def _least_of_neighbours(values: Array, axis: int, periodic: bool) -> Array:
+    """Of each value and its neighbours along an axis the least."""
+    given = np.moveaxis(values, axis, 0)
+    least = given.copy()
+    np.minimum(least[1:], given[:-1], out=least[1:])
+    np.minimum(least[:-1], given[1:], out=least[:-1])
+    if periodic:
+        np.minimum(least[0], given[-1], out=least[0])
+        np.minimum(least[-1], given[0], out=least[-1])
+    return np.moveaxis(least, 0, axis)
 
 
 def nearest_on_grid(shape: Parametrised, x: Array, n: int = 200) -> Array:
