@@ -225,6 +225,10 @@ MG_INTERNAL int mg_is_between_far_sides(mg_context *c, int feature_pair, const m
    and those with cells, which convex shapes have none of. */
 MG_INTERNAL int mg_are_far_sides_known(const mg_context *c, int pair);
 
+/* True if neither of two bodies whose surfaces do not cross is within the other, seen at a minimum of their distance
+   that is not negative. */
+MG_INTERNAL int mg_are_outside_each_other(mg_context *c, const mg_minimum *found);
+
 /* exclusion_and_uniqueness.c */
 
 /* What a pair of cells may hold. */
@@ -253,6 +257,9 @@ typedef struct {
   mg_real tube;            /* distance of the surface from the point or curve shown, m; negative: a cavity */
 } mg_cell_view;
 
+/* Bound of |w . (x - centre)| over the points x of a view. */
+MG_INTERNAL mg_real mg_extent_along(const mg_cell_view *view, const mg_real *w);
+
 /* True if the points and directions of two cells rule out critical pairs of points within the limits. A plane or a
    point is b. */
 MG_INTERNAL int mg_are_cells_apart(const mg_cell_view *a, const mg_cell_view *b, const mg_search_limits *limits);
@@ -267,7 +274,14 @@ MG_INTERNAL int mg_judge_cells(const mg_cell_view *a, const mg_cell_view *b, con
 MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const mg_search_limits *limits,
                                           mg_real least, mg_minima *kept);
 
+/* True if no points of the features touch, but at `found`, the minima of a complete search without penetration. Returns
+   0 too where that is not shown. */
+MG_INTERNAL int mg_are_features_apart(mg_context *c, int feature_pair, const mg_minima *found);
+
 /* minima_acceptance.c */
+
+/* True if the gap of two curves is never negative: no body is beside them, and no normal is given. */
+MG_INTERNAL int mg_has_no_sides(const mg_context *c, int feature_pair);
 
 /* Reverses N of two curves, by the signs in eta. */
 MG_INTERNAL void mg_reverse_normal(const mg_context *c, int feature_pair, mg_real *eta);

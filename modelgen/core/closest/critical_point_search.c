@@ -304,6 +304,24 @@ static mg_real mg_least_distance(const mg_cell_view *a, const mg_cell_view *b) {
   return (a->tube < 0 || b->tube < 0 ? -tube - distance : distance - tube) - both;
 }
 
+/* Lower bound of the distance of points of two cells along a unit vector; both are bounded, neither is a hollow. */
+static mg_real mg_least_distance_along(const mg_cell_view *a, const mg_cell_view *b, const mg_real *w) {
+  const mg_real v[3] = {b->centre[0] - a->centre[0], b->centre[1] - a->centre[1], b->centre[2] - a->centre[2]};
+  return fabs(mg_dot3(v, w)) - mg_extent_along(a, w) - mg_extent_along(b, w) - a->tube - b->tube;
+}
+
+/* The better one of such bounds. */
+static mg_real mg_best_least_distance(const mg_cell_view *a, const mg_cell_view *b) {
+  mg_real least = mg_least_distance(a, b);
+  mg_real v[3] = {b->centre[0] - a->centre[0], b->centre[1] - a->centre[1], b->centre[2] - a->centre[2]};
+  if (least > 0 || b->kind == MG_VIEW_PLANE || a->tube < 0 || b->tube < 0 || !(a->radius + b->radius < MG_MAX / 4))
+    return least;
+  if (mg_normalise3(v)) least = mg_max(least, mg_least_distance_along(a, b, v));
+  if (a->kind == MG_VIEW_SURFACE) least = mg_max(least, mg_least_distance_along(a, b, a->direction));
+  if (b->kind == MG_VIEW_SURFACE) least = mg_max(least, mg_least_distance_along(a, b, b->direction));
+  return least;
+}
+
 /* Looks at a cell of the first (0) or the other feature (1). */
 static void mg_look_at_cell(mg_critical_search *s, int which, int cell) {
   if (s->seen[which] == cell) return;
@@ -312,16 +330,25 @@ static void mg_look_at_cell(mg_critical_search *s, int which, int cell) {
   mg_view_cell(s, which, cell, s->view + which);
 }
 
+/* True if two cells are small enough for their bends to tell something. */
+static int mg_are_bends_of_use(const mg_cell_view *a, const mg_cell_view *b) {
+  return a->radius + b->radius < MG_MAX / 4 && a->spread + b->spread <= 1;
+}
+
+/* Whether the cells looked at last can hold critical points, by their bends. */
+static int mg_judge_bends(mg_critical_search *s, int a, int b) {
+  mg_bound_bends(s->c, s->feature_pair, s->first, a);
+  if (s->has_cells) mg_bound_bends(s->c, s->feature_pair, 1 - s->first, b);
+  return mg_judge_cells(s->view, s->view + 1, &s->limits);
+}
+
 /* Whether two cells can hold critical points. */
 static int mg_judge_pair(mg_critical_search *s, int a, int b) {
   const mg_cell_view *A = s->view, *B = s->view + 1;
   s->c->run->search_effort++;
   mg_look_at_cell(s, 0, a), mg_look_at_cell(s, 1, b);
   if (s->is_beyond[0] || s->is_beyond[1] || mg_are_cells_apart(A, B, &s->limits)) return MG_CELLS_APART;
-  if (!(A->radius + B->radius < MG_MAX / 4) || A->spread + B->spread > 1) return MG_CELLS_OPEN;
-  mg_bound_bends(s->c, s->feature_pair, s->first, a);
-  if (s->has_cells) mg_bound_bends(s->c, s->feature_pair, 1 - s->first, b);
-  return mg_judge_cells(A, B, &s->limits);
+  return mg_are_bends_of_use(A, B) ? mg_judge_bends(s, a, b) : MG_CELLS_OPEN;
 }
 
 /* Treats one pair of cells; returns the length of the list of open pairs. */
@@ -410,11 +437,11 @@ static mg_real mg_bound_open_gap(mg_critical_search *s, const int *root) {
   return least;
 }
 
-MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const mg_search_limits *limits,
-                                          mg_real least, mg_minima *kept) {
+/* Prepares the search of a feature pair. */
+static mg_critical_search mg_begin_critical_search(mg_context *c, int feature_pair, const mg_search_limits *limits,
+                                                   mg_real least, mg_minima *kept) {
   mg_critical_search s = {
       .c = c, .feature_pair = feature_pair, .limits = *limits, .least = least, .kept = kept, .best_merit = MG_MAX};
-  int is_complete = 1, count = 1, root[2];
   s.first = mg_has_nearest_point(c, feature_pair, 0);
   s.has_cells = !mg_has_nearest_point(c, feature_pair, 1 - s.first);
   mg_limit_feature(c, feature_pair, s.first, s.allowed);
@@ -435,6 +462,13 @@ MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const
   mg_to_world(pose, mg_feature_numbers(c, feature_pair, 1 - s.first) + MG_FEATURE_PLACEMENT, 1, origin);
   mg_point_in_shape_axes(c, feature_pair, s.first, origin, s.origin);
   if (!s.has_cells) mg_set_closed_view(&s);
+  return s;
+}
+
+MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const mg_search_limits *limits,
+                                          mg_real least, mg_minima *kept) {
+  mg_critical_search s = mg_begin_critical_search(c, feature_pair, limits, least, kept);
+  int is_complete = 1, count = 1, root[2];
   if (s.other.kind == MG_VIEW_PLANE && !s.has_cells && mg_is_flat_against_plane(&s)) return 1;
   if (!mg_plant_roots(&s, root)) return 0;
   mg_add_followed_points(&s);
@@ -450,5 +484,42 @@ MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const
   const mg_real open_gap = mg_plant_roots(&s, root) ? mg_bound_open_gap(&s, root) : -MG_MAX;
   if (!(open_gap > 0)) return 0;
   mg_note_open_gap(c, open_gap);
+  return 1;
+}
+
+/* True if no points of the cells looked at last touch, but those of a minimum that is known: about it, where there is
+   no other critical point, the gap grows. */
+static int mg_do_cells_not_touch(mg_critical_search *s, int a, int b) {
+  const mg_cell_view *A = s->view, *B = s->view + 1;
+  if (s->is_beyond[0] || s->is_beyond[1] || mg_best_least_distance(A, B) > 0) return 1;
+  if (!mg_are_bends_of_use(A, B) || !mg_is_critical_point_known(s, A, B)) return 0;
+  const int verdict = mg_judge_bends(s, a, b);
+  return verdict == MG_CELLS_SINGLE || verdict == MG_CELLS_REGULAR;
+}
+
+MG_INTERNAL int mg_are_features_apart(mg_context *c, int feature_pair, const mg_minima *found) {
+  const mg_real reach = c->settings->start_gap * c->system->length;
+  const mg_search_limits limits = {mg_max(found->list[0].d, reach), reach, MG_EFFORT, 0};
+  mg_critical_search s = mg_begin_critical_search(c, feature_pair, &limits, 0, 0);
+  mg_real next[6];
+  int count = 1, root[2];
+  if (s.centre[0].tube < 0 || s.centre[1].tube < 0 || !mg_plant_roots(&s, root)) return 0;
+  for (int k = 0; k < found->count; k++) {
+    if (found->list[k].feature_pair != feature_pair) continue;
+    mg_place_contact(c, mg_use_probe_contact(c, feature_pair), found->list[k].eta, next);
+    mg_add_known_point(&s, found->list[k].eta);
+  }
+  c->search.cell_pairs[0] = root[0], c->search.cell_pairs[1] = root[1];
+  for (long looked = 0; count > 0; looked++) {
+    const int *pair = c->search.cell_pairs + 2 * --count, a = pair[0], b = pair[1];
+    if (looked >= s.limits.effort) return 0;
+    c->run->search_effort++;
+    mg_look_at_cell(&s, 0, a), mg_look_at_cell(&s, 1, b);
+    if (mg_do_cells_not_touch(&s, a, b)) continue;
+    if (s.view[0].radius + s.view[1].radius <= s.smallest) return 0;
+    const int longer = mg_divide_pair(&s, a, b, mg_is_first_wider(&s, s.view, s.view + 1), count);
+    if (longer == count) return 0;
+    count = longer;
+  }
   return 1;
 }

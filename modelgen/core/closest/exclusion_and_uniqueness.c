@@ -35,8 +35,7 @@ static void mg_symmetric_eigenvalues(mg_real a, mg_real b, mg_real d, mg_real *v
   vector[0] = x, vector[1] = y, vector[2] = -y, vector[3] = x;
 }
 
-/* Bound of |w . (x - centre)| over the points x of a view. */
-static mg_real mg_extent_along(const mg_cell_view *view, const mg_real *w) {
+MG_INTERNAL mg_real mg_extent_along(const mg_cell_view *view, const mg_real *w) {
   return fabs(mg_dot3(view->slope[0], w)) + fabs(mg_dot3(view->slope[1], w)) + view->rest * sqrt(mg_dot3(w, w));
 }
 

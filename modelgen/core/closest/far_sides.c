@@ -308,6 +308,19 @@ MG_INTERNAL int mg_are_far_sides_known(const mg_context *c, int pair) {
   return 1;
 }
 
+MG_INTERNAL int mg_are_outside_each_other(mg_context *c, const mg_minimum *found) {
+  mg_real next[6], point[2][3], before[3];
+  if (found->d <= c->settings->start_gap * c->system->length) return 1;
+  mg_place_contact(c, mg_use_probe_contact(c, found->feature_pair), found->eta, next);
+  for (int k = 0; k < 3; k++) point[0][k] = c->search.placement[8 + k], point[1][k] = c->search.placement[11 + k];
+  for (int side = 0; side < 2; side++) {
+    const mg_real *start = point[1 - side], *end = point[side];
+    for (int k = 0; k < 3; k++) before[k] = start[k] - 2 * MG_SEGMENT_START * (end[k] - start[k]);
+    if (mg_part_in_surfaces(c, found->feature_pair, side, before, end, 0, 0) < 1) return 0;
+  }
+  return 1;
+}
+
 /* True if a body of a pair has surfaces; joint limits and curves have none. */
 static int mg_has_surfaces(const mg_context *c, int pair) {
   for (int each = c->system->pair_feature_pair[pair]; each < c->system->pair_feature_pair[pair + 1]; each++)

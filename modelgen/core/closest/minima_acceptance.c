@@ -17,11 +17,10 @@ static int mg_is_on_wrong_side(const mg_context *c, int feature_pair) {
   return along != 0 ? along < 0 : c->search.placement[0] < 0;
 }
 
-/* True if two curves touch and no normal is given. */
-static int mg_is_side_undecided(const mg_context *c, int feature_pair) {
+MG_INTERNAL int mg_has_no_sides(const mg_context *c, int feature_pair) {
   const mg_real *given_normal = c->system->pair_normal + 3 * c->system->feature_pair_owner[feature_pair];
-  return mg_dot3(given_normal, given_normal) == 0 &&
-         fabs(c->search.placement[0]) <= c->settings->start_gap * c->system->length;
+  return mg_has_normal_sign(c, feature_pair) && mg_has_no_outside(c, feature_pair) &&
+         mg_dot3(given_normal, given_normal) == 0;
 }
 
 MG_INTERNAL void mg_record_minimum(const mg_context *c, mg_minimum *found) {
@@ -60,7 +59,8 @@ MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta,
                        : mg_most_violated_condition(c, feature_pair, eta, &which) < -c->settings->feature_border;
     if (is_wrong_side) mg_reverse_normal(c, feature_pair, eta), mg_place_contact(c, probe, eta, next);
   }
-  found->undecided = mg_has_normal_sign(c, feature_pair) && has_no_outside && mg_is_side_undecided(c, feature_pair);
+  found->undecided =
+      mg_has_no_sides(c, feature_pair) && fabs(c->search.placement[0]) <= c->settings->start_gap * c->system->length;
   if (!(mg_placement_uniqueness(c, probe) > mg_least_margin(c, feature_pair))) return 0;
   if (mg_most_violated_condition(c, feature_pair, eta, &which) < -c->settings->feature_border) return 0;
   if (mg_least_feature_pair_condition(c, feature_pair, eta, MG_WATCHED, &which) < -c->settings->appear_tilt_sine)

@@ -59,17 +59,29 @@ MG_INTERNAL mg_search_limits mg_appearance_limits(const mg_context *c, int pair)
   return limits;
 }
 
+/* True if the minima of a feature pair have to be searched: it is not convex, and has unknowns. */
+static int mg_is_searched(const mg_context *c, int feature_pair) {
+  const mg_contact_kind *kind = c->kernels->contact_kinds + c->system->feature_pair_kind[feature_pair];
+  return !kind->is_convex && kind->n_eta > 0;
+}
+
+/* True if they are searched by trees of cells. */
+static int mg_is_searched_by_cells(const mg_context *c, int feature_pair) {
+  const int parametrisation = mg_parametrisation(c, feature_pair, 0);
+  return mg_is_searched(c, feature_pair) && !mg_has_spines(c, feature_pair) && parametrisation != MG_TURN &&
+         parametrisation != MG_SIGN;
+}
+
 MG_INTERNAL int mg_find_minima_of_feature_pair(mg_context *c, int feature_pair, const mg_search_limits *limits,
                                                mg_real least, mg_minima *kept) {
   const mg_contact_kind *kind = c->kernels->contact_kinds + c->system->feature_pair_kind[feature_pair];
   const int turn = mg_parametrisation(c, feature_pair, 0) == MG_TURN;
   if (mg_is_replaced_coaxially(c, feature_pair)) return 1;
-  if (!kind->is_convex && kind->n_eta > 0 && mg_has_spines(c, feature_pair)) {
+  if (mg_is_searched(c, feature_pair) && mg_has_spines(c, feature_pair)) {
     mg_search_spines(c, feature_pair, limits, least, kept);
     return 1;
   }
-  if (!kind->is_convex && kind->n_eta > 0 && !turn && mg_parametrisation(c, feature_pair, 0) != MG_SIGN)
-    return mg_search_critical_points(c, feature_pair, limits, least, kept);
+  if (mg_is_searched_by_cells(c, feature_pair)) return mg_search_critical_points(c, feature_pair, limits, least, kept);
   mg_real eta[6] = {turn ? 0 : 1, 0, 0, 0, 0, 0};
   if (mg_converge_from_any_start(c, feature_pair, eta) < 0) return 1;
   if (kind->n_eta == 0 && c->search.placement[0] >= -limits->depth) mg_note_singular_point(c, feature_pair, eta);
@@ -132,12 +144,14 @@ static int mg_refuse_start(const mg_context *c) {
 }
 
 /* Searches feature pairs at the start as mg_search_nearest does. A run follows what is within search_gap: that farther
-   closest points may have been missed is reported only if there are none. */
-static void mg_search_at_start(mg_context *c, int first, int end, mg_real least, mg_minima *found) {
+   closest points may have been missed is reported only if there are none. Returns 0 if some may have been missed. */
+static int mg_search_at_start(mg_context *c, int first, int end, mg_real least, mg_minima *found) {
   const long before = c->run->incomplete_searches,
              incomplete = mg_search_nearest(c, first, end, least, MG_EFFORT, found);
+  const int is_complete = c->run->incomplete_searches == before;
   if (found->count) c->run->incomplete_searches = before + incomplete;
   c->run->withheld_effort[c->system->feature_pair_owner[first]] = 0;
+  return is_complete;
 }
 
 /* True if closest points form a curve or a surface, and the pair neither touches nor penetrates there. */
@@ -157,21 +171,54 @@ static mg_search_limits mg_overlap_limits(const mg_context *c, int feature_pair)
   return limits;
 }
 
-/* Puts a contact on closest points of its feature pairs from `first` to `end` that penetrate, also where others are
-   nearer. Returns 1 if there are some; 0 too where they are not told from far sides. */
-static int mg_find_start_penetration(mg_context *c, int contact, int first, int end, mg_real least) {
+/* True if the surfaces of both bodies of a pair are all searched against each other by cells, and do not touch but at
+   the minima found by a complete search. */
+static int mg_are_surfaces_apart(mg_context *c, int first, int end, const mg_minima *found) {
+  int surfaces[2] = {0, 0}, searched = 0;
+  for (int each = first; each < end; each++) {
+    const int dimension[2] = {mg_feature_dimension(c, each, 0), mg_feature_dimension(c, each, 1)};
+    for (int side = 0; side < 2; side++)
+      surfaces[side] += dimension[side] == 2 && c->system->feature_is_listed[2 * each + side];
+    if (dimension[0] < 2 || dimension[1] < 2) continue;
+    searched++;
+    if (!mg_is_searched_by_cells(c, each) || mg_is_replaced_coaxially(c, each) ||
+        !mg_are_features_apart(c, each, found))
+      return 0;
+  }
+  return searched > 0 && searched == surfaces[0] * surfaces[1];
+}
+
+/* True if the minima found by a complete search show that the bodies do not overlap. */
+static int mg_is_overlap_excluded(mg_context *c, int first, int end, const mg_minima *found) {
+  return found->count && mg_are_surfaces_apart(c, first, end, found) && mg_are_outside_each_other(c, found->list);
+}
+
+/* Puts a contact on the nearest one of minima that penetrates. Returns 1 if there is one. */
+static int mg_follow_penetration(mg_context *c, int contact, const mg_minima *found) {
+  for (int k = 0; k < found->count; k++) {
+    if (mg_is_start_gap_allowed(c, found->list[k].d)) continue;
+    mg_set_feature_pair(c, contact, found->list[k].feature_pair, found->list[k].eta);
+    return 1;
+  }
+  return 0;
+}
+
+/* Puts a contact on closest points of its feature pairs from `first` to `end` that penetrate, also where those found by
+   the search before, complete or not, are nearer. Returns 1 if there are some; 0 too where they are not told from far
+   sides. */
+static int mg_find_start_penetration(mg_context *c, int contact, int first, int end, mg_real least, int is_complete,
+                                     const mg_minima *nearest) {
   const int pair = c->system->feature_pair_owner[first];
   const mg_real open_gap = c->search.open_gap, singular_gap = c->search.singular_gap;
   if (mg_pair_clearance(c, pair) > 0 || !mg_are_far_sides_known(c, pair)) return 0;
+  if (mg_follow_penetration(c, contact, nearest)) return 1;
+  if (is_complete && mg_is_overlap_excluded(c, first, end, nearest)) return 0;
   for (int each = first; each < end; each++) {
     const mg_search_limits limits = mg_overlap_limits(c, each);
     mg_minima found = {0};
+    if (mg_has_no_sides(c, each)) continue;
     mg_find_minima_of_feature_pair(c, each, &limits, least, &found);
-    for (int k = 0; k < found.count; k++) {
-      if (mg_is_start_gap_allowed(c, found.list[k].d)) continue;
-      mg_set_feature_pair(c, contact, each, found.list[k].eta);
-      return 1;
-    }
+    if (mg_follow_penetration(c, contact, &found)) return 1;
   }
   c->search.open_gap = open_gap, c->search.singular_gap = singular_gap;
   return mg_follow_overlap(c, contact, &(mg_minima){0});
@@ -183,10 +230,11 @@ static int mg_start_own_feature_pairs(mg_context *c, int pair) {
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
     const int feature_pair = s->contact_feature_pair[i];
     mg_minima found = {0};
-    mg_search_at_start(c, feature_pair, feature_pair + 1, -MG_MAX, &found);
+    const int is_complete = mg_search_at_start(c, feature_pair, feature_pair + 1, -MG_MAX, &found);
     c->run->failed_contact = i;
     if (mg_follow_overlap(c, i, &found)) return MG_PENETRATION;
-    if (mg_find_start_penetration(c, i, feature_pair, feature_pair + 1, -MG_MAX)) return MG_PENETRATION;
+    if (mg_find_start_penetration(c, i, feature_pair, feature_pair + 1, -MG_MAX, is_complete, &found))
+      return MG_PENETRATION;
     if (!found.count && !mg_is_open_gap_allowed(c) && mg_is_unconditional_feature_pair(c, feature_pair))
       return mg_refuse_start(c);
     if (found.count && found.list[0].undecided) return MG_NO_OUTSIDE;
@@ -202,11 +250,12 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
   const int first = mg_pair_first_contact(c, pair), end = mg_pair_first_contact(c, pair + 1);
   const mg_real least = mg_separating_plane_gap(c, pair) - c->settings->start_gap * s->length;
   mg_minima found = {0};
-  mg_search_at_start(c, s->pair_feature_pair[pair], s->pair_feature_pair[pair + 1], least, &found);
+  const int feature_pair = s->pair_feature_pair[pair],
+            is_complete = mg_search_at_start(c, feature_pair, s->pair_feature_pair[pair + 1], least, &found);
   c->run->failed_contact = first;
-  const int feature_pair = s->pair_feature_pair[pair];
   if (mg_follow_overlap(c, first, &found)) return MG_PENETRATION;
-  if (mg_find_start_penetration(c, first, feature_pair, s->pair_feature_pair[pair + 1], least)) return MG_PENETRATION;
+  if (mg_find_start_penetration(c, first, feature_pair, s->pair_feature_pair[pair + 1], least, is_complete, &found))
+    return MG_PENETRATION;
   if (!found.count && !mg_is_open_gap_allowed(c) && mg_is_unconditional_feature_pair(c, feature_pair) &&
       s->pair_feature_pair[pair + 1] - feature_pair == 1)
     return mg_refuse_start(c);
