@@ -124,11 +124,15 @@ def fit_scene(path: Path, data: list[Path], settings: dict[str, Any]) -> Fit:
     """Fit a scene to recordings with keywords of `fit`. Its library has derivatives, and a folder of its own;
     if the fit is refused, a new folder is removed again."""
     from modelgen.identification.fit import recording_in
+    from modelgen.identification.unknowns import unknowns_of
+
+    def check(instance: Mapping[str, Any]) -> None:
+        unknowns_of(instance, settings["by"], len(recordings), settings["inputs"])
 
     scene = read_scene(path, None)
     recordings = [recording_in(each, settings["of"]) for each in data]  # before anything is compiled
     with removed_if_refused(folder_of(scene, DERIVATIVES)) as folder:
-        library = build_derivation(derive_scene(scene), folder, derivatives=True)
+        library = build_derivation(derive_scene(scene), folder, derivatives=True, check=check)
         with activity("fitting") as report:
             return modelgen.fit(library, recordings, on_progress=report, **settings)
 

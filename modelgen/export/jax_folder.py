@@ -75,7 +75,7 @@ def _directions(library: Library) -> str:
         for name in known_names(library.manifest.instance)
         if name not in parameters and name.rpartition(".")[2] not in STILL
     ]
-    directions = directions_of(library, names)
+    directions = directions_of(library.manifest.instance, names)
     rows = direction_arrays(library, directions, {})
     weights = np.random.default_rng(0).uniform(0.5, 1.0, len(directions))
     arrays = [

@@ -147,7 +147,7 @@ def fit(
     given = values_by_name("inputs", inputs)
     library = with_parameters(library, parameters)
     recordings = _recordings(data, of)
-    unknowns = unknowns_of(library, by, len(recordings), given)
+    unknowns = unknowns_of(library.manifest.instance, by, len(recordings), given)
     chosen, unknowns = _recorded_runs(library, recordings, unknowns, names_in("start", start))
     accuracy = accuracy_of(library.manifest.instance, accuracy, stepping)
     runs = RecordedRuns(library, accuracy, chosen, unknowns, given)

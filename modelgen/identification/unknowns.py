@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any
 
-from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError
 from modelgen.notation import component_names
 from modelgen.runtime.arguments import input_range, is_number, names_in
@@ -34,40 +33,39 @@ class Unknown:
 
 
 def unknowns_of(
-    library: Library, by: Sequence[str], n_recordings: int, inputs: Mapping[str, float]
+    instance: Mapping[str, Any], by: Sequence[str], n_recordings: int, inputs: Mapping[str, float]
 ) -> list[Unknown]:
-    """The unknowns that `by` names, at the values of the library and of the inputs; starts are 0 until the
-    recordings are looked at.
+    """The unknowns that `by` names, at the values of the instance of a manifest and of the inputs; starts are
+    0 until the recordings are looked at.
 
     Raises SimulationError where a name is unknown or comes twice, or nothing is named.
     """
     names = names_in("by", by)
     if not names:
-        known = ", ".join(each["name"] for each in library.manifest.instance.get("parameters", ()))
+        known = ", ".join(each["name"] for each in instance.get("parameters", ()))
         allowed = f"names of parameters ({known or 'the scene has none'}), inputs, or starts of bodies"
         raise SimulationError("by", "nothing to fit", allowed, 'write by=["friction"]')
-    directions = [direction for name in names for direction in _directions(library, name)]
+    directions = [direction for name in names for direction in _directions(instance, name)]
     names = [direction.name for direction in directions]
     for name in names:
         if names.count(name) > 1:
             raise SimulationError("by", f"{name!r} twice", "", "leave one out")
-    common = [_of_all(library, each, inputs) for each in directions if each.kind != "start"]
+    common = [_of_all(instance, each, inputs) for each in directions if each.kind != "start"]
     starts = [
-        _start(library, each, k) for k in range(n_recordings) for each in directions if each.kind == "start"
+        _start(instance, each, k) for k in range(n_recordings) for each in directions if each.kind == "start"
     ]
     return common + starts
 
 
-def _directions(library: Library, name: str) -> tuple[Direction, ...]:
+def _directions(instance: Mapping[str, Any], name: str) -> tuple[Direction, ...]:
     """Those of a name, which may be a component of a start, as `ball.velocity_x`."""
     whole, letter = name[:-2], name[-1:]
     if "." in name and name[-2:-1] == "_" and name in component_names([(whole, 3)]):
-        return tuple(each for each in directions_of(library, [whole]) if each.name.endswith(letter))
-    return directions_of(library, [name])
+        return tuple(each for each in directions_of(instance, [whole]) if each.name.endswith(letter))
+    return directions_of(instance, [name])
 
 
-def _of_all(library: Library, direction: Direction, inputs: Mapping[str, float]) -> Unknown:
-    instance = library.manifest.instance
+def _of_all(instance: Mapping[str, Any], direction: Direction, inputs: Mapping[str, float]) -> Unknown:
     if direction.kind == "input":
         kind = next(each for each in instance["inputs"] if each["name"] == direction.owner)
         given, (low, high) = inputs.get(direction.owner, kind["default"]), input_range(kind)
@@ -86,8 +84,7 @@ def _scale(first: float, low: float, high: float) -> float:
     return abs(first) or (high - low if high - low < inf else 1.0)
 
 
-def _start(library: Library, direction: Direction, recording: int) -> Unknown:
-    scales: Mapping[str, Any] = library.manifest.instance["scales"]
-    length, time = float(scales["length"]), float(scales["time"])
+def _start(instance: Mapping[str, Any], direction: Direction, recording: int) -> Unknown:
+    length, time = float(instance["scales"]["length"]), float(instance["scales"]["time"])
     scale = {"position": length, "velocity": length / time, "orientation": 1.0}
     return Unknown(direction, recording, 0.0, -inf, inf, scale.get(direction.quantity, 1 / time))

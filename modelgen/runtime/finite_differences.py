@@ -43,7 +43,7 @@ def run_differences(
     runs = _Runs(library, times_of(t), of, parameters or {}, inputs or {}, accuracy)
     columns = [
         extrapolated(runs.along(direction), step * runs.size(direction), LEVELS)
-        for direction in directions_of(library, by)
+        for direction in directions_of(library.manifest.instance, by)
     ]
     return np.stack(columns, axis=-1)
 

@@ -74,7 +74,7 @@ def gradient(
     outputs = Outputs(session, of)
     shape = len(times), len(outputs.names)
     check_loss(loss, shape)
-    directions = directions_of(library, by)
+    directions = directions_of(library.manifest.instance, by)
     rows = direction_arrays(library, directions, parameters or {})
     weights = np.random.default_rng(0).uniform(0.5, 1.0, len(directions))
     combined = {

@@ -26,7 +26,7 @@ from modelgen.runtime.arguments import (
 from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.error_estimate import ROUNDED, SAFE, nudge
 from modelgen.runtime.inputs import Inputs
-from modelgen.runtime.sensitivity_directions import direction_arrays, directions_in, directions_of
+from modelgen.runtime.sensitivity_directions import direction_arrays, directions_of
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.start import begin
 from modelgen.runtime.tables.ctypes_structures import DIRECTION_ARRAYS, INTEGER, Array, address
@@ -148,7 +148,7 @@ def sensitivity(
     record = accuracy_of(library.manifest.instance, accuracy, stepping)
     session = Session(library, record)
     Inputs(session).update(values_by_name("inputs", inputs))
-    directions = directions_of(library, by)
+    directions = directions_of(library.manifest.instance, by)
     outputs = Outputs(session, of)
     arrays = direction_arrays(library, directions, parameters or {})
     run = TangentRun(session, arrays, len(directions))
@@ -236,7 +236,7 @@ def check_names(instance: Mapping[str, Any], by: Sequence[str], of: Sequence[str
         instance: of the manifest of the scene's package.
         by, of: as those of `sensitivity`.
     """
-    directions_in(instance, by)
+    directions_of(instance, by)
     _components(instance, of)
 
 

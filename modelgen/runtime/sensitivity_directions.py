@@ -39,17 +39,12 @@ class Direction:
     axis: int = 0
 
 
-def directions_of(library: Library, names: Sequence[str]) -> tuple[Direction, ...]:
-    """The directions with these names; three for a quantity of a body.
+def directions_of(instance: Mapping[str, Any], names: Sequence[str]) -> tuple[Direction, ...]:
+    """The directions with these names, of the instance of a manifest; three for a quantity of a body.
 
     Raises SimulationError for a name that is no parameter, no input, and no `BODY.position`, `.orientation`,
     `.velocity` or `.angular_velocity`.
     """
-    return directions_in(library.manifest.instance, names)
-
-
-def directions_in(instance: Mapping[str, Any], names: Sequence[str]) -> tuple[Direction, ...]:
-    """`directions_of` a library whose manifest has this instance."""
     return tuple(direction for name in names_in("by", names) for direction in _named(instance, name))
 
 

@@ -47,7 +47,7 @@ def study(name: str, cap: float, accuracy: str = "tight", known: Sequence[Entry]
         times = [part * until for part in PARTS]
     done = {each["by"] for each in known}
     pairs = Pairs(library, times, accuracy)
-    for direction in directions_of(library, by):
+    for direction in directions_of(library.manifest.instance, by):
         meaning = meanings.get(direction.name, direction.name)
         if meaning not in done:
             yield from [entry_of(name, pair, meaning) for pair in pairs.of(direction)]

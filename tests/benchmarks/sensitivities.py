@@ -46,7 +46,7 @@ class Measured:
             for quantity in (QUANTITIES if body["motion"] == "free" else ("position", "velocity"))
         ]
         self._of = [f"{body['name']}.position" for body in moving]
-        self._directions = (4 * directions_of(library, names))[:12]
+        self._directions = (4 * directions_of(library.manifest.instance, names))[:12]
 
     def session(self) -> Session:
         return Session(self.library, accuracy_of(self.library.manifest.instance, self._accuracy, {}))

@@ -59,7 +59,7 @@ def test_the_truth_lies_within_twice_the_interval(name: str, seed: int) -> None:
 
 def problem_of(motion: Motion, by: list[str]) -> tuple[RecordedRuns, Problem]:
     recording = recording_of(motion.recording(), "recording")
-    unknowns = unknowns_of(motion.library, by, 1, {})
+    unknowns = unknowns_of(motion.library.manifest.instance, by, 1, {})
     begin, own = start_of(motion.library, recording, [u for u in unknowns if u.recording == 0], [])
     common = [u for u in unknowns if u.recording < 0]
     parts = tuple(range(len(common), len(common) + len(own)))

@@ -68,7 +68,10 @@ def state_at(library: Library, t: float, change: Array | None = None) -> Array:
 
 def by_differences(library: Library, name: str, t: float) -> list[Difference]:
     """Derivatives of the state at a time by each direction of that name."""
-    return [_by_differences(library, direction, t) for direction in directions_of(library, [name])]
+    return [
+        _by_differences(library, direction, t)
+        for direction in directions_of(library.manifest.instance, [name])
+    ]
 
 
 def _by_differences(library: Library, direction: Direction, t: float) -> Difference:

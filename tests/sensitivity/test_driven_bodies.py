@@ -80,7 +80,9 @@ restitution = "bounce"
 def checked(library: Library, times: list[float]) -> None:
     pairs = Pairs(library, times)
     by = ["bounce", "egg.velocity", "egg.angular_velocity"]
-    found = [pair for direction in directions_of(library, by) for pair in pairs.of(direction)]
+    found = [
+        pair for direction in directions_of(library.manifest.instance, by) for pair in pairs.of(direction)
+    ]
     assert all(pair.verdict for pair in found)
     assert not [pair for pair in found if pair.outcome in ("off", "wrong")]
     assert sum(pair.outcome == "agrees" for pair in found) > len(found) / 2

@@ -21,7 +21,7 @@ SCENES = ("ellipsoid_on_plane", "bouncing_ellipsoid", "double_pendulum", "rollin
 def test_derivatives_leave_the_run_as_it_is(name: str) -> None:
     library = shipped(name)
     until = 0.3 * float(library.manifest.instance["run"]["until"])
-    directions = directions_of(library, [f"{moving(library)[0]}.velocity"])
+    directions = directions_of(library.manifest.instance, [f"{moving(library)[0]}.velocity"])
 
     def session() -> Session:
         return Session(library, accuracy_of(library.manifest.instance, None, {}))

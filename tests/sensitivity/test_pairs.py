@@ -20,7 +20,7 @@ def test_derivatives_by_numbers_of_a_scene(name: str, by: str) -> None:
     pairs = Pairs(library, [0.25 * until, 0.6 * until])
     found = [
         pair
-        for direction in directions_of(library, [*list(meanings)[:3], by])
+        for direction in directions_of(library.manifest.instance, [*list(meanings)[:3], by])
         for pair in pairs.of(direction)
     ]
     assert [pair for pair in found if pair.verdict]

@@ -92,7 +92,7 @@ def test_the_symplectic_form_is_kept(text: str, t: float, blows: int) -> None:
     library = differentiable(read_text(text, "scene.toml"))
     bodies = [b["name"] for b in library.manifest.instance["bodies"] if b["motion"] == "free"]
     names = [f"{body}.{quantity}" for body in bodies for quantity in QUANTITIES]
-    directions = directions_of(library, names)
+    directions = directions_of(library.manifest.instance, names)
     session = Session(library, accuracy_of(library.manifest.instance, "tight", {}))
     run = TangentRun(session, direction_arrays(library, directions, {}), len(directions))
     before, form = canonical(session, run.state_derivatives())

@@ -99,12 +99,21 @@ def test_what_is_refused_is_named(arguments: tuple[str, ...], message: str, mode
     assert "Traceback" not in answer.err
 
 
-@pytest.mark.parametrize("named", [("ball.speed",), ("ball.velocity", "--of", "ball.colour")])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("sensitivity", BALL, "--by", "ball.speed"),
+        ("sensitivity", BALL, "--by", "ball.velocity", "--of", "ball.colour"),
+        ("fit", BALL, "recorded.csv", "--by", "ball.speed"),
+    ],
+    ids=" ".join,
+)
 def test_names_are_refused_before_anything_is_compiled(
-    named: tuple[str, ...], modelgen: Modelgen, monkeypatch: pytest.MonkeyPatch
+    arguments: tuple[str, ...], modelgen: Modelgen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("modelgen.build", None)
-    answer = modelgen("sensitivity", BALL, "--by", *named)
+    (tmp_path / "recorded.csv").write_text("t,ball.position_z\n0,1\n0.1,0.9\n")
+    answer = modelgen(*[str(tmp_path / each) if each == "recorded.csv" else each for each in arguments])
     assert answer.code == 2
     assert "; known: " in answer.err
 
