@@ -174,11 +174,13 @@ static mg_search_limits mg_overlap_limits(const mg_context *c, int feature_pair)
 /* True if the surfaces of both bodies of a pair are all searched against each other by cells, and do not touch but at
    the minima found by a complete search. */
 static int mg_are_surfaces_apart(mg_context *c, int first, int end, const mg_minima *found) {
+  const int body = mg_feature_body(c, first, 0);
   int surfaces[2] = {0, 0}, searched = 0;
   for (int each = first; each < end; each++) {
     const int dimension[2] = {mg_feature_dimension(c, each, 0), mg_feature_dimension(c, each, 1)};
     for (int side = 0; side < 2; side++)
-      surfaces[side] += dimension[side] == 2 && c->system->feature_is_listed[2 * each + side];
+      if (dimension[side] == 2 && c->system->feature_is_listed[2 * each + side])
+        surfaces[mg_feature_body(c, each, side) != body]++;
     if (dimension[0] < 2 || dimension[1] < 2) continue;
     searched++;
     if (!mg_is_searched_by_cells(c, each) || mg_is_replaced_coaxially(c, each) ||
