@@ -360,4 +360,5 @@ def _equal_box(axes: Any, points: Array) -> None:
     for setter, centre in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, strict=True):
         setter(centre - half, centre + half)
     axes.set_box_aspect((1, 1, 1))
-    axes.locator_params(nbins=4)
+    axes.locator_params(nbins=5, prune="both")
+    axes.tick_params(labelsize=8)
