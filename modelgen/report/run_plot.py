@@ -25,6 +25,7 @@ ROW, PAIR = 4, 2  # side by side: of them, and of curves
 COARSE = 2e-2  # tolerance of their meshes, as a part of the size of a shape
 CURVES = 4  # contacts whose curves are drawn, and faces whose pressure is
 POINT = 1e-6  # half the box around a curve that is a point
+CLEAR = 0.8  # of half the box: numbers nearer to its corners would overlap those of other axes
 NOISE = 1e-9  # a range so small, against the values in it, is rounding, and not spread over a panel
 ENTRIES = 20  # lines that a legend names
 INSIDE = 6  # of them for which there is room beside the curves
@@ -357,8 +358,11 @@ def _equal_box(axes: Any, points: Array) -> None:
     low, high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
     middle = (low + high) / 2
     half = max(float((high - low).max()) / 2, POINT * (1.0 + float(np.abs(middle).max())))
-    for setter, centre in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, strict=True):
-        setter(centre - half, centre + half)
+    axes.locator_params(nbins=5)
+    for letter, centre in zip("xyz", middle, strict=True):
+        getattr(axes, f"set_{letter}lim")(centre - half, centre + half)
+        axis = getattr(axes, f"{letter}axis")
+        ticks = axis.get_ticklocs()
+        axis.set_ticks(ticks[np.abs(ticks - centre) < CLEAR * half])
     axes.set_box_aspect((1, 1, 1))
-    axes.locator_params(nbins=5, prune="both")
     axes.tick_params(labelsize=8)

@@ -16,7 +16,7 @@ Array = np.ndarray[Any, Any]
 CONTACTS = 4  # the first so many get grids
 ROWS, COLUMNS = 17, 33
 REACH = 1.3  # of an unbounded surface, against the farthest contact point
-PARTS, PART_ROWS = 100, 5  # features of a solid, and rows of each in the picture
+PARTS, PART_ROWS = 100, 5  # most features of a solid in the picture, and rows of each if there are so many
 
 
 def contact_meshes(library: Library, curve: Callable[[int, str], Array]) -> dict[str, Array]:
@@ -58,7 +58,8 @@ def _features(library: Library, contact: int, side: str, curve: Array) -> Array:
         return _mesh(library, own[f"shape_{side}"], curve, ROWS)
     drawn = [part for part in parts.values() if _is_drawn(library, part[0])][:PARTS]
     gap = np.full((1, COLUMNS, 3), np.nan)
-    grids = [_cut(_mesh(library, shape, curve, PART_ROWS), shape, borders) for shape, borders in drawn]
+    rows = min(ROWS, PARTS * PART_ROWS // max(len(drawn), 1))
+    grids = [_cut(_mesh(library, shape, curve, rows), shape, borders) for shape, borders in drawn]
     return np.concatenate([row for grid in grids for row in (grid, gap)] or [gap])
 
 
