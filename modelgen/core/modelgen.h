@@ -385,7 +385,6 @@ enum {
   MG_NO_EXTREMUM = 11,     /* start refused: no closest points are found for failed_contact */
   MG_NO_OUTSIDE = 12,      /* start refused: it is not known on which side of each other two curves are that touch */
   MG_JOINT_APART = 13,     /* start refused: failed_joint is not assembled */
-  MG_BODY_WITHIN = 14,     /* start refused: a body of the pair of failed_contact is wholly within the other */
   MG_MARGIN = 20,          /* failed_contact is too near to a singularity of its closest-point equations */
   MG_STEP_TOO_SMALL = 21,  /* the step is below step_min, or the run does not advance */
   MG_NOT_FINITE = 22,      /* a state or a function of time is not finite; see mg_unbounded */

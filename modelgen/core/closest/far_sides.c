@@ -241,19 +241,6 @@ static int mg_is_surface(const mg_context *c, int feature_pair, int side) {
   return mg_feature_dimension(c, feature_pair, side) == 2;
 }
 
-/* True if a segment misses the ball around a feature. */
-static int mg_misses_ball(const mg_context *c, int feature_pair, int side, const mg_segment *segment) {
-  const mg_real *numbers = mg_feature_numbers(c, feature_pair, side), *middle = numbers + MG_FEATURE_BALL_CENTRE,
-                *along = segment->along, radius = numbers[MG_FEATURE_BALL_RADIUS] + segment->slack;
-  if (!(numbers[MG_FEATURE_BALL_RADIUS] < MG_MAX / 2)) return 0;
-  mg_real span[3], apart = 0;
-  for (int k = 0; k < 3; k++) span[k] = middle[k] - segment->start[k];
-  const mg_real size = mg_dot3(along, along),
-                part = size > 0 ? mg_min(mg_max(mg_dot3(span, along) / size, (mg_real)0), (mg_real)1) : 0;
-  for (int k = 0; k < 3; k++) apart += (span[k] - part * along[k]) * (span[k] - part * along[k]);
-  return apart > radius * radius;
-}
-
 /* The part of the segment between two points at which it leaves the body of one side of a feature pair, or 1; MG_MAX
    if the body has no surfaces. It leaves none within `least` of its start, m. If it begins on the body, it leaves that
    at once where it begins outward. */
@@ -266,10 +253,6 @@ static mg_real mg_part_in_surfaces(mg_context *c, int feature_pair, int side, co
     const int own = mg_feature_body(c, each, 1) == body;
     if (!mg_is_surface(c, each, own) || !s->feature_is_listed[2 * each + own]) continue;
     const mg_segment segment = mg_segment_in_shape_axes(c, each, own, start, end, least, begins_on_body);
-    if (mg_misses_ball(c, each, own, &segment)) {
-      part = mg_min(part, (mg_real)1);
-      continue;
-    }
     if (begins_on_body && mg_begins_outward(c, each, own, &segment)) return 0;
     part = mg_min(part, mg_part_in_feature(c, each, own, &segment));
   }
@@ -323,54 +306,6 @@ MG_INTERNAL int mg_are_far_sides_known(const mg_context *c, int pair) {
           !mg_has_nearest_point(c, each, side) && !mg_is_about_spine(c, each, side) && !mg_has_cells(c, each, side))
         return 0;
   return 1;
-}
-
-/* True if what a way of vector `along` from a point meets first of the body of one side of a feature pair, it leaves.
- */
-static int mg_does_way_leave_first(mg_context *c, int feature_pair, int side, const mg_real *point,
-                                   const mg_real *along) {
-  mg_real end[3];
-  for (int k = 0; k < 3; k++) end[k] = point[k] + along[k];
-  const mg_real part = mg_part_in_surfaces(c, feature_pair, side, point, end, 0, 0);
-  if (!(part < 1)) return 0;
-  for (int k = 0; k < 3; k++) end[k] = point[k] + (1 - MG_SEGMENT_START) * part * along[k];
-  return !(mg_part_in_surfaces(c, feature_pair, side, end, point, 0, 0) < 1);
-}
-
-/* A point of the body of one side of a pair, of a vertex, an edge or a surface without borders. Returns 0 if it has
-   none of these. */
-static int mg_point_of_body(mg_context *c, int pair, int side, mg_sample *at) {
-  const mg_system *s = c->system;
-  const int body = mg_feature_body(c, s->pair_feature_pair[pair], side);
-  for (int each = s->pair_feature_pair[pair]; each < s->pair_feature_pair[pair + 1]; each++) {
-    const int own = mg_feature_body(c, each, 1) == body;
-    if (!s->feature_is_listed[2 * each + own]) continue;
-    if (mg_is_surface(c, each, own) && !mg_is_unconditional_feature_pair(c, each)) continue;
-    mg_real window[4];
-    mg_sample_window(c, each, own, mg_search_radius(c, each), window);
-    const mg_real middle[2] = {window[0] + (window[1] - window[0]) / 2, window[2] + (window[3] - window[2]) / 2};
-    mg_sample_at(c, each, own, middle, at);
-    return 1;
-  }
-  return 0;
-}
-
-MG_INTERNAL int mg_is_body_within_other(mg_context *c, int pair) {
-  static const mg_real direction[3] = {(mg_real)0.48, (mg_real)0.6, (mg_real)0.64};
-  const int feature_pair = c->system->pair_feature_pair[pair];
-  const mg_real size = 2 * (mg_pair_ball(c, pair, 0)[3] + mg_pair_ball(c, pair, 1)[3]);
-  if (!mg_has_pair_extents(c, pair)) return 0;
-  for (int side = 0; side < 2; side++) {
-    mg_sample inner;
-    mg_real along[3], back[3];
-    if (!mg_point_of_body(c, pair, 1 - side, &inner)) continue;
-    mg_to_world(c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side), direction, 0, along);
-    for (int k = 0; k < 3; k++) along[k] *= size, back[k] = -along[k];
-    if (mg_does_way_leave_first(c, feature_pair, side, inner.point, along) &&
-        mg_does_way_leave_first(c, feature_pair, side, inner.point, back))
-      return 1;
-  }
-  return 0;
 }
 
 MG_INTERNAL int mg_are_outside_each_other(mg_context *c, const mg_minimum *found) {
