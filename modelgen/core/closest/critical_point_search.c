@@ -330,6 +330,12 @@ static void mg_look_at_cell(mg_critical_search *s, int which, int cell) {
   mg_view_cell(s, which, cell, s->view + which);
 }
 
+/* Looks at a pair of cells. */
+static void mg_look_at_pair(mg_critical_search *s, int a, int b) {
+  s->c->run->search_effort++;
+  mg_look_at_cell(s, 0, a), mg_look_at_cell(s, 1, b);
+}
+
 /* True if two cells are small enough for their bends to tell something. */
 static int mg_are_bends_of_use(const mg_cell_view *a, const mg_cell_view *b) {
   return a->radius + b->radius < MG_MAX / 4 && a->spread + b->spread <= 1;
@@ -345,8 +351,7 @@ static int mg_judge_bends(mg_critical_search *s, int a, int b) {
 /* Whether two cells can hold critical points. */
 static int mg_judge_pair(mg_critical_search *s, int a, int b) {
   const mg_cell_view *A = s->view, *B = s->view + 1;
-  s->c->run->search_effort++;
-  mg_look_at_cell(s, 0, a), mg_look_at_cell(s, 1, b);
+  mg_look_at_pair(s, a, b);
   if (s->is_beyond[0] || s->is_beyond[1] || mg_are_cells_apart(A, B, &s->limits)) return MG_CELLS_APART;
   return mg_are_bends_of_use(A, B) ? mg_judge_bends(s, a, b) : MG_CELLS_OPEN;
 }
@@ -513,8 +518,7 @@ MG_INTERNAL int mg_are_features_apart(mg_context *c, int feature_pair, const mg_
   for (long looked = 0; count > 0; looked++) {
     const int *pair = c->search.cell_pairs + 2 * --count, a = pair[0], b = pair[1];
     if (looked >= s.limits.effort) return 0;
-    c->run->search_effort++;
-    mg_look_at_cell(&s, 0, a), mg_look_at_cell(&s, 1, b);
+    mg_look_at_pair(&s, a, b);
     if (mg_do_cells_not_touch(&s, a, b)) continue;
     if (s.view[0].radius + s.view[1].radius <= s.smallest) return 0;
     const int longer = mg_divide_pair(&s, a, b, mg_is_first_wider(&s, s.view, s.view + 1), count);

@@ -205,9 +205,9 @@ static int mg_follow_penetration(mg_context *c, int contact, const mg_minima *fo
   return 0;
 }
 
-/* Puts a contact on closest points of its feature pairs from `first` to `end` that penetrate, also where those found by
-   the search before, complete or not, are nearer. Returns 1 if there are some; 0 too where they are not told from far
-   sides. */
+/* Puts a contact on closest points of its feature pairs from `first` to `end` that penetrate, also where others are
+   nearer. `nearest` are the minima found before, all of them if `is_complete`. Returns 1 if there are some; 0 too where
+   they are not told from far sides. */
 static int mg_find_start_penetration(mg_context *c, int contact, int first, int end, mg_real least, int is_complete,
                                      const mg_minima *nearest) {
   const int pair = c->system->feature_pair_owner[first];
