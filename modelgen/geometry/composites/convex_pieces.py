@@ -65,15 +65,16 @@ def _triangles(polygon: Array) -> list[list[int]]:
 
 
 def _roundness(polygon: Array, ear: list[int], left: list[int]) -> float:
-    """Sine of the smallest corner of a triangle; negative for one that is no ear."""
+    """Sine of the smallest corner of a triangle; negative for one that is no ear, as with a corner on its side."""
     triangle = polygon[ear]
     smallest = float(_turns(triangle).min())
-    if smallest <= 0:
+    if smallest <= STRAIGHT:
         return -1.0
     others = polygon[[k for k in left if k not in ear]]
     edges = np.roll(triangle, -1, axis=0) - triangle
     arms = others[:, None, :] - triangle
-    within = (edges[:, 0] * arms[..., 1] - edges[:, 1] * arms[..., 0] >= 0).all(axis=1)
+    across = edges[:, 0] * arms[..., 1] - edges[:, 1] * arms[..., 0]
+    within = (across >= -STRAIGHT * (edges**2).sum(axis=1)).all(axis=1)
     return -1.0 if within.any() else smallest
 
 
