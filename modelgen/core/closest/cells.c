@@ -13,6 +13,7 @@
 #define MG_WIDE_REST ((mg_real)0.5)   /* part of the radius that is not linear, in such a cell */
 #define MG_WIDE_LEVELS 6              /* times that it is divided */
 #define MG_NORMAL_LEVELS 12           /* times that a cell is divided towards a point whose normal is asked for */
+#define MG_POINT_STEPS 8              /* steps from the middle of such a cell to the point of it nearest to that */
 
 /* Norm of n numbers, `otherwise` where it is not finite. */
 static mg_real mg_norm_or(int n, const mg_real *x, mg_real otherwise) {
@@ -263,16 +264,28 @@ static int mg_small_cell_around(mg_context *c, int feature_pair, int side, int c
   return first ? first : mg_small_cell_around(c, feature_pair, side, half + 1, x, levels - 1);
 }
 
-MG_INTERNAL int mg_normal_near(mg_context *c, int feature_pair, int side, const mg_real *x, mg_real *normal) {
+/* Moves the coordinates of a point of a feature towards its point nearest to x along the linear part of a cell. */
+static void mg_step_towards(const mg_cell *cell, const mg_real *x, const mg_real *point, mg_real *uv) {
+  const mg_real span[3] = {x[0] - point[0], x[1] - point[1], x[2] - point[2]}, *a = cell->slope[0], *b = cell->slope[1];
+  const mg_real aa = mg_dot3(a, a), ab = mg_dot3(a, b), bb = mg_dot3(b, b), root = aa * bb - ab * ab,
+                along[2] = {mg_dot3(a, span), mg_dot3(b, span)};
+  if (!(root > MG_EPS * aa * bb)) return;
+  uv[0] += (bb * along[0] - ab * along[1]) / root * (cell->box[1] - cell->box[0]) / 2;
+  uv[1] += (aa * along[1] - ab * along[0]) / root * (cell->box[3] - cell->box[2]) / 2;
+}
+
+MG_INTERNAL int mg_point_near(mg_context *c, int feature_pair, int side, const mg_real *x, mg_real *point,
+                              mg_real *normal) {
   const mg_system *s = c->system;
-  mg_real point[3];
-  const int root = mg_root_cell(c, feature_pair, side, 0),
+  const int root = mg_root_cell(c, feature_pair, side, 0), kind = s->feature_shape[2 * feature_pair + side],
             cell = root ? mg_small_cell_around(c, feature_pair, side, root, x, MG_NORMAL_LEVELS) : 0;
   if (!cell) return 0;
-  const mg_real *box = c->search.cells[cell].box;
-  const mg_real uv[2] = {box[0] + (box[1] - box[0]) / 2, box[2] + (box[3] - box[2]) / 2};
-  c->kernels->shape_point(s->feature_shape[2 * feature_pair + side], uv,
-                          s->parameters + s->feature_parameters[2 * feature_pair + side], point, normal);
+  const mg_cell *near = c->search.cells + cell;
+  mg_real uv[2] = {near->box[0] + (near->box[1] - near->box[0]) / 2, near->box[2] + (near->box[3] - near->box[2]) / 2};
+  for (int step = 0; step <= MG_POINT_STEPS; step++) {
+    if (step) mg_step_towards(near, x, point, uv);
+    c->kernels->shape_point(kind, uv, s->parameters + s->feature_parameters[2 * feature_pair + side], point, normal);
+  }
   return mg_normalise3(normal);
 }
 

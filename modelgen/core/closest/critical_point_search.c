@@ -6,6 +6,7 @@
 #include "base/base.h"
 #include "model/model.h"
 
+#define MG_FLAT_CELLS 8   /* cells across flat features that are parallel, whose closest points form a region */
 #define MG_OPEN_CELLS 256 /* cells of search_gap over this show how far critical points are that were not found */
 
 /* A search of one feature pair. Side `first` has cells; views are in the axes of its shape. */
@@ -367,7 +368,7 @@ static int mg_treat_cells(mg_critical_search *s, int a, int b, int count, int *i
   if (verdict == MG_CELLS_REGULAR || is_small) {
     if (mg_is_critical_point_known(s, A, B) || mg_converge_from_cells(s, a, b)) return count;
     if (is_small) {
-      const mg_real gap = mg_least_distance(A, B);
+      const mg_real gap = mg_best_least_distance(A, B);
       if (gap >= -s->smallest) mg_note_open_gap(s->c, gap);
       return count;
     }
@@ -407,6 +408,19 @@ static int mg_plant_roots(mg_critical_search *s, int *root) {
   root[0] = mg_root_cell(c, s->feature_pair, s->first, s->is_centred[0]);
   root[1] = s->has_cells ? mg_root_cell(c, s->feature_pair, 1 - s->first, s->is_centred[1]) : 0;
   return root[0] && (root[1] || !s->has_cells);
+}
+
+/* True if two features, one of them a surface, lie in planes across axes of their shapes that are parallel: then no
+   critical point is isolated. */
+static int mg_are_parallel_and_flat(const mg_critical_search *s, const int *root) {
+  const mg_cell *a = s->c->search.cells + root[0], *b = s->c->search.cells + root[1];
+  if (!s->has_cells || s->is_centred[0] || s->is_centred[1] || s->curves == 3) return 0;
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) {
+      const mg_real cosine = s->rotation[3 * j + i], border = s->c->settings->feature_border;
+      if (a->extent[i] == 0 && b->extent[j] == 0 && 1 - cosine * cosine <= border * border + 16 * MG_EPS) return 1;
+    }
+  return 0;
 }
 
 /* Lower bound of the gap at critical points that the search has not found, from cells no smaller than `size`; -MG_MAX
@@ -476,6 +490,8 @@ MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const
   int is_complete = 1, count = 1, root[2];
   if (s.other.kind == MG_VIEW_PLANE && !s.has_cells && mg_is_flat_against_plane(&s)) return 1;
   if (!mg_plant_roots(&s, root)) return 0;
+  if (mg_are_parallel_and_flat(&s, root))
+    s.smallest = mg_min(c->search.cells[root[0]].radius, c->search.cells[root[1]].radius) / MG_FLAT_CELLS;
   mg_add_followed_points(&s);
   mg_leave_out_farther_gaps(&s);
   c->search.cell_pairs[0] = root[0], c->search.cell_pairs[1] = root[1];

@@ -10,7 +10,11 @@
 #define MG_SEGMENT_STACK 128             /* cells still to be treated */
 #define MG_SEGMENT_STEPS 1024            /* steps along a segment, at most, from one side of a surface to the other */
 #define MG_SEGMENT_BISECTIONS 60
-#define MG_OUTWARD ((mg_real)0.2) /* least cosine to the normal where it starts of a segment that leaves at once */
+#define MG_SEGMENT_BEFORE (1 - (mg_real)1 / 64) /* part of the way to where a segment leaves a body, just before */
+#define MG_TOUCH_ANGLE ((mg_real)8) /* normals over sqrt(start_gap): of radii from 1/16 of the system's length */
+#define MG_CURVE_CHORDS 16          /* parts of an edge or a rim, which are followed as if they were straight */
+#define MG_SURFACES_AT_POINT 16     /* surfaces of two bodies through a point, at most */
+#define MG_OUTWARD ((mg_real)0.2)   /* least cosine to the normal where it starts of a segment that leaves at once */
 
 /* A segment in the axes of a shape: a point and the vector to its end, m; it leaves nothing within `least` of the
    point, m, and what it leaves within `slack` of a border, m, it leaves. It may begin on the body that it leaves. */
@@ -135,14 +139,14 @@ static mg_real mg_part_nearest_to_cell(const mg_cell *cell, const mg_segment *se
 /* The part of a segment before which it does not leave a cell, or 1: it leaves where the cell is near and its normal
    points forwards. */
 static mg_real mg_part_before_cell(const mg_cell *cell, const mg_segment *segment, mg_real length) {
-  const mg_real nearest = mg_part_nearest_to_cell(cell, segment, length),
+  const mg_real nearest = mg_part_nearest_to_cell(cell, segment, length), radius = cell->radius + segment->slack,
                 part = mg_min(mg_max(nearest, (mg_real)0), (mg_real)1);
   mg_real apart[3];
   for (int k = 0; k < 3; k++) apart[k] = cell->centre[k] - segment->start[k] - part * segment->along[k];
-  if (mg_dot3(apart, apart) > cell->radius * cell->radius ||
+  if (mg_dot3(apart, apart) > radius * radius ||
       !(mg_dot3(cell->direction, segment->along) + cell->spread * length > 0))
     return 1;
-  return mg_min(mg_max(nearest - cell->radius / length, (mg_real)0), (mg_real)1);
+  return mg_min(mg_max(nearest - radius / length, (mg_real)0), (mg_real)1);
 }
 
 /* The same of a small cell: near its start a segment leaves only what all normals show, because the surface on which it
@@ -160,18 +164,19 @@ static mg_real mg_part_before_small_cell(const mg_cell *cell, const mg_segment *
    tell. */
 static mg_real mg_part_in_cells(mg_context *c, int feature_pair, int side, const mg_segment *segment, mg_real length) {
   int stack[MG_SEGMENT_STACK], count = 0;
-  mg_real first = 1;
+  mg_real first = 1, near[3];
   mg_feature_limits limits;
   mg_limit_feature(c, feature_pair, side, &limits);
-  stack[count] = mg_root_cell(c, feature_pair, side, 0);
-  count += stack[0] != 0;
+  stack[count++] = mg_root_cell(c, feature_pair, side, 0);
+  if (!stack[0]) return 0;
   while (count > 0) {
     const int at = stack[--count];
     const mg_cell *cell = c->search.cells + at;
     const mg_real part = mg_is_cell_beyond(c, at, &limits) ? 1 : mg_part_before_cell(cell, segment, length);
     if (!(part < first)) continue;
     if (cell->radius * MG_SEGMENT_CELLS <= length) {
-      if (mg_is_within_border(c, feature_pair, side, cell->centre, segment->slack))
+      mg_point_of_segment(segment, mg_part_nearest_to_cell(cell, segment, length), near);
+      if (mg_is_within_border(c, feature_pair, side, near, segment->slack))
         first = mg_min(first, mg_part_before_small_cell(cell, segment, length));
       continue;
     }
@@ -202,38 +207,50 @@ static mg_real mg_part_in_feature(mg_context *c, int feature_pair, int side, con
   return mg_has_cells(c, feature_pair, side) ? mg_part_in_cells(c, feature_pair, side, segment, length) : 1;
 }
 
-/* Normal of a plane or a sphere where a segment begins. Returns 0 if it does not begin there. */
-static int mg_normal_of_closed_feature(const mg_context *c, int feature_pair, int side, const mg_segment *segment,
+/* Normal of a plane or a sphere at a point x within `slack` of it. Returns 0 if x is not there. */
+static int mg_normal_of_closed_feature(const mg_context *c, int feature_pair, int side, const mg_real *x, mg_real slack,
                                        mg_real *normal) {
   const mg_system *s = c->system;
   const int kind = s->feature_shape[2 * feature_pair + side];
-  const mg_real zero[2] = {0, 0}, *start = segment->start;
-  mg_real x[3];
-  c->kernels->shape_point(kind, zero, s->parameters + s->feature_parameters[2 * feature_pair + side], x, normal);
-  if (!mg_is_within_border(c, feature_pair, side, start, segment->slack)) return 0;
+  const mg_real zero[2] = {0, 0};
+  mg_real point[3];
+  c->kernels->shape_point(kind, zero, s->parameters + s->feature_parameters[2 * feature_pair + side], point, normal);
   if (c->kernels->shape_kinds[kind].nearest_point == MG_NEAREST_PLANE)
-    return fabs(mg_dot3(normal, start) - mg_dot3(normal, x)) <= segment->slack;
-  const mg_real distance = sqrt(mg_dot3(start, start)), radius = sqrt(mg_dot3(x, x)),
-                outward = mg_dot3(x, normal) < 0 ? -1 : 1;
-  for (int k = 0; k < 3; k++) normal[k] = outward / distance * start[k];
-  return fabs(distance - radius) <= segment->slack;
+    return fabs(mg_dot3(normal, x) - mg_dot3(normal, point)) <= slack;
+  const mg_real distance = sqrt(mg_dot3(x, x)), radius = sqrt(mg_dot3(point, point)),
+                outward = mg_dot3(point, normal) < 0 ? -1 : 1;
+  for (int k = 0; k < 3; k++) normal[k] = outward / distance * x[k];
+  return fabs(distance - radius) <= slack;
+}
+
+/* Normal of a surface about a spine at a point x within `slack` of it. Returns 0 if x is not there. */
+static int mg_normal_about_spine(const mg_context *c, int feature_pair, int side, const mg_real *x, mg_real slack,
+                                 mg_real *normal) {
+  mg_spine spine;
+  mg_real foot[3];
+  mg_read_spine(c, feature_pair, side, &spine);
+  mg_foot_on_spine(&spine, x, foot);
+  for (int k = 0; k < 3; k++) normal[k] = spine.tube < 0 ? foot[k] - x[k] : x[k] - foot[k];
+  return fabs(sqrt(mg_dot3(normal, normal)) - fabs(spine.tube)) <= slack && mg_normalise3(normal);
+}
+
+/* Normal of a surface at a point x within `slack` of it, m, in the axes of its shape. Returns 0 if x is not there. */
+static int mg_normal_at(mg_context *c, int feature_pair, int side, const mg_real *x, mg_real slack, mg_real *normal) {
+  mg_real point[3];
+  if (!mg_is_within_border(c, feature_pair, side, x, slack)) return 0;
+  if (mg_has_nearest_point(c, feature_pair, side))
+    return mg_normal_of_closed_feature(c, feature_pair, side, x, slack, normal);
+  if (mg_is_about_spine(c, feature_pair, side)) return mg_normal_about_spine(c, feature_pair, side, x, slack, normal);
+  if (!mg_has_cells(c, feature_pair, side) || !mg_point_near(c, feature_pair, side, x, point, normal)) return 0;
+  for (int k = 0; k < 3; k++) point[k] -= x[k];
+  return mg_dot3(point, point) <= slack * slack;
 }
 
 /* True if a segment begins on a surface and goes out of it there, not along it. */
 static int mg_begins_outward(mg_context *c, int feature_pair, int side, const mg_segment *segment) {
-  const mg_real least = MG_OUTWARD * sqrt(mg_dot3(segment->along, segment->along));
   mg_real normal[3];
-  mg_spine spine;
-  if (mg_has_nearest_point(c, feature_pair, side))
-    return mg_normal_of_closed_feature(c, feature_pair, side, segment, normal) &&
-           mg_dot3(normal, segment->along) > least;
-  if (mg_is_about_spine(c, feature_pair, side)) {
-    mg_read_spine(c, feature_pair, side, &spine);
-    return fabs(mg_height_over_spine(&spine, segment, 0)) <= segment->slack &&
-           mg_height_over_spine(&spine, segment, MG_SEGMENT_START) > MG_SEGMENT_START * least;
-  }
-  return mg_has_cells(c, feature_pair, side) && mg_normal_near(c, feature_pair, side, segment->start, normal) &&
-         mg_dot3(normal, segment->along) > least;
+  return mg_normal_at(c, feature_pair, side, segment->start, segment->slack, normal) &&
+         mg_dot3(normal, segment->along) > MG_OUTWARD * sqrt(mg_dot3(segment->along, segment->along));
 }
 
 /* True if a feature of one side of a feature pair is a surface. */
@@ -277,6 +294,76 @@ static mg_real mg_part_in_body(mg_context *c, int feature_pair, int side, const 
   return part < MG_MAX ? part : 0;
 }
 
+/* Exterior normals of surfaces through a point. */
+typedef struct {
+  int count;
+  mg_real list[MG_SURFACES_AT_POINT][3];
+} mg_normals;
+
+/* Adds the exterior normals, in world axes, of the surfaces of the body of one side that a point is on. */
+static void mg_add_normals(mg_context *c, int feature_pair, int side, const mg_real *point, mg_normals *normals) {
+  const mg_system *s = c->system;
+  const int pair = s->feature_pair_owner[feature_pair], body = mg_feature_body(c, feature_pair, side);
+  const mg_real slack = 2 * c->settings->start_gap * s->length;
+  mg_real x[3], normal[3], R[9];
+  for (int each = s->pair_feature_pair[pair]; each < s->pair_feature_pair[pair + 1]; each++) {
+    const int own = mg_feature_body(c, each, 1) == body;
+    if (!mg_is_surface(c, each, own) || !s->feature_is_listed[2 * each + own]) continue;
+    mg_point_in_shape_axes(c, each, own, point, x);
+    if (normals->count == MG_SURFACES_AT_POINT || !mg_normal_at(c, each, own, x, slack, normal)) continue;
+    mg_shape_rotation(c, each, own, R);
+    mg_real *at = normals->list[normals->count++];
+    for (int k = 0; k < 3; k++) at[k] = R[k] * normal[0] + R[3 + k] * normal[1] + R[6 + k] * normal[2];
+  }
+}
+
+/* True if a vector points against all normals, by more than an angle. */
+static int mg_is_against(const mg_normals *normals, mg_real *w, mg_real angle) {
+  if (!mg_normalise3(w)) return 0;
+  for (int k = 0; k < normals->count; k++)
+    if (!(mg_dot3(w, normals->list[k]) < -angle)) return 0;
+  return 1;
+}
+
+/* True if some vector points against all normals, by more than an angle. The one that does so most is against the
+   middle of one, of two or of three of them. */
+static int mg_is_some_way_inward(const mg_normals *normals, mg_real angle) {
+  for (int a = 0; a < normals->count; a++)
+    for (int b = a; b < normals->count; b++) {
+      const mg_real *A = normals->list[a], *B = normals->list[b];
+      mg_real w[3] = {-A[0] - B[0], -A[1] - B[1], -A[2] - B[2]};
+      if (mg_is_against(normals, w, angle)) return 1;
+      for (int k = b + 1; k < normals->count && a < b; k++) {
+        const mg_real *C = normals->list[k], side[3] = {B[0] - A[0], B[1] - A[1], B[2] - A[2]},
+                      other[3] = {C[0] - A[0], C[1] - A[1], C[2] - A[2]};
+        mg_cross_product(side, other, w);
+        const mg_real sign = mg_dot3(w, A) > 0 ? -1 : 1;
+        for (int i = 0; i < 3; i++) w[i] *= sign;
+        if (mg_is_against(normals, w, angle)) return 1;
+      }
+    }
+  return normals->count == 0;
+}
+
+/* True if the bodies of a feature pair touch at a point that is in both of them, at the given part of a segment: no way
+   from there is into both, past all of their surfaces there. */
+static int mg_touch_at(mg_context *c, int feature_pair, const mg_real *start, const mg_real *end, mg_real part) {
+  mg_real point[3];
+  mg_normals normals = {0};
+  for (int k = 0; k < 3; k++) point[k] = start[k] + part * (end[k] - start[k]);
+  for (int side = 0; side < 2; side++) mg_add_normals(c, feature_pair, side, point, &normals);
+  return !mg_is_some_way_inward(&normals, MG_TOUCH_ANGLE * sqrt(c->settings->start_gap));
+}
+
+/* True if a segment leaves the body of one side of a feature pair, farther behind its start than what touches may
+   overlap, and does not only touch it there. */
+static int mg_comes_out(mg_context *c, int feature_pair, int side, const mg_real *start, const mg_real *end) {
+  const mg_real along[3] = {end[0] - start[0], end[1] - start[1], end[2] - start[2]},
+                left = mg_part_in_surfaces(c, feature_pair, side, start, end, 0, 0);
+  if (!(left < 1) || left * sqrt(mg_dot3(along, along)) <= c->settings->start_gap * c->system->length) return 0;
+  return !mg_touch_at(c, feature_pair, start, end, left * MG_SEGMENT_BEFORE);
+}
+
 /* True if a way from the edge or vertex of one side into its body, no longer than it takes to reach the plane through
    the point of the other side or the size of the larger body, leaves the other body before it leaves its own. */
 static int mg_is_other_body_within(mg_context *c, int feature_pair, int side, const mg_real *eta) {
@@ -295,7 +382,27 @@ static int mg_is_other_body_within(mg_context *c, int feature_pair, int side, co
     start[k] = point[k] + mg_min(part, (mg_real)1) * length * inward[k];
     end[k] = point[k] + MG_SEGMENT_START * length * inward[k];
   }
-  return mg_part_in_surfaces(c, feature_pair, 1 - side, start, end, 0, 0) < 1;
+  return mg_comes_out(c, feature_pair, 1 - side, start, end);
+}
+
+/* True if the curve of one side of a feature pair comes out of the body of the other side anywhere between its ends,
+   to which its conditions and its domain limit it; true too where it has no ends. A vertex does not. */
+static int mg_does_curve_come_out(mg_context *c, int feature_pair, int side) {
+  const mg_real *domain = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_DOMAIN;
+  mg_feature_limits limits;
+  mg_sample at[2];
+  if (mg_feature_dimension(c, feature_pair, side) == 0) return 0;
+  mg_limit_feature(c, feature_pair, side, &limits);
+  const mg_real low = mg_max(domain[0], limits.box[0]), high = mg_min(domain[1], limits.box[1]);
+  if (!(high - low < MG_MAX / 2)) return 1;
+  for (int k = 0; k <= MG_CURVE_CHORDS; k++) {
+    const mg_real uv[2] = {low + (high - low) * k / MG_CURVE_CHORDS, 0};
+    mg_sample_at(c, feature_pair, side, uv, at + k % 2);
+    if (k > 0 && (mg_comes_out(c, feature_pair, 1 - side, at[0].point, at[1].point) ||
+                  mg_comes_out(c, feature_pair, 1 - side, at[1].point, at[0].point)))
+      return 1;
+  }
+  return 0;
 }
 
 MG_INTERNAL int mg_are_far_sides_known(const mg_context *c, int pair) {
@@ -332,10 +439,18 @@ MG_INTERNAL int mg_is_between_far_sides(mg_context *c, int feature_pair, const m
   if (!mg_has_surfaces(c, c->system->feature_pair_owner[feature_pair])) return 0;
   const int leaves[2] = {mg_leaves_body_at_once(c, feature_pair, 0, eta),
                          mg_leaves_body_at_once(c, feature_pair, 1, eta)};
-  if (leaves[0] && leaves[1]) return 0;
-  const mg_real length = fabs(c->search.placement[0]), first = leaves[0] ? 0 : mg_part_in_body(c, feature_pair, 0, eta);
-  if (!(first < 1)) return 0;
-  const mg_real second = leaves[1] ? 0 : mg_part_in_body(c, feature_pair, 1, eta);
-  if (!(second < 1) || (first + second - 1) * length > c->settings->start_gap * c->system->length) return 0;
-  return !(leaves[0] || leaves[1]) || !mg_is_other_body_within(c, feature_pair, leaves[1], eta);
+  if (leaves[0] && leaves[1])
+    return !mg_does_curve_come_out(c, feature_pair, 0) && !mg_does_curve_come_out(c, feature_pair, 1);
+  const mg_real length = fabs(c->search.placement[0]), *point = c->search.placement + 8;
+  mg_real part[2];
+  for (int side = 0; side < 2; side++)
+    part[side] = leaves[side] ? 0 : mg_min(mg_part_in_body(c, feature_pair, side, eta), (mg_real)1);
+  if (leaves[0] || leaves[1]) {
+    const int is_reached = part[1 - leaves[1]] == 1;
+    return !(is_reached && !mg_touch_at(c, feature_pair, point, point + 3, leaves[1])) &&
+           !mg_is_other_body_within(c, feature_pair, leaves[1], eta);
+  }
+  const mg_real both = part[0] + part[1] - 1;
+  if (part[0] < 1 && part[1] < 1 && both * length <= c->settings->start_gap * c->system->length) return 1;
+  return mg_touch_at(c, feature_pair, point, point + 3, (1 + part[0] - part[1]) / 2);
 }

@@ -101,7 +101,8 @@ def _end(
     """The end at a height, its core and its rim; `radii` are the least and the largest about the centre."""
     rim, core, pose = f"rim_{name}", f"{name}_core", Pose((0.0, 0.0, height))
     hole, disc = HOLE * radii[0], CORE * radii[0]
-    chart = _fan(profile, centre, hole / radii[1] / 2, up=height > 0)
+    inward, least = (0 if height > 0 else 1), hole / radii[1] / 2
+    chart = _fan(profile, centre, least, up=height > 0)
     x, y = _in_terms_of(profile, "t")
     curve = Curve((x, y, constant_expression(0.0)), profile.domain, periodic=True)
     turned = Pose((float(centre[0]), float(centre[1]), height), UPSIDE_DOWN)
@@ -109,8 +110,8 @@ def _end(
     return (
         face(
             name, _own(pose, parameters, chart=chart),
-            at_most(0 if height > 0 else 1, 1.0, rim), _circle(centre, hole, core, inside=False),
-            *_around(profile, 1 if height > 0 else 0, name),
+            at_most(inward, 1.0, rim), at_least(inward, least, core),
+            _circle(centre, hole, core, inside=False), *_around(profile, 1 - inward, name),
         ),
         face(core, smooth("plane", plane), _circle(np.zeros(2), disc, name, inside=True)),
         edge(
