@@ -65,7 +65,7 @@ def _triangles(polygon: Array) -> list[list[int]]:
 
 
 def _roundness(polygon: Array, ear: list[int], left: list[int]) -> float:
-    """Sine of the smallest corner of a triangle; negative for one that is no ear, as with a corner on its side."""
+    """Sine of the smallest corner of a triangle; negative where it is no ear or has a corner on a side."""
     triangle = polygon[ear]
     smallest = float(_turns(triangle).min())
     if smallest <= STRAIGHT:
