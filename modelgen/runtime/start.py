@@ -13,11 +13,11 @@ from modelgen.runtime.core_session import Session
 from modelgen.runtime.joint_results import redundancy
 from modelgen.runtime.tables.ctypes_structures import Array
 
-PENETRATION, NO_EXTREMUM, NO_SIDE, JOINT_APART = 10, 11, 12, 13
+PENETRATION, NO_EXTREMUM, NO_SIDE, JOINT_APART, BODY_WITHIN = 10, 11, 12, 13, 14
 ALONG_Z = ("revolute", "cylindrical", "screw", "planar")  # kinds of joint that keep the z axes together
 TURNED = ("prismatic", "weld")  # that keep all axes so
 ONLY_PLACES = ("spherical", "distance", "rope")
-REFUSED = (PENETRATION, NO_EXTREMUM, NO_SIDE, JOINT_APART)
+REFUSED = (PENETRATION, NO_EXTREMUM, NO_SIDE, JOINT_APART, BODY_WITHIN)
 
 
 def begin(session: Session) -> None:
@@ -51,6 +51,8 @@ def refusal(session: Session, code: int, run: Any, label: str = "") -> Simulatio
             "a gap, or a contact that says on which side the second curve lies",
             "give the contact a normal, from the first curve to the second",
         )
+    if code == BODY_WITHIN:
+        return _within(session, contact, where)
     if contact >= len(session.instance["contacts"]):
         return _beyond(session, contact, label)
     settled = session.settle(contact)
@@ -83,6 +85,20 @@ def _other_side(session: Session, feature_pair: Mapping[str, Any], depth: float)
     names = [session.instance["bodies"][feature_pair[side]]["name"] for side in (inner, outer)]
     what = "leave cavity = true out of" if kind["cavity"] else "set cavity = true in"
     return f"; if {names[0]!r} belongs on the other side of the surface of {names[1]!r}, {what} that shape"
+
+
+def _within(session: Session, contact: int, where: str) -> SimulationError:
+    """The error of two bodies of which the smaller one is in the other."""
+    pair = session.instance["pairs"][session.instance["contacts"][contact]["pair"]]
+    first = session.instance["feature_pairs"][pair["feature_pairs"][0]]
+    radii = {first[side]: ball["radius"] for side, ball in zip("of", pair["bounding_balls"], strict=True)}
+    inner, outer = (session.instance["bodies"][body]["name"] for body in sorted(radii, key=radii.__getitem__))
+    return SimulationError(
+        where,
+        f"{inner!r} is within {outer!r}, or passes through it, at the start",
+        "bodies beside each other",
+        f"move {inner!r} out of {outer!r}, or set cavity = true in the shape of {outer!r} if it is hollow",
+    )
 
 
 def _place_of(session: Session, contact: int, label: str) -> str:

@@ -124,6 +124,19 @@ def test_a_body_on_a_level_top_is_not_refused(below: str, above: str, seed: int)
     assert_starts((lower, upper), poses, bool(rng.integers(2)))
 
 
+@pytest.mark.cases(3)
+@pytest.mark.parametrize("seed", range(60))
+def test_a_corner_on_a_corner_is_not_refused(seed: int) -> None:
+    """Two vertices are nearest, which no contact follows: at a gap no closest points are found."""
+    rng = np.random.default_rng(seed)
+    (lower, below), (upper, above) = (POLYHEDRA[str(name)] for name in rng.choice(list(POLYHEDRA), 2))
+    turns = Rotation.random(2, rng=rng)
+    ends = turns[0].apply(below), turns[1].apply(above)
+    top, bottom = ends[0][ends[0][:, 2].argmax()], ends[1][ends[1][:, 2].argmin()]
+    at = top - bottom + [0.0, 0.0, float(rng.choice([*GAPS, 0.01]))]
+    assert_starts((lower, upper), (pose(turns[0], np.zeros(3)), pose(turns[1], at)), bool(rng.integers(2)))
+
+
 def outermost_sides(outline: Array) -> list[tuple[Array, Array]]:
     """Sides with all of the outline to their left."""
     sides = zip(outline, np.roll(outline, -1, axis=0), strict=True)

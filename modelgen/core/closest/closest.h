@@ -227,6 +227,10 @@ MG_INTERNAL int mg_is_between_far_sides(mg_context *c, int feature_pair, const m
    and those with cells, which convex shapes have none of. */
 MG_INTERNAL int mg_are_far_sides_known(const mg_context *c, int pair);
 
+/* True if a point of one body of a pair is in the other, by what ways to both sides from it meet first, or if a line on
+   one comes out of the other. Both bodies are bounded. */
+MG_INTERNAL int mg_do_bodies_overlap(mg_context *c, int pair);
+
 /* True if neither of two bodies whose surfaces do not cross is within the other, seen at a minimum of their distance
    that is not negative. */
 MG_INTERNAL int mg_are_outside_each_other(mg_context *c, const mg_minimum *found);

@@ -1,6 +1,7 @@
 /* Whether a critical pair of points with a negative distance is a penetration, or belongs to sides of the bodies that
    face away from each other, as the outer sides of two links of a chain: then the segment from one point to the other
-   leaves the body in which it begins before it enters that in which it ends. Reads c->bodies; divides cells. */
+   leaves the body in which it begins before it enters that in which it ends, or runs along surfaces that touch. And
+   whether bodies overlap of which no closest points tell. Reads c->bodies; divides cells. */
 #include "closest/closest.h"
 #include "base/base.h"
 #include "model/model.h"
@@ -12,7 +13,8 @@
 #define MG_SEGMENT_BISECTIONS 60
 #define MG_SEGMENT_BEFORE (1 - (mg_real)1 / 64) /* part of the way to where a segment leaves a body, just before */
 #define MG_TOUCH_ANGLE ((mg_real)8) /* normals over sqrt(start_gap): of radii from 1/16 of the system's length */
-#define MG_CURVE_CHORDS 16          /* parts of an edge or a rim, which are followed as if they were straight */
+#define MG_LINE_CHORDS 16           /* parts of a line on a feature, which are followed as if they were straight */
+#define MG_SURFACE_LINES 8          /* lines of each coordinate that are followed on a surface */
 #define MG_SURFACES_AT_POINT 16     /* surfaces of two bodies through a point, at most */
 #define MG_OUTWARD ((mg_real)0.2)   /* least cosine to the normal where it starts of a segment that leaves at once */
 
@@ -385,24 +387,45 @@ static int mg_is_other_body_within(mg_context *c, int feature_pair, int side, co
   return mg_comes_out(c, feature_pair, 1 - side, start, end);
 }
 
-/* True if the curve of one side of a feature pair comes out of the body of the other side anywhere between its ends,
-   to which its conditions and its domain limit it; true too where it has no ends. A vertex does not. */
-static int mg_does_curve_come_out(mg_context *c, int feature_pair, int side) {
-  const mg_real *domain = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_DOMAIN;
-  mg_feature_limits limits;
+/* True if a line of constant coordinates on the feature of one side of a feature pair, from one pair of coordinates to
+   another, comes out of the body of the other side. */
+static int mg_does_line_come_out(mg_context *c, int feature_pair, int side, const mg_real *from, const mg_real *to) {
+  const mg_real slack = c->settings->start_gap * c->system->length;
   mg_sample at[2];
-  if (mg_feature_dimension(c, feature_pair, side) == 0) return 0;
-  mg_limit_feature(c, feature_pair, side, &limits);
-  const mg_real low = mg_max(domain[0], limits.box[0]), high = mg_min(domain[1], limits.box[1]);
-  if (!(high - low < MG_MAX / 2)) return 1;
-  for (int k = 0; k <= MG_CURVE_CHORDS; k++) {
-    const mg_real uv[2] = {low + (high - low) * k / MG_CURVE_CHORDS, 0};
+  int is_allowed[2] = {0, 0};
+  for (int k = 0; k <= MG_LINE_CHORDS; k++) {
+    const mg_real part = (mg_real)k / MG_LINE_CHORDS,
+                  uv[2] = {from[0] + part * (to[0] - from[0]), from[1] + part * (to[1] - from[1])};
     mg_sample_at(c, feature_pair, side, uv, at + k % 2);
-    if (k > 0 && (mg_comes_out(c, feature_pair, 1 - side, at[0].point, at[1].point) ||
-                  mg_comes_out(c, feature_pair, 1 - side, at[1].point, at[0].point)))
+    is_allowed[k % 2] = mg_is_within_border(c, feature_pair, side, at[k % 2].local, slack);
+    if (is_allowed[0] && is_allowed[1] &&
+        (mg_comes_out(c, feature_pair, 1 - side, at[0].point, at[1].point) ||
+         mg_comes_out(c, feature_pair, 1 - side, at[1].point, at[0].point)))
       return 1;
   }
   return 0;
+}
+
+/* Least and greatest coordinates u, v of the feature of one side, by its domain and the conditions of a feature pair.
+   Returns 0 where one has no bound. */
+static int mg_bound_coordinates(const mg_context *c, int feature_pair, int side, mg_real *low, mg_real *high) {
+  const mg_real *domain = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_DOMAIN;
+  mg_feature_limits limits;
+  mg_limit_feature(c, feature_pair, side, &limits);
+  for (int k = 0; k < mg_feature_dimension(c, feature_pair, side); k++) {
+    low[k] = mg_max(domain[2 * k], limits.box[2 * k]), high[k] = mg_min(domain[2 * k + 1], limits.box[2 * k + 1]);
+    if (!(high[k] - low[k] < MG_MAX / 2)) return 0;
+  }
+  return 1;
+}
+
+/* True if the curve of one side of a feature pair comes out of the body of the other side anywhere between its ends;
+   true too where it has none. A vertex does not. */
+static int mg_does_curve_come_out(mg_context *c, int feature_pair, int side) {
+  mg_real low[2] = {0, 0}, high[2] = {0, 0};
+  if (mg_feature_dimension(c, feature_pair, side) == 0) return 0;
+  return !mg_bound_coordinates(c, feature_pair, side, low, high) ||
+         mg_does_line_come_out(c, feature_pair, side, low, high);
 }
 
 MG_INTERNAL int mg_are_far_sides_known(const mg_context *c, int pair) {
@@ -413,6 +436,78 @@ MG_INTERNAL int mg_are_far_sides_known(const mg_context *c, int pair) {
           !mg_has_nearest_point(c, each, side) && !mg_is_about_spine(c, each, side) && !mg_has_cells(c, each, side))
         return 0;
   return 1;
+}
+
+/* True if what a way of vector `along` from a point meets first of the body of one side of a feature pair, it leaves.
+ */
+static int mg_does_way_leave_first(mg_context *c, int feature_pair, int side, const mg_real *point,
+                                   const mg_real *along) {
+  mg_real end[3];
+  for (int k = 0; k < 3; k++) end[k] = point[k] + along[k];
+  const mg_real part = mg_part_in_surfaces(c, feature_pair, side, point, end, 0, 0);
+  if (!(part < 1)) return 0;
+  for (int k = 0; k < 3; k++) end[k] = point[k] + (1 - MG_SEGMENT_START) * part * along[k];
+  return !(mg_part_in_surfaces(c, feature_pair, side, end, point, 0, 0) < 1);
+}
+
+/* A point of the body of one side of a pair, of a vertex, an edge or a surface without borders. Returns 0 if it has
+   none of these. */
+static int mg_point_of_body(mg_context *c, int pair, int side, mg_sample *at) {
+  const mg_system *s = c->system;
+  const int body = mg_feature_body(c, s->pair_feature_pair[pair], side);
+  for (int each = s->pair_feature_pair[pair]; each < s->pair_feature_pair[pair + 1]; each++) {
+    const int own = mg_feature_body(c, each, 1) == body;
+    if (!s->feature_is_listed[2 * each + own]) continue;
+    if (mg_is_surface(c, each, own) && !mg_is_unconditional_feature_pair(c, each)) continue;
+    mg_real window[4];
+    mg_sample_window(c, each, own, mg_search_radius(c, each), window);
+    const mg_real middle[2] = {window[0] + (window[1] - window[0]) / 2, window[2] + (window[3] - window[2]) / 2};
+    mg_sample_at(c, each, own, middle, at);
+    return 1;
+  }
+  return 0;
+}
+
+/* True if a point of the body of the other side is in that of one side, by what ways to both sides from it meet first.
+ */
+static int mg_holds_point_of_other(mg_context *c, int pair, int side) {
+  static const mg_real direction[3] = {(mg_real)0.48, (mg_real)0.6, (mg_real)0.64};
+  const int feature_pair = c->system->pair_feature_pair[pair];
+  const mg_real size = 2 * (mg_pair_ball(c, pair, 0)[3] + mg_pair_ball(c, pair, 1)[3]);
+  mg_sample inner;
+  mg_real along[3], back[3];
+  if (!mg_point_of_body(c, pair, 1 - side, &inner)) return 0;
+  mg_to_world(c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side), direction, 0, along);
+  for (int k = 0; k < 3; k++) along[k] *= size, back[k] = -along[k];
+  return mg_does_way_leave_first(c, feature_pair, side, inner.point, along) &&
+         mg_does_way_leave_first(c, feature_pair, side, inner.point, back);
+}
+
+/* True if a line on the feature of one side of a feature pair comes out of the body of the other side. */
+static int mg_does_feature_come_out(mg_context *c, int feature_pair, int side) {
+  mg_real low[2] = {0, 0}, high[2] = {0, 0};
+  const int dimension = mg_feature_dimension(c, feature_pair, side);
+  if (dimension == 0 || !mg_bound_coordinates(c, feature_pair, side, low, high)) return 0;
+  if (dimension == 1) return mg_does_line_come_out(c, feature_pair, side, low, high);
+  for (int along = 0; along < 2; along++)
+    for (int line = 0; line < MG_SURFACE_LINES; line++) {
+      const mg_real across = low[1 - along] + (high[1 - along] - low[1 - along]) * line / MG_SURFACE_LINES;
+      mg_real from[2], to[2];
+      from[along] = low[along], to[along] = high[along], from[1 - along] = to[1 - along] = across;
+      if (mg_does_line_come_out(c, feature_pair, side, from, to)) return 1;
+    }
+  return 0;
+}
+
+MG_INTERNAL int mg_do_bodies_overlap(mg_context *c, int pair) {
+  const mg_system *s = c->system;
+  if (!mg_has_pair_extents(c, pair)) return 0;
+  for (int side = 0; side < 2; side++)
+    if (mg_holds_point_of_other(c, pair, side)) return 1;
+  for (int each = s->pair_feature_pair[pair]; each < s->pair_feature_pair[pair + 1]; each++)
+    for (int side = 0; side < 2; side++)
+      if (s->feature_is_listed[2 * each + side] && mg_does_feature_come_out(c, each, side)) return 1;
+  return 0;
 }
 
 MG_INTERNAL int mg_are_outside_each_other(mg_context *c, const mg_minimum *found) {

@@ -205,25 +205,29 @@ static int mg_follow_penetration(mg_context *c, int contact, const mg_minima *fo
   return 0;
 }
 
-/* Puts a contact on closest points of its feature pairs from `first` to `end` that penetrate, also where others are
-   nearer. `nearest` are the minima found before, all of them if `is_complete`. Returns 1 if there are some; 0 too where
-   they are not told from far sides. */
-static int mg_find_start_penetration(mg_context *c, int contact, int first, int end, mg_real least, int is_complete,
-                                     const mg_minima *nearest) {
+/* Outcome of a start where the bodies of feature pairs from `first` to `end` overlap, or MG_DONE. Puts a contact on
+   closest points that penetrate, also where those found by the search before, complete or not, are nearer. Overlaps
+   are not told where far sides are not known. Of bodies that are beside each other, a complete search finds closest
+   points, but for two vertices. */
+static int mg_judge_overlap(mg_context *c, int contact, int first, int end, mg_real least, int is_complete,
+                            const mg_minima *nearest) {
   const int pair = c->system->feature_pair_owner[first];
   const mg_real open_gap = c->search.open_gap, singular_gap = c->search.singular_gap;
-  if (mg_pair_clearance(c, pair) > 0 || !mg_are_far_sides_known(c, pair)) return 0;
-  if (mg_follow_penetration(c, contact, nearest)) return 1;
-  if (is_complete && mg_is_overlap_excluded(c, first, end, nearest)) return 0;
+  if (mg_follow_overlap(c, contact, nearest)) return MG_PENETRATION;
+  if (mg_pair_clearance(c, pair) > 0 || !mg_are_far_sides_known(c, pair)) return MG_DONE;
+  if (mg_follow_penetration(c, contact, nearest)) return MG_PENETRATION;
+  if (is_complete && mg_is_overlap_excluded(c, first, end, nearest)) return MG_DONE;
   for (int each = first; each < end; each++) {
     const mg_search_limits limits = mg_overlap_limits(c, each);
     mg_minima found = {0};
     if (mg_has_no_sides(c, each)) continue;
     mg_find_minima_of_feature_pair(c, each, &limits, least, &found);
-    if (mg_follow_penetration(c, contact, &found)) return 1;
+    if (mg_follow_penetration(c, contact, &found)) return MG_PENETRATION;
   }
   c->search.open_gap = open_gap, c->search.singular_gap = singular_gap;
-  return mg_follow_overlap(c, contact, &(mg_minima){0});
+  if (mg_follow_overlap(c, contact, &(mg_minima){0})) return MG_PENETRATION;
+  if (nearest->count || open_gap < MG_MAX || !is_complete) return MG_DONE;
+  return mg_do_bodies_overlap(c, pair) ? MG_BODY_WITHIN : MG_DONE;
 }
 
 /* Start of a pair whose contacts have feature pairs of their own. Returns an outcome. */
@@ -234,9 +238,8 @@ static int mg_start_own_feature_pairs(mg_context *c, int pair) {
     mg_minima found = {0};
     const int is_complete = mg_search_at_start(c, feature_pair, feature_pair + 1, -MG_MAX, &found);
     c->run->failed_contact = i;
-    if (mg_follow_overlap(c, i, &found)) return MG_PENETRATION;
-    if (mg_find_start_penetration(c, i, feature_pair, feature_pair + 1, -MG_MAX, is_complete, &found))
-      return MG_PENETRATION;
+    const int outcome = mg_judge_overlap(c, i, feature_pair, feature_pair + 1, -MG_MAX, is_complete, &found);
+    if (outcome) return outcome;
     if (!found.count && !mg_is_open_gap_allowed(c) && mg_is_unconditional_feature_pair(c, feature_pair))
       return mg_refuse_start(c);
     if (found.count && found.list[0].undecided) return MG_NO_OUTSIDE;
@@ -255,9 +258,9 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
   const int feature_pair = s->pair_feature_pair[pair],
             is_complete = mg_search_at_start(c, feature_pair, s->pair_feature_pair[pair + 1], least, &found);
   c->run->failed_contact = first;
-  if (mg_follow_overlap(c, first, &found)) return MG_PENETRATION;
-  if (mg_find_start_penetration(c, first, feature_pair, s->pair_feature_pair[pair + 1], least, is_complete, &found))
-    return MG_PENETRATION;
+  const int outcome =
+      mg_judge_overlap(c, first, feature_pair, s->pair_feature_pair[pair + 1], least, is_complete, &found);
+  if (outcome) return outcome;
   if (!found.count && !mg_is_open_gap_allowed(c) && mg_is_unconditional_feature_pair(c, feature_pair) &&
       s->pair_feature_pair[pair + 1] - feature_pair == 1)
     return mg_refuse_start(c);

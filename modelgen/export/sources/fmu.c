@@ -119,6 +119,8 @@ const char *fmu_reason(int outcome) {
       return "the start is refused: it is not known on which side of each other two curves are";
     case MG_JOINT_APART:
       return "the start is refused: a joint is not assembled";
+    case MG_BODY_WITHIN:
+      return "the start is refused: a body is within another or passes through it";
     case MG_MARGIN:
       return "the run ended: a contact is too near to a singularity of its closest-point equations";
     case MG_STEP_TOO_SMALL:
