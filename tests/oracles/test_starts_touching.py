@@ -17,7 +17,7 @@ from tests.oracles.outlines import OUTLINES
 from tests.running import library_of
 
 Array = np.ndarray
-GAPS = (0.0, 1e-12, -1e-12, 1e-10, -1e-10, 1e-9, 1e-8, 1e-6, 1e-3)  # m; start_gap is about 1e-9 m
+GAPS = (0.0, 1e-12, -1e-12, 1e-10, -3e-11, 1e-9, 1e-8, 1e-6, 1e-3)  # m; start_gap is 1e-10 m or more
 LENGTH = 0.02  # of extrusions, m
 STANDING, LYING = Rotation.identity(), Rotation.from_euler("x", pi / 2)
 WAVES = ("0.02*cos(t)*(1 + 0.25*cos(2*t))", "0.014*sin(t)*(1 + 0.25*cos(2*t))")
@@ -55,12 +55,27 @@ POLYHEDRA = {
     "tetrahedron": (make.polyhedron(TETRAHEDRON.tolist()), TETRAHEDRON),
     **{name: prism(OUTLINES[name]) for name in ("hook", "star", "wedge", "saw")},
 }
-CURVED = {  # with heights over the lowest point: standing, lying
-    "cylinder": (make.cylinder(0.01, 0.03), 0.015, 0.01),
-    "tube": (make.tube(0.012, 0.008, 0.03), 0.015, 0.012),
-    "capsule": (make.capsule(0.01, 0.03), 0.025, 0.01),
-    "torus": (make.torus(0.015, 0.004), 0.004, 0.019),
-}
+
+
+def curved(name: str, size: float) -> tuple[Shape, float, float]:
+    """A shape, and its height over its lowest point: with its axis upright, and level."""
+    r = size
+    return {
+        "cylinder": (make.cylinder(r, 3 * r), 1.5 * r, r),
+        "tube": (make.tube(1.2 * r, 0.8 * r, 3 * r), 1.5 * r, 1.2 * r),
+        "capsule": (make.capsule(r, 3 * r), 2.5 * r, r),
+        "torus": (make.torus(1.5 * r, 0.4 * r), 0.4 * r, 1.9 * r),
+        "half torus": (make.half_torus(1.5 * r, 0.4 * r), 0.4 * r, 0.4 * r),
+        "dome": (make.dome(r, r), 0.0, r),
+        "frustum": (make.frustum(r, 0.7 * r, 2 * r), r, r),
+        "tip": (make.frustum(r, 0.05 * r, 2 * r), r, r),
+        "ellipsoid": (make.ellipsoid(r, 0.8 * r, 0.6 * r), 0.6 * r, 0.8 * r),
+    }[name]
+
+
+CURVED = (
+    "cylinder", "tube", "capsule", "torus", "half torus", "dome", "frustum", "tip", "ellipsoid",
+)  # fmt: skip
 LOWER = {  # with the height of its level top
     "hook": (prism(OUTLINES["hook"])[0], LENGTH / 2),
     "saw": (prism(OUTLINES["saw"])[0], LENGTH / 2),
@@ -80,8 +95,9 @@ def placed(rng: np.random.Generator, name: str) -> tuple[Shape, Rotation, float]
         return shape, turn, -float(np.min(turn.apply(corners)[:, 2]))
     stands = bool(rng.integers(2))
     if name in CURVED:
-        shape, *heights = CURVED[name]
-        return shape, spin * (STANDING if stands else LYING), heights[not stands]
+        shape, *heights = curved(name, 0.01)
+        turn = STANDING if stands or name == "half torus" else LYING
+        return shape, spin * turn, heights[not stands]
     shape = LOWER["waves"][0]
     if stands:
         return shape, spin, LENGTH / 2
@@ -137,6 +153,33 @@ def test_a_corner_on_a_corner_is_not_refused(seed: int) -> None:
     assert_starts((lower, upper), (pose(turns[0], np.zeros(3)), pose(turns[1], at)), bool(rng.integers(2)))
 
 
+FACES = {  # of the hook: a point in the middle, and the normal
+    "outer side": ([-0.015, 0.0, 0.0], [-1.0, 0.0, 0.0]),
+    "bottom": ([0.0, -0.015, 0.0], [0.0, -1.0, 0.0]),
+    "floor of the notch": ([0.0, -0.005, 0.0], [0.0, 1.0, 0.0]),
+    "wall of the notch": ([0.015, 0.01, 0.0], [-1.0, 0.0, 0.0]),
+    "end": ([0.02, 0.0, 0.01], [0.0, 0.0, 1.0]),
+}
+
+
+@pytest.mark.cases(6)
+@pytest.mark.parametrize("size", [3e-3, 1e-3, 3e-4, 1e-4, 3e-5])
+@pytest.mark.parametrize("name", CURVED)
+@pytest.mark.parametrize("face", FACES)
+def test_a_small_body_on_a_face_is_not_refused(face: str, name: str, size: float) -> None:
+    """However small it is beside what lies behind the face."""
+    rng = np.random.default_rng([len(face), len(name), int(1e6 * size)])
+    point, normal = map(np.array, FACES[face])
+    upright = Rotation.align_vectors([normal], [[0.0, 0.0, 1.0]])[0]
+    spin = Rotation.from_euler("z", float(rng.choice([0.0, pi / 2, rng.uniform(0, 2 * pi)])))
+    stands = bool(rng.integers(2))
+    shape, *heights = curved(name, size)
+    turn = spin * (STANDING if stands or name == "half torus" else LYING)
+    gap = size * float(rng.choice([*GAPS[:6], 0.1]))
+    poses = pose(STANDING, np.zeros(3)), pose(upright * turn, point + normal * (heights[not stands] + gap))
+    assert_starts((LOWER["hook"][0], shape), poses, bool(rng.integers(2)))
+
+
 def outermost_sides(outline: Array) -> list[tuple[Array, Array]]:
     """Sides with all of the outline to their left."""
     sides = zip(outline, np.roll(outline, -1, axis=0), strict=True)
@@ -188,7 +231,7 @@ def test_a_box_that_fits_a_slot_is_not_refused(name: str, length: float, shift: 
 
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("number", range(24))
-@pytest.mark.parametrize("gap", [0.0, 1e-12, -1e-12, 1e-10, -1e-10])
+@pytest.mark.parametrize("gap", [0.0, 1e-12, -1e-12, 1e-10, -3e-11])
 def test_a_box_on_a_box_is_not_refused(number: int, gap: float) -> None:
     turn = Rotation.from_euler("z", 0.3) * Rotation.create_group("O")[number]
     shape, corners = POLYHEDRA["box"]

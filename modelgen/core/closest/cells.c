@@ -12,8 +12,8 @@
 #define MG_WIDE_SPREAD ((mg_real)1)   /* directions in a cell that is divided when its tree begins */
 #define MG_WIDE_REST ((mg_real)0.5)   /* part of the radius that is not linear, in such a cell */
 #define MG_WIDE_LEVELS 6              /* times that it is divided */
-#define MG_NORMAL_LEVELS 12           /* times that a cell is divided towards a point whose normal is asked for */
-#define MG_POINT_STEPS 8              /* steps from the middle of such a cell to the point of it nearest to that */
+#define MG_POINT_LEVELS 32            /* times that a cell is divided towards a point, at most */
+#define MG_POINT_STEPS 32             /* steps from the middle of such a cell to the point of it nearest to that */
 
 /* Norm of n numbers, `otherwise` where it is not finite. */
 static mg_real mg_norm_or(int n, const mg_real *x, mg_real otherwise) {
@@ -253,15 +253,17 @@ MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side, int is_o
   return first;
 }
 
-/* Number of a small cell of those below one in whose ball a point is, in the axes of the shape, or 0. */
-static int mg_small_cell_around(mg_context *c, int feature_pair, int side, int cell, const mg_real *x, int levels) {
+/* Number of a cell below one in whose ball a point is, in the axes of the shape, and whose radius is no larger than
+   `small`, m, or that is the last after so many levels; or 0. */
+static int mg_small_cell_around(mg_context *c, int feature_pair, int side, int cell, const mg_real *x, mg_real small,
+                                int levels) {
   const mg_cell *at = c->search.cells + cell;
   const mg_real span[3] = {x[0] - at->centre[0], x[1] - at->centre[1], x[2] - at->centre[2]};
   if (mg_dot3(span, span) > at->radius * at->radius) return 0;
-  const int half = levels ? mg_divide_cell(c, feature_pair, side, cell) : 0;
+  const int half = levels && at->radius > small ? mg_divide_cell(c, feature_pair, side, cell) : 0;
   if (!half) return cell;
-  const int first = mg_small_cell_around(c, feature_pair, side, half, x, levels - 1);
-  return first ? first : mg_small_cell_around(c, feature_pair, side, half + 1, x, levels - 1);
+  const int first = mg_small_cell_around(c, feature_pair, side, half, x, small, levels - 1);
+  return first ? first : mg_small_cell_around(c, feature_pair, side, half + 1, x, small, levels - 1);
 }
 
 /* Moves the coordinates of a point of a feature towards its point nearest to x along the linear part of a cell. */
@@ -274,11 +276,11 @@ static void mg_step_towards(const mg_cell *cell, const mg_real *x, const mg_real
   uv[1] += (aa * along[1] - ab * along[0]) / root * (cell->box[3] - cell->box[2]) / 2;
 }
 
-MG_INTERNAL int mg_point_near(mg_context *c, int feature_pair, int side, const mg_real *x, mg_real *point,
-                              mg_real *normal) {
+MG_INTERNAL int mg_point_near(mg_context *c, int feature_pair, int side, const mg_real *x, mg_real small,
+                              mg_real *point, mg_real *normal) {
   const mg_system *s = c->system;
   const int root = mg_root_cell(c, feature_pair, side, 0), kind = s->feature_shape[2 * feature_pair + side],
-            cell = root ? mg_small_cell_around(c, feature_pair, side, root, x, MG_NORMAL_LEVELS) : 0;
+            cell = root ? mg_small_cell_around(c, feature_pair, side, root, x, small, MG_POINT_LEVELS) : 0;
   if (!cell) return 0;
   const mg_cell *near = c->search.cells + cell;
   mg_real uv[2] = {near->box[0] + (near->box[1] - near->box[0]) / 2, near->box[2] + (near->box[3] - near->box[2]) / 2};

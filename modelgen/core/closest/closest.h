@@ -130,10 +130,10 @@ MG_INTERNAL void mg_bound_bends(mg_context *c, int feature_pair, int side, int n
 /* Number of the first of the two halves of a cell; 0 if there is no room. */
 MG_INTERNAL int mg_divide_cell(mg_context *c, int feature_pair, int side, int cell);
 
-/* Point nearest to x of a surface with cells, and its normal, in the axes of its shape. Returns 0 if x is not near the
-   surface. */
-MG_INTERNAL int mg_point_near(mg_context *c, int feature_pair, int side, const mg_real *x, mg_real *point,
-                              mg_real *normal);
+/* Point nearest to x of a surface with cells, found from a cell with a radius of `small`, m, or less, and its normal,
+   in the axes of its shape. Returns 0 if x is not near the surface. */
+MG_INTERNAL int mg_point_near(mg_context *c, int feature_pair, int side, const mg_real *x, mg_real small,
+                              mg_real *point, mg_real *normal);
 
 /* Where the conditions of a feature pair allow contacts on one side: coordinates u, v in a box and in a disc about 0,
    and points within the quadrics; and where its critical points are. */

@@ -15,13 +15,15 @@
 #define MG_TOUCH_ANGLE ((mg_real)8) /* normals over sqrt(start_gap): of radii from 1/16 of the system's length */
 #define MG_LINE_CHORDS 16           /* parts of a line on a feature, which are followed as if they were straight */
 #define MG_SURFACE_LINES 8          /* lines of each coordinate that are followed on a surface */
+#define MG_CLEAR_GAPS 16            /* start_gap from a point on a body, within which that may touch another */
 #define MG_SURFACES_AT_POINT 16     /* surfaces of two bodies through a point, at most */
 #define MG_OUTWARD ((mg_real)0.2)   /* least cosine to the normal where it starts of a segment that leaves at once */
 
 /* A segment in the axes of a shape: a point and the vector to its end, m; it leaves nothing within `least` of the
-   point, m, and what it leaves within `slack` of a border, m, it leaves. It may begin on the body that it leaves. */
+   point, m, and what it leaves within `slack` of a border, m, it leaves. It may begin on the body that it leaves. What
+   part of its length is in that body is no longer than `size`, m. */
 typedef struct {
-  mg_real start[3], along[3], least, slack;
+  mg_real start[3], along[3], length, size, least, slack;
   int begins_on_body;
 } mg_segment;
 
@@ -40,9 +42,7 @@ static void mg_point_of_segment(const mg_segment *segment, mg_real part, mg_real
 static mg_real mg_left_at(const mg_context *c, int feature_pair, int side, const mg_segment *segment, mg_real part,
                           const mg_real *normal) {
   mg_real x[3];
-  if (!(part < 1) || !(part * sqrt(mg_dot3(segment->along, segment->along)) > segment->least) ||
-      !(mg_dot3(normal, segment->along) > 0))
-    return 1;
+  if (!(part < 1) || !(part * segment->length > segment->least) || !(mg_dot3(normal, segment->along) > 0)) return 1;
   mg_point_of_segment(segment, part, x);
   return mg_is_within_border(c, feature_pair, side, x, segment->slack) ? mg_max(part, (mg_real)0) : 1;
 }
@@ -58,14 +58,24 @@ static int mg_is_in_plane(const mg_segment *segment, const mg_real *point, const
 static mg_real mg_part_within_border(const mg_context *c, int feature_pair, int side, const mg_segment *segment) {
   mg_real x[3];
   for (int step = 0; step <= MG_SEGMENT_STEPS; step++) {
-    const mg_real part = (mg_real)step / MG_SEGMENT_STEPS;
+    const mg_real part = step * segment->size / segment->length / MG_SEGMENT_STEPS;
     mg_point_of_segment(segment, part, x);
     if (!mg_is_within_border(c, feature_pair, side, x, segment->slack)) return part;
   }
   return 1;
 }
 
-/* The part of a segment at which it leaves a plane or a sphere, or 1. */
+/* The part of a segment at which its distance from the origin passes a radius, m, to more if `outward` is 1 and to less
+   if it is -1; 1 if it does not. */
+static mg_real mg_part_at_radius(const mg_segment *segment, mg_real radius, mg_real outward) {
+  const mg_real *start = segment->start, *along = segment->along;
+  const mg_real a = mg_dot3(along, along), b = mg_dot3(start, along), e = mg_dot3(start, start) - radius * radius,
+                root = b * b - a * e;
+  return root > 0 && a > 0 ? (outward * sqrt(root) - b) / a : 1;
+}
+
+/* The part of a segment at which it leaves a plane or a sphere, or 1. Where it begins on a sphere and goes along it, it
+   leaves the sphere above the height that rounding may show. */
 static mg_real mg_part_in_closed_feature(mg_context *c, int feature_pair, int side, const mg_segment *segment) {
   const mg_system *s = c->system;
   const int kind = s->feature_shape[2 * feature_pair + side];
@@ -78,10 +88,13 @@ static mg_real mg_part_in_closed_feature(mg_context *c, int feature_pair, int si
     const mg_real span[3] = {x[0] - start[0], x[1] - start[1], x[2] - start[2]}, rate = mg_dot3(normal, along);
     return rate > 0 ? mg_left_at(c, feature_pair, side, segment, mg_dot3(normal, span) / rate, normal) : 1;
   }
-  const mg_real a = mg_dot3(along, along), b = mg_dot3(start, along), e = mg_dot3(start, start) - mg_dot3(x, x),
-                root = b * b - a * e, outward = mg_dot3(x, normal) < 0 ? -1 : 1;
-  if (!(root > 0) || !(a > 0)) return 1;
-  const mg_real part = (outward * sqrt(root) - b) / a;
+  const mg_real outward = mg_dot3(x, normal) < 0 ? -1 : 1, radius = sqrt(mg_dot3(x, x)),
+                rounding = fabs(segment->least);
+  mg_real part = mg_part_at_radius(segment, radius, outward);
+  if (fabs(sqrt(mg_dot3(start, start)) - radius) <= rounding &&
+      (part == 1 || part * segment->length <= sqrt(2 * radius * rounding)))
+    part = mg_part_at_radius(segment, radius + outward * rounding, outward);
+  if (part == 1) return 1;
   mg_point_of_segment(segment, part, normal);
   for (int k = 0; k < 3; k++) normal[k] *= outward;
   return mg_left_at(c, feature_pair, side, segment, part, normal);
@@ -109,9 +122,8 @@ static mg_real mg_part_at_height(const mg_spine *spine, const mg_segment *segmen
 
 /* The part at which a segment leaves such a surface, or 1. Where it begins on the surface and goes along it, it leaves
    the surface above the height that rounding may show. */
-static mg_real mg_part_about_spine(const mg_context *c, int feature_pair, int side, const mg_segment *segment,
-                                   mg_real length) {
-  const mg_real rounding = fabs(segment->least);
+static mg_real mg_part_about_spine(const mg_context *c, int feature_pair, int side, const mg_segment *segment) {
+  const mg_real rounding = fabs(segment->least), length = segment->length;
   mg_spine spine;
   mg_real below = -1, part = 0;
   mg_read_spine(c, feature_pair, side, &spine);
@@ -126,23 +138,23 @@ static mg_real mg_part_about_spine(const mg_context *c, int feature_pair, int si
     }
     below = height > least ? -1 : part;
     if (height < -least) least = 0;
-    part += mg_max(fabs(height) / length, (mg_real)1 / MG_SEGMENT_STEPS);
+    part += mg_max(fabs(height), segment->size / MG_SEGMENT_STEPS) / length;
   }
   return 1;
 }
 
 /* Where a segment is nearest to the middle of a cell, as a part of it that may be less than 0 or more than 1. */
-static mg_real mg_part_nearest_to_cell(const mg_cell *cell, const mg_segment *segment, mg_real length) {
+static mg_real mg_part_nearest_to_cell(const mg_cell *cell, const mg_segment *segment) {
   const mg_real span[3] = {cell->centre[0] - segment->start[0], cell->centre[1] - segment->start[1],
                            cell->centre[2] - segment->start[2]};
-  return mg_dot3(span, segment->along) / (length * length);
+  return mg_dot3(span, segment->along) / (segment->length * segment->length);
 }
 
 /* The part of a segment before which it does not leave a cell, or 1: it leaves where the cell is near and its normal
    points forwards. */
-static mg_real mg_part_before_cell(const mg_cell *cell, const mg_segment *segment, mg_real length) {
-  const mg_real nearest = mg_part_nearest_to_cell(cell, segment, length), radius = cell->radius + segment->slack,
-                part = mg_min(mg_max(nearest, (mg_real)0), (mg_real)1);
+static mg_real mg_part_before_cell(const mg_cell *cell, const mg_segment *segment) {
+  const mg_real length = segment->length, nearest = mg_part_nearest_to_cell(cell, segment),
+                radius = cell->radius + segment->slack, part = mg_min(mg_max(nearest, (mg_real)0), (mg_real)1);
   mg_real apart[3];
   for (int k = 0; k < 3; k++) apart[k] = cell->centre[k] - segment->start[k] - part * segment->along[k];
   if (mg_dot3(apart, apart) > radius * radius ||
@@ -153,18 +165,17 @@ static mg_real mg_part_before_cell(const mg_cell *cell, const mg_segment *segmen
 
 /* The same of a small cell: near its start a segment leaves only what all normals show, because the surface on which it
    begins is there. */
-static mg_real mg_part_before_small_cell(const mg_cell *cell, const mg_segment *segment, mg_real length) {
-  const mg_real part = mg_part_before_cell(cell, segment, length);
-  if (part >= MG_SEGMENT_START ||
-      mg_dot3(cell->direction, segment->along) - cell->spread * length > MG_OUTWARD * length)
+static mg_real mg_part_before_small_cell(const mg_cell *cell, const mg_segment *segment) {
+  const mg_real part = mg_part_before_cell(cell, segment), length = segment->length,
+                start = MG_SEGMENT_START * segment->size / length;
+  if (part >= start || mg_dot3(cell->direction, segment->along) - cell->spread * length > MG_OUTWARD * length)
     return part;
-  return mg_part_nearest_to_cell(cell, segment, length) + cell->radius / length > MG_SEGMENT_START ? MG_SEGMENT_START
-                                                                                                   : 1;
+  return mg_part_nearest_to_cell(cell, segment) + cell->radius / length > start ? start : 1;
 }
 
 /* The part of a segment at which it leaves a surface with cells, or 1; 0 where the search before has left no room to
    tell. */
-static mg_real mg_part_in_cells(mg_context *c, int feature_pair, int side, const mg_segment *segment, mg_real length) {
+static mg_real mg_part_in_cells(mg_context *c, int feature_pair, int side, const mg_segment *segment) {
   int stack[MG_SEGMENT_STACK], count = 0;
   mg_real first = 1, near[3];
   mg_feature_limits limits;
@@ -174,12 +185,12 @@ static mg_real mg_part_in_cells(mg_context *c, int feature_pair, int side, const
   while (count > 0) {
     const int at = stack[--count];
     const mg_cell *cell = c->search.cells + at;
-    const mg_real part = mg_is_cell_beyond(c, at, &limits) ? 1 : mg_part_before_cell(cell, segment, length);
+    const mg_real part = mg_is_cell_beyond(c, at, &limits) ? 1 : mg_part_before_cell(cell, segment);
     if (!(part < first)) continue;
-    if (cell->radius * MG_SEGMENT_CELLS <= length) {
-      mg_point_of_segment(segment, mg_part_nearest_to_cell(cell, segment, length), near);
+    if (cell->radius * MG_SEGMENT_CELLS <= segment->size) {
+      mg_point_of_segment(segment, mg_part_nearest_to_cell(cell, segment), near);
       if (mg_is_within_border(c, feature_pair, side, near, segment->slack))
-        first = mg_min(first, mg_part_before_small_cell(cell, segment, length));
+        first = mg_min(first, mg_part_before_small_cell(cell, segment));
       continue;
     }
     const int half = count + 2 <= MG_SEGMENT_STACK ? mg_divide_cell(c, feature_pair, side, at) : 0;
@@ -189,24 +200,37 @@ static mg_real mg_part_in_cells(mg_context *c, int feature_pair, int side, const
   return first;
 }
 
+/* Diameter of the ball around a body of a pair, m; MG_MAX if it has none. */
+static mg_real mg_body_size(const mg_context *c, int pair, int body) {
+  const mg_system *s = c->system;
+  for (int side = 0; side < 2; side++) {
+    const int ball = s->pair_balls[2 * pair + side];
+    if (ball >= 0 && s->ball_body[ball] == body && s->ball[4 * ball + 3] >= 0) return 2 * s->ball[4 * ball + 3];
+  }
+  return MG_MAX;
+}
+
 /* The segment between two points, given in world axes, in the axes of the shape of a feature. */
 static mg_segment mg_segment_in_shape_axes(const mg_context *c, int feature_pair, int side, const mg_real *start,
-                                           const mg_real *end, mg_real least, int begins_on_body) {
+                                           const mg_real *end, mg_real least, int begins_on_body, int is_sharp) {
   mg_segment segment = {.least = least, .begins_on_body = begins_on_body};
   mg_real last[3];
   mg_point_in_shape_axes(c, feature_pair, side, start, segment.start);
   mg_point_in_shape_axes(c, feature_pair, side, end, last);
   for (int k = 0; k < 3; k++) segment.along[k] = last[k] - segment.start[k];
-  segment.slack = sqrt(mg_dot3(segment.along, segment.along)) / MG_SEGMENT_STEPS;
+  segment.length = sqrt(mg_dot3(segment.along, segment.along));
+  segment.size =
+      mg_min(mg_body_size(c, c->system->feature_pair_owner[feature_pair], mg_feature_body(c, feature_pair, side)),
+             segment.length);
+  segment.slack = is_sharp ? c->settings->start_gap * c->system->length : segment.size / MG_SEGMENT_STEPS;
   return segment;
 }
 
 /* The part at which a segment leaves a surface, or 1. */
 static mg_real mg_part_in_feature(mg_context *c, int feature_pair, int side, const mg_segment *segment) {
-  const mg_real length = sqrt(mg_dot3(segment->along, segment->along));
   if (mg_has_nearest_point(c, feature_pair, side)) return mg_part_in_closed_feature(c, feature_pair, side, segment);
-  if (mg_is_about_spine(c, feature_pair, side)) return mg_part_about_spine(c, feature_pair, side, segment, length);
-  return mg_has_cells(c, feature_pair, side) ? mg_part_in_cells(c, feature_pair, side, segment, length) : 1;
+  if (mg_is_about_spine(c, feature_pair, side)) return mg_part_about_spine(c, feature_pair, side, segment);
+  return mg_has_cells(c, feature_pair, side) ? mg_part_in_cells(c, feature_pair, side, segment) : 1;
 }
 
 /* Normal of a plane or a sphere at a point x within `slack` of it. Returns 0 if x is not there. */
@@ -243,7 +267,11 @@ static int mg_normal_at(mg_context *c, int feature_pair, int side, const mg_real
   if (mg_has_nearest_point(c, feature_pair, side))
     return mg_normal_of_closed_feature(c, feature_pair, side, x, slack, normal);
   if (mg_is_about_spine(c, feature_pair, side)) return mg_normal_about_spine(c, feature_pair, side, x, slack, normal);
-  if (!mg_has_cells(c, feature_pair, side) || !mg_point_near(c, feature_pair, side, x, point, normal)) return 0;
+  const mg_real size =
+      mg_body_size(c, c->system->feature_pair_owner[feature_pair], mg_feature_body(c, feature_pair, side));
+  if (!mg_has_cells(c, feature_pair, side) ||
+      !mg_point_near(c, feature_pair, side, x, mg_min(size, c->system->length) / MG_SEGMENT_CELLS, point, normal))
+    return 0;
   for (int k = 0; k < 3; k++) point[k] -= x[k];
   return mg_dot3(point, point) <= slack * slack;
 }
@@ -252,7 +280,7 @@ static int mg_normal_at(mg_context *c, int feature_pair, int side, const mg_real
 static int mg_begins_outward(mg_context *c, int feature_pair, int side, const mg_segment *segment) {
   mg_real normal[3];
   return mg_normal_at(c, feature_pair, side, segment->start, segment->slack, normal) &&
-         mg_dot3(normal, segment->along) > MG_OUTWARD * sqrt(mg_dot3(segment->along, segment->along));
+         mg_dot3(normal, segment->along) > MG_OUTWARD * segment->length;
 }
 
 /* True if a feature of one side of a feature pair is a surface. */
@@ -262,16 +290,16 @@ static int mg_is_surface(const mg_context *c, int feature_pair, int side) {
 
 /* The part of the segment between two points at which it leaves the body of one side of a feature pair, or 1; MG_MAX
    if the body has no surfaces. It leaves none within `least` of its start, m. If it begins on the body, it leaves that
-   at once where it begins outward. */
+   at once where it begins outward. If `is_sharp`, it passes edges no farther off than what touches may overlap. */
 static mg_real mg_part_in_surfaces(mg_context *c, int feature_pair, int side, const mg_real *start, const mg_real *end,
-                                   mg_real least, int begins_on_body) {
+                                   mg_real least, int begins_on_body, int is_sharp) {
   const mg_system *s = c->system;
   const int pair = s->feature_pair_owner[feature_pair], body = mg_feature_body(c, feature_pair, side);
   mg_real part = MG_MAX;
   for (int each = s->pair_feature_pair[pair]; each < s->pair_feature_pair[pair + 1]; each++) {
     const int own = mg_feature_body(c, each, 1) == body;
     if (!mg_is_surface(c, each, own) || !s->feature_is_listed[2 * each + own]) continue;
-    const mg_segment segment = mg_segment_in_shape_axes(c, each, own, start, end, least, begins_on_body);
+    const mg_segment segment = mg_segment_in_shape_axes(c, each, own, start, end, least, begins_on_body, is_sharp);
     if (begins_on_body && mg_begins_outward(c, each, own, &segment)) return 0;
     part = mg_min(part, mg_part_in_feature(c, each, own, &segment));
   }
@@ -292,7 +320,8 @@ static mg_real mg_least_part(const mg_context *c, int feature_pair, int side) {
 static mg_real mg_part_in_body(mg_context *c, int feature_pair, int side, const mg_real *eta) {
   if (!mg_is_in_normal_cone(c, feature_pair, side, eta)) return 0;
   const mg_real *start = c->search.placement + (side ? 11 : 8), *end = c->search.placement + (side ? 8 : 11),
-                part = mg_part_in_surfaces(c, feature_pair, side, start, end, mg_least_part(c, feature_pair, side), 1);
+                part =
+                    mg_part_in_surfaces(c, feature_pair, side, start, end, mg_least_part(c, feature_pair, side), 1, 0);
   return part < MG_MAX ? part : 0;
 }
 
@@ -357,28 +386,66 @@ static int mg_touch_at(mg_context *c, int feature_pair, const mg_real *start, co
   return !mg_is_some_way_inward(&normals, MG_TOUCH_ANGLE * sqrt(c->settings->start_gap));
 }
 
-/* True if a segment leaves the body of one side of a feature pair, farther behind its start than what touches may
-   overlap, and does not only touch it there. */
+/* True if what a way of vector `along` from a point meets first of the body of one side of a feature pair, farther off
+   than what touches, it leaves. */
+static int mg_does_way_leave_first(mg_context *c, int feature_pair, int side, const mg_real *point,
+                                   const mg_real *along) {
+  const mg_real least = MG_CLEAR_GAPS * c->settings->start_gap * c->system->length;
+  mg_real end[3];
+  for (int k = 0; k < 3; k++) end[k] = point[k] + along[k];
+  const mg_real part = mg_part_in_surfaces(c, feature_pair, side, point, end, least, 0, 1);
+  if (!(part < 1)) return 0;
+  for (int k = 0; k < 3; k++) end[k] = point[k] + (1 - MG_SEGMENT_START) * part * along[k];
+  return !(mg_part_in_surfaces(c, feature_pair, side, end, point, 0, 0, 1) < 1);
+}
+
+/* True if a point is in the body of one side of a pair, by what ways to both sides from it meet first, or if bodies of
+   the pair have no bounds. */
+static int mg_is_in_body(mg_context *c, int pair, int side, const mg_real *point) {
+  static const mg_real direction[3] = {(mg_real)0.48, (mg_real)0.6, (mg_real)0.64};
+  const int feature_pair = c->system->pair_feature_pair[pair];
+  const mg_real size = 2 * (mg_pair_ball(c, pair, 0)[3] + mg_pair_ball(c, pair, 1)[3]);
+  mg_real along[3], back[3];
+  if (!mg_has_pair_extents(c, pair)) return 1;
+  mg_to_world(c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side), direction, 0, along);
+  for (int k = 0; k < 3; k++) along[k] *= size, back[k] = -along[k];
+  return mg_does_way_leave_first(c, feature_pair, side, point, along) &&
+         mg_does_way_leave_first(c, feature_pair, side, point, back);
+}
+
+/* True if a segment comes out of the body of one side of a feature pair, in which it is for longer than what touches
+   may overlap, and which it does not only touch there. */
 static int mg_comes_out(mg_context *c, int feature_pair, int side, const mg_real *start, const mg_real *end) {
+  const int pair = c->system->feature_pair_owner[feature_pair],
+            own = mg_feature_body(c, feature_pair, side) != mg_feature_body(c, c->system->pair_feature_pair[pair], 0);
+  const mg_real touching = c->settings->start_gap * c->system->length;
   const mg_real along[3] = {end[0] - start[0], end[1] - start[1], end[2] - start[2]},
-                left = mg_part_in_surfaces(c, feature_pair, side, start, end, 0, 0);
-  if (!(left < 1) || left * sqrt(mg_dot3(along, along)) <= c->settings->start_gap * c->system->length) return 0;
-  return !mg_touch_at(c, feature_pair, start, end, left * MG_SEGMENT_BEFORE);
+                length = sqrt(mg_dot3(along, along)),
+                left = mg_part_in_surfaces(c, feature_pair, side, start, end, 0, 0, 1);
+  mg_real at[3];
+  if (!(left < 1) || !(left * length > MG_CLEAR_GAPS * touching)) return 0;
+  const mg_real before = left - 2 * touching / length;
+  for (int k = 0; k < 3; k++) at[k] = start[k] + before * along[k];
+  const mg_real within = before * mg_min(mg_part_in_surfaces(c, feature_pair, side, at, start, 0, 0, 1), (mg_real)1);
+  if (!(within * length > MG_CLEAR_GAPS * touching)) return 0;
+  const mg_real part = left - within * (1 - MG_SEGMENT_BEFORE);
+  for (int k = 0; k < 3; k++) at[k] = start[k] + part * along[k];
+  return mg_is_in_body(c, pair, own, at) && !mg_touch_at(c, feature_pair, start, end, part);
 }
 
 /* True if a way from the edge or vertex of one side into its body, no longer than it takes to reach the plane through
-   the point of the other side or the size of the larger body, leaves the other body before it leaves its own. */
+   the point of the other side or the size of its body, leaves the other body before it leaves its own. */
 static int mg_is_other_body_within(mg_context *c, int feature_pair, int side, const mg_real *eta) {
   mg_real inward[3], start[3], end[3];
   const int pair = c->system->feature_pair_owner[feature_pair];
-  const mg_real *point = c->search.placement + (side ? 11 : 8), *N = c->search.placement + 5,
-                radius_o = mg_pair_ball(c, pair, 0)[3], radius_f = mg_pair_ball(c, pair, 1)[3];
+  const mg_real *point = c->search.placement + (side ? 11 : 8), *N = c->search.placement + 5;
   mg_inward_direction(c, feature_pair, side, eta, inward);
-  mg_real length = fabs(c->search.placement[0]) / fabs(mg_dot3(inward, N));
-  if (radius_o >= 0 && radius_f >= 0) length = mg_min(length, 2 * mg_max(radius_o, radius_f));
+  const mg_real length = mg_min(fabs(c->search.placement[0]) / fabs(mg_dot3(inward, N)),
+                                mg_body_size(c, pair, mg_feature_body(c, feature_pair, side)));
   if (!(length < MG_MAX)) return 0;
   for (int k = 0; k < 3; k++) end[k] = point[k] + length * inward[k];
-  const mg_real part = mg_part_in_surfaces(c, feature_pair, side, point, end, mg_least_part(c, feature_pair, side), 0);
+  const mg_real part =
+      mg_part_in_surfaces(c, feature_pair, side, point, end, mg_least_part(c, feature_pair, side), 0, 0);
   if (!(part > MG_SEGMENT_START)) return 0;
   for (int k = 0; k < 3; k++) {
     start[k] = point[k] + mg_min(part, (mg_real)1) * length * inward[k];
@@ -438,18 +505,6 @@ MG_INTERNAL int mg_are_far_sides_known(const mg_context *c, int pair) {
   return 1;
 }
 
-/* True if what a way of vector `along` from a point meets first of the body of one side of a feature pair, it leaves.
- */
-static int mg_does_way_leave_first(mg_context *c, int feature_pair, int side, const mg_real *point,
-                                   const mg_real *along) {
-  mg_real end[3];
-  for (int k = 0; k < 3; k++) end[k] = point[k] + along[k];
-  const mg_real part = mg_part_in_surfaces(c, feature_pair, side, point, end, 0, 0);
-  if (!(part < 1)) return 0;
-  for (int k = 0; k < 3; k++) end[k] = point[k] + (1 - MG_SEGMENT_START) * part * along[k];
-  return !(mg_part_in_surfaces(c, feature_pair, side, end, point, 0, 0) < 1);
-}
-
 /* A point of the body of one side of a pair, of a vertex, an edge or a surface without borders. Returns 0 if it has
    none of these. */
 static int mg_point_of_body(mg_context *c, int pair, int side, mg_sample *at) {
@@ -466,21 +521,6 @@ static int mg_point_of_body(mg_context *c, int pair, int side, mg_sample *at) {
     return 1;
   }
   return 0;
-}
-
-/* True if a point of the body of the other side is in that of one side, by what ways to both sides from it meet first.
- */
-static int mg_holds_point_of_other(mg_context *c, int pair, int side) {
-  static const mg_real direction[3] = {(mg_real)0.48, (mg_real)0.6, (mg_real)0.64};
-  const int feature_pair = c->system->pair_feature_pair[pair];
-  const mg_real size = 2 * (mg_pair_ball(c, pair, 0)[3] + mg_pair_ball(c, pair, 1)[3]);
-  mg_sample inner;
-  mg_real along[3], back[3];
-  if (!mg_point_of_body(c, pair, 1 - side, &inner)) return 0;
-  mg_to_world(c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side), direction, 0, along);
-  for (int k = 0; k < 3; k++) along[k] *= size, back[k] = -along[k];
-  return mg_does_way_leave_first(c, feature_pair, side, inner.point, along) &&
-         mg_does_way_leave_first(c, feature_pair, side, inner.point, back);
 }
 
 /* True if a line on the feature of one side of a feature pair comes out of the body of the other side. */
@@ -501,9 +541,10 @@ static int mg_does_feature_come_out(mg_context *c, int feature_pair, int side) {
 
 MG_INTERNAL int mg_do_bodies_overlap(mg_context *c, int pair) {
   const mg_system *s = c->system;
+  mg_sample inner;
   if (!mg_has_pair_extents(c, pair)) return 0;
   for (int side = 0; side < 2; side++)
-    if (mg_holds_point_of_other(c, pair, side)) return 1;
+    if (mg_point_of_body(c, pair, 1 - side, &inner) && mg_is_in_body(c, pair, side, inner.point)) return 1;
   for (int each = s->pair_feature_pair[pair]; each < s->pair_feature_pair[pair + 1]; each++)
     for (int side = 0; side < 2; side++)
       if (s->feature_is_listed[2 * each + side] && mg_does_feature_come_out(c, each, side)) return 1;
@@ -518,7 +559,7 @@ MG_INTERNAL int mg_are_outside_each_other(mg_context *c, const mg_minimum *found
   for (int side = 0; side < 2; side++) {
     const mg_real *start = point[1 - side], *end = point[side];
     for (int k = 0; k < 3; k++) before[k] = start[k] - 2 * MG_SEGMENT_START * (end[k] - start[k]);
-    if (mg_part_in_surfaces(c, found->feature_pair, side, before, end, 0, 0) < 1) return 0;
+    if (mg_part_in_surfaces(c, found->feature_pair, side, before, end, 0, 0, 0) < 1) return 0;
   }
   return 1;
 }
@@ -547,5 +588,7 @@ MG_INTERNAL int mg_is_between_far_sides(mg_context *c, int feature_pair, const m
   }
   const mg_real both = part[0] + part[1] - 1;
   if (part[0] < 1 && part[1] < 1 && both * length <= c->settings->start_gap * c->system->length) return 1;
-  return mg_touch_at(c, feature_pair, point, point + 3, (1 + part[0] - part[1]) / 2);
+  for (int k = 0; k < 3; k++)
+    if (mg_touch_at(c, feature_pair, point, point + 3, 1 - part[1] + both * k / 2)) return 1;
+  return 0;
 }
