@@ -11,7 +11,7 @@ MG_INTERNAL void mg_reverse_normal(const mg_context *c, int feature_pair, mg_rea
 
 /* True if conditions tell nothing of the placement evaluated last, because it has no normal, as between spheres about
    one point. */
-static int mg_is_untold(const mg_context *c, int feature_pair) {
+static int mg_has_no_normal(const mg_context *c, int feature_pair) {
   return !mg_is_unconditional_feature_pair(c, feature_pair) && !mg_all_finite(3, c->search.placement + 5);
 }
 
@@ -68,7 +68,7 @@ MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta,
   found->undecided =
       mg_has_no_sides(c, feature_pair) && fabs(c->search.placement[0]) <= c->settings->start_gap * c->system->length;
   if (!(mg_placement_uniqueness(c, probe) > mg_least_margin(c, feature_pair))) return 0;
-  if (mg_is_untold(c, feature_pair)) return 0;
+  if (mg_has_no_normal(c, feature_pair)) return 0;
   if (mg_most_violated_condition(c, feature_pair, eta, &which) < -c->settings->feature_border) return 0;
   if (mg_least_feature_pair_condition(c, feature_pair, eta, MG_WATCHED, &which) < -c->settings->appear_tilt_sine)
     return 0;
@@ -136,7 +136,7 @@ MG_INTERNAL void mg_note_singular_point(mg_context *c, int feature_pair, const m
   const mg_real d = c->search.placement[0];
   int which;
   if (fabs(mg_placement_uniqueness(c, c->system->n_contact)) > c->settings->search_margin) return;
-  if (mg_is_untold(c, feature_pair)) return;
+  if (mg_has_no_normal(c, feature_pair)) return;
   const mg_real least = d < 0 ? -c->settings->feature_border : -c->settings->search_movement;
   if (mg_most_violated_condition(c, feature_pair, eta, &which) < least) return;
   if (d < 0 && mg_is_between_far_sides(c, feature_pair, eta)) return;
