@@ -378,16 +378,15 @@ enum {
 
 /* Outcome of mg_begin and mg_advance. */
 enum {
-  MG_DONE = 0,         /* t_stop has been reached; of mg_begin: the run can be advanced */
-  MG_CONTINUE = 1,     /* max_steps have been taken: call mg_advance again */
-  MG_LIST_FULL = 2,    /* the list of events has no room for another step: empty it and call mg_advance again */
-  MG_PENETRATION = 10, /* start refused: failed_contact penetrates */
-  MG_NO_EXTREMUM = 11, /* start refused: no closest points are found for failed_contact */
-  MG_NO_OUTSIDE = 12,  /* start refused: it is not known on which side of each other two curves are that touch */
-  MG_JOINT_APART = 13, /* start refused: failed_joint is not assembled */
-  MG_BODY_WITHIN =
-      14,         /* start refused: a body of the pair of failed_contact is within the other or passes through it */
-  MG_MARGIN = 20, /* failed_contact is too near to a singularity of its closest-point equations */
+  MG_DONE = 0,             /* t_stop has been reached; of mg_begin: the run can be advanced */
+  MG_CONTINUE = 1,         /* max_steps have been taken: call mg_advance again */
+  MG_LIST_FULL = 2,        /* the list of events has no room for another step: empty it and call mg_advance again */
+  MG_PENETRATION = 10,     /* start refused: failed_contact penetrates */
+  MG_NO_EXTREMUM = 11,     /* start refused: no closest points are found for failed_contact */
+  MG_NO_OUTSIDE = 12,      /* start refused: it is not known on which side of each other two curves are that touch */
+  MG_JOINT_APART = 13,     /* start refused: failed_joint is not assembled */
+  MG_BODY_WITHIN = 14,     /* start refused: a body of failed_contact's pair is within the other or passes through it */
+  MG_MARGIN = 20,          /* failed_contact is too near to a singularity of its closest-point equations */
   MG_STEP_TOO_SMALL = 21,  /* the step is below step_min, or the run does not advance */
   MG_NOT_FINITE = 22,      /* a state or a function of time is not finite; see mg_unbounded */
   MG_COMPLEMENTARITY = 23, /* a complementarity problem has no solution, or none was found */

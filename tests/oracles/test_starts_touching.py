@@ -84,22 +84,34 @@ LOWER = {  # with the height of its level top
 }
 
 
+def spun(rng: np.random.Generator) -> Rotation:
+    return Rotation.from_euler("z", float(rng.choice([0.0, pi / 2, rng.uniform(0, 2 * pi)])))
+
+
+def resting(rng: np.random.Generator, name: str, size: float) -> tuple[Shape, Rotation, float]:
+    """A curved shape with its axis upright or level, a rotation, and the height over its lowest point."""
+    spin, stands = spun(rng), bool(rng.integers(2))
+    shape, *heights = curved(name, size)
+    return shape, spin * (STANDING if stands or name == "half torus" else LYING), heights[not stands]
+
+
+def world_axes(rng: np.random.Generator, seed: int) -> Rotation:
+    return Rotation.create_group("O")[int(rng.integers(24))] if seed % 2 else Rotation.random(rng=rng)
+
+
 def placed(rng: np.random.Generator, name: str) -> tuple[Shape, Rotation, float]:
     """A shape, a rotation, and the height of its origin over its lowest point."""
-    spin = Rotation.from_euler("z", float(rng.choice([0.0, pi / 2, rng.uniform(0, 2 * pi)])))
+    if name in CURVED:
+        return resting(rng, name, 0.01)
+    spin = spun(rng)
     if name in POLYHEDRA:
         shape, corners = POLYHEDRA[name]
         turn = spin * Rotation.create_group("O")[int(rng.integers(24))]
         if rng.random() < 0.25:
             turn = Rotation.random(rng=rng)
         return shape, turn, -float(np.min(turn.apply(corners)[:, 2]))
-    stands = bool(rng.integers(2))
-    if name in CURVED:
-        shape, *heights = curved(name, 0.01)
-        turn = STANDING if stands or name == "half torus" else LYING
-        return shape, spin * turn, heights[not stands]
     shape = LOWER["waves"][0]
-    if stands:
+    if rng.integers(2):
         return shape, spin, LENGTH / 2
     angle = float(rng.choice([0.0, rng.uniform(0, 2 * pi)]))
     return shape, spin * LYING * Rotation.from_euler("z", angle), -wave_height(angle)
@@ -134,7 +146,7 @@ def test_a_body_on_a_level_top_is_not_refused(below: str, above: str, seed: int)
     rng = np.random.default_rng([seed, len(above), len(below)])
     lower, top = LOWER[below]
     upper, turn, height = placed(rng, above)
-    axes = Rotation.create_group("O")[int(rng.integers(24))] if seed % 2 else Rotation.random(rng=rng)
+    axes = world_axes(rng, seed)
     at = np.array([*rng.uniform(-0.02, 0.02, 2), top + height + float(rng.choice(GAPS))])
     poses = pose(axes, np.zeros(3)), pose(axes * turn, axes.apply(at))
     assert_starts((lower, upper), poses, bool(rng.integers(2)))
@@ -171,12 +183,9 @@ def test_a_small_body_on_a_face_is_not_refused(face: str, name: str, size: float
     rng = np.random.default_rng([len(face), len(name), int(1e6 * size)])
     point, normal = map(np.array, FACES[face])
     upright = Rotation.align_vectors([normal], [[0.0, 0.0, 1.0]])[0]
-    spin = Rotation.from_euler("z", float(rng.choice([0.0, pi / 2, rng.uniform(0, 2 * pi)])))
-    stands = bool(rng.integers(2))
-    shape, *heights = curved(name, size)
-    turn = spin * (STANDING if stands or name == "half torus" else LYING)
+    shape, turn, height = resting(rng, name, size)
     gap = size * float(rng.choice([*GAPS[:6], 0.1]))
-    poses = pose(STANDING, np.zeros(3)), pose(upright * turn, point + normal * (heights[not stands] + gap))
+    poses = pose(STANDING, np.zeros(3)), pose(upright * turn, point + normal * (height + gap))
     assert_starts((LOWER["hook"][0], shape), poses, bool(rng.integers(2)))
 
 
@@ -204,13 +213,13 @@ def test_extrusions_side_by_side_are_not_refused(seed: int) -> None:
     part, own = rng.uniform(0, 1), float(rng.choice([0.0, 0.5, 1.0, rng.uniform(0, 1)]))
     at = p + part * (q - p) - turn @ (r + own * (s - r)) + float(rng.choice(GAPS)) * outward
     shift = float(rng.choice([0.0, rng.uniform(-0.9, 0.9) * LENGTH]))
-    axes = Rotation.create_group("O")[int(rng.integers(24))] if seed % 2 else Rotation.random(rng=rng)
+    axes = world_axes(rng, seed)
     poses = pose(axes, np.zeros(3)), pose(axes * rotation, axes.apply([*at, shift]))
     assert_starts((shapes[0], shapes[1]), poses, bool(rng.integers(2)))
 
 
 SLOT = np.array([[-3, -1], [3, -1], [3, 2], [1, 2], [1, 0], [-1, 0], [-1, 2], [-3, 2]]) / 100
-FITS = {  # a box in the slot, or in the corner of the hook: its sides along x and y, and its middle, m
+FITS = {  # a box in or at the slot: its sides along x and y, and its middle, m
     "fills the slot": ((0.02, 0.01), (0.0, 0.005)),
     "on one wall of the slot": ((0.01, 0.01), (-0.005, 0.01)),
     "in the corner of the slot": ((0.01, 0.01), (0.005, 0.005)),

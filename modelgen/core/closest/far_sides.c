@@ -336,15 +336,14 @@ static void mg_add_normals(mg_context *c, int feature_pair, int side, const mg_r
   const mg_system *s = c->system;
   const int pair = s->feature_pair_owner[feature_pair], body = mg_feature_body(c, feature_pair, side);
   const mg_real slack = 2 * c->settings->start_gap * s->length;
-  mg_real x[3], normal[3], R[9];
+  mg_real x[3], normal[3], in_body[3];
   for (int each = s->pair_feature_pair[pair]; each < s->pair_feature_pair[pair + 1]; each++) {
     const int own = mg_feature_body(c, each, 1) == body;
     if (!mg_is_surface(c, each, own) || !s->feature_is_listed[2 * each + own]) continue;
     mg_point_in_shape_axes(c, each, own, point, x);
     if (normals->count == MG_SURFACES_AT_POINT || !mg_normal_at(c, each, own, x, slack, normal)) continue;
-    mg_shape_rotation(c, each, own, R);
-    mg_real *at = normals->list[normals->count++];
-    for (int k = 0; k < 3; k++) at[k] = R[k] * normal[0] + R[3 + k] * normal[1] + R[6 + k] * normal[2];
+    mg_to_world(mg_feature_numbers(c, each, own) + MG_FEATURE_PLACEMENT, normal, 0, in_body);
+    mg_to_world(c->bodies.pose + 12 * body, in_body, 0, normals->list[normals->count++]);
   }
 }
 
@@ -399,11 +398,11 @@ static int mg_does_way_leave_first(mg_context *c, int feature_pair, int side, co
   return !(mg_part_in_surfaces(c, feature_pair, side, end, point, 0, 0, 1) < 1);
 }
 
-/* True if a point is in the body of one side of a pair, by what ways to both sides from it meet first, or if bodies of
-   the pair have no bounds. */
-static int mg_is_in_body(mg_context *c, int pair, int side, const mg_real *point) {
+/* True if a point is in the body of one side of a feature pair, by what ways to both sides from it meet first, or if
+   bodies of the pair have no bounds. */
+static int mg_is_in_body(mg_context *c, int feature_pair, int side, const mg_real *point) {
   static const mg_real direction[3] = {(mg_real)0.48, (mg_real)0.6, (mg_real)0.64};
-  const int feature_pair = c->system->pair_feature_pair[pair];
+  const int pair = c->system->feature_pair_owner[feature_pair];
   const mg_real size = 2 * (mg_pair_ball(c, pair, 0)[3] + mg_pair_ball(c, pair, 1)[3]);
   mg_real along[3], back[3];
   if (!mg_has_pair_extents(c, pair)) return 1;
@@ -416,8 +415,6 @@ static int mg_is_in_body(mg_context *c, int pair, int side, const mg_real *point
 /* True if a segment comes out of the body of one side of a feature pair, in which it is for longer than what touches
    may overlap, and which it does not only touch there. */
 static int mg_comes_out(mg_context *c, int feature_pair, int side, const mg_real *start, const mg_real *end) {
-  const int pair = c->system->feature_pair_owner[feature_pair],
-            own = mg_feature_body(c, feature_pair, side) != mg_feature_body(c, c->system->pair_feature_pair[pair], 0);
   const mg_real touching = c->settings->start_gap * c->system->length;
   const mg_real along[3] = {end[0] - start[0], end[1] - start[1], end[2] - start[2]},
                 length = sqrt(mg_dot3(along, along)),
@@ -430,7 +427,7 @@ static int mg_comes_out(mg_context *c, int feature_pair, int side, const mg_real
   if (!(within * length > MG_CLEAR_GAPS * touching)) return 0;
   const mg_real part = left - within * (1 - MG_SEGMENT_BEFORE);
   for (int k = 0; k < 3; k++) at[k] = start[k] + part * along[k];
-  return mg_is_in_body(c, pair, own, at) && !mg_touch_at(c, feature_pair, start, end, part);
+  return mg_is_in_body(c, feature_pair, side, at) && !mg_touch_at(c, feature_pair, start, end, part);
 }
 
 /* True if a way from the edge or vertex of one side into its body, no longer than it takes to reach the plane through
@@ -544,7 +541,8 @@ MG_INTERNAL int mg_do_bodies_overlap(mg_context *c, int pair) {
   mg_sample inner;
   if (!mg_has_pair_extents(c, pair)) return 0;
   for (int side = 0; side < 2; side++)
-    if (mg_point_of_body(c, pair, 1 - side, &inner) && mg_is_in_body(c, pair, side, inner.point)) return 1;
+    if (mg_point_of_body(c, pair, 1 - side, &inner) && mg_is_in_body(c, s->pair_feature_pair[pair], side, inner.point))
+      return 1;
   for (int each = s->pair_feature_pair[pair]; each < s->pair_feature_pair[pair + 1]; each++)
     for (int side = 0; side < 2; side++)
       if (s->feature_is_listed[2 * each + side] && mg_does_feature_come_out(c, each, side)) return 1;
