@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import cos, hypot, sin, sqrt
@@ -10,11 +11,13 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from modelgen import Accuracy
+from modelgen import Accuracy, simulate
+from modelgen.errors import SimulationError
 from modelgen.runtime.trajectory import Outcome
 from modelgen.scene import python_scenes as make
 from tests.oracles.pieces import G, ball, ran, times
 from tests.oracles.test_coaxial_contacts import ANGLE, BALL, FALL, RING, SEATS, TUBE
+from tests.running import library_of
 
 Place = tuple[float, float]  # distance from the axis, height, m
 RESTITUTION = 0.3
@@ -121,6 +124,34 @@ def test_a_ball_that_has_bounced_across_a_ring_comes_to_rest_on_it(start: tuple[
     assert path.penetration_max < 1e-8
     height = sqrt((RING + TUBE) ** 2 - RING**2)
     np.testing.assert_allclose(path.p[-1, -1].astype(float), [0.0, 0.0, height], atol=1e-8)
+
+
+@pytest.mark.cases(8)
+@pytest.mark.parametrize("aside", [0.0, 1e-12, 1e-8, 1e-5, 1e-3, 3e-3])
+@pytest.mark.parametrize("name", ["torus", "tube", "cone", "revolution"])
+def test_a_start_is_refused_however_little_deeper_than_start_gap(name: str, aside: float) -> None:
+    """On the axis, where the ball is as deep all around, and beside it."""
+    seat, middle = MERIDIANS[name], SEATS[name].height
+
+    def told(depth: float) -> list[float]:
+        """The depth and what is allowed, m, in the message that refuses a start; none if none does."""
+
+        def overlap(height: float) -> float:
+            return BALL - depth - seat.distance((aside, height))
+
+        height = brentq(overlap, middle - BALL / 10, middle + BALL / 10, xtol=1e-16)
+        bodies = [SEATS[name].body(), ball("ball", [aside, 0.0, height], BALL)]
+        scene = make.scene("sunk", bodies, contact=[{"between": ["ball", "seat"]}])
+        try:
+            simulate(library_of(scene), until=1e-9, samples=1, estimate=False)
+        except SimulationError as error:
+            return [float(number) for number in re.findall(r"(\S+) m\b", str(error))[:2]]
+        return []
+
+    allowed = told(1e-4)[1]
+    assert told(0.5 * allowed) == []
+    for depth in np.multiply([1.5, 2.0, 2.5, 3.0, 3.5, 4.5, 6.0, 9.0, 15.0, 17.0, 40.0, 1e3], allowed):
+        np.testing.assert_allclose(told(depth), [depth, allowed], rtol=0.01)
 
 
 @pytest.mark.parametrize("flattening", [0.3, 0.1, 0.01, 1e-3])

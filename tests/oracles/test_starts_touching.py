@@ -10,6 +10,7 @@ from scipy.optimize import minimize_scalar
 from scipy.spatial.transform import Rotation
 
 from modelgen import simulate
+from modelgen.errors import SimulationError
 from modelgen.runtime.trajectory import Outcome
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Shape
@@ -135,6 +136,20 @@ def assert_starts(
     scene = make.scene("touch", bodies, contact=[{"between": ["upper", "lower"], "friction": 0.0}])
     path = simulate(library_of(scene), until=1e-9, samples=1, estimate=False)
     assert path.outcome is Outcome.DONE
+
+
+@pytest.mark.cases(6)
+@pytest.mark.parametrize("depth", [1e-9, 2e-9, 5e-9, 2e-8, 1e-6])  # m; start_gap is 6e-10 m or less
+@pytest.mark.parametrize("above", [*POLYHEDRA, *CURVED, "waves"])
+def test_a_body_sunk_into_a_level_top_is_refused(above: str, depth: float) -> None:
+    """On a face, an edge, a vertex, a line or a point, however little deeper than what touches."""
+    rng = np.random.default_rng([len(above), int(1e9 * depth)])
+    upper, turn, height = placed(rng, above)
+    axes = world_axes(rng, int(rng.integers(2)))
+    at = np.array([*rng.uniform(-0.02, 0.02, 2), 0.02 + height - depth])
+    poses = pose(axes, np.zeros(3)), pose(axes * turn, axes.apply(at))
+    with pytest.raises(SimulationError, match="interpenetrate at the start by"):
+        assert_starts((make.box(0.2, 0.2, 0.04), upper), poses, True)
 
 
 @pytest.mark.cases(8)

@@ -569,24 +569,33 @@ static int mg_has_surfaces(const mg_context *c, int pair) {
   return 0;
 }
 
+/* True if the bodies of a feature pair touch at the given part of the way between the points of the placement, which
+   are so far apart that no point is near the surfaces of both. */
+static int mg_touch_between(mg_context *c, int feature_pair, mg_real part) {
+  const mg_real *point = c->search.placement + 8;
+  return fabs(c->search.placement[0]) > MG_CLEAR_GAPS * c->settings->start_gap * c->system->length &&
+         mg_touch_at(c, feature_pair, point, point + 3, part);
+}
+
 MG_INTERNAL int mg_is_between_far_sides(mg_context *c, int feature_pair, const mg_real *eta) {
+  const mg_real length = fabs(c->search.placement[0]), touching = c->settings->start_gap * c->system->length;
+  if (!(c->search.placement[0] < -touching)) return 0;
   if (!mg_has_surfaces(c, c->system->feature_pair_owner[feature_pair])) return 0;
   const int leaves[2] = {mg_leaves_body_at_once(c, feature_pair, 0, eta),
                          mg_leaves_body_at_once(c, feature_pair, 1, eta)};
   if (leaves[0] && leaves[1])
     return !mg_does_curve_come_out(c, feature_pair, 0) && !mg_does_curve_come_out(c, feature_pair, 1);
-  const mg_real length = fabs(c->search.placement[0]), *point = c->search.placement + 8;
   mg_real part[2];
   for (int side = 0; side < 2; side++)
     part[side] = leaves[side] ? 0 : mg_min(mg_part_in_body(c, feature_pair, side, eta), (mg_real)1);
   if (leaves[0] || leaves[1]) {
     const int is_reached = part[1 - leaves[1]] == 1;
-    return !(is_reached && !mg_touch_at(c, feature_pair, point, point + 3, leaves[1])) &&
+    return !(is_reached && !mg_touch_between(c, feature_pair, leaves[1])) &&
            !mg_is_other_body_within(c, feature_pair, leaves[1], eta);
   }
   const mg_real both = part[0] + part[1] - 1;
-  if (part[0] < 1 && part[1] < 1 && both * length <= c->settings->start_gap * c->system->length) return 1;
+  if (part[0] < 1 && part[1] < 1 && both * length <= touching) return 1;
   for (int k = 0; k < 3; k++)
-    if (mg_touch_at(c, feature_pair, point, point + 3, 1 - part[1] + both * k / 2)) return 1;
+    if (mg_touch_between(c, feature_pair, 1 - part[1] + both * k / 2)) return 1;
   return 0;
 }

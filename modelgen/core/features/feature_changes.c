@@ -151,7 +151,6 @@ static int mg_transfer_over_vertex(mg_context *c, int from, int corner, const mg
 /* True if a minimum belongs to sides of the bodies that face away from each other. */
 static int mg_is_minimum_on_far_sides(mg_context *c, const mg_minimum *found) {
   mg_real next[6];
-  if (!(found->d < -c->settings->start_gap * c->system->length)) return 0;
   mg_place_contact(c, mg_use_probe_contact(c, found->feature_pair), found->eta, next);
   return mg_is_between_far_sides(c, found->feature_pair, found->eta);
 }
