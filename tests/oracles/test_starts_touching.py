@@ -255,7 +255,7 @@ def test_a_box_that_fits_a_slot_is_not_refused(name: str, length: float, shift: 
 
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("number", range(24))
-@pytest.mark.parametrize("gap", [0.0, 1e-12, -1e-12, 1e-10, -3e-11])
+@pytest.mark.parametrize("gap", [0.0, 1e-12, -1e-12, 1e-10, -1e-10])
 def test_a_box_on_a_box_is_not_refused(number: int, gap: float) -> None:
     turn = Rotation.from_euler("z", 0.3) * Rotation.create_group("O")[number]
     shape, corners = POLYHEDRA["box"]
