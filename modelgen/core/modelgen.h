@@ -33,11 +33,12 @@
    vertices); two features that can touch in a point are a feature pair. A contact is on one feature pair at a time, or
    on none; it changes to another feature pair of its pair of shapes where a condition of its feature pair fails. N is
    the unit normal from o to f, d the gap along N, t1 and t2 the tangents.
-   A limit of a joint is a contact without shapes, on a feature pair of its own.
+   A limit of a joint is a contact without shapes, on a feature pair without features and in a pair of its own.
    A friction constraint is one or two rows of a contact whose force is bounded by the normal force.
    A patch is two flat faces that may rest on each other. While they do, a slot holds the patch: three support points,
    which are contacts of points of f with the plane of o, act in both directions, and are on the patch's own three
-   feature pairs. In the tables, feature pairs of patches and contacts of slots come last. */
+   feature pairs. In the tables, limits come after all contacts of shapes; feature pairs of patches and contacts of
+   slots come last. */
 #ifndef MODELGEN_H
 #define MODELGEN_H
 
@@ -106,7 +107,7 @@ typedef struct {
   int n_body;                /* bodies, those included that do not move */
   int n_contact;             /* contacts, limits of joints and support points included */
   int n_load;                /* loads */
-  int n_pair;                /* pairs of shapes */
+  int n_pair;                /* pairs of shapes, then one of each limit */
   int n_feature_pair;        /* feature pairs */
   int n_q;                   /* position coordinates of all bodies */
   int n_u;                   /* velocity coordinates of all bodies */
@@ -156,7 +157,7 @@ typedef struct {
                                          that is paired with a feature of the other; else -1 */
   const int *feature_pair_condition;  /* [n_feature_pair + 1] range of conditions */
 
-  const int *feature_shape;      /* [2 n_feature_pair] features o, f: shape kind of the library */
+  const int *feature_shape;      /* [2 n_feature_pair] features o, f: shape kind of the library; -1: no features */
   const int *feature_parameters; /* [2 n_feature_pair] features o, f: offset into parameters */
   const int *feature_numbers; /* [2 n_feature_pair] features o, f: offset into numbers, see MG_FEATURE_PLACEMENT .. */
   const int

@@ -11,7 +11,9 @@ from tests.export.folders import ZIG, compiled, exported, needs_gcc, needs_zig, 
 
 TARGETS = ("aarch64-linux-musl", "arm-linux-musleabihf", "x86_64-windows-gnu", "wasm32-wasi")
 SANITIZED = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all")
-SCENES_OF_KINDS = ("box_dropped", "balancing_wheel", "four_bar", "rolling_disc")  # patches, inputs, joints
+SCENES_OF_KINDS = (  # patches, inputs, joints, limits
+    *("box_dropped", "balancing_wheel", "four_bar", "rolling_disc", "double_pendulum"),
+)
 
 
 @needs_gcc

@@ -366,7 +366,8 @@ MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, const m
    Returns how many searches within search_gap were given up. */
 MG_INTERNAL long mg_search_nearest(mg_context *c, int first, int end, mg_real least, long effort, mg_minima *found);
 
-/* Finds the minima of all pairs at the start and assigns the contacts to them. Returns an outcome. */
+/* Finds the minima of all pairs at the start and assigns the contacts to them; puts limits on their feature pairs.
+   Returns an outcome. */
 MG_INTERNAL int mg_search_start_pairs(mg_context *c);
 
 /* closest_batch.c */

@@ -40,7 +40,7 @@ typedef struct {
 static void mg_set_closed_view(mg_critical_search *s) {
   mg_context *c = s->c;
   const int side = 1 - s->first;
-  const mg_shape_kind *kind = c->kernels->shape_kinds + c->system->feature_shape[2 * s->feature_pair + side];
+  const mg_shape_kind *kind = mg_shape_kind_of(c, s->feature_pair, side);
   const mg_real zero[2] = {0, 0};
   mg_sample base;
   mg_sample_at(c, s->feature_pair, side, zero, &base);

@@ -6,7 +6,7 @@
 #define MG_SAMPLE_SIZE 9 /* numbers of a sample: point in shape and body axes, direction in body axes */
 
 MG_INTERNAL int mg_feature_dimension(const mg_context *c, int feature_pair, int side) {
-  return c->kernels->shape_kinds[c->system->feature_shape[2 * feature_pair + side]].dimension;
+  return mg_shape_kind_of(c, feature_pair, side)->dimension;
 }
 
 /* Sample of a feature at uv (MG_SAMPLE_SIZE numbers): point in the axes of the shape, point in the axes of the
@@ -106,7 +106,7 @@ MG_INTERNAL mg_real mg_search_radius(mg_context *c, int feature_pair) {
 
 MG_INTERNAL int mg_has_nearest_point(const mg_context *c, int feature_pair, int side) {
   const int parametrisation = mg_parametrisation(c, feature_pair, side);
-  const mg_shape_kind *kind = c->kernels->shape_kinds + c->system->feature_shape[2 * feature_pair + side];
+  const mg_shape_kind *kind = mg_shape_kind_of(c, feature_pair, side);
   return kind->dimension == 0 || (kind->nearest_point && (parametrisation == MG_NONE || parametrisation == MG_LOCAL));
 }
 

@@ -279,6 +279,18 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
   return MG_DONE;
 }
 
+/* Puts each limit on its feature pair, where its gap is a function of the poses. Returns an outcome. */
+static int mg_start_limits(mg_context *c) {
+  for (int i = c->layout.limit_begin; i < c->layout.support_begin; i++) {
+    const int feature_pair = c->system->contact_feature_pair[i];
+    mg_real eta[MG_MAX_ETA] = {0};
+    c->run->failed_contact = i;
+    if (mg_converge_from_any_start(c, feature_pair, eta) < 0) return MG_NO_EXTREMUM;
+    mg_set_feature_pair(c, i, feature_pair, eta);
+  }
+  return MG_DONE;
+}
+
 MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
   for (int pair = 0; pair < c->system->n_pair; pair++)
     c->run->unfollowed_gap[pair] = MG_MAX, c->run->last_effort[pair] = c->run->withheld_effort[pair] = 0;
@@ -294,5 +306,5 @@ MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
     c->run->moved_since_search[pair] = c->run->watched_movement[pair] = 0;
     c->run->is_search_due[pair] = c->search.open_gap < MG_MAX;
   }
-  return MG_DONE;
+  return mg_start_limits(c);
 }

@@ -33,10 +33,9 @@ static int mg_is_feature_a_curve(const mg_context *c, int feature_pair, int side
 }
 
 MG_INTERNAL int mg_is_curved_edge_crossing(const mg_context *c, int feature_pair) {
-  if (mg_feature_dimension(c, feature_pair, 0) != 1 || mg_feature_dimension(c, feature_pair, 1) != 1 ||
-      mg_has_no_outside(c, feature_pair))
-    return 0;
-  return mg_is_feature_a_curve(c, feature_pair, 0) || mg_is_feature_a_curve(c, feature_pair, 1);
+  if (!mg_is_feature_a_curve(c, feature_pair, 0) && !mg_is_feature_a_curve(c, feature_pair, 1)) return 0;
+  return mg_feature_dimension(c, feature_pair, 0) == 1 && mg_feature_dimension(c, feature_pair, 1) == 1 &&
+         !mg_has_no_outside(c, feature_pair);
 }
 
 MG_INTERNAL int mg_is_followed_to_singularity(const mg_context *c, int feature_pair, mg_real d) {

@@ -6,21 +6,21 @@
 
 /* Spine of the feature of a side: MG_SPINE_LINE .., or 0. */
 static int mg_spine_kind(const mg_context *c, int feature_pair, int side) {
-  return c->kernels->shape_kinds[c->system->feature_shape[2 * feature_pair + side]].spine;
+  return mg_shape_kind_of(c, feature_pair, side)->spine;
 }
 
 MG_INTERNAL int mg_lie_about_spines(const mg_context *c, int feature_pair) {
-  return mg_spine_kind(c, feature_pair, 0) && mg_spine_kind(c, feature_pair, 1);
+  return mg_has_features(c, feature_pair) && mg_spine_kind(c, feature_pair, 0) && mg_spine_kind(c, feature_pair, 1);
 }
 
 MG_INTERNAL int mg_has_spines(const mg_context *c, int feature_pair) {
-  if (mg_parametrisation(c, feature_pair, 1) == MG_NONE) return 0; /* as of limits of joints, which have no shapes */
+  if (mg_parametrisation(c, feature_pair, 1) == MG_NONE) return 0; /* as of two straight lines */
   return mg_lie_about_spines(c, feature_pair) &&
          !(mg_spine_kind(c, feature_pair, 0) == MG_SPINE_POINT && mg_spine_kind(c, feature_pair, 1) == MG_SPINE_POINT);
 }
 
 MG_INTERNAL int mg_is_about_spine(const mg_context *c, int feature_pair, int side) {
-  const mg_shape_kind *kind = c->kernels->shape_kinds + c->system->feature_shape[2 * feature_pair + side];
+  const mg_shape_kind *kind = mg_shape_kind_of(c, feature_pair, side);
   return kind->spine && kind->spine != MG_SPINE_POINT && kind->dimension == 2;
 }
 

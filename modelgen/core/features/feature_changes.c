@@ -526,8 +526,9 @@ static int mg_is_search_due(const mg_context *c, int pair, mg_real moved) {
 }
 
 MG_INTERNAL int mg_is_contact_at_fold(const mg_context *c, int contact) {
-  if (!mg_is_on_feature_pair(c, contact) || c->run->margin[contact] >= mg_fold_margin_limit(c, contact)) return 0;
+  if (!mg_is_on_feature_pair(c, contact)) return 0;
   if (c->system->pair_search[c->system->contact_pair[contact]] == MG_SEARCH_NEVER) return 0;
+  if (c->run->margin[contact] >= mg_fold_margin_limit(c, contact)) return 0;
   return !c->run->closed[contact] || mg_is_time_stepping(c) ||
          mg_is_curved_edge_crossing(c, c->run->feature_pair[contact]);
 }

@@ -65,7 +65,7 @@ MG_INTERNAL void mg_list_pairs(mg_context *c) {
     for (int i = s->pair_contact[pair]; i < s->pair_contact[pair + 1]; i++) mg_append_contact(c, i, &last);
   }
   l->pair[pair + 1] = s->n_pair;
-  for (int i = c->layout.support_begin; i < s->n_contact; i++) mg_append_contact(c, i, &last);
+  for (int i = c->layout.limit_begin; i < s->n_contact; i++) mg_append_contact(c, i, &last);
   l->row[last.contact + 1] = s->n_contact;
   for (int i = s->n_contact; i < c->layout.friction_row_begin - 1; i++) l->row[i + 1] = i + 1;
   l->row[last.friction_row + 1] = c->layout.spring_row_begin;
@@ -91,10 +91,10 @@ MG_INTERNAL int mg_is_pair_followed_from_anywhere(const mg_context *c, int pair)
 MG_INTERNAL void mg_init_listing(mg_context *c) {
   mg_listing *l = &c->listed;
   l->n_always = l->n_listed = 0;
-  for (int pair = 0; pair < c->system->n_pair; pair++) {
+  for (int pair = 0; pair < c->layout.limit_pair_begin; pair++) {
     if (!mg_may_be_far(c, pair)) l->always[l->n_always++] = pair;
     if (!c->run->is_far[pair]) l->listed[l->n_listed++] = pair;
   }
-  l->has_candidates = l->n_always < c->system->n_pair;
+  l->has_candidates = l->n_always < c->layout.limit_pair_begin;
   mg_list_pairs(c);
 }

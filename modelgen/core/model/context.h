@@ -203,7 +203,7 @@ typedef struct {
 typedef struct {
   int *row;            /* [1 per row + 1] contacts and rows */
   int *constraint;     /* [1 per friction constraint + 1] friction constraints */
-  int *pair;           /* [1 per pair + 1] pairs of shapes */
+  int *pair;           /* [1 per pair + 1] pairs of shapes; those of limits are none */
   int *range;          /* [2 per contact + 6] first state and end of each range of states */
   int *always;         /* [per pair] pairs that are never left out, ascending */
   int *listed;         /* [per pair] pairs that take part, ascending */
@@ -365,6 +365,8 @@ typedef struct {
   int friction_row_end;           /* row after the last friction row */
   int spring_row_begin;           /* first row of springs */
   int spring_row_end;             /* row after the last of springs: number of all rows */
+  int limit_pair_begin;           /* pairs from here on are those of limits, which have no shapes */
+  int limit_begin;                /* contacts from here on are limits, then support points of patches */
   int support_begin;              /* contacts from here on are support points of patches */
   int support_feature_pair_begin; /* feature pairs from here on are those of support points */
   int n_states;                   /* length of x */

@@ -25,6 +25,14 @@ MG_INTERNAL const mg_real *mg_feature_numbers(const mg_context *c, int feature_p
   return c->system->numbers + c->system->feature_numbers[2 * feature_pair + side];
 }
 
+MG_INTERNAL int mg_has_features(const mg_context *c, int feature_pair) {
+  return c->system->feature_shape[2 * feature_pair] >= 0;
+}
+
+MG_INTERNAL const mg_shape_kind *mg_shape_kind_of(const mg_context *c, int feature_pair, int side) {
+  return c->kernels->shape_kinds + c->system->feature_shape[2 * feature_pair + side];
+}
+
 MG_INTERNAL int mg_feature_body(const mg_context *c, int feature_pair, int side) {
   return side ? c->system->feature_pair_f[feature_pair] : c->system->feature_pair_o[feature_pair];
 }
@@ -123,7 +131,7 @@ MG_INTERNAL int mg_is_within_border(const mg_context *c, int feature_pair, int s
 
 /* True if a side of a feature pair is a sphere. */
 static int mg_is_ball(const mg_context *c, int feature_pair, int side) {
-  return c->kernels->shape_kinds[c->system->feature_shape[2 * feature_pair + side]].nearest_point == MG_NEAREST_SPHERE;
+  return mg_shape_kind_of(c, feature_pair, side)->nearest_point == MG_NEAREST_SPHERE;
 }
 
 /* How far the other feature is from coaxial with an axis in the axes of the body of a side: the distance of its origin

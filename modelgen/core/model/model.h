@@ -112,6 +112,12 @@ MG_INTERNAL void mg_eta_scale(const mg_context *c, int feature_pair, mg_real len
 /* Numbers of a feature (side 0: o, 1: f) of a feature pair, see MG_FEATURE_PLACEMENT. */
 MG_INTERNAL const mg_real *mg_feature_numbers(const mg_context *c, int feature_pair, int side);
 
+/* True if a feature pair has features; those of limits and of support points have none. */
+MG_INTERNAL int mg_has_features(const mg_context *c, int feature_pair);
+
+/* Kind of the shape that carries a feature. */
+MG_INTERNAL const mg_shape_kind *mg_shape_kind_of(const mg_context *c, int feature_pair, int side);
+
 /* Body of a feature of a feature pair. */
 MG_INTERNAL int mg_feature_body(const mg_context *c, int feature_pair, int side);
 
@@ -214,7 +220,7 @@ static inline int mg_next_constraint(const mg_context *c, int constraint) {
   return c->listed.constraint[constraint + 1];
 }
 
-/* The same for pairs of shapes. */
+/* The same for pairs of shapes; beyond the last the number of pairs. */
 static inline int mg_next_pair(const mg_context *c, int pair) { return c->listed.pair[pair + 1]; }
 
 /* First of a range of states that take part. */

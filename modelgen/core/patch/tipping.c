@@ -17,10 +17,10 @@ static int mg_is_rim_feature_pair_at_point(mg_context *c, int feature_pair, mg_r
   const mg_real uv[2] = {t, 0};
   mg_sample sample[2];
   for (int side = 0; side < 2; side++) {
-    if (c->kernels->shape_kinds[s->feature_shape[2 * feature_pair + side]].dimension != 1) continue;
+    if (mg_shape_kind_of(c, feature_pair, side)->dimension != 1) continue;
     mg_sample_at(c, feature_pair, side, uv, sample + side);
     const mg_real *x = sample[side].point, arm[3] = {x[0] - world[0], x[1] - world[1], x[2] - world[2]};
-    if (c->kernels->shape_kinds[s->feature_shape[2 * feature_pair + !side]].nearest_point != MG_NEAREST_PLANE) return 0;
+    if (mg_shape_kind_of(c, feature_pair, !side)->nearest_point != MG_NEAREST_PLANE) return 0;
     if (mg_dot3(arm, arm) >
         c->settings->search_merge_distance * s->length * c->settings->search_merge_distance * s->length)
       return 0;

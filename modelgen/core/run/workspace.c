@@ -80,8 +80,9 @@ static long mg_hull_memory_max(const mg_system *s) {
 static long mg_bounds_memory_max(const mg_system *s) {
   int most = 0;
   for (int k = 0; s->n_cell_tree && k < 2 * s->n_feature_pair; k++) {
+    if (s->feature_tree[k] < 0) continue;
     const int size = s->kernels->shape_bounds[s->feature_shape[k]].n_memory;
-    if (s->feature_tree[k] >= 0 && size > most) most = size;
+    if (size > most) most = size;
   }
   return most;
 }
@@ -170,6 +171,13 @@ static void mg_set_switch_arrays(mg_context *c, mg_memory *memory) {
   c->switches.triggered = mg_reserve_ints(memory, n), c->switches.is_at_zero = mg_reserve_ints(memory, n);
   c->switches.mode_before = mg_reserve_ints(memory, n), c->switches.repels = mg_reserve_ints(memory, n);
   c->switches.shares = mg_reserve_ints(memory, n);
+}
+
+/* First of the pairs of limits, which have no shapes. */
+static int mg_first_limit_pair(const mg_system *s) {
+  int pair = s->n_pair;
+  while (pair > 0 && s->feature_shape[2 * s->pair_feature_pair[pair - 1]] < 0) pair--;
+  return pair;
 }
 
 /* Divides the memory. */
@@ -291,6 +299,8 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
   c->layout.n_states = (int)mg_state_count(system), c->layout.work_state = c->layout.n_states - 1,
   c->step.sign_changed = c->events.passage.is_paused = 0, c->patches.hull_patch = -1, c->step.follower = 0,
   c->lcp.keeps_matrix = c->lcp.n_assembled = 0;
+  c->layout.limit_pair_begin = mg_first_limit_pair(system);
+  c->layout.limit_begin = system->pair_contact[c->layout.limit_pair_begin];
   c->layout.support_begin = system->n_contact - 3 * system->n_patch_slot,
   c->layout.support_feature_pair_begin = system->n_feature_pair - 3 * system->n_patch;
   c->layout.joint_row_begin = system->n_contact + 1, c->layout.spring_row_end = (int)mg_row_count(system);

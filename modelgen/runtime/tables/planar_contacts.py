@@ -92,8 +92,9 @@ def _add_feature_pair(
     }
     for name, value in row.items():
         integers[name].append(value)
-    for name in ("feature_shape", "feature_parameters", "feature_numbers"):
+    for name in ("feature_parameters", "feature_numbers"):
         integers[name] += [0, 0]
+    integers["feature_shape"] += [-1, -1]
     integers["feature_tree"] += [-1, -1]
     integers["feature_is_listed"] += [1, 1]
 
