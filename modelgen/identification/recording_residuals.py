@@ -194,7 +194,8 @@ class RecordedRuns:
         key = tuple(x[list(self.common)])
         if key != self._known[0]:
             directions = [self.unknowns[k].direction for k in self.common]
-            self._known = key, direction_arrays(library, directions, {})
+            changed = [each.owner for each in directions if each.kind == "input"]
+            self._known = key, direction_arrays(library, directions, {}, [*self.inputs, *changed])
         return self._known[1]
 
     def _tangents(

@@ -62,17 +62,18 @@ class _Runs:
     ) -> None:
         self._library, self._times, self._of = library, times, of
         self._parameters, self._accuracy = dict(parameters), accuracy
-        self._inputs = dict(Inputs(self._session(library))) | dict(inputs)
+        self._inputs = dict(inputs)  # the others have their defaults, which may follow from parameters
 
     def _session(self, library: Library) -> Session:
         return Session(library, accuracy_of(library.manifest.instance, self._accuracy, {}))
 
     def _value(self, direction: Direction) -> float:
         """The number that a parameter or input has in the run."""
-        if direction.kind == "input":
+        if direction.kind == "input" and direction.owner in self._inputs:
             return self._inputs[direction.owner]
-        entries = with_parameters(self._library, self._parameters).manifest.instance["parameters"]
-        return next(float(each["value"]) for each in entries if each["name"] == direction.owner)
+        key, of = ("inputs", "default") if direction.kind == "input" else ("parameters", "value")
+        entries = with_parameters(self._library, self._parameters).manifest.instance[key]
+        return next(float(each[of]) for each in entries if each["name"] == direction.owner)
 
     def size(self, direction: Direction) -> float:
         """The size of the number of a direction."""
@@ -87,7 +88,7 @@ class _Runs:
         if direction.kind == "parameter":
             parameters[direction.owner] = self._value(direction) + change
         if direction.kind == "input":
-            inputs[direction.owner] += change
+            inputs[direction.owner] = self._value(direction) + change
         library = with_parameters(self._library, parameters)
         session = self._session(library)
         Inputs(session).update(inputs)
@@ -105,7 +106,7 @@ class _Runs:
 
     def _change_start(self, session: Session, direction: Direction, change: float) -> None:
         """Change the start, as joints and blows correct it, as far as its constraints permit."""
-        arrays = direction_arrays(session.library, [direction], self._parameters)
+        arrays = direction_arrays(session.library, [direction], self._parameters, self._inputs)
         run = TangentRun(self._session(session.library), arrays, 1)
         session.x[:] = run.session.x + change * run.state_derivatives()[0]
         for body in session.instance["bodies"]:

@@ -75,7 +75,7 @@ def gradient(
     shape = len(times), len(outputs.names)
     check_loss(loss, shape)
     directions = directions_of(library.manifest.instance, by)
-    rows = direction_arrays(library, directions, parameters or {})
+    rows = direction_arrays(library, directions, parameters or {}, inputs or {})
     weights = np.random.default_rng(0).uniform(0.5, 1.0, len(directions))
     combined = {
         name: np.ascontiguousarray((weights @ array)[None, :])

@@ -150,7 +150,7 @@ def sensitivity(
     Inputs(session).update(values_by_name("inputs", inputs))
     directions = directions_of(library.manifest.instance, by)
     outputs = Outputs(session, of)
-    arrays = direction_arrays(library, directions, parameters or {})
+    arrays = direction_arrays(library, directions, parameters or {}, inputs or {})
     run = TangentRun(session, arrays, len(directions))
     rows = [run.go_on(float(time)).shown(outputs) for time in times]
     jacobian = np.array([jacobian for _, jacobian, _ in rows])

@@ -3,7 +3,7 @@ numbers that the core reads."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import inf
@@ -73,22 +73,34 @@ def _named(instance: Mapping[str, Any], name: str) -> list[Direction]:
 
 
 def direction_arrays(
-    library: Library, directions: Sequence[Direction], parameters: Mapping[str, float]
+    library: Library,
+    directions: Sequence[Direction],
+    parameters: Mapping[str, float],
+    inputs: Collection[str] = (),
 ) -> dict[str, Array]:
-    """The fields of mg_directions, a row for each direction; `parameters` are those of the run."""
+    """The fields of mg_directions, a row for each direction.
+
+    Args:
+        parameters: those of the run.
+        inputs: names of the inputs whose values are given to the run; the others have their defaults, which
+            may follow from parameters.
+    """
     shared = library_tables(library)
     n = len(directions)
     found: dict[str, Array] = {"start": np.zeros((n, len(shared.start)))}
     tables = _tables(library)
     found |= {name: np.zeros((n, len(tables[name]))) for name in (*TABLES, "gravity")}
-    found["input"] = np.zeros((n, SETTING_SIZE * len(library.manifest.instance["inputs"])))
+    names = [each["name"] for each in library.manifest.instance["inputs"]]
+    found["input"] = np.zeros((n, SETTING_SIZE * len(names)))
+    at_default = np.array([name not in inputs for name in names], dtype=bool)
     for row, direction in enumerate(directions):
         if direction.kind == "parameter":
             change = _table_derivatives(library, direction.owner, parameters)
+            defaults = change.pop("defaults")
+            found["input"][row, ::SETTING_SIZE] = np.where(at_default, defaults, 0.0)
             for name, values in change.items():
                 found[name][row] = values
         elif direction.kind == "input":
-            names = [each["name"] for each in library.manifest.instance["inputs"]]
             found["input"][row, SETTING_SIZE * names.index(direction.owner)] = 1.0
         else:
             _change_start(library, shared.start, direction, found["start"][row])
@@ -132,7 +144,9 @@ def _tables(library: Library) -> dict[str, Array]:
     shared = library_tables(library)
     by_address = {address(array): array for array in shared.arrays}
     tables = {name: by_address[getattr(shared.system, name)] for name in TABLES}
-    return {**tables, "gravity": np.array(shared.system.gravity[:]), "start": shared.start}
+    defaults = np.array([each["default"] for each in library.manifest.instance["inputs"]], dtype=float)
+    gravity = np.array(shared.system.gravity[:])
+    return {**tables, "gravity": gravity, "start": shared.start, "defaults": defaults}
 
 
 def _table_derivatives(library: Library, name: str, parameters: Mapping[str, float]) -> dict[str, Array]:
@@ -148,7 +162,7 @@ def _table_derivatives(library: Library, name: str, parameters: Mapping[str, flo
         tables = _tables(with_parameters(library, {**parameters, name: value + change}))
         return np.concatenate([np.asarray(tables[key], dtype=float) for key in keys])
 
-    keys = (*TABLES, "gravity", "start")
+    keys = (*TABLES, "gravity", "start", "defaults")
     flat = _derivative(read, step, value, low, high)
     sizes = [len(_tables(library)[key]) for key in keys]
     return dict(zip(keys, np.split(flat, np.cumsum(sizes)[:-1]), strict=True))
