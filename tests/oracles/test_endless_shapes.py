@@ -12,7 +12,7 @@ from modelgen.errors import SceneError, SimulationError
 from modelgen.runtime.trajectory import Outcome
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Shape
-from tests.oracles.pieces import TABLE, ball, ran
+from tests.oracles.pieces import TABLE, G, ball, ran
 
 ANGLE = 0.5  # half angle of the cone, rad
 BODY = {"mass": 1.0, "inertia": [1e-2] * 3}
@@ -95,3 +95,17 @@ def test_a_ball_touches_the_tip_and_the_side_and_not_the_mirror_image(speed: flo
     assert apart.min() > -1e-9
     touched = {event.kind for event in path.events} & {"impact", "touch-down"}
     assert bool(touched) == (apart.min() < 1e-2)
+
+
+@pytest.mark.parametrize("length", [None, 3.0])
+@pytest.mark.parametrize("slope", [1.1e-3, -1e-2, 0.05, -0.1, 0.15, 0.3])
+def test_a_frustum_falls_onto_a_rail_whose_apex_is_far_away(length: float | None, slope: float) -> None:
+    """Its axis is level and across the rail: the lowest line of its side is tangent to the rail."""
+    radius, middle, half, drop = 0.1, 0.46, 0.04, 0.01
+    rail = make.fixed("rail", make.cylinder(radius, length), rpy=[0.0, pi / 2, 0.0])
+    wheel = make.dynamic(
+        "wheel", make.frustum(middle + half * slope, middle - half * slope, 2 * half), **BODY,
+        position=[0.3, 0.0, radius * np.hypot(1, slope) + middle + drop], rpy=[-pi / 2, 0.0, 0.0],
+    )  # fmt: skip
+    path = ran([rail, wheel], 0.1, [{"between": ["wheel", "rail"]}])
+    assert path.events[0].t == pytest.approx(np.sqrt(2 * drop / G), abs=1e-9)

@@ -239,7 +239,7 @@ MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side, int is_o
   const mg_real *domain = mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_DOMAIN;
   const int tree = c->system->feature_tree[2 * feature_pair + side], root = 2 * tree + is_of_spine;
   mg_real window[4], bound = 0;
-  mg_sample_window(c, feature_pair, side, mg_search_radius(c, feature_pair), window);
+  mg_sample_window(c, feature_pair, side, mg_search_radius(c, feature_pair, side), window);
   for (int k = 0; k < 4; k++)
     if (fabs(domain[k]) >= MG_MAX / 2) bound = mg_max(bound, fabs(window[k]));
   if (!(bound <= c->run->search_bound[tree])) c->run->search_bound[tree] = 2 * bound;

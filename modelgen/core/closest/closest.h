@@ -61,9 +61,10 @@ MG_INTERNAL int mg_sample_feature(mg_context *c, int feature_pair, int side, con
 /* Shrinks a window to a tenth about a centre. */
 MG_INTERNAL void mg_shrink_window(mg_real *window, const mg_real *centre);
 
-/* Distance within which an unbounded feature is sampled, m: it contains the other feature as seen from either
-   body. */
-MG_INTERNAL mg_real mg_search_radius(mg_context *c, int feature_pair);
+/* Distance from the origin of its shape, which may be far from its body, within which an unbounded feature is sampled,
+   m: it contains all of the feature that is in the ball around its own body, or that is nearest to the ball around the
+   other; where neither body is bounded, the origin of the other shape. */
+MG_INTERNAL mg_real mg_search_radius(mg_context *c, int feature_pair, int side);
 
 /* True if the nearest point of the feature to any point is known in closed form (plane, sphere, vertex). */
 MG_INTERNAL int mg_has_nearest_point(const mg_context *c, int feature_pair, int side);

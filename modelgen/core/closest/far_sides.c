@@ -512,7 +512,7 @@ static int mg_point_of_body(mg_context *c, int pair, int side, mg_sample *at) {
     if (!s->feature_is_listed[2 * each + own]) continue;
     if (mg_is_surface(c, each, own) && !mg_is_unconditional_feature_pair(c, each)) continue;
     mg_real window[4];
-    mg_sample_window(c, each, own, mg_search_radius(c, each), window);
+    mg_sample_window(c, each, own, mg_search_radius(c, each, own), window);
     const mg_real middle[2] = {window[0] + (window[1] - window[0]) / 2, window[2] + (window[3] - window[2]) / 2};
     mg_sample_at(c, each, own, middle, at);
     return 1;

@@ -90,18 +90,29 @@ MG_INTERNAL void mg_shrink_window(mg_real *window, const mg_real *centre) {
   }
 }
 
-MG_INTERNAL mg_real mg_search_radius(mg_context *c, int feature_pair) {
-  const mg_real *o = c->bodies.pose + 12 * mg_feature_body(c, feature_pair, 0),
-                *f = c->bodies.pose + 12 * mg_feature_body(c, feature_pair, 1);
-  const mg_real apart[3] = {f[0] - o[0], f[1] - o[1], f[2] - o[2]}, distance = sqrt(mg_dot3(apart, apart));
-  mg_real size = distance / 1000;
-  for (int side = 0; side < 2; side++) {
-    const mg_real *at = mg_feature_numbers(c, feature_pair, side), *middle = at + MG_FEATURE_BALL_CENTRE;
-    const mg_real arm = sqrt(mg_dot3(at, at)) + sqrt(mg_dot3(middle, middle));
-    if (at[MG_FEATURE_BALL_RADIUS] < MG_MAX / 2 && at[MG_FEATURE_BALL_RADIUS] + arm > size)
-      size = at[MG_FEATURE_BALL_RADIUS] + arm;
+/* Distance of a point in the axes of a body from a world point. */
+static mg_real mg_distance_from(const mg_context *c, int body, const mg_real *x, const mg_real *from) {
+  mg_real at[3];
+  mg_to_world(c->bodies.pose + 12 * body, x, 1, at);
+  for (int k = 0; k < 3; k++) at[k] -= from[k];
+  return sqrt(mg_dot3(at, at));
+}
+
+MG_INTERNAL mg_real mg_search_radius(mg_context *c, int feature_pair, int side) {
+  const int pair = c->system->feature_pair_owner[feature_pair], first = c->system->pair_feature_pair[pair];
+  mg_real origin[3], radius = MG_MAX;
+  mg_to_world(c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side), mg_feature_numbers(c, feature_pair, side),
+              1, origin);
+  for (int which = 0; which < 2; which++) {
+    const mg_real *ball = mg_pair_ball(c, pair, which);
+    if (ball[3] >= 0)
+      radius = mg_min(radius, mg_distance_from(c, mg_feature_body(c, first, which), ball, origin) + ball[3]);
   }
-  return 2 * (distance + size);
+  if (!(radius < MG_MAX))
+    radius = mg_distance_from(c, mg_feature_body(c, feature_pair, 1 - side),
+                              mg_feature_numbers(c, feature_pair, 1 - side), origin) +
+             c->system->length;
+  return 2 * radius;
 }
 
 MG_INTERNAL int mg_has_nearest_point(const mg_context *c, int feature_pair, int side) {

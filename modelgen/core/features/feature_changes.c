@@ -15,7 +15,7 @@
 /* Coordinates of a shape nearest to a point in its axes, by refined sampling. */
 static void mg_nearest_shape_coordinates(mg_context *c, int feature_pair, int side, const mg_real *local, mg_real *uv) {
   mg_real window[4];
-  mg_sample_window(c, feature_pair, side, mg_search_radius(c, feature_pair), window);
+  mg_sample_window(c, feature_pair, side, mg_search_radius(c, feature_pair, side), window);
   for (int level = 0; level < 4; level++) {
     const int n = mg_sample_feature(c, feature_pair, side, window, 9, c->search.samples);
     mg_real least = MG_MAX;
