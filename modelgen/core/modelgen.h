@@ -344,6 +344,12 @@ typedef struct {
   mg_real time_resolution;      /* functions of time are sampled every time_resolution * time */
   mg_real step_fraction;        /* step over the longest step permitted, 0..1; below 1 a step never leads from one event
                                    to the next */
+  mg_real flush_height;         /* a blow from the side is doubted where faces of both bodies lie in one plane within
+                                   flush_height * length and the point of the blow is in it */
+  mg_real gap_error_max;        /* mg_doubts: bound of gap_max and penetration_max, times length */
+  mg_real energy_error_max;     /* mg_doubts: bound of energy_error_max and impact_gain_max, times the largest kinetic
+                                   energy */
+  mg_real complementarity_error_max; /* mg_doubts: bound of complementarity_max */
 
   int lcp_iterations;     /* bound of the active-set changes of one complementarity problem */
   int event_scan_parts;   /* parts into which a step is divided to find its first event */
@@ -480,6 +486,7 @@ typedef struct {
   long loose_solutions;      /* time-stepping: problems solved to stepping_residual only */
   long relaxed_solutions;    /* time-stepping: problems solved by the relaxation, no solution of Coulomb's law found */
   long singular_passages;    /* places passed at which a closed contact is singular */
+  long slip_stops;           /* how often slip, spin or rolling ended */
   long redundant_max;        /* most active contacts beyond the rank of their rows; forces then are of minimum norm */
   long unfollowed_minima;   /* how often a search found closest points within search_gap that no contact could follow */
   long incomplete_searches; /* searches of feature pairs that were given up before all closest points were found */
@@ -521,6 +528,7 @@ typedef struct {
   mg_real spring_rate_max;     /* time-stepping: fastest rate of a spring or damper alone on its bodies, 1/s */
   mg_real incomplete_t;        /* time of the first of incomplete_searches, s */
   mg_real indeterminate_t;     /* time of indeterminate, s */
+  mg_real flush_t;             /* time of flush_contact, s */
 
   int failed_contact;       /* contact of the outcome, or -1 */
   int failed_joint;         /* joint with the largest error at the start, or -1 */
@@ -545,6 +553,7 @@ typedef struct {
   int friction_redundant;   /* 1: friction forces of the present modes are not unique */
   int indeterminate;        /* 1: friction forces or a load left the motion open, or were not proved not to */
   int indeterminate_switch; /* switching function of that load, or -1: friction forces */
+  int flush_contact;        /* contact of the first blow from the side within the plane of faces of both bodies, or -1 */
   int shared_switch;        /* switching function of the first load at a jump that contacts or joints hold too, or -1 */
 } mg_run;
 
@@ -774,6 +783,31 @@ MG_API void mg_go_back(const mg_system *system, const mg_settings *settings, mg_
 /* Takes the cotangents at the start of a run back through the corrections of mg_begin. */
 MG_API void mg_go_back_to_start(const mg_system *system, const mg_settings *settings, mg_run *run, mg_adjoint *adjoint,
                                 mg_real *work, int *iwork);
+
+/* Reasons not to trust a run, as bits: what the figures of the run show without a second run. */
+enum {
+  MG_DOUBT_ENDED = 1,              /* the run ended early */
+  MG_DOUBT_GAP = 2,                /* a closed contact was open by more than gap_error_max */
+  MG_DOUBT_PENETRATION = 4,        /* bodies penetrated deeper than gap_error_max */
+  MG_DOUBT_JOINT = 8,              /* a joint was apart by more than start_joint_gap */
+  MG_DOUBT_ENERGY = 16,            /* energy that work does not explain, above energy_error_max and rounding */
+  MG_DOUBT_COMPLEMENTARITY = 32,   /* forces pull, or act across gaps, by more than complementarity_error_max */
+  MG_DOUBT_IMPACT_GAIN = 64,       /* an impact added more energy than energy_error_max */
+  MG_DOUBT_NO_GAMMA = 128,         /* Gamma2 is left out */
+  MG_DOUBT_TIME_STEPPING = 256,    /* the run, or a part of it, was time-stepping, which locates no events */
+  MG_DOUBT_SLIP_STOP = 512,        /* slip died within fixed steps, which then lose their order */
+  MG_DOUBT_INDETERMINATE = 1024,   /* the motion is one of several, or is not proved to be the only one */
+  MG_DOUBT_FLUSH = 2048,           /* a blow on an edge in the plane of a face: rounding decides whether it is struck */
+  MG_DOUBT_UNFOLLOWED = 4096,      /* closest points were found that no contact was free to follow */
+  MG_DOUBT_INCOMPLETE = 8192       /* a search for closest points was given up */
+};
+
+/* The reasons not to trust a run that has come to `outcome` (mg_begin, mg_advance), MG_DOUBT_ENDED .. as bits; 0: none.
+   An outcome below MG_PENETRATION ends no run. What a finer run would show, its error, is not among them. */
+MG_API int mg_doubts(const mg_system *system, const mg_settings *settings, const mg_run *run, int outcome);
+
+/* A doubt in words, for one bit. */
+MG_API const char *mg_doubt_text(int doubt);
 
 /* Value of MG_ABI with which the library was compiled. */
 MG_API int mg_abi(void);

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from modelgen.report.schema_parts import NUMBER, entry, numbers, record
-from modelgen.runtime.trajectory import EVENT_KINDS
+from modelgen.runtime.trajectory import DOUBT_KINDS, EVENT_KINDS
 
 _EVENT = record(
     "a change of mode",
@@ -122,6 +122,11 @@ _PROPERTIES = {
         "type": "array",
         "items": {"type": "string"},
         "description": "reasons why the run cannot be trusted; empty if it can",
+    },
+    "doubt_kinds": {
+        "type": "array",
+        "items": {"type": "string", "enum": list(DOUBT_KINDS)},
+        "description": "what the figures of the run itself speak against, without a second run",
     },
     "steps": entry("integer", "accepted integration steps", minimum=0),
     "rejected": entry("integer", "steps repeated with a smaller size", minimum=0),

@@ -155,10 +155,16 @@ class Accuracy:
         feature_border: rad, or in L: a contact changes its feature this far beyond the border.
         time_resolution: changes of loads, given motions and paths within this times T may be missed.
         step_fraction: bound on the step, as a fraction of the longest step in which no event can be missed.
+        flush_height: a run is not trusted if a body struck another from the side at a point in the plane of a
+            face of each: within this times L, whether they meet is decided by rounding.
         prediction_error_max: rad, or in L: above this estimated error nothing is predicted.
         gap_error_max: a run is not trusted if the gap of a closed contact, or a penetration, exceeded this
             times L.
-        energy_error_max: a run is not trusted if its energy drift exceeds this, and what rounding explains.
+        energy_error_max: a run is not trusted if its energy drift exceeds this, and what rounding explains:
+            (steps + 1) eps (|E_0| + largest kinetic energy + M L^2/T^2). The same if an impact adds more
+            energy than this times the largest kinetic energy, as Newton's restitution with friction may.
+        complementarity_error_max: a run is not trusted if min(gap/L, force/(M L/T^2)) of a contact exceeds
+            this in size: forces that pull, or that act across a gap.
         overlap_depth: two shapes that no contact lists have passed through each other where a point of both
             lies deeper in them than this times the radius of the smaller one's ball.
     """
@@ -224,9 +230,11 @@ class Accuracy:
     feature_border: float = 1e-9
     time_resolution: float = 0.05
     step_fraction: float = 1.0
+    flush_height: float = 1e-8
     prediction_error_max: float = 1e-2
     gap_error_max: float = 1e-9
     energy_error_max: float = 1e-6
+    complementarity_error_max: float = 1e-6
     overlap_depth: float = 1e-4
 
     def __post_init__(self) -> None:
@@ -247,6 +255,7 @@ class Accuracy:
             event_tolerance=1e-9,
             gap_error_max=1e-6,
             energy_error_max=1e-3,
+            complementarity_error_max=1e-3,
         )
 
     @classmethod

@@ -72,7 +72,7 @@ def estimate_of(
     predicted = _predicted(position / length, rotation, n, accuracy.prediction_error_max)
     slow = BOUNCE * accuracy.rest_speed * length / instance["scales"]["time"]
     other = _other(path, twin, predicted, slow, safe, _resolution(path, accuracy))
-    reasons = [*_reasons(path, twin, accuracy, instance, missing)]
+    reasons = [*_reasons(path, twin, missing)]
     if other["events_unmatched"]:
         reasons.append(f"events that one of the two runs has alone: {other['events_unmatched']}")
     if twin is not None:
@@ -118,7 +118,7 @@ def _common(path: Trajectory, twin: Trajectory) -> int:
 def _safe(path: Trajectory, accuracy: Accuracy) -> float:
     """The factor from the difference of two runs to the error; the companion's error is TENTH**order of the
     run's."""
-    order = ORDERS.get("time-stepping" if steps_in_time(path, accuracy) else accuracy.method)
+    order = ORDERS.get("time-stepping" if steps_in_time(path) else accuracy.method)
     return SAFE if order is None else SAFE / (1 - TENTH**order)
 
 
@@ -199,13 +199,7 @@ def _other(
     }
 
 
-def _reasons(
-    path: Trajectory,
-    twin: Trajectory | None,
-    accuracy: Accuracy,
-    instance: Mapping[str, Any],
-    missing: str,
-) -> Iterator[str]:
+def _reasons(path: Trajectory, twin: Trajectory | None, missing: str) -> Iterator[str]:
     """Reasons why the estimate may miss errors that both runs share, or why there is no estimate."""
     if twin is None:
         yield missing
@@ -213,7 +207,7 @@ def _reasons(
         yield f"the companion run was interrupted at {twin.t_end:.6g} s"
     elif twin.t_end < path.t_end:
         yield f"the companion run came to {twin.t_end:.6g} s only: {twin.outcome.name.lower()}"
-    yield from uncertified(path, accuracy, instance)
+    yield from uncertified(path)
 
 
 def _order(

@@ -144,6 +144,11 @@ class SessionGroup:
         if code in REFUSED:
             raise self._refusal(lane, int(code))
 
+    def doubts(self, lane: int) -> int:
+        """What the figures of a lane speak against: bits of mg_doubts."""
+        code = ctypes.c_int(int(self.codes[lane]))
+        return int(self.library.cdll.mg_doubts(*self._head_at(lane), code))
+
     def sense(self, threads: int = 1) -> Array:
         """What the sensors of all lanes show, (n, n_sensor)."""
         self._share("mg_sense_many", (self._sensed_at,), threads)

@@ -155,6 +155,7 @@ def _path(session: Session, schedule: Schedule, times: Array, report: Report) ->
         session.run,
         recording.columns(),
         ending,
+        doubts=session.doubts(),
         wall_s=time.perf_counter() - started,
         warnings=warnings(session, session.accuracy, ending.events),
         outcome_function=unbounded(session, ending.outcome),

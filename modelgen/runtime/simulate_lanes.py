@@ -146,6 +146,7 @@ class LaneRuns:
             self._group.runs[lane],
             {name: column[rows] for name, column in self._columns.items()},
             Ending(OUTCOME_OF_CODE[int(self._group.codes[lane])], self._group.drain_events(lane)),
+            doubts=self._group.doubts(lane),
             inputs=dict(zip(names, values, strict=True)),
             instance=self._instances[lane],
             accuracy=self._accuracies[lane],

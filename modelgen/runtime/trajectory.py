@@ -81,6 +81,10 @@ EventKind = Literal[
     "fallback-end",
     "load-switch",
 ]
+DOUBT_KINDS = (  # by the bits MG_DOUBT_ENDED ..
+    *("ended", "gap", "penetration", "joint", "energy", "complementarity", "impact-gain", "no-gamma"),
+    *("time-stepping", "slip-stop", "indeterminate", "flush", "unfollowed", "incomplete"),
+)
 LOAD_SWITCH: EventKind = "load-switch"
 EVENT_KINDS: tuple[EventKind, ...] = get_args(EventKind)  # by MG_EVENT_IMPACT ..
 SEARCH_EVENTS: tuple[EventKind, ...] = ("appear", "vanish")  # at ends of steps
@@ -179,8 +183,15 @@ class Trajectory:
     kinds: tuple[str, ...]
     instructions: dict[str, int]
     accuracy: str
+    doubt_kinds: tuple[str, ...] = ()  # of DOUBT_KINDS: what its own figures speak against, by the core
     indeterminate_t: float | None = None  # s: first time at which friction or a load left the motion open
     indeterminate_load: str = ""  # that load, as events name it; "": friction forces
+    paradox_contact: str = ""  # contact with several solutions of Coulomb's law there (Painleve), or ""
+    impact_gain: float = 0.0  # J, most energy that an impact has added
+    impact_gain_t: float = 0.0  # s, of `impact_gain`
+    impact_gain_contact: str = ""  # that added most of it, "" where none did
+    flush_t: float = 0.0  # s, of the first blow on an edge in the plane of a face
+    flush_contact: str = ""  # its contact, "" where there was none
     energy_rounding: float = 0.0  # energy drift that rounding may explain
     penetration_t: float = 0.0  # s, of `penetration_max`
     penetration_pair: str = ""  # the pair that penetrates so deep, "" where none does
@@ -261,6 +272,7 @@ class Trajectory:
             "estimate": self.estimate and self.estimate.as_json(),
             "trusted": self.is_trusted,
             "doubts": list(self.doubts),
+            "doubt_kinds": list(self.doubt_kinds),
             "steps": self.steps,
             "rejected": self.rejected,
             "rhs_evals": self.rhs_evals,

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.by_name import ByName
 from modelgen.runtime.core_session import Session
-from modelgen.runtime.trajectory import Event, Outcome, Trajectory
+from modelgen.runtime.trajectory import DOUBT_KINDS, Event, Outcome, Trajectory
 from modelgen.runtime.warnings.time_stepping import fallback_step
 
 
@@ -27,6 +27,7 @@ def trajectory_of(
     columns: Mapping[str, Any],
     ending: Ending,
     *,
+    doubts: int,
     wall_s: float = 0.0,
     warnings: Sequence[str] = (),
     outcome_function: str = "",
@@ -40,11 +41,14 @@ def trajectory_of(
         session: of the library of the run, whose names and accuracy are those of the run.
         run: the mg_run.
         columns: the samples, as `Recording.columns` gives them.
+        doubts: what mg_doubts says of it.
         instance, accuracy: of the run, where they are not those of the session.
     """
     own, shared = session.instance if instance is None else instance, session.shared
     record = session.accuracy if accuracy is None else accuracy
     failed, deepest = run.failed_contact, run.penetration_contact
+    switch, paradox = run.indeterminate_switch, run.painleve_contact
+    is_paradox = run.indeterminate and switch < 0 <= paradox and run.painleve_t <= run.indeterminate_t
     return Trajectory(
         scene=own["name"],
         **columns,
@@ -73,10 +77,15 @@ def trajectory_of(
         complementarity_max=float(run.complementarity_max),
         margin_min=float(min(run.margin_min, 1.0)),
         redundant_max=int(run.redundant_max),
+        doubt_kinds=tuple(kind for bit, kind in enumerate(DOUBT_KINDS) if doubts >> bit & 1),
         indeterminate_t=float(run.indeterminate_t) if run.indeterminate else None,
-        indeterminate_load=session.switching_loads[switch]
-        if (switch := run.indeterminate_switch) >= 0
-        else "",
+        indeterminate_load=session.switching_loads[switch] if switch >= 0 else "",
+        paradox_contact=session.contacts[paradox] if is_paradox else "",
+        impact_gain=float(run.impact_gain_max),
+        impact_gain_t=float(run.impact_gain_t),
+        impact_gain_contact=session.contacts[gained] if (gained := run.impact_gain_contact) >= 0 else "",
+        flush_t=float(run.flush_t),
+        flush_contact=session.contacts[flush] if (flush := run.flush_contact) >= 0 else "",
         unfollowed_minima=int(run.unfollowed_minima),
         incomplete_searches=int(run.incomplete_searches),
         search_effort=int(run.search_effort),

@@ -6,16 +6,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.error_statement import Estimate
 from modelgen.runtime.trajectory import Outcome, Trajectory
-
-DYING = ("slip-stop", "spin-stop", "roll-stop")  # events at which slip has died
-UNBALANCED = (
-    1e-3  # of the kinetic energy, or of m L^2 / T^2: more energy is not lost by steps, but by a fault
-)
 
 
 def with_trust(
@@ -32,14 +25,14 @@ def doubts(
 
     Args:
         path, estimate: the run, and its estimate if there is one.
-        accuracy: its record; `gap_error_max`, `start_joint_gap` and `energy_error_max` are the thresholds of
-            the ledger.
+        accuracy: its record; `gap_error_max`, `start_joint_gap`, `energy_error_max` and
+            `complementarity_error_max` are the bounds, which the core applies (mg_doubts).
         instance: of the manifest.
 
     Returns:
-        The reasons in words: the run ended early; a closed contact is open; bodies penetrate; an open edge
-        passed through a body; a joint is apart; energy is out of balance; the error is not predicted up to
-        the end; the run is uncertified, and why.
+        The reasons in words: the run ended early; a closed contact is open; bodies penetrate; a joint is
+        apart; energy is out of balance, or an impact added some; forces pull; an open edge passed through a
+        body; the error is not predicted up to the end; the run is uncertified, and why.
     """
     return tuple(_doubts(path, estimate, accuracy, instance))
 
@@ -49,65 +42,74 @@ def _doubts(
 ) -> Iterator[str]:
     if path.outcome is not Outcome.DONE:
         yield f"it ended early: {path.outcome.name.lower()}"
-    gap_limit = accuracy.gap_error_max * instance["scales"]["length"]
-    if not path.gap_max <= gap_limit:
-        yield f"the gap of a closed contact reached {path.gap_max:.2g} m, above {gap_limit:.2g} m"
-    if not path.penetration_max <= gap_limit:
-        where = f"bodies penetrated by {path.penetration_max:.2g} m ({path.penetration_pair}, "
-        yield f"{where}t = {path.penetration_t:.6g} s), above {gap_limit:.2g} m"
+    told = _figures(path, accuracy, instance)
+    yield from (told[kind] for kind in FIGURES if kind in path.doubt_kinds)
     for each in path.over_edges:
         surface, other = each.between
         yield f"an open edge of {surface}, which touches nothing, passed through {other} (t = {each.t:.6g} s)"
-    joint_limit = accuracy.start_joint_gap * instance["scales"]["length"]
-    if not path.joint_error_max <= joint_limit:
-        yield f"a joint was apart by {path.joint_error_max:.2g} m, above {joint_limit:.2g} m"
-    if not path.energy_drift <= max(accuracy.energy_error_max, path.energy_rounding):
-        yield f"the energy drift {path.energy_drift:.2g} is above {accuracy.energy_error_max:g}"
     if estimate is not None and estimate.horizon is not None:
         yield f"nothing is predicted beyond {estimate.horizon:.6g} s"
-    reasons = tuple(uncertified(path, accuracy, instance)) if estimate is None else estimate.uncertified
+    reasons = tuple(uncertified(path)) if estimate is None else estimate.uncertified
     if reasons:
         yield f"uncertified: {'; '.join(reasons)}"
 
 
-def uncertified(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) -> Iterator[str]:
+def _figures(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) -> Mapping[str, str]:
+    """The doubts FIGURES of a run in words, with the figure and its bound."""
+    length = instance["scales"]["length"]
+    gap, joint = accuracy.gap_error_max * length, accuracy.start_joint_gap * length
+    energy = max(accuracy.energy_error_max, path.energy_rounding)
+    return {
+        "gap": f"the gap of a closed contact reached {path.gap_max:.2g} m, above {gap:.2g} m",
+        "penetration": f"bodies penetrated by {path.penetration_max:.2g} m ({path.penetration_pair}, "
+        f"t = {path.penetration_t:.6g} s), above {gap:.2g} m",
+        "joint": f"a joint was apart by {path.joint_error_max:.2g} m, above {joint:.2g} m",
+        "energy": f"the energy drift {path.energy_drift:.2g} is above {energy:.2g}",
+        "complementarity": "a contact force pulled, or acted across a gap, by "
+        f"{path.complementarity_max:.2g} (complementarity), above {accuracy.complementarity_error_max:g}",
+        "impact-gain": f"an impact at {path.impact_gain_contact} (t = {path.impact_gain_t:.6g} s) added "
+        f"{path.impact_gain:.2g} J, above {accuracy.energy_error_max:g} of the largest kinetic energy: its "
+        'law of restitution does not exclude that with friction, and law = "stronge" does',
+    }
+
+
+FIGURES = ("gap", "penetration", "joint", "energy", "complementarity", "impact-gain")  # of DOUBT_KINDS
+
+
+def uncertified(path: Trajectory) -> Iterator[str]:
     """Reasons why a run may have an error that its companion would share."""
-    if not accuracy.use_gamma and instance["pairs"]:
-        yield "Gamma2 is left out, and so the motion is another"
-    if _is_unbalanced(path, instance):
-        yield f"energy is off by {path.energy_drift:.2g} of the kinetic energy"
-    if steps_in_time(path, accuracy):
-        yield "time-stepping locates no events"
-    if accuracy.method == "rk4" and any(event.kind in DYING for event in path.events):
-        yield "fixed steps lose their order where slip dies"
+    told = {
+        "no-gamma": "Gamma2 is left out, and so the motion is another",
+        "time-stepping": "time-stepping locates no events",
+        "slip-stop": "fixed steps lose their order where slip dies",
+        "indeterminate": _indeterminate(path),
+        "flush": f"at t = {path.flush_t:.6g} s a blow at {path.flush_contact} struck an edge that lies in "
+        "the plane of a face of each body: rounding decides whether they meet; make one face of the two, or "
+        "let one lie lower by more than rounding",
+        "unfollowed": "closest points were found that no contact was free to follow",
+        "incomplete": "a search for closest points was given up before all were found",
+    }
+    yield from (reason for kind, reason in told.items() if kind in path.doubt_kinds)
+
+
+def _indeterminate(path: Trajectory) -> str:
+    """Why the motion is one of several, or may be."""
+    if path.indeterminate_t is None:
+        return ""
+    start = f"from t = {path.indeterminate_t:.6g} s the motion"
     if path.indeterminate_load:
-        yield (
-            f"from t = {path.indeterminate_t:.6g} s the motion is not unique: {path.indeterminate_load} "
-            "is at a jump from which it leads away"
+        return f"{start} is not unique: {path.indeterminate_load} is at a jump from which it leads away"
+    if path.paradox_contact:
+        return (
+            f"{start} is one of several: {path.paradox_contact} could as well slip on, pressed by its own "
+            "friction, as part (Painleve)"
         )
-    elif path.indeterminate_t is not None:
-        yield (
-            "contact forces with friction were not unique, and from "
-            f"t = {path.indeterminate_t:.6g} s the motion not proved to be: which contact slips first is not "
-            "decided by them"
-        )
-    if path.unfollowed_minima:
-        yield "closest points were found that no contact was free to follow"
-    if path.incomplete_searches:
-        yield "a search for closest points was given up before all were found"
+    return (
+        f"contact forces with friction were not unique, and {start} not proved to be: which contact slips "
+        "first is not decided by them"
+    )
 
 
-def steps_in_time(path: Trajectory, accuracy: Accuracy) -> bool:
+def steps_in_time(path: Trajectory) -> bool:
     """Whether a run, or a part of it, was one of time-stepping."""
-    return accuracy.method == "time-stepping" or any(event.kind == "fallback-start" for event in path.events)
-
-
-def _is_unbalanced(path: Trajectory, instance: Mapping[str, Any]) -> bool:
-    if path.energy_drift <= UNBALANCED:  # whatever the kinetic energy
-        return False
-    scales, bodies = instance["scales"], instance["bodies"]
-    mass = np.array([1 / b["mass_inverse"][0] if b["mass_inverse"][0] else 0.0 for b in bodies])
-    v = path.v[np.isfinite(path.v).all(axis=(1, 2))].astype(float)
-    kinetic = float((mass / 2 * (v**2).sum(axis=-1)).sum(axis=-1).max(initial=0.0))
-    least = scales["mass"] * (scales["length"] / scales["time"]) ** 2
-    return bool(path.energy_drift * kinetic > UNBALANCED * max(kinetic, least))
+    return "time-stepping" in path.doubt_kinds

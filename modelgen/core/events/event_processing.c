@@ -98,6 +98,7 @@ static int mg_first_of_circle(const mg_context *c, int contact) {
 
 /* Close an open contact. */
 static void mg_close_gap(mg_context *c, mg_events *events, int contact) {
+  mg_note_flush_blow(c, contact);
   mg_apply_contact_transition(c, events, contact, MG_IMPACT_INELASTIC, c->run->t, 0);
   c->events.triggered[contact] = MG_JUST_CLOSED;
 }

@@ -141,8 +141,10 @@ static mg_friction_problem mg_assemble_friction_problem(mg_context *c, const int
 static void mg_note_painleve_paradox(mg_context *c, const mg_friction_problem *p) {
   for (int k = 0; k < p->n_contact && c->run->painleve_contact < 0; k++) {
     const int first = p->first[k], contact = c->friction.cone_contact[k];
-    if (p->A[first * (p->n + 1)] < 0 && p->b[first] > mg_acceleration_tolerance(c))
+    if (p->A[first * (p->n + 1)] < 0 && p->b[first] > mg_acceleration_tolerance(c)) {
       c->run->painleve_contact = contact, c->run->painleve_t = c->run->t;
+      mg_note_indeterminate(c, -1);
+    }
   }
 }
 

@@ -81,16 +81,20 @@ static int mg_is_present_motion_unique(mg_context *c) {
   return 1;
 }
 
+MG_INTERNAL void mg_note_indeterminate(const mg_context *c, int load_switch) {
+  if (c->run->indeterminate) return;
+  c->run->indeterminate = 1, c->run->indeterminate_t = c->run->t, c->run->indeterminate_switch = load_switch;
+}
+
 MG_INTERNAL void mg_monitor_redundant_friction(mg_context *c) {
-  if (!c->run->friction_redundant || c->run->indeterminate || mg_is_present_motion_unique(c)) return;
-  c->run->indeterminate = 1, c->run->indeterminate_t = c->run->t;
+  if (c->run->friction_redundant && !c->run->indeterminate && !mg_is_present_motion_unique(c))
+    mg_note_indeterminate(c, -1);
 }
 
 MG_INTERNAL void mg_monitor_loads_at_jumps(const mg_context *c) {
   if (!mg_has_branches(c)) return;
   for (int k = 0; k < c->system->n_switch; k++) {
-    if (c->switches.repels[k] && !c->run->indeterminate)
-      c->run->indeterminate = 1, c->run->indeterminate_t = c->run->t, c->run->indeterminate_switch = k;
+    if (c->switches.repels[k]) mg_note_indeterminate(c, k);
     if (c->switches.shares[k] && c->run->shared_switch < 0) c->run->shared_switch = k;
   }
 }

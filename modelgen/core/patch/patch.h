@@ -67,6 +67,12 @@ MG_INTERNAL int mg_is_approaching_beyond_drift(const mg_context *c, int contact)
 MG_INTERNAL mg_real mg_point_speed_along_normal(const mg_context *c, const mg_real *twists, int body, const mg_real *at,
                                                 const mg_real *N);
 
+/* flush_blow.c */
+
+/* Note the first contact that closes although rounding alone decides whether its bodies meet: in the plane of a face of
+   each. Needs the rows at the run's state. */
+MG_INTERNAL void mg_note_flush_blow(mg_context *c, int contact);
+
 /* patch_begin.c */
 
 /* True if the contact lies in a patch whose faces lie on each other. */

@@ -49,7 +49,8 @@ static void mg_reset_report(mg_run *run) {
   run->steps = run->rejected = run->rhs_evals = run->lcp_solves = run->since_projection = run->events_at_t = 0;
   run->redundant_max = run->fallbacks = run->loose_solutions = run->relaxed_solutions = 0;
   run->progress_tries = run->progress_rejected = 0, run->progress_t = run->t;
-  run->singular_passages = 0, run->passage_contact = -1;
+  run->singular_passages = run->slip_stops = 0, run->passage_contact = -1;
+  run->flush_t = 0, run->flush_contact = -1;
   run->fallback_first = run->fallback_end = run->fallback_time = run->fallback_left = 0,
   run->fallback_cause = run->fallback_doublings = 0;
   mg_reset_event_work(run);

@@ -139,6 +139,7 @@ SETTINGS_REALS = (
         "time_resolution",
         "step_fraction",
     ),
+    *("flush_height", "gap_error_max", "energy_error_max", "complementarity_error_max"),
 )
 SETTINGS_COUNTS = ("lcp_iterations", "event_scan_parts", "events_at_once_max", "chatter_closed")
 RUN_ARRAYS = (
@@ -184,6 +185,7 @@ RUN_COUNTS = (
         "relaxed_solutions",
     ),
     "singular_passages",
+    "slip_stops",
     "redundant_max",
     "unfollowed_minima",
     "incomplete_searches",
@@ -205,6 +207,7 @@ RUN_REALS = (
         "spring_rate_max",
         "incomplete_t",
         "indeterminate_t",
+        "flush_t",
     ),
 )
 RUN_INTEGERS = (
@@ -224,6 +227,7 @@ RUN_INTEGERS = (
         "friction_redundant",
         "indeterminate",
         "indeterminate_switch",
+        "flush_contact",
         "shared_switch",
     ),
 )

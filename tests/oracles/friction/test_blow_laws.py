@@ -17,7 +17,7 @@ from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene import python_scenes as make
 from modelgen.scene.read import read_text
 from tests.oracles.friction.impact import Planar, at_once, chained, inverse_mass
-from tests.oracles.friction.painleve import INDETERMINATE, Rod
+from tests.oracles.friction.painleve import INDETERMINATE, PARTS, Rod
 from tests.oracles.pieces import TABLE, imbalance, ran, times
 from tests.running import SCENES, library_of
 
@@ -221,16 +221,40 @@ def test_a_face_struck_corner_by_corner_keeps_its_energy_and_order(law: str, e: 
     assert path.energy[-1] < path.energy[0]
 
 
-def test_a_rod_that_might_slip_on_or_part_is_said_to() -> None:
-    theta, mu, rate = 1.0, 2.0, 8.0
-    assert Rod().outcome(theta, rate, mu) == INDETERMINATE
-    c, s = 0.5 * np.cos(theta), 0.5 * np.sin(theta)
-    rod = make.dynamic(
-        "rod", make.point(-0.5, 0.0, 0.0), mass=1.0, inertia=[1e-4, 1 / 12, 1 / 12], rpy=[0, -theta, 0],
-        position=[c, 0, s], velocity=[-4.0, 0, rate * c], angular_velocity=[0, -rate, 0],
-    )  # fmt: skip
-    path = ran([rod, TABLE], 1e-3, [{"between": ["rod", "table"], "friction": mu}])
-    assert any("Painleve" in warning and "one of several" in warning for warning in path.warnings)
+@pytest.mark.parametrize("wanted", [INDETERMINATE, PARTS])
+def test_a_rod_that_might_slip_on_or_part_is_not_trusted(wanted: str) -> None:
+    """Painleve: where Coulomb's law has two solutions the motion is one of several, and the run says so."""
+    random, found = np.random.default_rng(3), 0
+    while found < 12:
+        theta, mu, rate = random.uniform(0.2, 1.4), random.uniform(0.3, 3.0), random.uniform(5.0, 12.0)
+        if Rod().outcome(theta, rate, mu) != wanted:
+            continue
+        found += 1
+        c, s = 0.5 * np.cos(theta), 0.5 * np.sin(theta)
+        rod = make.dynamic(
+            "rod", make.point(-0.5, 0.0, 0.0), mass=1.0, inertia=[1e-4, 1 / 12, 1 / 12], rpy=[0, -theta, 0],
+            position=[c, 0, s], velocity=[-4.0 - rate * s, 0, rate * c], angular_velocity=[0, -rate, 0],
+        )  # fmt: skip
+        path = ran([rod, TABLE], 1e-3, [{"between": ["rod", "table"], "friction": mu}])
+        assert path.is_trusted == (wanted == PARTS), path.doubts
+        assert path.indeterminate_t == (0.0 if wanted == INDETERMINATE else None)
+        assert any("one of several" in reason for reason in path.doubts) == (wanted == INDETERMINATE)
+
+
+@pytest.mark.parametrize("e", [0.9, 1.0])
+def test_a_blow_that_gains_energy_is_not_trusted(e: float) -> None:
+    """Newton's restitution with friction may add energy (Kane's rod); Stronge's does not."""
+    gained = set()
+    for angle in np.linspace(0.3, 1.2, 4):
+        for spin in np.linspace(-3.0, 3.0, 5):
+            for law in LAWS:
+                path, _, _ = rod_struck(law, e, 0.6, angle, spin)
+                before = 0.5 + INERTIA[1] * spin**2 / 2
+                made = path.energy[-1] - before
+                told = any("added" in reason for reason in path.doubts)
+                assert told == (made > 1e-6 * path.energy.max()), (law, angle, spin, made)
+                gained |= {law} if told else set()
+    assert gained == {"newton"}
 
 
 def test_time_stepping_says_that_it_follows_newtons_law() -> None:

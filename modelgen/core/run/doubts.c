@@ -1,0 +1,62 @@
+/* The reasons not to trust a run that its own figures show (mg_doubts), and their words. Writes nothing. */
+#include "run/run.h"
+
+static const struct {
+  int doubt;
+  const char *text;
+} mg_doubt_texts[] = {
+    {MG_DOUBT_ENDED, "the run ended early"},
+    {MG_DOUBT_GAP, "the gap of a closed contact is too large"},
+    {MG_DOUBT_PENETRATION, "bodies penetrated each other"},
+    {MG_DOUBT_JOINT, "a joint was apart"},
+    {MG_DOUBT_ENERGY, "the energy changed by more than the work done"},
+    {MG_DOUBT_COMPLEMENTARITY, "a contact force pulled, or acted across a gap"},
+    {MG_DOUBT_IMPACT_GAIN, "an impact added energy"},
+    {MG_DOUBT_NO_GAMMA, "Gamma2 is left out"},
+    {MG_DOUBT_TIME_STEPPING, "time-stepping located no events"},
+    {MG_DOUBT_SLIP_STOP, "slip died within fixed steps"},
+    {MG_DOUBT_INDETERMINATE, "the motion is one of several, or is not proved to be the only one"},
+    {MG_DOUBT_FLUSH, "rounding decided whether an edge in the plane of a face was struck"},
+    {MG_DOUBT_UNFOLLOWED, "closest points were found that no contact was free to follow"},
+    {MG_DOUBT_INCOMPLETE, "a search for closest points was given up"},
+};
+
+MG_API const char *mg_doubt_text(int doubt) {
+  for (size_t k = 0; k < sizeof mg_doubt_texts / sizeof *mg_doubt_texts; k++)
+    if (mg_doubt_texts[k].doubt == doubt) return mg_doubt_texts[k].text;
+  return "";
+}
+
+/* Energy to which energy errors are relative, J: the largest kinetic energy, or of what has not moved m (L/T)^2. */
+static mg_real mg_moved_energy(const mg_run *run, mg_real resting) {
+  return run->kinetic_max > MG_EPS * resting ? run->kinetic_max : resting;
+}
+
+/* True if the energy error is above its bound, and above what rounding in each step may add up to. */
+static int mg_is_energy_lost(const mg_run *run, mg_real resting, mg_real bound) {
+  const mg_real rounding =
+      ((mg_real)run->steps + 1) * MG_EPS * (resting + fabs(run->energy_0) + run->kinetic_max);
+  return !(run->energy_error_max <= mg_max(bound * mg_moved_energy(run, resting), rounding));
+}
+
+MG_API int mg_doubts(const mg_system *system, const mg_settings *settings, const mg_run *run, int outcome) {
+  const mg_real speed = system->length / system->time, resting = system->mass * speed * speed,
+                gap = settings->gap_error_max * system->length;
+  const mg_real moved = mg_moved_energy(run, resting);
+  int found = 0;
+  if (outcome >= MG_PENETRATION) found |= MG_DOUBT_ENDED;
+  if (!(run->gap_max <= gap)) found |= MG_DOUBT_GAP;
+  if (!(run->penetration_max <= gap)) found |= MG_DOUBT_PENETRATION;
+  if (!(run->joint_error_max <= settings->start_joint_gap * system->length)) found |= MG_DOUBT_JOINT;
+  if (mg_is_energy_lost(run, resting, settings->energy_error_max)) found |= MG_DOUBT_ENERGY;
+  if (!(run->complementarity_max <= settings->complementarity_error_max)) found |= MG_DOUBT_COMPLEMENTARITY;
+  if (!(run->impact_gain_max <= settings->energy_error_max * moved)) found |= MG_DOUBT_IMPACT_GAIN;
+  if (!settings->use_gamma && system->n_pair) found |= MG_DOUBT_NO_GAMMA;
+  if (settings->method == MG_TIME_STEPPING || run->fallbacks || run->chatters) found |= MG_DOUBT_TIME_STEPPING;
+  if (settings->method == MG_RK4 && run->slip_stops) found |= MG_DOUBT_SLIP_STOP;
+  if (run->indeterminate) found |= MG_DOUBT_INDETERMINATE;
+  if (run->flush_contact >= 0) found |= MG_DOUBT_FLUSH;
+  if (run->unfollowed_minima) found |= MG_DOUBT_UNFOLLOWED;
+  if (run->incomplete_searches) found |= MG_DOUBT_INCOMPLETE;
+  return found;
+}

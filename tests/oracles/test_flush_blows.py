@@ -1,0 +1,82 @@
+"""A body slides over the seam of two level plates as over one: a run that stops it there is doubted.
+
+Walls, posts and steps beside the plates are struck, and their blows are not doubted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from modelgen import simulate
+from modelgen.runtime.trajectory import Trajectory
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Body, Shape
+from tests.running import library_of
+
+SEAM = 0.0  # m, where the second plate begins
+SPEED = 2.0
+SLIDERS = {
+    "box": make.box(0.3, 0.2, 0.1),
+    "puck": make.cylinder(0.15, 0.1),
+    "wedge": make.extrusion(length=0.1, points=[[-0.1, -0.1], [0.15, -0.05], [0.0, 0.12]]),
+}
+LEFT = make.fixed("left", make.box(2.0, 2.0, 2.0), position=[-1.0, 0.0, -1.0])
+
+
+def plate(height: float = 0.0, width: float = 2.0) -> Body:
+    return make.fixed("right", make.box(2.0, width, 2.0), position=[1.0, 0.0, height - 1.0])
+
+
+def slid(shape: Shape, ground: Sequence[Body], yaw: float = 0.0) -> Trajectory:
+    """A body that slides without friction along x, 0.5 m before the seam at the start."""
+    body = make.dynamic(
+        "slider", shape, mass=1.0, inertia=[0.01, 0.01, 0.01], position=[-0.5, 0.0, 0.05], rpy=[0, 0, yaw],
+        velocity=[SPEED, 0.0, 0.0],
+    )  # fmt: skip
+    contact = [{"between": ["slider", each.name]} for each in ground]
+    scene = make.scene("seam", [*ground, body], contact=contact)
+    return simulate(library_of(scene), until=0.4, samples=2, estimate=False)
+
+
+def is_stopped(path: Trajectory) -> bool:
+    return bool(np.abs(path.v[-1, -1] - [SPEED, 0.0, 0.0]).max() > 1e-9)
+
+
+@pytest.mark.parametrize("width", [2.0, 0.1])
+@pytest.mark.parametrize("name", SLIDERS)
+def test_a_slider_is_not_stopped_by_a_seam_and_trusted(name: str, width: float) -> None:
+    random = np.random.default_rng(len(name))
+    for height in (0.0, 1e-16, -1e-16, 1e-13, 1e-11, 3e-10):
+        path = slid(SLIDERS[name], [LEFT, plate(height, width)], random.uniform(-np.pi, np.pi))
+        assert not (is_stopped(path) and path.is_trusted), (height, path.events)
+
+
+@pytest.mark.parametrize("name", SLIDERS)
+@pytest.mark.parametrize("height", [1e-7, 1e-5, 1e-3, 0.02])
+def test_a_step_is_struck(name: str, height: float) -> None:
+    path = slid(SLIDERS[name], [LEFT, plate(height)], 0.3)
+    assert is_stopped(path)
+    assert not path.flush_contact
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.3])
+@pytest.mark.parametrize("name", SLIDERS)
+@pytest.mark.parametrize("width", [2.0, 0.05])
+def test_a_wall_that_stands_on_the_plate_is_struck(name: str, yaw: float, width: float) -> None:
+    floor = make.fixed("floor", make.box(4.0, 2.0, 2.0), position=[0.0, 0.0, -1.0])
+    wall = make.fixed("wall", make.box(0.2, width, 1.0), position=[0.1, 0.0, 0.5])
+    path = slid(SLIDERS[name], [floor, wall], yaw)
+    assert is_stopped(path)
+    assert not path.flush_contact
+
+
+@pytest.mark.parametrize("name", SLIDERS)
+def test_the_wall_of_a_tray_is_struck(name: str) -> None:
+    points = [[-2.0, -1.0], [1.0, -1.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0], [-2.0, 0.0]]
+    tray = make.fixed("tray", make.extrusion(length=2.0, points=points), rpy=[np.pi / 2, 0.0, 0.0])
+    path = slid(SLIDERS[name], [tray], 0.3)
+    assert is_stopped(path)
+    assert not path.flush_contact
