@@ -236,6 +236,15 @@ class FaceEntry:
 
 
 @dataclass(frozen=True, slots=True)
+class ShareEntry:
+    """The part of a patch of several pairs that belongs to one of them: where its own two faces overlap."""
+
+    pair: int
+    boundary_o: tuple[int, int]  # range of the entries of o's boundary in that of the union; empty: a plane
+    boundary_f: tuple[int, int]  # the same of f
+
+
+@dataclass(frozen=True, slots=True)
 class PatchEntry:
     """Two faces that may rest on each other, held by three points of f's on o's plane."""
 
@@ -248,6 +257,7 @@ class PatchEntry:
     patch_slots: tuple[int, int] = (0, 0)  # places, first and end, for those of the pair that rest
     friction_kind: int = -1  # kind of the first point's contact where there is friction: with slip and spin
     friction: tuple[float, float] = (0.0, 0.0)  # static and kinetic coefficient
+    shares: tuple[ShareEntry, ...] = ()  # of the pairs, where it is of several
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import accumulate
 from math import cos, pi, sin
 from typing import Any
 
@@ -14,7 +15,7 @@ from modelgen.assembly.feature_pairs import Whole
 from modelgen.assembly.rim_support_points import SUPPORT_POINTS
 from modelgen.geometry.face_regions import in_one_plane, to_axes
 from modelgen.geometry.shape_features import is_convex
-from modelgen.model import FaceEntry, PatchEntry
+from modelgen.model import FaceEntry, PatchEntry, ShareEntry
 from modelgen.scene.pose_arithmetic import compose, to_outer
 from modelgen.scene.scene_types import ContactPair, Pose, Vector
 
@@ -52,7 +53,7 @@ class Unions:
         ):
             first = group[0][0]
             name = _name([(shown[k].pair, patch) for k, patch in group])
-            found[first].append(self._joined([patch for _, patch in group], name))
+            found[first].append(self._joined(group, name))
         return tuple(_with_slots(found, shown))
 
     def _groups(self, members: Sequence[Member], shown: Sequence[Shown]) -> Iterator[list[Member]]:
@@ -78,7 +79,8 @@ class Unions:
         faces = zip(a[1].faces, b[1].faces, strict=True)
         return all(in_one_plane(self._placed[i][1], self._placed[j][1]) for i, j in faces)
 
-    def _joined(self, group: Sequence[PatchEntry], name: str) -> PatchEntry:
+    def _joined(self, members: Sequence[Member], name: str) -> PatchEntry:
+        group = [patch for _, patch in members]
         sides = [list(dict.fromkeys(patch.faces[side] for patch in group)) for side in range(2)]
         first = replace(group[0], faces=(self._union(sides[0]), self._union(sides[1])))
         if len(group) == 1:
@@ -93,7 +95,17 @@ class Unions:
             feature_pairs=tuple(
                 sorted({feature_pair for patch in group for feature_pair in patch.feature_pairs})
             ),
+            shares=tuple(self._shares(members, sides)),
         )
+
+    def _shares(self, members: Sequence[Member], sides: Sequence[Sequence[int]]) -> Iterator[ShareEntry]:
+        """The parts of a union that belong to each member."""
+        ranges = []
+        for faces in sides:
+            ends = list(accumulate(len(self.given[face].boundary) for face in faces))
+            ranges.append(dict(zip(faces, zip([0, *ends[:-1]], ends, strict=True), strict=True)))
+        for pair, patch in members:
+            yield ShareEntry(pair, ranges[0][patch.faces[0]], ranges[1][patch.faces[1]])
 
     def _union(self, members: Sequence[int]) -> int:
         """The number of the union of coplanar faces, in the axes of the first of them."""

@@ -51,6 +51,8 @@ def needed_quantities(scene: Scene) -> tuple[str, ...]:
             turning = sensor.measurand.point is not None or quantity in _OF_ROTATION
             words += [f"{name}.position", *([f"{name}.orientation"] if turning else [])]
             words += [f"{base}.position", f"{base}.orientation"] if base else []
+        elif sensor.measurand.owner == "pair":
+            words += [f"{each}.{quantity}" for each in sensor.measurand.pairs]
         else:
             words.append(f"{name}.{'coordinates' if quantity in ('coordinate', 'rate') else quantity}")
     return tuple(dict.fromkeys(words))

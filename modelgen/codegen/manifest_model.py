@@ -287,7 +287,7 @@ def parameters_of(scene: Scene) -> dict[str, Any]:
 def _measured_pairs(model: Model) -> dict[str, list[int]]:
     """The pairs that sensors measure."""
     measured = (each.measurand for each in model.scene.sensors)
-    names = {each.name for each in measured if each is not None and each.owner == "pair"}
+    names = {name for each in measured if each is not None for name in each.pairs}
     pairs = [index for index, entry in enumerate(model.pairs) if entry.name in names]
     return {"pairs": pairs} if pairs else {}
 

@@ -34,8 +34,10 @@ def patch_table(entry: PatchEntry) -> dict[str, Any]:
         if entry.friction_kind >= 0
         else {}
     )
+    shares = [[each.pair, *each.boundary_o, *each.boundary_f] for each in entry.shares]
     return {
         **friction,
+        **({"shares": shares} if shares else {}),
         "name": entry.name,
         "pair": entry.pair,
         "kind": entry.kind,

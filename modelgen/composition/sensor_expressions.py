@@ -40,9 +40,10 @@ def _acceleration(body: MovingBody, found: ForcesAndAccelerations) -> Expression
 
 
 def _pairs(scene: WrittenScene, found: ForcesAndAccelerations) -> list[Expression]:
-    """Of each pair the least gap and the sum of the normal forces."""
+    """Of each pair the least gap and the sum of the normal forces; NaN for the force of one of several pairs
+    that rest as one patch, which the pressure between the faces decides."""
     parts: list[Expression] = []
-    for pair in scene.model.pairs:
+    for number, pair in enumerate(scene.model.pairs):
         gap, force = ca.DM(ca.inf), ca.DM(0)
         for k in range(*pair.contacts):
             touch = scene.rows.contacts[k]
@@ -50,7 +51,12 @@ def _pairs(scene: WrittenScene, found: ForcesAndAccelerations) -> list[Expressio
                 gap = ca.fmin(gap, touch.gap) if not isinstance(gap, ca.DM) else touch.gap
                 force = force + found.forces[k]
         for k, row in enumerate(scene.rows.rows):
-            if row.kind == "support" and scene.model.patches[row.owner].pair == scene.model.pairs.index(pair):
+            if row.kind != "support":
+                continue
+            patch = scene.model.patches[row.owner]
+            if number in (share.pair for share in patch.shares):
+                force = force + float("nan")
+            elif patch.pair == number:
                 force = force + found.forces[k]
         parts += [gap, force]
     return parts

@@ -192,6 +192,10 @@ typedef struct {
                                body f (12) */
   const int *patch_covered; /* [n_patch + 1] range of covered_feature_pair */
   const int *covered_feature_pair; /* [all covered] feature pairs that lie in the patch, to be replaced by it */
+  const int *patch_share; /* [n_patch + 1] range of shares; none of a patch of one pair */
+  const int *share_pair;  /* [all shares] pair of shapes to which the force on a part of the patch belongs */
+  const int *share_arc;   /* [4 all shares] its two faces, whose overlap the part is: first arc of o's and the one after
+                             its last, the same of f's */
 
   const int *arc_shape;      /* [all arcs] shape kind of the curve */
   const int *arc_parameters; /* [all arcs] offset into parameters of the curve */
@@ -548,6 +552,8 @@ typedef struct {
   int incomplete_pair;      /* pair of shapes of the first of incomplete_searches, or -1 */
   int penetration_contact;  /* contact, or first contact of the pair, of penetration_max; -1: none */
   int spin_body;            /* body of spin_max, or -1 */
+  int overlapping_patch;    /* patch of several pairs whose faces overlap, so that their shares are not unique; -1: none
+                               was sampled */
   int spring_rate_load;     /* load of spring_rate_max, or -1 */
   int forces_redundant;     /* 1: forces are not unique; those nearest to reference_force are taken */
   int friction_redundant;   /* 1: friction forces of the present modes are not unique */
@@ -577,6 +583,8 @@ typedef struct {
   mg_real
       *patch_friction;   /* [8 n_patch_slot] friction force on f, N; its torque about N through the centre of pressure,
                             N m; velocity of f relative to o there, m/s; spin of f relative to o about N, rad/s */
+  mg_real *patch_share;  /* [all shares] force of each share by the pressure between the faces, N; 0 where its patch does
+                            not rest. Shares that overlap count their common part twice. */
   mg_real *friction;     /* [3 n_contact] friction force on f, N */
   mg_real *torque;       /* [3 n_contact] torque of spinning and rolling resistance on f, N m, world axes */
   mg_real *slip;         /* [3 n_contact] slip velocity of f relative to o, m/s */

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import reduce
 
 import casadi as ca
 
@@ -137,8 +138,16 @@ def _measured(measured: Measurand, model: Model, symbols: _Symbols) -> ca.SX:
         return _of_body(measured, model, symbols)
     if measured.owner == "joint":
         return _of_joint(measured, model, symbols)
-    index = [pair.name for pair in model.pairs].index(measured.name)
-    return symbols.arguments["pairs"][OF_A_PAIR * index + ("gap", "force").index(measured.quantity)]
+    return _of_pairs(measured, model, symbols.arguments["pairs"])
+
+
+def _of_pairs(measured: Measurand, model: Model, pairs: ca.SX) -> ca.SX:
+    """The least gap or the sum of the forces of pairs; a gap is NaN only where all of them are."""
+    indices = [index for index, pair in enumerate(model.pairs) if pair.name in measured.pairs]
+    values = [pairs[OF_A_PAIR * k + ("gap", "force").index(measured.quantity)] for k in indices]
+    if measured.quantity == "force":
+        return ca.sum1(ca.vertcat(*values))
+    return reduce(ca.fmin, values)
 
 
 def _of_body(measured: Measurand, model: Model, symbols: _Symbols) -> ca.SX:

@@ -68,6 +68,7 @@ def load(path: str | Path) -> Record:
                 coordinate_names=tuple(names["coordinates"]),
                 sensor_names=tuple(names["sensors"]),
                 patch_names=tuple(names["patches"]),
+                shares=tuple((patch, pair) for patch, pair in names["shares"]),
                 faces={key[5:]: stored[key] for key in stored.files if key.startswith("face_")},
                 scene=json.loads(str(stored["scene"])) if "scene" in stored.files else None,
             )
@@ -90,6 +91,7 @@ def _save_npz(record: Record, path: Path) -> None:
         "coordinates": record.coordinate_names,
         "sensors": record.sensor_names,
         "patches": record.patch_names,
+        "shares": record.shares,
     }
     meshes = {f"mesh_{key}": mesh for key, mesh in record.meshes.items()}
     faces = {f"face_{key}": face for key, face in record.faces.items()}
@@ -114,8 +116,8 @@ _AXES = {1: ("",), 3: ("_x", "_y", "_z")}
 def _table(record: Record) -> tuple[list[str], Array]:
     """One row a sample: t; p, quaternion, v, w of each body; force, gap of each contact, and friction,
     torque and slip where one has friction; force and centre of pressure of each patch that rested, and where
-    one has friction that, its torque, slip and spin; force, torque of each joint, and coordinates; sensors;
-    energy, work."""
+    one has friction that, its torque, slip and spin; the force on each pair of a patch of several; force,
+    torque of each joint, and coordinates; sensors; energy, work."""
     columns = record.columns
     header, parts = ["t"], [columns["t"][:, None]]
     vectors = (("p", "xyz"), ("quaternion", "wxyz"), ("v", "xyz"), ("w", "xyz"))
@@ -140,6 +142,10 @@ def _table(record: Record) -> tuple[list[str], Array]:
             values = columns[f"patch_{name}"].reshape(*mine.shape, -1)
             header += [f"{record.patch_names[patch]}.{name}{axis}" for axis in _AXES[values.shape[2]]]
             parts.append(np.where(mine[..., None], values, 0.0).sum(axis=1))
+        for k, (of, pair) in enumerate(record.shares):
+            if of == patch:
+                header.append(f"{record.patch_names[patch]}.{pair}.force")
+                parts.append(columns["patch_share"][:, k : k + 1])
     for k, joint in enumerate(record.joint_names):
         for name in ("force", "torque"):
             header += [f"{joint}.{name}_{axis}" for axis in "xyz"]

@@ -23,6 +23,7 @@ COLUMNS = (
     *("friction", "contact_torque", "slip", "points_o", "points_f", "normals", "energy", "work"),
     *("joint_force", "joint_torque", "coordinates", "sensors"),
     *("patch", "patch_force", "patch_point", "patch_friction", "patch_torque", "patch_slip", "patch_spin"),
+    "patch_share",
     *("position_error", "rotation_error", "velocity_error", "spin_error"),
 )
 
@@ -48,6 +49,7 @@ class Record:
     coordinate_names: tuple[str, ...] = ()
     sensor_names: tuple[str, ...] = ()
     patch_names: tuple[str, ...] = ()
+    shares: tuple[tuple[int, str], ...] = ()
     faces: dict[str, Array] = field(default_factory=dict)
     scene: dict[str, Any] | None = None
 
@@ -134,6 +136,7 @@ def record_of(trajectory: Trajectory, library: Library, scene: Scene | None = No
         coordinate_names=trajectory.coordinate_names,
         sensor_names=trajectory.sensor_names,
         patch_names=trajectory.patch_names,
+        shares=trajectory.shares,
         scene=kept,
     )
     bare.faces.update(face_outlines(library, bare.rested))

@@ -60,6 +60,11 @@ _PATCH = record(
         "torque": entry(NUMBER, "of friction on it about the normal through the centre of pressure, N m"),
         "slip": numbers(3, "of the second face past the first there, m/s, world axes"),
         "spin": entry(NUMBER, "of it past the first about the normal from the first to it, rad/s"),
+        "shares": entry(
+            "object",
+            "where several pairs of shapes rest as one: the part of the force on each by the pressure, N",
+            additionalProperties={"type": "number"},
+        ),
     },
 )
 _ESTIMATE = record(

@@ -92,6 +92,11 @@ def _patch_lines(patches: dict[str, Any], length: float) -> Iterator[str]:
         if torque or hypot(*patch["friction"]) > noise:
             line += f", friction ({vector_text(patch['friction'], noise)}), torque {torque:.6g}"
         yield line
+        shares = [f"{pair} {force:.6g}" for pair, force in list(patch["shares"].items())[: FIRST + LAST]]
+        more = len(patch["shares"]) - FIRST - LAST
+        shares += [f"... {more} more; --json and --out hold all"] if more > 0 else []
+        if shares:
+            yield f"{name}: of its force on {', '.join(shares)}"
 
 
 def _joint_lines(joints: dict[str, Any], length: float) -> Iterator[str]:

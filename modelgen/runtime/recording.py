@@ -22,7 +22,9 @@ class Recording:
     def __init__(self, session: Session, times: Array) -> None:
         n_joint, shared = len(session.joints), session.shared
         sizes = (session.n_body, session.n_contact, n_joint, session.instance["n_eta"])
-        reals_of_n, integers_of_n = _layout(len(times), *sizes, session.n_patch_slot, shared.n_sensor)
+        reals_of_n, integers_of_n = _layout(
+            len(times), *sizes, session.n_patch_slot, len(shared.shares), shared.n_sensor
+        )
         integers, integer_at = integers_of_n.zeros(INTEGER)
         reals, real_at = reals_of_n.zeros(session.tables.dtype)
         self.arrays, self._addresses = integers | reals, integer_at | real_at
@@ -70,6 +72,7 @@ class Recording:
             "patch_friction": kept["patch_friction"][..., :3],
             "patch_torque": kept["patch_friction"][..., 3],
             "patch_slip": kept["patch_friction"][..., 4:7],
+            "patch_share": kept["patch_share"],
             "patch_spin": kept["patch_friction"][..., 7],
             **joint_columns(self.session, kept, rotation, runs),
             "points_o": kept["point_o"][:, : self.session.n_shown],
@@ -90,7 +93,14 @@ class Recording:
 
 @lru_cache(maxsize=64)
 def _layout(
-    n: int, n_body: int, n_contact: int, n_joint: int, n_eta: int, n_patch_slot: int, n_sensor: int
+    n: int,
+    n_body: int,
+    n_contact: int,
+    n_joint: int,
+    n_eta: int,
+    n_patch_slot: int,
+    n_share: int,
+    n_sensor: int,
 ) -> tuple[ArrayBlock, ArrayBlock]:
     """Where the columns of n samples lie: those of real numbers, and those of integers."""
     reals: dict[str, tuple[int, ...]] = {
@@ -98,6 +108,7 @@ def _layout(
         **{"force": (n, n_contact), "gap": (n, n_contact), "energy": (n,), "work": (n,)},
         **dict.fromkeys(("normal", "point_o", "point_f", "friction", "torque", "slip"), (n, n_contact, 3)),
         **{"pressure": (n, n_patch_slot, 4), "patch_friction": (n, n_patch_slot, 8)},
+        "patch_share": (n, n_share),
         **{"joint_wrench": (n, n_joint, 6), "coordinate": (n, n_joint, 3), "sensors": (n, n_sensor)},
     }
     integers = zip(INTEGERS, ((n, n_contact), (n, n_patch_slot)), strict=True)

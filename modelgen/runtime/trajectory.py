@@ -147,6 +147,7 @@ class Trajectory:
     patch_torque: Array  # (n, n_slot) N m, of friction on it about the normal through the centre of pressure
     patch_slip: Array  # (n, n_slot, 3) m/s, world, of the second face past the first there
     patch_spin: Array  # (n, n_slot) rad/s, about the normal from the first to the second
+    patch_share: Array  # (n, number of `shares`) N, the force on one of several pairs that rest as one
     joint_force: Array  # (n, nj, 3) N, world, on the second body of the joint
     joint_torque: Array  # (n, nj, 3) N m, world, on it about the origin of the joint's frame in it
     sensors: Array  # (n, number of `sensor_names`) components of the sensors of the scene, SI
@@ -157,6 +158,7 @@ class Trajectory:
     contact_names: tuple[str, ...]  # those with shapes, then the limits of joints: "elbow:max"
     feature_pair_names: tuple[str, ...]  # of the features that can touch, "" where the shapes have one each
     patch_names: tuple[str, ...]  # of faces that may rest on each other: "glass-table:bottom"
+    shares: tuple[tuple[int, str], ...]  # index into `patch_names`, and pair, of patches of several pairs
     joint_names: tuple[str, ...]
     coordinate_names: tuple[str, ...]  # "elbow.angle"
     sensor_names: tuple[str, ...]  # "lean", "tip_x"
@@ -329,10 +331,16 @@ class Trajectory:
                 "torque": float(self.patch_torque[sample, slot]),
                 "slip": self.patch_slip[sample, slot].tolist(),
                 "spin": float(self.patch_spin[sample, slot]),
+                "shares": self._shares_at(sample, patch),
             }
             for slot, patch in enumerate(self.patch[sample].tolist())
             if patch >= 0
         }
+
+    def _shares_at(self, sample: int, patch: int) -> dict[str, float]:
+        """The parts of a patch's force on its pairs, by their names; empty for a patch of one pair."""
+        shares = zip(self.shares, self.patch_share[sample].tolist(), strict=True)
+        return {pair: force for (of, pair), force in shares if of == patch}
 
     def _joints_at(self, sample: int) -> dict[str, Any]:
         return {

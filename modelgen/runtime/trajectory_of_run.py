@@ -56,6 +56,7 @@ def trajectory_of(
         contact_names=session.contacts,
         feature_pair_names=session.feature_pair_names,
         patch_names=shared.patch_names,
+        shares=shared.shares,
         joint_names=session.joints,
         coordinate_names=shared.coordinate_names,
         sensor_names=shared.sensor_names,

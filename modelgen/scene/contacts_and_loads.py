@@ -60,6 +60,16 @@ def pair_named(name: str, pairs: Iterable[str]) -> str:
     return name if name in known else next((each for each in known if is_exchanged(each, name)), name)
 
 
+def pairs_named(name: str, pairs: Sequence[ContactPair]) -> tuple[str, ...]:
+    """The pairs of shapes that a name means: the pair of that name, or all pairs of two bodies `a-b`, in
+    either order; none where there is no such pair."""
+    names = pair_names(pairs)
+    if pair_named(name, names) in names:
+        return (pair_named(name, names),)
+    between = (["-".join(body for body, _ in pair.between[::way]) for way in (1, -1)] for pair in pairs)
+    return tuple(each for each, orders in zip(names, between, strict=True) if name in orders)
+
+
 def loads(values: Mapping[str, Any], bodies: Bodies) -> tuple[Load, ...]:
     """Forces, torques and springs, in this order; raises SceneError."""
     return (

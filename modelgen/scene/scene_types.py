@@ -203,6 +203,7 @@ class Measurand:
     owner: Literal["body", "pair", "joint"]
     name: str  # of the owner
     quantity: str
+    pairs: tuple[str, ...] = ()  # of shapes, by name, of which it is the least gap or the sum of forces
     point: Vector | None = None  # of a body, axes and origin as written, m; None: its centre of mass
     relative_to: str | None = None  # body in whose axes it is measured; None: the world
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from modelgen.name_suggestions import nearest
 from modelgen.notation import component_names
-from modelgen.scene.contacts_and_loads import pair_named, pair_names
+from modelgen.scene.contacts_and_loads import pair_names, pairs_named
 from modelgen.scene.prescribed_motions import TIME
 from modelgen.scene.scene_types import Body, ContactPair, Joint, Measurand, Sensor
 from modelgen.scene.source_location import Place
@@ -32,7 +32,6 @@ def sensors_of(
 
     Raises SceneError.
     """
-    named = dict(zip(pair_names(pairs), pairs, strict=True))
     found: dict[str, Sensor] = {}
     for place, values in read:
         taken = {*found, *place.constants, *(each.name for each in place.inputs)}
@@ -43,7 +42,7 @@ def sensors_of(
         if values["of"] is None and values["value"] is None:
             raise place.error("neither `of` nor `value`", "", 'write of = "body.position" or value = "..."')
         if values["value"] is None:
-            measured = _measurand(values, bodies, named, {joint.name: joint for joint in joints}, place)
+            measured = _measurand(values, bodies, pairs, {joint.name: joint for joint in joints}, place)
             found[values["name"]] = Sensor(values["name"], measurand=measured)
             continue
         for key in ("point", "relative_to"):
@@ -67,12 +66,11 @@ def sensor_sizes(sensors: Iterable[Sensor]) -> tuple[tuple[str, int], ...]:
 def _measurand(
     values: Mapping[str, Any],
     bodies: Mapping[str, Body],
-    pairs: Mapping[str, ContactPair],
+    pairs: Sequence[ContactPair],
     joints: Mapping[str, Joint],
     place: Place,
 ) -> Measurand:
     name, quantity = values["of"].split(".")
-    name = name if name in bodies or name in joints else pair_named(name, pairs)
     at = place.key("of")
     if name in bodies:
         _check_quantity(quantity, OF_BODIES, at)
@@ -86,17 +84,17 @@ def _measurand(
                     f"it with the {quantity} of a body", allowed, "remove it"
                 )
             _check_body(values["relative_to"], bodies, place.key("relative_to"))
-        return Measurand("body", name, quantity, values["point"], values["relative_to"])
+        return Measurand("body", name, quantity, (), values["point"], values["relative_to"])
     for key in ("point", "relative_to"):
         if values[key] is not None:
             raise place.key(key).error(f"it with {values['of']!r}", "it goes with a body", "remove it")
     if name in joints:
         _check_quantity(quantity, OF_JOINTS, at)
         return Measurand("joint", name, quantity)
-    if name in pairs:
+    if measured := pairs_named(name, pairs):
         _check_quantity(quantity, OF_PAIRS, at)
-        return Measurand("pair", name, quantity)
-    known = [*bodies, *joints, *pairs]
+        return Measurand("pair", measured[0] if len(measured) == 1 else name, quantity, measured)
+    known = [*bodies, *joints, *pair_names(pairs)]
     raise at.error(
         f"no body, joint or pair named {name!r}", "known are " + ", ".join(known[:20]), nearest(name, known)
     )

@@ -30,7 +30,7 @@ def ball_on_table(n: int = 41) -> Record:
         **{f"{kind}_error": np.full(n, 1e-9) for kind in ("position", "rotation", "velocity", "spin")},
         **{"patch": np.zeros((n, 0)), "patch_force": np.zeros((n, 0)), "patch_spin": np.zeros((n, 0))},
         **{name: np.zeros((n, 0, 3)) for name in ("patch_point", "patch_friction", "patch_slip")},
-        "patch_torque": np.zeros((n, 0)),
+        **{"patch_torque": np.zeros((n, 0)), "patch_share": np.zeros((n, 0))},
     }
     meshes = {"0_o": np.zeros((3, 4, 3)) + np.linspace(0, 1, 4)[None, :, None]}
     summary = {"scene": "ring", "outcome": "done", "t_end": 2.0, "events": []}

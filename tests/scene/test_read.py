@@ -303,6 +303,6 @@ def test_a_gap_or_force_of_a_pair_is_the_same_in_either_order(own: str, other: s
     for scene in scenes:
         assert [each.measurand and each.measurand.name for each in scene.sensors] == [own, own]
         assert scene.observe == (f"{own}.force", "pot.position")
-    for wrong in ("floor-pot", "pot/sphere-floor"):
+    for wrong in ("floor-cup", "pot/sphere-floor"):
         with pytest.raises(SceneError, match=f"no body, joint or pair named '{wrong}'"):
             read_text(TWO_SHAPES.replace("OBSERVED", wrong), "pairs.toml")

@@ -96,6 +96,16 @@ MG_INTERNAL int mg_is_whole_plane(const mg_context *c, int patch);
    hull is then constant. */
 MG_INTERNAL void mg_hull_pose(const mg_context *c, int patch, mg_real *out);
 
+/* Pose of f's face in hull axes; the exact identity where the hull is in f's axes. */
+MG_INTERNAL void mg_face_pose_in_hull(mg_context *c, int patch, mg_real *between);
+
+/* List the arcs of two faces, as regions: range[0] is the first arc of o's, range[1] the one after its last, range[2]
+   and range[3] the same of f's. */
+MG_INTERNAL void mg_list_face_arcs(const mg_context *c, const int *range, mg_arc *arcs, mg_region_pair *regions);
+
+/* These ranges of the faces of a patch. */
+MG_INTERNAL void mg_patch_arc_ranges(const mg_context *c, int patch, int *range);
+
 /* Overlay the two faces of a patch and compute the convex hull of what they share; returns the number of hull
    edges. */
 MG_INTERNAL int mg_overlay_patch_regions(mg_context *c, int patch);
@@ -107,6 +117,32 @@ MG_INTERNAL mg_real mg_patch_hull_margin(mg_context *c, int patch, const mg_real
 /* Lower bound in m of the distance by which a world point lies inside the hull, from the deepest point known;
    negative where it tells nothing. */
 MG_INTERNAL mg_real mg_hull_margin_lower_bound(const mg_context *c, int patch, const mg_real *world);
+
+/* patch_shares.c */
+
+/* Most that a patch of several pairs has. */
+typedef struct {
+  int arcs;    /* of both faces */
+  int shares;  /* of pairs */
+  long hull;   /* memory of its hull, mg_real */
+  long strips; /* of the boundary of the loaded part */
+} mg_share_room;
+
+MG_INTERNAL mg_share_room mg_find_share_room(const mg_system *s);
+
+/* What mg_find_patch_shares found. */
+enum {
+  MG_SHARES_FIXED, /* the weights do not change while the bodies and forces change a little, to first order */
+  MG_SHARES_VARY,  /* they do */
+  MG_SHARES_OVERLAP /* they do, and parts of several shares overlap, whose sum is then scaled to the resultant */
+};
+
+/* Force of each share of the patch in a slot, as c->patches.share.weight[3 share + support] times the forces on its
+   supports, by the pressure of which these are the resultant. Returns MG_SHARES_FIXED .. */
+MG_INTERNAL int mg_find_patch_shares(mg_context *c, int slot, const mg_real *force);
+
+/* Force of one of these shares, N. */
+MG_INTERNAL mg_real mg_share_force(const mg_context *c, int slot, int share, const mg_real *force);
 
 /* sliding_loads.c */
 

@@ -35,8 +35,7 @@ MG_INTERNAL void mg_hull_pose(const mg_context *c, int patch, mg_real *out) {
   mg_face_pose(c, patch, mg_is_whole_plane(c, patch), out);
 }
 
-/* Pose of f's face in hull axes; the exact identity where the hull is in f's axes. */
-static void mg_face_pose_in_hull(mg_context *c, int patch, mg_real *between) {
+MG_INTERNAL void mg_face_pose_in_hull(mg_context *c, int patch, mg_real *between) {
   mg_real hull[12], f[12];
   if (mg_is_whole_plane(c, patch)) {
     for (int k = 0; k < 12; k++) between[k] = k == 3 || k == 7 || k == 11;
@@ -48,23 +47,32 @@ static void mg_face_pose_in_hull(mg_context *c, int patch, mg_real *between) {
   for (int k = 0; k < 3; k++) mg_rotate_back(hull + 3, f + 3 + 3 * k, between + 3 + 3 * k);
 }
 
+MG_INTERNAL void mg_list_face_arcs(const mg_context *c, const int *range, mg_arc *arcs, mg_region_pair *regions) {
+  const mg_system *s = c->system;
+  int n = 0;
+  for (int side = 0; side < 2; side++)
+    for (int i = range[2 * side]; i < range[2 * side + 1]; i++) {
+      const mg_real *numbers = s->numbers + s->arc_numbers[i];
+      const mg_arc arc = {s->arc_shape[i], s->arc_loop[i], s->parameters + s->arc_parameters[i],
+                          numbers,         numbers[12],    numbers[13]};
+      arcs[n++] = arc;
+    }
+  const mg_region_pair found = {s->kernels, n, range[1] - range[0], arcs,
+                                c->settings->boundary_coincidence * s->length};
+  *regions = found;
+}
+
+MG_INTERNAL void mg_patch_arc_ranges(const mg_context *c, int patch, int *range) {
+  const mg_system *s = c->system;
+  range[0] = s->patch_arc[patch], range[1] = range[2] = s->patch_arc_f[patch], range[3] = s->patch_arc[patch + 1];
+}
+
 /* Load the boundary arcs of both faces of a patch into the hull workspace. */
 static void mg_load_patch_regions(mg_context *c, int patch) {
-  const mg_system *s = c->system;
-  const int first = s->patch_arc[patch], n = s->patch_arc[patch + 1] - first;
-  for (int i = 0; i < n; i++) {
-    const mg_real *numbers = s->numbers + s->arc_numbers[first + i];
-    const mg_arc arc = {s->arc_shape[first + i],
-                        s->arc_loop[first + i],
-                        s->parameters + s->arc_parameters[first + i],
-                        numbers,
-                        numbers[12],
-                        numbers[13]};
-    c->patches.arcs[i] = arc;
-  }
-  const mg_region_pair regions = {s->kernels, n, s->patch_arc_f[patch] - first, c->patches.arcs,
-                                  c->settings->boundary_coincidence * s->length};
-  c->patches.regions = regions, c->patches.hull_patch = patch, c->patches.deepest = 0;
+  int range[4];
+  mg_patch_arc_ranges(c, patch, range);
+  mg_list_face_arcs(c, range, c->patches.arcs, &c->patches.regions);
+  c->patches.hull_patch = patch, c->patches.deepest = 0;
   mg_set_regions(&c->patches.hull, &c->patches.regions, c->patches.hull_memory);
 }
 

@@ -80,6 +80,20 @@ static void mg_record_patch(mg_context *c, mg_record *record, int row, int slot)
   mg_record_patch_friction(c, slot, pressure + 1, record->patch_friction + 8 * k);
 }
 
+/* Shares of the pairs in the patches that rest. */
+static void mg_record_shares(mg_context *c, mg_real *share) {
+  const mg_system *s = c->system;
+  if (!s->n_patch) return;
+  mg_zero_reals(share, s->patch_share[s->n_patch]);
+  for (int slot = 0; slot < s->n_patch_slot; slot++) {
+    const int patch = mg_patch_of_slot(c, slot);
+    if (patch < 0 || s->patch_share[patch] == s->patch_share[patch + 1]) continue;
+    if (mg_find_patch_shares(c, slot, c->solution.force) == MG_SHARES_OVERLAP) c->run->overlapping_patch = patch;
+    for (int k = s->patch_share[patch]; k < s->patch_share[patch + 1]; k++)
+      share[k] = mg_share_force(c, slot, k - s->patch_share[patch], c->solution.force);
+  }
+}
+
 /* Energy of the state x. */
 static mg_real mg_energy_at(mg_context *c, mg_real *x) {
   mg_real *kept = c->run->x, kinetic;
@@ -99,6 +113,7 @@ MG_INTERNAL void mg_record_sample(mg_context *c, mg_record *record, mg_real *x) 
   for (int i = 0; i < s->n_contact; i++) mg_record_contact(c, record, (int)row, i, eta + s->contact_eta[i]);
   for (int i = 0; i < s->n_contact; i++) mg_record_contact_friction(c, record, (int)row, i);
   for (int i = 0; i < s->n_patch_slot; i++) mg_record_patch(c, record, (int)row, i);
+  mg_record_shares(c, record->patch_share + (long)row * (s->n_patch ? s->patch_share[s->n_patch] : 0));
   for (int i = 0; i < s->n_joint; i++) mg_record_joint(c, record, (int)row, i);
   mg_read_sensors(c, record->t[row], eta, c->solution.force, 1, record->sensors + row * c->kernels->n_sensor);
   record->energy[row] = mg_energy_at(c, x);

@@ -19,10 +19,15 @@ static void mg_sum_pairs(mg_context *c, const mg_real *eta, const mg_real *force
     }
   }
   for (int slot = 0; slot < s->n_patch_slot; slot++) {
-    if (mg_patch_of_slot(c, slot) < 0) continue;
-    mg_real *shown = c->sensors.pair + 2 * s->patch_pair[mg_patch_of_slot(c, slot)];
-    shown[0] = mg_min(shown[0], c->rows.d[mg_first_support(c, slot)]);
-    shown[1] += mg_support_resultant(c, slot, force, centre);
+    const int patch = mg_patch_of_slot(c, slot), first = patch < 0 ? 0 : s->patch_share[patch],
+              n = patch < 0 ? 0 : s->patch_share[patch + 1] - first;
+    if (patch < 0) continue;
+    if (n) mg_find_patch_shares(c, slot, force);
+    for (int k = 0; k < (n ? n : 1); k++) {
+      mg_real *shown = c->sensors.pair + 2 * (n ? s->share_pair[first + k] : s->patch_pair[patch]);
+      shown[0] = mg_min(shown[0], c->rows.d[mg_first_support(c, slot)]);
+      shown[1] += n ? mg_share_force(c, slot, k, force) : mg_support_resultant(c, slot, force, centre);
+    }
   }
   for (int pair = 0; pair < s->n_pair; pair++)
     if (c->sensors.pair[2 * pair] == MG_MAX) c->sensors.pair[2 * pair] = (mg_real)NAN;

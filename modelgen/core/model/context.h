@@ -246,6 +246,18 @@ typedef struct {
   mg_real *motion_work;    /* of mg_is_motion_unique, if several contacts may be closed; keeps a call's last proof */
 } mg_friction_workspace;
 
+/* Shares of the pairs in a patch of several. What holds the patch treated last stays as it is. */
+typedef struct {
+  mg_arc *arcs;                       /* arcs of both regions, of the patch or of a share */
+  mg_region_pair regions;             /* both regions */
+  mg_real *hull_memory;               /* memory of the hull */
+  mg_hull hull;                       /* overlap of the regions */
+  mg_winkler_pressure_field pressure; /* pressure between the faces */
+  mg_boundary_strip *strips;          /* boundary of the loaded part of the overlap */
+  long strip_capacity;                /* room for strips */
+  mg_real *weight;                    /* [3 per share of the patch] part of the force on each support */
+} mg_share_workspace;
+
 /* Patches: regions, hull and pressure of the patch treated last, and one record per slot. */
 typedef struct {
   mg_arc *arcs;                       /* arcs of both regions */
@@ -264,6 +276,7 @@ typedef struct {
   int *is_covered;                    /* [per contact] 1: covered by a patch that is held */
   int *trial;                         /* [per slot] 1: held on trial; MG_TRIAL_ON_EDGE, MG_TRIAL_TORN_OFF */
   int *barred;                        /* [per slot] patch that may not be held again at this time, or -1 */
+  mg_share_workspace share;           /* shares of the pairs in a patch */
 } mg_patch_workspace;
 
 /* Search for closest points. */

@@ -287,6 +287,9 @@ MG_INTERNAL int mg_move_inside_hull(const mg_hull *h, mg_real *x);
 /* Finds the pressure with a resultant force, N, and a centre inside the hull. Returns 0 if it fails. */
 MG_INTERNAL int mg_winkler_pressure(mg_winkler_pressure_field *p, mg_real force, const mg_real *centre);
 
+/* Takes the same pressure over another overlap in the same axes: its loaded part and moments about the same centre. */
+MG_INTERNAL void mg_restrict_pressure(mg_winkler_pressure_field *p, const mg_hull *h);
+
 /* friction_wrench.c */
 
 /* Friction matrix G of a twist: force and torque about the centre of pressure are -G a for the coefficients a of

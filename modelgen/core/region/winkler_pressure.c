@@ -290,3 +290,9 @@ MG_INTERNAL int mg_winkler_pressure(mg_winkler_pressure_field *p, mg_real force,
   if (!mg_solve_moments(p, moment, coefficients)) return 0;
   return mg_newton_pressure(p, force, centre, coefficients) || mg_continue_pressure(p, force, centre);
 }
+
+MG_INTERNAL void mg_restrict_pressure(mg_winkler_pressure_field *p, const mg_hull *h) {
+  p->hull = h;
+  mg_find_loaded_boundary(p);
+  mg_compute_moments(p);
+}

@@ -70,6 +70,7 @@ static void mg_reset_report(mg_run *run) {
   run->incomplete_searches = 0, run->search_effort = 0, run->incomplete_t = 0, run->incomplete_pair = -1;
   run->penetration_t = run->t, run->penetration_contact = -1;
   run->spring_rate_max = run->spin_max = 0, run->spring_rate_load = run->spin_body = -1;
+  run->overlapping_patch = -1;
 }
 
 /* Start of time-stepping, which needs no modes: its first step takes the first impacts. */

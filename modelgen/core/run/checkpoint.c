@@ -159,7 +159,8 @@ static mg_digest mg_digest_contacts(mg_digest digest, const mg_system *s) {
 
 /* Digest of the tables of friction and patches. */
 static mg_digest mg_digest_friction(mg_digest digest, const mg_system *s) {
-  const int p = s->n_patch, g = s->n_friction, all = p ? s->patch_covered[p] : 0, arcs = p ? s->patch_arc[p] : 0;
+  const int p = s->n_patch, g = s->n_friction, all = p ? s->patch_covered[p] : 0, arcs = p ? s->patch_arc[p] : 0,
+            shares = p ? s->patch_share[p] : 0;
   const mg_index_table tables[] = {{s->patch_pair, p},
                                    {s->patch_slots, 2L * p},
                                    {s->patch_arc, p ? p + 1 : 0},
@@ -167,6 +168,9 @@ static mg_digest mg_digest_friction(mg_digest digest, const mg_system *s) {
                                    {s->patch_numbers, p},
                                    {s->patch_covered, p ? p + 1 : 0},
                                    {s->covered_feature_pair, all},
+                                   {s->patch_share, p ? p + 1 : 0},
+                                   {s->share_pair, shares},
+                                   {s->share_arc, 4L * shares},
                                    {s->arc_shape, arcs},
                                    {s->arc_parameters, arcs},
                                    {s->arc_numbers, arcs},

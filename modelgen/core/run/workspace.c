@@ -159,6 +159,16 @@ static void mg_set_cell_arrays(mg_context *c, mg_memory *memory) {
   c->search.tree_root = mg_reserve_ints(memory, 2L * s->n_cell_tree);
 }
 
+/* The same of the shares of pairs in patches of several. */
+static void mg_set_share_arrays(mg_context *c, mg_memory *memory) {
+  mg_share_workspace *w = &c->patches.share;
+  const mg_share_room room = mg_find_share_room(c->system);
+  w->arcs = mg_reserve_items(memory, room.arcs, sizeof(mg_arc));
+  w->hull_memory = mg_reserve_reals(memory, room.hull); /* pointers first */
+  w->strips = mg_reserve_items(memory, room.strips, sizeof(mg_boundary_strip)), w->strip_capacity = room.strips;
+  w->weight = mg_reserve_reals(memory, 3L * room.shares);
+}
+
 /* The same of the switching functions of loads. */
 static void mg_set_switch_arrays(mg_context *c, mg_memory *memory) {
   const long n = c->system->n_switch;
@@ -188,6 +198,7 @@ static void mg_set_arrays(mg_context *c, mg_memory *memory) {
   mg_set_cell_arrays(c, memory);
   c->patches.arcs = mg_reserve_items(memory, mg_max_patch_arcs(s), sizeof(mg_arc)),
   c->patches.hull_memory = mg_reserve_reals(memory, mg_hull_memory_max(s)); /* pointers first */
+  mg_set_share_arrays(c, memory);
   mg_set_listing_arrays(c, memory);
   c->contacts.length = mg_reserve_reals(memory, m + 1);
   c->bodies.quaternion = mg_reserve_reals(memory, 4 * b);

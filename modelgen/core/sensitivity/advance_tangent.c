@@ -295,8 +295,19 @@ static void mg_sensed_forces_tangent(mg_context *c, mg_sensitivity *s, int direc
       if (c->run->active[i]) pair[2 * p + 1] += s->at.force[i];
     }
   }
-  for (int i = c->layout.support_begin; i < system->n_contact; i++)
-    if (mg_is_on_feature_pair(c, i)) pair[2 * system->contact_pair[i] + 1] += s->at.force[i];
+  for (int slot = 0; slot < system->n_patch_slot; slot++) {
+    const int patch = mg_patch_of_slot(c, slot), support = mg_first_support(c, slot);
+    if (patch < 0) continue;
+    const int first = system->patch_share[patch], end = system->patch_share[patch + 1];
+    if (first == end)
+      for (int i = support; i < support + 3; i++) pair[2 * system->patch_pair[patch] + 1] += s->at.force[i];
+    else if (mg_find_patch_shares(c, slot, c->solution.force) != MG_SHARES_FIXED ||
+             (s->directions->moves_borders && s->directions->moves_borders[direction]))
+      for (int k = first; k < end; k++) pair[2 * system->share_pair[k] + 1] = (mg_real)NAN;
+    else
+      for (int k = first; k < end; k++)
+        pair[2 * system->share_pair[k] + 1] += mg_share_force(c, slot, k - first, s->at.force);
+  }
   for (int j = 0; j < system->n_joint; j++) {
     const int rows = c->kernels->joint_kinds[system->joint_kind[j]].n_rows,
               first = c->layout.joint_row_begin + system->joint_row[j];

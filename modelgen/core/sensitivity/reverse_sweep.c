@@ -83,8 +83,18 @@ static void mg_sensed_forces_adjoint(mg_context *c, mg_sensitivity *s) {
     }
     if (nearest >= 0) s->at.value[nearest] += s->pair[2 * p];
   }
-  for (int i = c->layout.support_begin; i < system->n_contact; i++)
-    if (mg_is_on_feature_pair(c, i)) s->at.force[i] += s->pair[2 * system->contact_pair[i] + 1];
+  for (int slot = 0; slot < system->n_patch_slot; slot++) {
+    const int patch = mg_patch_of_slot(c, slot), support = mg_first_support(c, slot);
+    if (patch < 0) continue;
+    const int first = system->patch_share[patch], end = system->patch_share[patch + 1];
+    if (first == end)
+      for (int i = support; i < support + 3; i++) s->at.force[i] += s->pair[2 * system->patch_pair[patch] + 1];
+    const int is_fixed = first < end && mg_find_patch_shares(c, slot, c->solution.force) == MG_SHARES_FIXED;
+    for (int k = first; k < end; k++) {
+      const mg_real bar = s->pair[2 * system->share_pair[k] + 1], *weight = c->patches.share.weight + 3 * (k - first);
+      for (int i = 0; i < 3 && bar != 0; i++) s->at.force[support + i] += is_fixed ? weight[i] * bar : (mg_real)NAN;
+    }
+  }
   for (int j = 0; j < system->n_joint; j++) {
     const int rows = c->kernels->joint_kinds[system->joint_kind[j]].n_rows,
               first = c->layout.joint_row_begin + system->joint_row[j];

@@ -56,7 +56,7 @@ SYSTEM_INDICES = (
     *("load_kind", "load_a", "load_b", "load_parameters", "load_switch"),
     *("joint_kind", "joint_a", "joint_b", "joint_parameters", "joint_row"),
     *("patch_pair", "patch_slots", "patch_arc", "patch_arc_f", "patch_numbers", "patch_covered"),
-    "covered_feature_pair",
+    *("covered_feature_pair", "patch_share", "share_pair", "share_arc"),
     *("arc_shape", "arc_parameters", "arc_numbers", "arc_loop"),
     *(
         "contact_friction_row",
@@ -222,6 +222,7 @@ RUN_INTEGERS = (
         "incomplete_pair",
         "penetration_contact",
         "spin_body",
+        "overlapping_patch",
         "spring_rate_load",
         "forces_redundant",
         "friction_redundant",
@@ -233,7 +234,7 @@ RUN_INTEGERS = (
 )
 RECORD_ARRAYS = (
     *("t", "pose", "twist", "eta", "force", "gap", "normal", "point_o", "point_f", "feature_pair"),
-    *("patch", "pressure", "patch_friction", "friction", "torque", "slip"),
+    *("patch", "pressure", "patch_friction", "patch_share", "friction", "torque", "slip"),
     *("joint_wrench", "coordinate", "energy", "work", "sensors"),
 )
 DIRECTION_ARRAYS = (

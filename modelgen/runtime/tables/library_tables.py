@@ -18,7 +18,7 @@ from modelgen.codegen.library import Library, kernel_table
 from modelgen.notation import SETTING_SIZE, component_names
 from modelgen.runtime.tables.array_block import ArrayBlock
 from modelgen.runtime.tables.ctypes_structures import Array, Tables, fill_system, tables_of
-from modelgen.runtime.tables.planar_contacts import SUPPORT_POINTS, slot_count
+from modelgen.runtime.tables.planar_contacts import SUPPORT_POINTS, shares, slot_count
 
 EVENT_PREFIX = "event_"
 _MADE: WeakKeyDictionary[Library, LibraryTables] = WeakKeyDictionary()
@@ -36,6 +36,7 @@ class LibraryTables:
     feature_pair_names: tuple[str, ...]
     body_names: tuple[str, ...]
     patch_names: tuple[str, ...]
+    shares: tuple[tuple[int, str], ...]  # number of the patch, and pair, of each share
     joint_names: tuple[str, ...]
     coordinate_names: tuple[str, ...]  # "elbow.angle", of all joints
     sensor_names: tuple[str, ...]  # of their components
@@ -87,6 +88,7 @@ def _make(library: Library) -> LibraryTables:
         feature_pair_names=(*(str(pair["name"]) for pair in instance["feature_pairs"]), *[""] * limits),
         body_names=tuple(body["name"] for body in instance["bodies"]),
         patch_names=tuple(patch["name"] for patch in instance["patches"]),
+        shares=shares(instance),
         joint_names=tuple(joint["name"] for joint in instance["joints"]),
         coordinate_names=tuple(
             f"{joint['name']}.{each['name']}"

@@ -15,6 +15,16 @@ def slot_count(instance: Mapping[str, Any]) -> int:
     return int(instance["patches"][-1]["patch_slots"][1]) if instance["patches"] else 0
 
 
+def shares(instance: Mapping[str, Any]) -> tuple[tuple[int, str], ...]:
+    """The number of the patch, and the name of the pair, of each share."""
+    pairs = instance["pairs"]
+    return tuple(
+        (number, str(pairs[share[0]]["name"]))
+        for number, patch in enumerate(instance["patches"])
+        for share in patch.get("shares", ())
+    )
+
+
 def add_patches(
     integers: dict[str, list[int]], numbers: list[float], parameters: list[float], instance: Mapping[str, Any]
 ) -> None:
@@ -22,6 +32,9 @@ def add_patches(
     faces = [_add_face(face, numbers, parameters) for face in instance["faces"]]
     boundary: dict[str, list[int]] = {f"arc_{key}": [] for key in ("shape", "parameters", "numbers", "loop")}
     first, cover = [0], [0]
+    share: list[int] = [0]
+    share_pair: list[int] = []
+    share_arc: list[int] = []
     second: list[int] = []
     covered: list[int] = []
     for patch in instance["patches"]:
@@ -30,6 +43,10 @@ def add_patches(
                 for key, value in zip(boundary, arc, strict=True):
                     boundary[key].append(value)
             (first if side else second).append(len(boundary["arc_shape"]))
+        for pair, *ends in patch.get("shares", ()):
+            share_pair.append(pair)
+            share_arc += [(first[-2], second[-1])[k // 2] + end for k, end in enumerate(ends)]
+        share.append(len(share_pair))
         covered += patch["feature_pairs"]
         cover.append(len(covered))
     placed = [
@@ -43,6 +60,9 @@ def add_patches(
         "patch_numbers": [append(numbers, [*o, *f]) for o, f in placed],
         "patch_covered": cover,
         "covered_feature_pair": covered,
+        "patch_share": share,
+        "share_pair": share_pair,
+        "share_arc": share_arc,
     }
     _add_points(integers, parameters, instance)
 

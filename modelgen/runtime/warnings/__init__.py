@@ -56,6 +56,12 @@ def warnings(session: Session, accuracy: Accuracy, events: Sequence[Event]) -> t
             f"{int(session.run.singular_passages)} times where curvature vanishes or points of a pair become "
             "one: forces there are peaks whose impulses count, but that samples do not show"
         )
+    if (patch := int(session.run.overlapping_patch)) >= 0:
+        found.append(
+            f"the faces of several pairs in the planar contact {session.shared.patch_names[patch]} overlap: "
+            "the force of each pair is not unique, and its share is given in proportion to what presses on "
+            "its faces; their sum is right"
+        )
     if redundant:
         found.append(_redundancy(redundant, bool(session.system.n_friction)))
     if session.run.shared_switch >= 0:
