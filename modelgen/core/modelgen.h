@@ -455,7 +455,8 @@ typedef struct {
   mg_real *patch_slip_direction; /* [4 n_patch_slot] direction of the slip of a patch: velocity of the first support
                                     point (3) and spin times the radius of the support points; unit length */
   mg_real *reference_force;      /* [n_contact + 1 + n_joint_row + n_friction_row] per row: force, N or N m, from which
-                                    forces that are not unique deviate least */
+                                    forces that are not unique deviate least; in time-stepping that of the last
+                                    step */
   mg_real *force;                /* [n_contact] normal force at t, N */
   mg_real *margin;               /* [n_contact] distance from a singularity of the closest-point equations at t, 1 */
   int *rolling_start;            /* [n_contact] MG_START_NONE .. MG_ON_STRAIGHT_EDGE */

@@ -27,7 +27,15 @@ MG_INTERNAL void mg_sample_event_margins(mg_context *c, int sample) {
   for (int support = c->layout.support_begin; support < s->n_contact; support++) taken[support] = now[support];
 }
 
+/* Forgets the margins of patches from which bounds of those near them follow: they hold within one step. */
+static void mg_forget_patch_margins(mg_context *c) {
+  c->patches.deepest = 0;
+  for (int slot = 0; slot < c->system->n_patch_slot && c->system->n_friction; slot++)
+    c->patches.friction[slot].mean_distance = 0;
+}
+
 MG_INTERNAL void mg_sample_margins_at_start(mg_context *c) {
+  mg_forget_patch_margins(c);
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) mg_find_slot_event(c, slot);
   mg_note_returning_switches(c);
   mg_sample_event_margins(c, 0);

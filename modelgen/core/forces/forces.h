@@ -415,6 +415,10 @@ MG_INTERNAL void mg_complete_orthonormal_basis(const mg_real *e, mg_real across[
    radius. */
 MG_INTERNAL void mg_patch_slip_basis(const mg_context *c, int slot, mg_real e[3][3]);
 
+/* Forget the centres of pressure from which the pressures of patches are sought, so that the forces found next depend on
+   the state alone. */
+MG_INTERNAL void mg_forget_patch_pressures(mg_context *c);
+
 /* Compute the pressure in a slot for a unit resultant at its centre of pressure; over the whole face while that
    centre is not known. */
 MG_INTERNAL void mg_update_patch_pressure(mg_context *c, int slot);

@@ -98,6 +98,11 @@ static int mg_patch_slip_twist(const mg_context *c, int slot, mg_real *twist) {
   return 0;
 }
 
+MG_INTERNAL void mg_forget_patch_pressures(mg_context *c) {
+  for (int slot = 0; slot < c->system->n_patch_slot && c->system->n_friction; slot++)
+    c->patches.friction[slot].centre_known = 0;
+}
+
 MG_INTERNAL void mg_update_patch_pressure(mg_context *c, int slot) {
   mg_patch_friction *r = c->patches.friction + slot;
   mg_winkler_pressure_field *p = &c->patches.pressure;

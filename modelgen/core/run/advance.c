@@ -208,13 +208,15 @@ MG_INTERNAL int mg_advance_followed(const mg_system *system, const mg_settings *
   mg_context c;
   mg_open_context(&c, system, settings, run, work, iwork);
   c.step.stop_time = t_stop, c.step.follower = follower;
-  mg_evaluate_known_state(&c);
+  if (mg_is_time_stepping(&c)) mg_recall_time_step(&c);
+  else mg_evaluate_known_state(&c);
   if (!mg_has_event_room(&c, events)) return MG_LIST_FULL;
   const int refused = mg_apply_inputs(&c, events);
   if (refused) return refused;
   if (!(run->h > 0)) run->h = mg_first_step(&c);
   mg_record_next_forces(&c, record);
   mg_record_now(&c, record);
+  if (mg_is_time_stepping(&c)) mg_recall_time_step(&c);
   for (long step = 0; run->t < t_stop; step++) {
     if (step >= max_steps) return MG_CONTINUE;
     if (!mg_has_event_room(&c, events)) return MG_LIST_FULL;

@@ -61,8 +61,11 @@ MG_INTERNAL int mg_apply_inputs(mg_context *c, mg_events *events) {
   if (!mg_has_new_inputs(c)) return MG_DONE;
   const int jumps = mg_has_prescribed_jump(c);
   mg_accept_inputs(c);
+  if (mg_is_time_stepping(c)) {
+    mg_recall_time_step(c);
+    return MG_DONE;
+  }
   mg_evaluate_run_state(c);
-  if (mg_is_time_stepping(c)) return MG_DONE;
   if (c->system->n_friction) mg_begin_step_friction(c), mg_begin_step_patch_friction(c);
   int outcome;
   if (jumps) outcome = mg_settle_velocity_jump(c, events);

@@ -97,7 +97,9 @@ MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events)
   run->fallback_transitions = 0;
   mg_note_fallback(run, outcome);
   mg_append_event(c, events, run->t, MG_EVENT_FALLBACK_START, mg_first_closed_contact(c), 0);
+  mg_update_poses(c, run->t, run->x);
   mg_release_patches(c);
+  mg_recall_time_step(c);
   return 1;
 }
 

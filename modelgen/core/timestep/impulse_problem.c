@@ -70,7 +70,7 @@ static int mg_solve_frictionless_step(mg_context *c, mg_real h, int *size) {
   for (int i = c->layout.spring_row_begin; i < c->layout.spring_row_end; i++)
     c->rows.row_rate[i] = mg_free_spring_rate(c, i, h);
   if (*size == 0) return MG_DONE;
-  for (int r = 0; r < n; r++) c->solution.impulse[c->lcp.rows[r]] = h * c->run->force[c->lcp.rows[r]];
+  for (int r = 0; r < n; r++) c->solution.impulse[c->lcp.rows[r]] = h * c->solution.force[c->lcp.rows[r]];
   const int outcome = mg_solve_step_lcp(c, n, c->rows.row_rate, c->solution.impulse, &report);
   if (outcome == MG_LCP_SOLVED && report.residual > c->run->lcp_residual_max)
     c->run->lcp_residual_max = report.residual;

@@ -1,5 +1,6 @@
 /* Start of a step of time-stepping: the rows at the positions of the scheme, the velocities at its end without
-   contacts, and the least gap rate that the scheme demands there. Writes c->rows, c->bodies and c->step. */
+   contacts, and the least gap rate that the scheme demands there. Writes c->rows, c->bodies, c->step and, of
+   the step before, c->solution.force. */
 #include "timestep/timestep.h"
 #include "model/model.h"
 #include "forces/forces.h"
@@ -9,6 +10,12 @@ MG_INTERNAL void mg_update_rows_at(mg_context *c, mg_real t, const mg_real *x) {
   mg_update_contact_rows(c, x);
   mg_update_joint_rows(c, t);
   mg_update_gap_rates(c);
+}
+
+MG_INTERNAL void mg_recall_time_step(mg_context *c) {
+  mg_update_rows_at(c, c->run->t, c->run->x);
+  for (int i = mg_next_row(c, -1); i < c->layout.friction_row_end; i = mg_next_row(c, i))
+    c->solution.force[i] = c->run->reference_force[i];
 }
 
 MG_INTERNAL mg_real mg_scheme_theta(const mg_context *c) {

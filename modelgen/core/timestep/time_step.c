@@ -10,6 +10,12 @@
 #include "features/features.h"
 #include "events/events.h"
 
+/* Keeps the forces of the step, near which those of the next one are sought, in the run. */
+static void mg_keep_step_forces(mg_context *c) {
+  for (int i = mg_next_row(c, -1); i < c->layout.friction_row_end; i = mg_next_row(c, i))
+    c->run->reference_force[i] = c->solution.force[i];
+}
+
 /* Divides the impulses of the step by its length. */
 static void mg_impulses_to_forces(mg_context *c, mg_real h) {
   for (int i = mg_next_row(c, -1); i < c->layout.friction_row_end; i = mg_next_row(c, i)) c->solution.force[i] /= h;
@@ -57,6 +63,7 @@ static void mg_note_spins(mg_context *c) {
 
 MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   mg_run *run = c->run;
+  mg_free_accelerations(c, run->t, run->x, c->step.slopes); /* by which pairs come near */
   mg_choose_near_pairs(c, h, 0, 1);
   const mg_real search_limit = mg_search_step_limit(c);
   if (h > search_limit) h = search_limit;
@@ -82,6 +89,7 @@ MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_eve
     mg_record_step_samples(c, record, h);
     mg_update_rows_at(c, run->t, run->x);
   }
+  mg_keep_step_forces(c);
   mg_update_diagnostics(c);
   const int too_deep = mg_check_penetration(c, 2 * h);
   return too_deep ? too_deep : mg_check_contact_rows(c);

@@ -10,6 +10,9 @@
 /* Updates poses, rows, gaps and their rates at (t, x), without forces. */
 MG_INTERNAL void mg_update_rows_at(mg_context *c, mg_real t, const mg_real *x);
 
+/* Makes the rows those at run->x, and the forces those of the time step that ended there, as it left them. */
+MG_INTERNAL void mg_recall_time_step(mg_context *c);
+
 /* Part of the step that follows the positions of the rows. */
 MG_INTERNAL mg_real mg_scheme_theta(const mg_context *c);
 
