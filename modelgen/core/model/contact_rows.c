@@ -3,19 +3,22 @@
 #include "model/model.h"
 #include "base/base.h"
 
-/* Rotates t1, t2 and their rows to the principal axes of anisotropic friction; leaves them if that axis is along
-   N. */
+/* Rotates t1, t2 and the rows along and about them to the principal axes of anisotropic friction; leaves them if that
+   axis is along N. */
 static void mg_align_tangents_to_friction(mg_context *c, int contact, int constraint) {
-  const int row = mg_first_friction_row(c, contact, constraint);
+  const int row = mg_first_friction_row(c, contact, constraint),
+            rolls = c->kernels->contact_kinds[c->contacts.kind[contact]].rows > 4;
   mg_real along[3], *t = c->rows.tangents + 6 * contact;
   mg_to_world(c->bodies.pose + 12 * c->system->friction_body[constraint],
               c->system->friction_direction + 3 * constraint, 0, along);
   const mg_real x = mg_dot3(t, along), y = mg_dot3(t + 3, along), size = sqrt(x * x + y * y);
   if (!(size > 0)) return;
   for (int k = 0; k < 3; k++) mg_rotate_pair(x / size, y / size, t + k, t + 3 + k);
-  for (int k = 0; k < 12; k++)
-    mg_rotate_pair(x / size, y / size, c->rows.J + 12 * row + k, c->rows.J + 12 * (row + 1) + k);
-  mg_rotate_pair(x / size, y / size, c->rows.gamma + row, c->rows.gamma + row + 1);
+  for (int i = row; i <= row + 3 * rolls; i += 3) {
+    for (int k = 0; k < 12; k++)
+      mg_rotate_pair(x / size, y / size, c->rows.J + 12 * i + k, c->rows.J + 12 * (i + 1) + k);
+    mg_rotate_pair(x / size, y / size, c->rows.gamma + i, c->rows.gamma + i + 1);
+  }
 }
 
 /* Copies rows of a point of the rim to a contact. The feature pair of the point may have o and f exchanged

@@ -5,12 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.spatial.transform import Rotation
 
+from modelgen import simulate
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene import python_scenes as make
 from tests.oracles.friction.disc import Disc
 from tests.oracles.friction.extrapolation import Real, reals
 from tests.oracles.pieces import TABLE, G, ball, imbalance, ran, times
+from tests.running import library_of
 
 I = 0.004  # noqa: E741 of a ball of 1 kg, 0.1 m
 
@@ -83,3 +86,46 @@ def test_friction_of_two_coefficients_turns_slip_towards_the_slippery_axis() -> 
         path = ran([table, thrown], 0.2, [{"between": ["table", "ball"], "friction": friction}])
         assert path.p[-1, 1, :2] == pytest.approx(exact[:2], abs=1e-12)
         assert imbalance(path) < 1e-12
+
+
+@pytest.mark.cases(6)
+@pytest.mark.parametrize("seed", range(40))
+def test_the_torque_of_resistance_is_what_turns_the_body_beside_the_contact_force(seed: int) -> None:
+    """I dw/dt + w x I w - r x f, whatever the direction of friction and the order of the pair."""
+    rng = np.random.default_rng(seed)
+    turn = Rotation.from_rotvec(rng.uniform(-2, 2, 3))
+    axes, normal = turn.as_matrix(), turn.as_matrix()[:, 2]
+    inertia = rng.uniform(3e-3, 5e-3, 3)
+    direction = (axes @ [*rng.normal(size=2), rng.normal()]) if seed % 4 else None
+    kinetic = {"kinetic": [0.5, 0.4], "direction": direction.tolist()} if seed % 4 else 0.5
+    body, plane = "ball/sphere", "ramp/plane"
+    scene = make.scene(
+        "rolling",
+        [
+            make.dynamic(
+                "ball", make.sphere(0.1), mass=1.0, inertia=inertia.tolist(),
+                position=(0.1 * normal).tolist(), velocity=(axes @ [*rng.uniform(-0.5, 0.5, 2), 0]).tolist(),
+                angular_velocity=rng.uniform(-6, 6, 3).tolist(),
+            ),
+            make.fixed("ramp", make.plane(), rotation=axes.tolist()),
+        ],
+        contact=[
+            {
+                "between": [plane, body] if seed % 2 else [body, plane], "friction": kinetic,
+                "rolling_resistance": float(rng.uniform(1e-3, 5e-3)),
+                "spinning_resistance": float(rng.uniform(0, 2e-3)),
+            }
+        ],
+        gravity=(-G * normal).tolist(),
+        sensor=[{"name": "turning", "of": "ball.angular_acceleration"}],
+    )  # fmt: skip
+    path = simulate(library_of(scene), until=0.3, samples=20, estimate=False)
+    R = Rotation.from_quat(path.quaternion[:, 0], scalar_first=True).as_matrix()
+    tensor = R @ np.diag(inertia) @ np.swapaxes(R, 1, 2)
+    w, side = path.w[:, 0], np.sign(path.normals[:, 0] @ normal)  # 1: on the ball
+    turned = np.einsum("nij,nj->ni", tensor, path.sensors) + np.cross(w, np.einsum("nij,nj->ni", tensor, w))
+    point = np.where(side[:, None] > 0, path.points_f[:, 0], path.points_o[:, 0])
+    force = path.force * normal + side[:, None] * path.friction[:, 0]
+    right = turned - np.cross(point - path.p[:, 0], force)
+    assert np.abs(right).max() > 1e-3
+    assert side[:, None] * path.contact_torque[:, 0] == pytest.approx(right, abs=1e-10)
