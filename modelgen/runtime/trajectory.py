@@ -148,7 +148,7 @@ class Trajectory:
     patch_slip: Array  # (n, n_slot, 3) m/s, world, of the second face past the first there
     patch_spin: Array  # (n, n_slot) rad/s, about the normal from the first to the second
     patch_share: Array  # (n, number of `shares`) N, the force on one of several pairs that rest as one
-    joint_force: Array  # (n, nj, 3) N, world, on the second body of the joint
+    joint_force: Array  # (n, nj, 3) N, world, on its second body; without spring, damper, actuator, limits
     joint_torque: Array  # (n, nj, 3) N m, world, on it about the origin of the joint's frame in it
     sensors: Array  # (n, number of `sensor_names`) components of the sensors of the scene, SI
     coordinates: Array  # (n, number of `coordinate_names`) rad or m, whole turns counted
