@@ -681,6 +681,8 @@ typedef struct {
   const mg_real *patch_friction;   /* [2 n_patch] */
   const mg_real *input;            /* [3 n_input] settings of inputs */
   const int *moves_borders;        /* [1] 1: numbers of features and conditions change as well */
+  const int *is_permitted;         /* [1] 1: of a change of the start only what closed contacts permit is meant; a null
+                                      pointer stands for ones */
   const mg_real *given;            /* [n_q + n_u + n_eta + 1], once: the state that mg_begin was given; null: a state
                                       that it did not change */
 } mg_directions;
@@ -711,7 +713,13 @@ enum {
   MG_BY_START = 14,           /* the start is corrected by an impact */
   MG_BY_ANISOTROPY = 15,      /* friction differs from direction to direction */
   MG_BY_BORDER = 16,          /* the border of a feature moves */
-  MG_BY_LOAD = 17             /* a load jumps where the motion takes it */
+  MG_BY_LOAD = 17,            /* a load jumps where the motion takes it */
+  MG_BY_UNLOADED = 18,        /* a closed contact carries no load, and a change makes it press or open */
+  MG_BY_BOUND = 19,           /* contact forces stay at their bound, and a change leads to either side of it */
+  MG_BY_LOAD_KINK = 20,       /* a load stays on a kink, or starts at a jump */
+  MG_BY_ONE_WAY = 21,         /* a number moves the start of a contact that touches: it opens on one side alone */
+  MG_BY_SENSOR_KINK = 22,     /* a sensor is on a kink or at a jump */
+  MG_BY_FORCES = 23           /* a sensor shows forces that are not unique */
 };
 
 /* What a run leaves behind so that it can be gone through backwards; the caller's arrays. */
@@ -722,6 +730,7 @@ typedef struct {
   mg_real *slopes;      /* [12 (n_q + n_u + n_eta + 1) capacity] right-hand sides of the stages of each step */
   int *crossing; /* [5 capacity] event function of each step: kind, contact or switching function, constraint, whether
                     it is a blow, reason */
+  long lost; /* number, from 1 on, of the first step that is not differentiated, so that all cotangents are NaN; or 0 */
 } mg_tape;
 
 /* Cotangents: derivatives of one number by the state of a run and by the numbers of the system; the caller's arrays. */
@@ -754,6 +763,7 @@ typedef struct {
   mg_real *work;        /* [mg_sensitivity_size] scratch memory, which lasts as long as the run */
   int *iwork;           /* [mg_sensitivity_int_size] */
   mg_tape *tape;        /* receives the steps, or null */
+  int is_lost;          /* 1: something of the run is not differentiated, and all derivatives from there on are NaN */
 } mg_tangent;
 
 /* Derivatives of runs, from here to mg_go_back_to_start: in libraries that are generated with derivatives alone. */
@@ -774,10 +784,11 @@ MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settin
                               const mg_directions *directions, mg_tangent *tangent, mg_real t_stop, long max_steps,
                               mg_record *record, mg_events *events, mg_real *work, int *iwork);
 
-/* Derivatives [n kernels->n_sensor] of what the sensors show at the state of the run, direction after direction. */
+/* Derivatives [n kernels->n_sensor] of what the sensors show at the state of the run, direction after direction.
+   reasons: [kernels->n_sensor] why those of a sensor do not hold for this state, or MG_NO_REASON. */
 MG_API void mg_sense_tangent(const mg_system *system, const mg_settings *settings, mg_run *run,
-                             const mg_directions *directions, mg_tangent *tangent, mg_real *sensors, mg_real *work,
-                             int *iwork);
+                             const mg_directions *directions, mg_tangent *tangent, mg_real *sensors, int *reasons,
+                             mg_real *work, int *iwork);
 
 /* Adds to the cotangents of state and numbers those that follow from the cotangents of what the sensors show at the
    state of the run. */

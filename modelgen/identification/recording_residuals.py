@@ -128,9 +128,10 @@ class RecordedRuns:
         along[own] = self.scales[own] * np.random.default_rng(0).choice([-1.0, 1.0], len(own))
         short, long = (self._difference(run, x, step * along, rows)[certain:] / step for step in STEPS)
         wrong, unclear = _apart(found[certain:] @ along, short), _apart(long, short)
-        if wrong <= AGREEMENT:
+        is_known = bool(np.all(np.isfinite(found[certain:][..., own])))
+        if is_known and wrong <= AGREEMENT:
             counts.confirmed += rows - certain
-        elif unclear > CLEAR * wrong:
+        elif is_known and unclear > CLEAR * wrong:
             counts.kept += rows - certain
         else:
             counts.differences += rows - certain
@@ -183,7 +184,7 @@ class RecordedRuns:
                 np.concatenate(
                     [start, own.astype(rows.dtype)]
                     if name == "start"
-                    else [rows, np.zeros((n, *rows.shape[1:]), dtype=rows.dtype)]
+                    else [rows, np.full((n, *rows.shape[1:]), name == "is_permitted", dtype=rows.dtype)]
                 )
             )
             for name, rows in common.items()

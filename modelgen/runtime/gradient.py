@@ -24,6 +24,7 @@ KEYWORDS = ("loss", "of", "by", "t", "inputs", "parameters", "accuracy", *STEPPI
 CROSSING = 5  # numbers of an event function on the tape
 FIRST_CAPACITY = 256  # steps
 SLOPES = 12  # of the stages of a step, on the tape
+MARKS = ("moves_borders", "is_permitted")  # fields of mg_directions that are no derivatives
 
 
 @dataclass(frozen=True)
@@ -80,9 +81,13 @@ def gradient(
     combined = {
         name: np.ascontiguousarray((weights @ array)[None, :])
         for name, array in rows.items()
-        if name != "moves_borders"
+        if name not in MARKS
     }
     combined["moves_borders"] = np.array([np.any(rows["moves_borders"])], dtype=INTEGER)
+    combined["is_permitted"] = np.ones(1, dtype=INTEGER)
+    starts = Session(library, session.accuracy)
+    Inputs(starts).update(values_by_name("inputs", inputs))
+    at_start = TangentRun(starts, rows, len(directions)).verdict()
     run = TapedRun(session, combined)
     marks, shown = [], []
     for time in times:
@@ -104,7 +109,7 @@ def gradient(
         value=float(number),
         by=tuple(direction.name for direction in directions),
         gradient=found_gradient,
-        verdict=max((each for _, _, each in shown), key=lambda each: VERDICTS.index(each.kind)),
+        verdict=max((at_start, *(each for _, _, each in shown)), key=lambda each: VERDICTS.index(each.kind)),
         forward_difference=abs(forward - float(weights @ found_gradient)) / size if size else 0.0,
     )
 
@@ -127,7 +132,7 @@ class TapedRun(TangentRun):
         self._slopes = np.zeros(0, dtype=session.tables.dtype)
         super().__init__(session, arrays, 1)
         self._size = session.shared.checkpoint_size
-        self._tape = session.tables.Tape(0, 0, None, None, None)
+        self._tape = session.tables.Tape(0, 0, None, None, None, 0)
         self._grow()
         self._tangent.tape = ctypes.addressof(self._tape)
 

@@ -55,7 +55,14 @@ REASONS = (  # MG_NO_REASON ..
     "friction differs from direction to direction",
     "the border of a feature moves",
     "a load jumps where the motion takes it",
+    "a closed contact carries no load, and a change makes it press or open",
+    "contact forces stay at their bound, and a change leads to either side of it",
+    "a load stays on a kink, or starts at a jump",
+    "a parameter moves the start of a contact that touches, which opens on one side alone",
+    "a sensor is on a kink or at a jump",
+    "a sensor shows forces that are not unique",
 )
+NOT_FINITE = "a derivative is not finite"
 AT_EVENT = "an event happens at this very time"
 
 
@@ -305,6 +312,7 @@ class TangentRun:
             -1,
             *(address(each) for each in self._memory),
             None,
+            0,
         )
         self._record = tables.Record()
         self._code = 0
@@ -343,19 +351,26 @@ class TangentRun:
         """Values (n_of,), derivatives (n_of, n_by), verdict."""
         session, n_sensor = self.session, self.session.shared.n_sensor
         sensed = np.zeros((self._n, max(n_sensor, 1)), dtype=session.tables.dtype)
+        reasons = np.zeros(max(n_sensor, 1), dtype=INTEGER)
         if n_sensor and self._n:
-            self._cdll.mg_sense_tangent(
-                *self._head, *self._given, ctypes.c_void_p(address(sensed)), *self._scratch
-            )
+            to = ctypes.c_void_p(address(sensed)), ctypes.c_void_p(address(reasons))
+            self._cdll.mg_sense_tangent(*self._head, *self._given, *to, *self._scratch)
         pairs = list(zip(outputs.sensors, outputs.states, strict=True))
         value = outputs.values(session)
         jacobian = np.array([sensed[:, i] if i >= 0 else self._dx[:, j] for i, j in pairs], dtype=float)
         if self._code:
             value[:], jacobian[:] = np.nan, np.nan
-        return value, jacobian, self._verdict()
+        shown = [int(reasons[i]) for i in outputs.sensors if i >= 0]
+        verdict = self.verdict(next(filter(None, shown), 0))
+        if verdict and not np.all(np.isfinite(jacobian)):
+            verdict = Verdict(VERDICTS[2], NOT_FINITE, float(session.run.t))
+        return value, jacobian, verdict
 
-    def _verdict(self) -> Verdict:
+    def verdict(self, of_sensors: int = 0) -> Verdict:
+        """Of the derivatives up to now; `of_sensors`: number of a reason why those of sensors do not hold."""
         tangent = self._tangent
+        if not tangent.verdict and of_sensors:
+            return Verdict(VERDICTS[2], REASONS[of_sensors], float(self.session.run.t))
         if not tangent.verdict:
             return self._verdict_at_event()
         reason = REASONS[tangent.reason]

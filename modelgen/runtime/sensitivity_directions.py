@@ -108,7 +108,11 @@ def direction_arrays(
         name: np.ascontiguousarray(values, dtype=shared.tables.dtype) for name, values in found.items()
     }
     moved = np.any(np.abs(found["numbers"]) > np.sqrt(np.finfo(float).eps), axis=1)
-    return arrays | {"moves_borders": np.ascontiguousarray(moved, dtype=INTEGER)}
+    permitted = np.array([each.kind == "start" for each in directions], dtype=INTEGER)
+    return arrays | {
+        "moves_borders": np.ascontiguousarray(moved, dtype=INTEGER),
+        "is_permitted": np.ascontiguousarray(permitted),
+    }
 
 
 def body_entry(library: Library, name: str) -> Mapping[str, Any]:

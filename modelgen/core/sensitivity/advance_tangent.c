@@ -24,10 +24,12 @@ MG_API long mg_sensitivity_size(const mg_system *s, int n) {
   return 2 * mg_count_reals(mg_save_size(s), 1) + mg_count_reals(1, sizeof(mg_blow)) + 36L * s->n_body +
          4 * mg_sensitivity_rows(s) + s->n_friction_row + (12L * (n ? n : 1) + 2 * n + 3) * states +
          3 * mg_packed_size(s) + 18 + s->n_switch + 2 * n + 1 + s->n_friction + s->n_patch_slot + 2L * s->n_pair +
-         6L * s->n_joint + 12L * s->n_load + 6L * s->n_patch_slot;
+         6L * s->n_joint + 12L * s->n_load + 6L * s->n_patch_slot + mg_packed_size(s) + 3L * s->kernels->n_sensor;
 }
 
-MG_API long mg_sensitivity_int_size(const mg_system *s) { return (long)s->n_contact + s->n_friction + s->n_patch_slot; }
+MG_API long mg_sensitivity_int_size(const mg_system *s) {
+  return 2 * ((long)s->n_contact + s->n_friction + s->n_patch_slot) + s->kernels->n_sensor;
+}
 
 /* Ends the step that derivatives have been carried over: writes it to the tape, if there is one. */
 static void mg_keep_step(const mg_system *system, mg_sensitivity *s) {
@@ -57,7 +59,7 @@ static void mg_begin_followed_step(mg_context *c, void *of) {
   if (!step->is_stored) mg_store_run(c->system, run, step->before);
   memcpy(s->start, s->tangent->x, (size_t)s->directions->n * (size_t)c->layout.n_states * sizeof(mg_real));
   mg_note_loads(c, s, run->t);
-  s->follower.h = 0;
+  s->follower.h = 0, s->follower.grazed = -1;
   step->is_stored = step->is_settled = step->is_carried = 0, step->begun++;
   step->n_event = step->events->count, step->n_record = step->record->count;
   step->n_differentiated = s->tangent->count;
@@ -65,9 +67,28 @@ static void mg_begin_followed_step(mg_context *c, void *of) {
   step->passages = run->singular_passages, step->fallbacks = run->fallbacks + run->chatters;
 }
 
+/* Notes the first reason why the derivatives are not certain. */
+static void mg_doubt_tangent(mg_tangent *tangent, int reason, mg_real t, int contact) {
+  if (!reason || tangent->verdict == MG_VERDICT_UNDECIDED) return;
+  tangent->verdict = MG_VERDICT_UNDECIDED, tangent->reason = reason, tangent->reason_t = t,
+  tangent->reason_contact = contact;
+}
+
+/* Notes whether the run has stayed on a kink in a step to (t, x), at which c is evaluated, or a gap has all but closed.
+ */
+static void mg_doubt_step(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x) {
+  if (s->tangent->verdict == MG_VERDICT_UNDECIDED || s->tangent->is_lost) return;
+  const int reason = mg_find_kink(c, s, t, x, MG_AFTER_STEP, -1), grazed = s->follower.grazed;
+  mg_doubt_tangent(s->tangent, reason, t, s->doubtful);
+  if (grazed < 0 || !mg_is_on_feature_pair(c, grazed)) return;
+  mg_gather_wrenches(c, s, t);
+  if (mg_does_contact_move(c, s, t, x, grazed)) mg_doubt_tangent(s->tangent, MG_BY_GRAZE, t, grazed);
+}
+
 static void mg_settle_step(mg_context *c, void *of) {
   mg_sensitivity *s = of;
   s->step.is_settled = mg_settle_followed_step(c, s, mg_length_of_step(c->run, &s->step));
+  if (s->step.is_settled) mg_doubt_step(c, s, c->run->t, c->run->x);
 }
 
 /* True if the run has neither moved on nor changed. */
@@ -96,9 +117,9 @@ MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int
   const long b = system->n_body, rows = mg_sensitivity_rows(system), states = c->layout.n_states;
   const mg_crossing none = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON};
   s->crossing = none;
-  s->is_time = s->is_at_event = s->is_singular = 0, s->t_bar = 0, s->doubtful = -1;
+  s->is_time = s->is_at_event = s->is_singular = s->is_lost = 0, s->t_bar = 0, s->doubtful = -1;
   s->follower = (mg_follower){
-      s, 0, 0, mg_follow_stage, mg_followed_error, mg_begin_followed_step, mg_settle_step, mg_end_followed_step};
+      s, 0, 0, -1, mg_follow_stage, mg_followed_error, mg_begin_followed_step, mg_settle_step, mg_end_followed_step};
   s->blow = mg_take_memory(&work, 1, sizeof(mg_blow));
   s->at.pose = mg_take_reals(&work, 12 * b), s->at.twist = mg_take_reals(&work, 6 * b);
   s->at.acceleration = mg_take_reals(&work, 6 * b), s->at.wrench = mg_take_reals(&work, 6 * b);
@@ -118,6 +139,10 @@ MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int
   s->load = mg_take_reals(&work, 12L * system->n_load);
   s->closed_before = mg_take_ints(&iwork, system->n_contact);
   s->slip_begins = mg_take_ints(&iwork, system->n_friction + system->n_patch_slot);
+  s->on_kink = mg_take_ints(&iwork, system->n_contact + system->n_friction + system->n_patch_slot);
+  s->reasons = mg_take_ints(&iwork, system->kernels->n_sensor);
+  s->moved = mg_take_reals(&work, mg_packed_size(system)),
+  s->shown = mg_take_reals(&work, 3L * system->kernels->n_sensor);
 }
 
 /* Opens the memory of derivatives along directions; the bytes of the run before and after a step come first. */
@@ -133,11 +158,33 @@ static void mg_open_tangent(const mg_context *c, mg_sensitivity *s, const mg_dir
   for (int j = 0; j < directions->n; j++) s->size[j] = mg_direction_size(c, s, j);
 }
 
-/* Notes the first reason why the derivatives are not certain. */
-static void mg_doubt_tangent(mg_tangent *tangent, int reason, mg_real t, int contact) {
-  if (!reason || tangent->verdict == MG_VERDICT_UNDECIDED) return;
-  tangent->verdict = MG_VERDICT_UNDECIDED, tangent->reason = reason, tangent->reason_t = t,
-  tangent->reason_contact = contact;
+static void mg_fill_reals(mg_real *to, long n, mg_real value) {
+  for (long i = 0; i < n; i++) to[i] = value;
+}
+
+/* Derivatives that are lost are zeros while the run goes on, and NaN for the caller. */
+static void mg_show_lost_tangents(const mg_directions *directions, mg_tangent *tangent, int n_states, int shown) {
+  if (tangent->is_lost) mg_fill_reals(tangent->x, (long)directions->n * n_states, shown ? (mg_real)NAN : 0);
+}
+
+/* Gives the derivatives up from here on, where something is not differentiated. */
+static void mg_lose_tangents(mg_sensitivity *s, int n_states) {
+  mg_tangent *tangent = s->tangent;
+  if (!s->is_lost || tangent->is_lost) return;
+  tangent->is_lost = 1;
+  if (tangent->tape) tangent->tape->lost = tangent->tape->count + 1;
+  mg_show_lost_tangents(s->directions, tangent, n_states, 0);
+}
+
+/* Notes whether a contact that touches, a load, or forces at the start are on a kink. */
+static void mg_doubt_start(mg_context *c, mg_sensitivity *s) {
+  const mg_run *run = c->run;
+  mg_evaluate_run_state(c);
+  mg_gather_wrenches(c, s, run->t);
+  const int touching = mg_find_touching_contact(c, s);
+  if (touching >= 0) mg_doubt_tangent(s->tangent, MG_BY_GRAZE, run->t, touching);
+  const int reason = mg_find_kink(c, s, run->t, run->x, MG_AT_START, -1);
+  mg_doubt_tangent(s->tangent, reason, run->t, s->doubtful);
 }
 
 MG_API int mg_begin_tangent(const mg_system *system, const mg_settings *settings, mg_run *run,
@@ -155,10 +202,14 @@ MG_API int mg_begin_tangent(const mg_system *system, const mg_settings *settings
     mg_normalise_tangent(&c, run->x, dx);
   }
   tangent->count = 0, tangent->verdict = MG_VERDICT_DIFFERENTIABLE, tangent->reason = MG_NO_REASON,
-  tangent->reason_t = 0, tangent->reason_contact = -1;
+  tangent->reason_t = 0, tangent->reason_contact = -1, tangent->is_lost = 0;
+  if (tangent->tape) tangent->tape->lost = 0;
   mg_evaluate_run_state(&c);
   mg_doubt_tangent(tangent, mg_start_tangent(&c, &s, directions->given), run->t, -1);
   if (mg_is_time_stepping(&c)) mg_doubt_tangent(tangent, MG_BY_TIME_STEPPING, run->t, -1);
+  else mg_doubt_start(&c, &s);
+  mg_lose_tangents(&s, n);
+  mg_show_lost_tangents(directions, tangent, n, 1);
   return MG_DONE;
 }
 
@@ -173,12 +224,14 @@ static int mg_carry_over_step(const mg_system *system, const mg_settings *settin
   const int falls_back = run->fallbacks + run->chatters != step->fallbacks;
   mg_restore_run(system, run, step->before);
   mg_open_context(&c, system, settings, run, work, iwork);
-  if (mg_is_time_stepping(&c) || falls_back) reason = MG_BY_TIME_STEPPING;
+  s->is_lost = mg_is_time_stepping(&c) || falls_back;
+  if (s->is_lost) reason = MG_BY_TIME_STEPPING;
   const int unsure = mg_step_tangent(&c, s, h);
   if (!reason) reason = unsure;
   mg_crossing crossing = s->crossing = mg_find_crossing(&c, step->events, step->n_event);
   if (step->events->count == step->n_event) { /* the modes are those of the step */
     mg_project_tangents(&c, s, end, c.step.end);
+    if (!reason && !s->is_lost) mg_doubt_step(&c, s, end, c.step.end);
     return reason;
   }
   mg_differentiate_event(&c, s, &crossing, end);
@@ -243,7 +296,9 @@ MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settin
   mg_open_tangent(&c, &s, directions, tangent);
   s.step.events = events, s.step.record = record;
   mg_copy_states(&c, run->x, s.before);
-  const long n_dx = (long)directions->n * c.layout.n_states;
+  const int n_states = c.layout.n_states;
+  const long n_dx = (long)directions->n * n_states;
+  mg_show_lost_tangents(directions, tangent, n_states, 0);
   int outcome = mg_advance(system, settings, run, t_stop, 0, record, events, work, iwork); /* inputs take effect */
   mg_open_context(&c, system, settings, run, work, iwork);
   if (mg_has_state_jump(&c, s.before)) mg_doubt_tangent(tangent, MG_BY_JUMP, run->t, -1);
@@ -251,8 +306,11 @@ MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settin
   while (outcome == MG_CONTINUE) {
     mg_followed_step *step = &s.step;
     const mg_tape *tape = tangent->tape;
-    if (step->begun >= max_steps) return MG_CONTINUE;
-    if (tape && tape->count >= tape->capacity) return MG_LIST_FULL;
+    if (step->begun >= max_steps) break;
+    if (tape && tape->count >= tape->capacity) {
+      outcome = MG_LIST_FULL;
+      break;
+    }
     const mg_real stop = mg_approach_stop(&approach, run->t, t_stop);
     const long most = stop < t_stop ? 1 : max_steps - step->begun;
     step->is_carried = 1;
@@ -276,66 +334,35 @@ MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settin
         s.crossing.kind == MG_CROSSES_NOTHING || s.crossing.kind == MG_CROSSES_SWITCH ? -1 : s.crossing.contact;
     mg_doubt_tangent(tangent, reason, end, s.doubtful >= 0 ? s.doubtful : of_event);
     mg_restore_run(system, run, step->after);
+    mg_lose_tangents(&s, n_states);
     mg_keep_step(system, &s);
   }
+  mg_show_lost_tangents(directions, tangent, n_states, 1);
   return outcome;
 }
 
-/* Derivatives of the gap and normal force of each pair and of the wrench of each joint, along the direction that
-   mg_rhs_tangent has treated, in s->pair and s->joint. */
-static void mg_sensed_forces_tangent(mg_context *c, mg_sensitivity *s, int direction) {
-  const mg_system *system = c->system;
-  mg_real *pair = s->pair, *joint = s->joint;
-  mg_zero_reals(pair, 2L * system->n_pair), mg_zero_reals(joint, 6L * system->n_joint);
-  for (int p = mg_next_pair(c, -1); p < system->n_pair; p = mg_next_pair(c, p)) {
-    mg_real least = MG_MAX;
-    for (int i = system->pair_contact[p]; i < system->pair_contact[p + 1]; i++) {
-      if (!mg_is_on_feature_pair(c, i)) continue;
-      if (c->rows.d[i] < least) least = c->rows.d[i], pair[2 * p] = s->at.value[i];
-      if (c->run->active[i]) pair[2 * p + 1] += s->at.force[i];
-    }
-  }
-  for (int slot = 0; slot < system->n_patch_slot; slot++) {
-    const int patch = mg_patch_of_slot(c, slot), support = mg_first_support(c, slot);
-    if (patch < 0) continue;
-    const int first = system->patch_share[patch], end = system->patch_share[patch + 1];
-    if (first == end)
-      for (int i = support; i < support + 3; i++) pair[2 * system->patch_pair[patch] + 1] += s->at.force[i];
-    else if (mg_find_patch_shares(c, slot, c->solution.force) != MG_SHARES_FIXED ||
-             (s->directions->moves_borders && s->directions->moves_borders[direction]))
-      for (int k = first; k < end; k++) pair[2 * system->share_pair[k] + 1] = (mg_real)NAN;
-    else
-      for (int k = first; k < end; k++)
-        pair[2 * system->share_pair[k] + 1] += mg_share_force(c, slot, k - first, s->at.force);
-  }
-  for (int j = 0; j < system->n_joint; j++) {
-    const int rows = c->kernels->joint_kinds[system->joint_kind[j]].n_rows,
-              first = c->layout.joint_row_begin + system->joint_row[j];
-    if (!rows) continue;
-    mg_joint_tangent(c, s, direction, j, c->run->t, c->solution.force + first, 0);
-    for (int k = 0; k < 6; k++) {
-      joint[6 * j + k] = s->y_dot[MG_Y_SECOND + k];
-      for (int r = first; r < first + rows; r++) joint[6 * j + k] += c->rows.J[12 * r + 6 + k] * s->at.force[r];
-    }
-  }
-}
-
 MG_API void mg_sense_tangent(const mg_system *system, const mg_settings *settings, mg_run *run,
-                             const mg_directions *directions, mg_tangent *tangent, mg_real *sensors, mg_real *work,
-                             int *iwork) {
+                             const mg_directions *directions, mg_tangent *tangent, mg_real *sensors, int *reasons,
+                             mg_real *work, int *iwork) {
   mg_context c;
   mg_sensitivity s;
   const int n_sensor = system->kernels->n_sensor;
   mg_run copy = *run;
+  for (int k = 0; k < n_sensor; k++) reasons[k] = MG_NO_REASON;
+  if (tangent->is_lost) {
+    mg_fill_reals(sensors, (long)directions->n * n_sensor, (mg_real)NAN);
+    return;
+  }
   mg_open_context(&c, system, settings, &copy, work, iwork);
   mg_open_tangent(&c, &s, directions, tangent);
   mg_evaluate_run_state(&c);
   mg_gather_wrenches(&c, &s, run->t);
   mg_read_sensors(&c, run->t, run->x + system->n_q + system->n_u, run->force, 1, s.y_dot);
+  for (int k = 0; k < n_sensor; k++) s.reasons[k] = MG_NO_REASON;
+  mg_doubt_redundant_forces(&c, &s);
   for (int j = 0; j < directions->n; j++) {
-    mg_rhs_tangent(&c, &s, j, run->t, run->x, tangent->x + (long)j * c.layout.n_states, s.stage);
-    mg_sensed_forces_tangent(&c, &s, j);
-    mg_sensors_tangent(&c, &s, j, run->t);
+    mg_find_sensors_tangent(&c, &s, j);
     for (int k = 0; k < n_sensor; k++) sensors[(long)j * n_sensor + k] = s.y_dot[k];
   }
+  for (int k = 0; k < n_sensor; k++) reasons[k] = s.reasons[k];
 }

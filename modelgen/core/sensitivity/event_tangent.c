@@ -58,9 +58,8 @@ MG_INTERNAL mg_crossing mg_find_crossing(const mg_context *c, const mg_events *e
   return found;
 }
 
-/* Derivative of what is left of the bound of a sticking constraint. */
-static mg_real mg_bound_tangent(const mg_context *c, const mg_sensitivity *s, int direction, int contact,
-                                int constraint) {
+MG_INTERNAL mg_real mg_bound_tangent(const mg_context *c, const mg_sensitivity *s, int direction, int contact,
+                                     int constraint) {
   const int row = mg_first_friction_row(c, contact, constraint), rows = mg_friction_row_count(c, constraint);
   const mg_real *mu = c->system->friction_static + 2 * constraint;
   mg_real size = 0, change = 0;
@@ -184,8 +183,7 @@ static void mg_shift_by_event_times(const mg_context *c, mg_sensitivity *s, cons
   }
 }
 
-/* Sum of the sizes of the parts of the derivative of a row's rate that velocities make. */
-static mg_real mg_rate_tangent_size(const mg_context *c, const mg_sensitivity *s, int row) {
+MG_INTERNAL mg_real mg_rate_tangent_size(const mg_context *c, const mg_sensitivity *s, int row) {
   mg_real sum = 0;
   for (int k = 0; k < 6; k++)
     sum += fabs(c->rows.J[12 * row + k] * s->at.twist[6 * c->contacts.o[row] + k]) +
@@ -213,8 +211,7 @@ static mg_real mg_slip_left_across(mg_context *c, mg_sensitivity *s, const mg_cr
   return most;
 }
 
-/* Sum of the sizes of the parts of the derivative of a gap that poses make. */
-static mg_real mg_gap_tangent_size(const mg_context *c, const mg_sensitivity *s, int contact) {
+MG_INTERNAL mg_real mg_gap_tangent_size(const mg_context *c, const mg_sensitivity *s, int contact) {
   mg_real sum = 0;
   for (int side = 0; side < 2; side++) {
     const mg_real *dot = s->at.pose + 12 * (side ? c->contacts.f : c->contacts.o)[contact];
@@ -245,7 +242,8 @@ static void mg_note_event(const mg_context *c, mg_sensitivity *s, const mg_cross
   if (k >= tangent->capacity) return;
   tangent->event_t[k] = c->run->t,
   tangent->event_contact[k] = crossing->kind == MG_CROSSES_SWITCH ? -1 : crossing->contact;
-  for (int j = 0; j < n; j++) tangent->event_t_dot[(long)k * n + j] = mg_event_time_dot(s, j);
+  for (int j = 0; j < n; j++)
+    tangent->event_t_dot[(long)k * n + j] = tangent->is_lost ? (mg_real)NAN : mg_event_time_dot(s, j);
 }
 
 MG_INTERNAL int mg_cross_event(mg_context *c, mg_sensitivity *s, const mg_crossing *crossing) {
@@ -257,6 +255,7 @@ MG_INTERNAL int mg_cross_event(mg_context *c, mg_sensitivity *s, const mg_crossi
     mg_settle_eta_tangents(c, s, c->run->t, c->run->x);
     return MG_NO_REASON;
   }
+  s->is_lost = crossing->blow && !knows_time;
   if (!knows_time) return mg_has_closed_support(c, s) ? MG_BY_FACES : MG_BY_JUMP;
   if (mg_is_graze(c, crossing, s->event_rate[n])) {
     if (crossing->kind != MG_CROSSES_GAP || !mg_is_gap_held_already(c, s, crossing->contact)) return MG_BY_GRAZE;
@@ -272,6 +271,7 @@ MG_INTERNAL int mg_cross_event(mg_context *c, mg_sensitivity *s, const mg_crossi
     const int unsolved = mg_recover_impulses(c, s, 1);
     for (int j = 0; j < n && !unsolved; j++) mg_blow_tangent(c, s, j, s->tangent->x + (long)j * c->layout.n_states);
     if (!reason) reason = unsolved;
+    s->is_lost = unsolved != 0;
     mg_evaluate_run_state(c);
   } else if (crossing->kind == MG_CROSSES_SLIP) {
     mg_gather_wrenches(c, s, c->run->t);

@@ -44,6 +44,24 @@ static void mg_go_back_over_step(const mg_system *system, const mg_settings *set
   mg_step_adjoint(&c, s, h, s->adjoint->x);
 }
 
+/* Sets all cotangents to NaN. */
+static void mg_lose_cotangents(const mg_context *c, mg_adjoint *adjoint) {
+  const mg_system *s = c->system;
+  const struct {
+    mg_real *to;
+    long n;
+  } all[] = {{adjoint->x, c->layout.n_states},
+             {adjoint->parameters, s->n_parameters},
+             {adjoint->gravity, 3},
+             {adjoint->restitution, s->n_contact},
+             {adjoint->friction_static, 2L * s->n_friction},
+             {adjoint->friction_kinetic, 2L * s->n_friction},
+             {adjoint->patch_friction, 2L * s->n_patch},
+             {adjoint->input, 3L * s->n_input}};
+  for (int k = 0; k < (int)(sizeof(all) / sizeof(all[0])); k++)
+    for (long i = 0; i < all[k].n; i++) all[k].to[i] = (mg_real)NAN;
+}
+
 MG_API void mg_go_back(const mg_system *system, const mg_settings *settings, mg_run *run, const mg_tape *tape,
                        long from, long to, mg_adjoint *adjoint, mg_real *work, int *iwork) {
   mg_context c;
@@ -52,7 +70,8 @@ MG_API void mg_go_back(const mg_system *system, const mg_settings *settings, mg_
   mg_tangent nothing = {0};
   mg_open_context(&c, system, settings, run, work, iwork);
   mg_open_adjoint(&c, &s, &none, &nothing, adjoint);
-  for (long k = from - 1; k >= to; k--)
+  if (tape->lost) mg_lose_cotangents(&c, adjoint);
+  for (long k = from - 1; k >= to && !tape->lost; k--)
     mg_go_back_over_step(system, settings, run, &s, tape->bytes + k * mg_save_size(system),
                          tape->slopes + k * MG_SLOPES_KEPT * c.layout.n_states, tape->crossing + 5 * k, work, iwork);
   mg_restore_run(system, run, tape->bytes + to * mg_save_size(system));
@@ -66,6 +85,7 @@ MG_API void mg_go_back_to_start(const mg_system *system, const mg_settings *sett
   mg_tangent nothing = {0};
   mg_open_context(&c, system, settings, run, work, iwork);
   mg_open_adjoint(&c, &s, &none, &nothing, adjoint);
+  if (isnan(adjoint->x[0])) return; /* they are lost */
   mg_evaluate_run_state(&c);
   mg_start_adjoint(&c, &s, adjoint->given, adjoint->x);
   mg_normalise_tangent(&c, run->x, adjoint->x);

@@ -150,8 +150,9 @@ static void mg_bodies_tangent(mg_context *c, mg_sensitivity *s, int direction, c
   }
 }
 
-/* Derivatives of the forces, and what they add to the accelerations. */
-static void mg_forces_tangent(mg_context *c, mg_sensitivity *s) {
+/* Solves for the derivatives of the forces that keep the residuals of the held rows at zero; of forces that are not
+   unique, some. Returns the number of these rows, c->lcp.rows. */
+static int mg_solve_forces_tangent(mg_context *c, mg_sensitivity *s) {
   const int redundant = c->run->forces_redundant;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     s->at.residual[i] += mg_row_times(c, i, s->at.acceleration);
@@ -161,8 +162,14 @@ static void mg_forces_tangent(mg_context *c, mg_sensitivity *s) {
     s->at.residual[i] += mg_row_times(c, i, s->at.acceleration);
   c->run->forces_redundant = 0, c->friction.couples_normal = c->system->n_friction > 0;
   const int n = mg_hold_rows(c, c->run->active, 1, s->at.residual, s->at.force);
-  for (int r = 0; r < n; r++) mg_add_row_response(c, c->lcp.rows[r], s->at.force[c->lcp.rows[r]], s->at.acceleration);
   c->run->forces_redundant = redundant, c->friction.couples_normal = 0;
+  return n;
+}
+
+/* Adds to the accelerations what the derivatives of the forces on the n rows of c->lcp.rows make, and finds those of
+   the friction that follows them. */
+static void mg_add_forces_tangent(mg_context *c, mg_sensitivity *s, int n) {
+  for (int r = 0; r < n; r++) mg_add_row_response(c, c->lcp.rows[r], s->at.force[c->lcp.rows[r]], s->at.acceleration);
   for (int i = mg_next_row(c, -1); c->friction.slips && i < c->layout.support_begin; i = mg_next_row(c, i))
     for (int k = 0; c->run->active[i] && k < mg_rows_below(c, i); k++) {
       const int row = mg_first_row_below(c, i) + k;
@@ -211,7 +218,7 @@ static void mg_marked_rhs_tangent(mg_context *c, mg_sensitivity *s, int directio
   mg_rows_tangent(c, s, direction, t, x, dx, marked, slope);
   mg_loads_tangent(c, s, direction, t);
   mg_bodies_tangent(c, s, direction, x, dx, slope);
-  mg_forces_tangent(c, s);
+  mg_add_forces_tangent(c, s, mg_solve_forces_tangent(c, s));
   mg_patch_forces_tangent(c, s);
   for (int b = 0; b < c->system->n_body; b++)
     mg_copy_velocity(c, b, s->at.acceleration + 6 * b, slope + c->system->n_q + c->system->body_u[b]);
@@ -220,6 +227,25 @@ static void mg_marked_rhs_tangent(mg_context *c, mg_sensitivity *s, int directio
 MG_INTERNAL void mg_rhs_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
                                 const mg_real *dx, mg_real *slope) {
   mg_marked_rhs_tangent(c, s, direction, t, x, dx, 0, slope);
+}
+
+MG_INTERNAL int mg_find_redundant_forces(mg_context *c, mg_sensitivity *s) {
+  mg_real *given = s->at.value, most = 0;
+  const int n = mg_list_held_rows(c);
+  mg_zero_reals(s->at.value, s->at.force + c->layout.friction_row_end - s->at.value);
+  mg_zero_reals(s->at.ratio, c->system->n_friction_row);
+  mg_zero_reals(s->at.acceleration, 6L * c->system->n_body);
+  for (int r = 0; r < n; r++)
+    s->at.force[c->lcp.rows[r]] = given[c->lcp.rows[r]] = 1 + (mg_real)(r * 7 % 11) / 11 - (mg_real)(r % 3) / 2;
+  mg_add_forces_tangent(c, s, n);
+  mg_patch_forces_tangent(c, s);
+  c->lcp.n_assembled = 0;
+  mg_solve_forces_tangent(c, s);
+  for (int r = 0; r < n; r++) {
+    const int row = c->lcp.rows[r];
+    s->at.force[row] += given[row], most = mg_max(most, fabs(s->at.force[row]));
+  }
+  return most > sqrt(MG_EPS);
 }
 
 MG_INTERNAL void mg_slope_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,

@@ -136,6 +136,11 @@ typedef struct {
   mg_crossing crossing;  /* of the step treated last */
   int is_time;           /* 1: the direction looked at is time: no number changes */
   int is_at_event;       /* 1: derivatives are those at the event of a changed run, whose time changes (event_rate) */
+  int *on_kink;          /* [n_contact + n_friction + n_patch_slot] 1 or 2: on a kink, as kinks.c marks it */
+  int *reasons;          /* [n_sensor] why what a sensor shows is not differentiable, or 0 */
+  mg_real *moved;        /* packed arguments of the sensors, moved along a direction */
+  mg_real *shown;        /* [3 n_sensor] what they show at three places */
+  int is_lost;           /* 1: the step or start treated last is not differentiated */
   mg_real t_bar;         /* in the adjoint: cotangent of the time of paths and of motions of joints */
   int doubtful;          /* contact for which the step treated last is not certain, or -1 */
   int is_singular;       /* 1: equations of forces under slip were singular */
@@ -204,6 +209,10 @@ MG_INTERNAL void mg_slope_tangent(mg_context *c, mg_sensitivity *s, int directio
    null, at forces and accelerations of the state; and the rates of eta. */
 MG_INTERNAL void mg_rows_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
                                  const mg_real *dx, const int *marked, mg_real *slope);
+
+/* Finds forces on the held rows, of the size of 1, that accelerate nothing: in s->at.force; those that they were made
+   from are in s->at.value. Returns 0 where there are none, so that the forces are unique. Needs the right-hand side. */
+MG_INTERNAL int mg_find_redundant_forces(mg_context *c, mg_sensitivity *s);
 
 /* patch_friction_tangent.c */
 
@@ -325,6 +334,38 @@ MG_INTERNAL void mg_border_adjoint(mg_context *c, mg_sensitivity *s, int contact
    it. Returns a reason or 0. */
 MG_INTERNAL int mg_cross_event(mg_context *c, mg_sensitivity *s, const mg_crossing *crossing);
 
+/* Derivative of what is left of the bound of a sticking constraint. */
+MG_INTERNAL mg_real mg_bound_tangent(const mg_context *c, const mg_sensitivity *s, int direction, int contact,
+                                     int constraint);
+
+/* Sums of the sizes of the parts of the derivative of a row's rate that velocities make, and of a gap that poses make.
+ */
+MG_INTERNAL mg_real mg_rate_tangent_size(const mg_context *c, const mg_sensitivity *s, int row);
+MG_INTERNAL mg_real mg_gap_tangent_size(const mg_context *c, const mg_sensitivity *s, int contact);
+
+/* kinks.c */
+
+/* When a kink counts: at the start where something jumps, after a step that has stayed on it, at a sample always. */
+enum { MG_AT_START = 0, MG_AFTER_STEP = 1, MG_AT_SAMPLE = 2 };
+
+/* Why the run is on a kink that a direction, or any for -1, leaves, or 0. Needs the right-hand side at (t, x). */
+MG_INTERNAL int mg_find_kink(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x, int when, int direction);
+
+/* True if a direction changes gap or gap velocity of a contact by more than rounding. Needs mg_gather_wrenches. */
+MG_INTERNAL int mg_does_contact_move(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x, int contact);
+
+/* The first open contact that touches without approach, and that a direction moves, or -1. Needs mg_gather_wrenches. */
+MG_INTERNAL int mg_find_touching_contact(mg_context *c, mg_sensitivity *s);
+
+/* sensor_tangent.c */
+
+/* Derivatives of what the sensors show along a direction, in s->y_dot. Needs the state evaluated, the sensors read and
+   mg_rhs_tangent. Adds reasons to s->reasons where they are on a kink. */
+MG_INTERNAL void mg_find_sensors_tangent(mg_context *c, mg_sensitivity *s, int direction);
+
+/* Adds reasons for sensors that show forces which are not unique. */
+MG_INTERNAL void mg_doubt_redundant_forces(mg_context *c, mg_sensitivity *s);
+
 /* tangent_error.c */
 
 /* Error of the derivatives at the end of a step of DOP853 that is tried, of an mg_follower of an mg_sensitivity,
@@ -340,6 +381,9 @@ MG_INTERNAL void mg_note_loads(const mg_context *c, mg_sensitivity *s, mg_real t
    `slope`: right-hand side there. */
 MG_INTERNAL int mg_has_load_jump(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x, const mg_real *slope,
                                  mg_real h);
+
+/* True if a load jumps where the direction that mg_rhs_tangent has treated takes it. */
+MG_INTERNAL int mg_has_load_jump_along(mg_context *c, const mg_sensitivity *s, mg_real t);
 
 /* impact_tangent.c */
 

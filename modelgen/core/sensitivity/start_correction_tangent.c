@@ -66,6 +66,7 @@ static int mg_start_blow_tangent(mg_context *c, mg_sensitivity *s, const mg_real
     mg_blow_tangent(c, s, j, s->tangent->x + (long)j * c->layout.n_states);
   mg_copy_states(c, settled, c->run->x);
   mg_evaluate_run_state(c);
+  s->is_lost |= changes && !solved;
   return changes && !solved ? MG_BY_START : MG_NO_REASON;
 }
 
@@ -84,12 +85,37 @@ static void mg_project_gap_tangents(mg_context *c, mg_sensitivity *s, const int 
   mg_settle_eta_tangents(c, s, t, x);
 }
 
+/* True if a number of the scene opens or closes marked contacts at the start, or lets them move: their run starts in
+   another way on each side. Needs the state of the run. */
+static int mg_opens_start(mg_context *c, mg_sensitivity *s, const int *marked) {
+  const int *permitted = s->directions->is_permitted;
+  const mg_real part = sqrt(c->settings->event_tolerance);
+  mg_settle_eta_tangents(c, s, c->run->t, c->run->x);
+  for (int j = 0; j < s->directions->n; j++) {
+    if (!permitted || permitted[j]) continue;
+    mg_rows_tangent(c, s, j, c->run->t, c->run->x, s->tangent->x + (long)j * c->layout.n_states, marked, s->stage);
+    const mg_real rounding = MG_ROUNDED_TANGENT * s->size[j] * c->system->length;
+    for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
+      s->doubtful = i;
+      if (marked[i] && fabs(s->at.value[i]) > part * mg_gap_tangent_size(c, s, i) + rounding) return 1;
+      if (c->run->closed[i] && marked[i] &&
+          fabs(s->at.rate[i]) > part * mg_rate_tangent_size(c, s, i) + rounding / c->system->time)
+        return 1;
+    }
+  }
+  s->doubtful = -1;
+  return 0;
+}
+
 MG_INTERNAL int mg_start_tangent(mg_context *c, mg_sensitivity *s, const mg_real *given) {
   mg_restore_start(c, s, given, MG_START_SETTLED);
+  const int opens = mg_opens_start(c, s, s->closed_before);
   mg_project_gap_tangents(c, s, s->closed_before);
   const int of_joints = mg_start_blow_tangent(c, s, given, MG_JOINTS_HOLD),
-            of_contacts = mg_start_blow_tangent(c, s, given, MG_CONTACTS_STRIKE);
+            of_contacts = mg_start_blow_tangent(c, s, given, MG_CONTACTS_STRIKE),
+            lets_go = mg_opens_start(c, s, c->run->closed);
   mg_project_tangents(c, s, c->run->t, c->run->x);
   if (mg_rests_on_moving_points(c, s)) return MG_BY_BORDER;
-  return of_joints ? of_joints : of_contacts;
+  const int reason = of_joints ? of_joints : of_contacts;
+  return !reason && (opens || lets_go) ? MG_BY_ONE_WAY : reason;
 }

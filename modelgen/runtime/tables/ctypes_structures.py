@@ -239,7 +239,7 @@ RECORD_ARRAYS = (
 )
 DIRECTION_ARRAYS = (
     *("start", "parameters", "gravity", "restitution", "friction_static", "friction_kinetic"),
-    *("patch_friction", "input", "moves_borders"),
+    *("patch_friction", "input", "moves_borders", "is_permitted"),
 )
 COTANGENT_ARRAYS = (
     *("x", "parameters", "gravity", "restitution", "friction_static", "friction_kinetic"),
@@ -311,13 +311,14 @@ class Tables:
                 *[("x", pointer), ("capacity", integer), ("count", integer)],
                 *[("event_t", pointer), ("event_contact", pointer), ("event_t_dot", pointer)],
                 *[("verdict", integer), ("reason", integer), ("reason_t", real), ("reason_contact", integer)],
-                *[("work", pointer), ("iwork", pointer), ("tape", pointer)],
+                *[("work", pointer), ("iwork", pointer), ("tape", pointer), ("is_lost", integer)],
             ],
         )
         self.Tape = structure(
             "Tape",
             [(n, ctypes.c_long) for n in ("capacity", "count")]
-            + [(n, pointer) for n in ("bytes", "slopes", "crossing")],
+            + [(n, pointer) for n in ("bytes", "slopes", "crossing")]
+            + [("lost", ctypes.c_long)],
         )
         self.Adjoint = structure(
             "Adjoint", [(n, pointer) for n in (*COTANGENT_ARRAYS, "work", "iwork", "given")]
