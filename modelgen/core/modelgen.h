@@ -838,11 +838,13 @@ MG_API int mg_real_size(void);
 /* Digest of the shapes of which bounds are kept in the scratch memory: their kinds, parameters, domains and scales. */
 MG_API mg_digest mg_shapes_digest(const mg_system *system);
 
-/* Length of the scratch array `work` of all functions below, in mg_real. */
-MG_API long mg_work_size(const mg_system *system);
+/* Length of the scratch array `work` of all functions below, in mg_real; -1 where closed_capacity is larger than the
+   solvers can number (26000 rows with friction and joints). It grows with the square of closed_capacity; results do
+   not depend on closed_capacity as long as a run does not end with MG_TOO_MANY_CLOSED. */
+MG_API long long mg_work_size(const mg_system *system);
 
-/* Length of the scratch array `iwork` of all functions below, in int. */
-MG_API long mg_iwork_size(const mg_system *system);
+/* Length of the scratch array `iwork` of all functions below, in int; -1 as mg_work_size. */
+MG_API long long mg_iwork_size(const mg_system *system);
 
 /* Begins a run at run->t from run->x: finds the closest points of all pairs, decides which contacts are closed,
    assembles the joints, resolves impacts at the start and determines the contact modes. Resets what the run reports.

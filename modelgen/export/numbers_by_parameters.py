@@ -64,7 +64,7 @@ def sliders_of(ranges: Mapping[str, tuple[float, float, float]]) -> tuple[Slider
 
 def arrays_of(session: Session) -> tuple[list[Array], tuple[RunArray, ...]]:
     """The arrays of the tables of a session that has not begun, and those of its runs."""
-    return list(session.shared.arrays), scene_tables(session, "0").arrays
+    return list(session.shared.arrays), scene_tables(session, "0", session.system).arrays
 
 
 def numbers_of(

@@ -10,6 +10,7 @@ from importlib import resources
 from modelgen.notation import component_names
 from modelgen.runtime.c_initialisers import RunArray, SceneTables, number_text, scene_tables
 from modelgen.runtime.core_session import Session
+from modelgen.runtime.tables.scratch_memory import EXPORTED, fit_scratch
 
 KERNELS = "&mg_table"  # of model.c
 
@@ -31,8 +32,8 @@ HEAD = """/* {name}: one scene, its tables and its runs.
 #define SCENE_N_STATE {n_state} /* numbers of run.x */
 #define SCENE_N_INPUT {n_input}
 #define SCENE_N_SENSOR {n_sensor} /* components of all sensors */
-#define SCENE_WORK {work}L
-#define SCENE_IWORK {iwork}L
+#define SCENE_WORK {work}L /* mg_work_size */
+#define SCENE_IWORK {iwork}L /* mg_iwork_size */
 #define SCENE_SAVE_SIZE {save}L /* bytes of a saved state, at most */
 """
 SOURCE = """/* {name}: tables, settings and functions of scene.h. */
@@ -66,11 +67,13 @@ def source(name: str) -> str:
 
 def scene_files(session: Session) -> dict[str, str]:
     """The texts of `scene.h` and `scene.c`, of a session that has not begun."""
-    tables = scene_tables(session, KERNELS)
-    return {"scene.h": _header(session, tables), "scene.c": _source(session, tables)}
+    system = type(session.system).from_buffer_copy(session.system)
+    sizes = fit_scratch(session.library.cdll, system, session.tables.dtype, EXPORTED)
+    tables = scene_tables(session, KERNELS, system)
+    return {"scene.h": _header(session, tables, sizes), "scene.c": _source(session, tables)}
 
 
-def _header(session: Session, tables: SceneTables) -> str:
+def _header(session: Session, tables: SceneTables, sizes: tuple[int, int]) -> str:
     instance, shared = session.instance, session.shared
     head = HEAD.format(
         name=instance["name"],
@@ -80,8 +83,8 @@ def _header(session: Session, tables: SceneTables) -> str:
         n_state=session.n_x,
         n_input=len(instance["inputs"]),
         n_sensor=shared.n_sensor,
-        work=shared.work_size + 1,
-        iwork=shared.iwork_size + 1,
+        work=sizes[0] + 1,
+        iwork=sizes[1] + 1,
         save=shared.checkpoint_size,
     )
     for group, names in _named(session).items():

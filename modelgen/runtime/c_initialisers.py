@@ -78,8 +78,9 @@ class SceneTables:
     arrays: tuple[RunArray, ...]
 
 
-def scene_tables(session: Session, kernels: str) -> SceneTables:
-    """The tables of a session that has not begun; `kernels` is the C expression of its mg_kernels."""
+def scene_tables(session: Session, kernels: str, system: Any) -> SceneTables:
+    """The tables of a session that has not begun; `kernels` is the C expression of its mg_kernels, `system`
+    its mg_system, or a copy with another closed_capacity."""
     shared = {address(array): array for array in session.shared.arrays}
     names = {at: f"table_{number}" for number, at in enumerate(shared)}
     constants = [array_text(names[at], array, "static const") for at, array in shared.items()]
@@ -92,7 +93,7 @@ def scene_tables(session: Session, kernels: str) -> SceneTables:
     ]
     return SceneTables(
         constants="\n".join(constants),
-        system=values_text(session.system, names, kernels),
+        system=values_text(system, names, kernels),
         settings=values_text(session.settings, names),
         arrays=tuple(arrays),
     )

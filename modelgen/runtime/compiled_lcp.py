@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from modelgen.errors import SimulationError
 from modelgen.runtime.c_arrays import C_REALS, frozen, pointer
+from modelgen.runtime.tables.scratch_memory import solver_scratch
 
 Method = Literal["auto", "qp", "lemke", "enumerate"]
 ENUMERATE_MAX = 20  # rows, as in the core
@@ -166,8 +167,7 @@ def _call(
     n, cdll = problem.n, problem.library.cdll
     report = _report(problem.b.dtype)
     z = np.zeros(n, dtype=problem.b.dtype)
-    work = np.empty(int(cdll.mg_lcp_work_size(n)), dtype=problem.b.dtype)
-    iwork = np.empty(int(cdll.mg_lcp_iwork_size(n)), dtype=np.intc)
+    work, iwork = solver_scratch(cdll.mg_lcp_work_size, cdll.mg_lcp_iwork_size, problem.b.dtype, n)
     limit = [] if iterations is None else [ctypes.c_int(iterations)]
     start = [] if active is None else [pointer(active)]
     getattr(cdll, name)(

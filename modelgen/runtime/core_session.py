@@ -24,6 +24,7 @@ from modelgen.runtime.tables.ctypes_structures import (
 )
 from modelgen.runtime.tables.library_tables import EVENT_PREFIX, library_tables
 from modelgen.runtime.tables.planar_contacts import SUPPORT_POINTS
+from modelgen.runtime.tables.scratch_memory import scratch
 from modelgen.runtime.trajectory import EVENT_KINDS, LOAD_SWITCH, Event
 
 CONTINUE, FULL = 1, 2
@@ -64,8 +65,7 @@ class Session:
         self.run = self.tables.Run(0.0, 0.0, *OF_RUN(self._addresses))
         self.events = self.tables.Events(shared.n_event, 0, *OF_EVENTS(self._addresses))
         self.sensed = self._reals(shared.n_sensor + 1)
-        self.work = np.empty(shared.work_size, dtype=self.tables.dtype)
-        self.iwork = np.zeros(shared.iwork_size, dtype=INTEGER)
+        self.work, self.iwork = scratch(shared.work_size, shared.iwork_size, self.tables.dtype)
         self._head = (ctypes.byref(self.system), ctypes.byref(self.settings), ctypes.byref(self.run))
         self._scratch = (ctypes.c_void_p(address(self.work)), ctypes.c_void_p(address(self.iwork)))
 

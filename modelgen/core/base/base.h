@@ -138,10 +138,10 @@ MG_INTERNAL long mg_count_reals(long n, size_t size);
 MG_INTERNAL void *mg_take_memory(mg_real **memory, long n, size_t size);
 
 /* Takes n mg_real from the memory, which then begins behind them. */
-MG_INTERNAL mg_real *mg_take_reals(mg_real **next, long n);
+MG_INTERNAL mg_real *mg_take_reals(mg_real **next, long long n);
 
 /* Takes n int from the memory, which then begins behind them. */
-MG_INTERNAL int *mg_take_ints(int **next, long n);
+MG_INTERNAL int *mg_take_ints(int **next, long long n);
 
 /* Sets n numbers to zero. */
 MG_INTERNAL void mg_zero_reals(mg_real *a, long n);

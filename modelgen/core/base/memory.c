@@ -20,13 +20,13 @@ MG_INTERNAL void *mg_take_memory(mg_real **memory, long n, size_t size) {
   return at;
 }
 
-MG_INTERNAL mg_real *mg_take_reals(mg_real **next, long n) {
+MG_INTERNAL mg_real *mg_take_reals(mg_real **next, long long n) {
   mg_real *block = *next;
   *next += n;
   return block;
 }
 
-MG_INTERNAL int *mg_take_ints(int **next, long n) {
+MG_INTERNAL int *mg_take_ints(int **next, long long n) {
   int *block = *next;
   *next += n;
   return block;

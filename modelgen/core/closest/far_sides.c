@@ -53,18 +53,6 @@ static int mg_is_in_plane(const mg_segment *segment, const mg_real *point, const
   return fabs(mg_dot3(normal, span)) <= segment->slack && fabs(mg_dot3(normal, segment->along)) <= segment->slack;
 }
 
-/* The part at which a segment that lies in a plane leaves the face in it, or 1: the body may have no thickness there.
- */
-static mg_real mg_part_within_border(const mg_context *c, int feature_pair, int side, const mg_segment *segment) {
-  mg_real x[3];
-  for (int step = 0; step <= MG_SEGMENT_STEPS; step++) {
-    const mg_real part = step * segment->size / segment->length / MG_SEGMENT_STEPS;
-    mg_point_of_segment(segment, part, x);
-    if (!mg_is_within_border(c, feature_pair, side, x, segment->slack)) return part;
-  }
-  return 1;
-}
-
 /* The part of a segment at which its distance from the origin passes a radius, m, to more if `outward` is 1 and to less
    if it is -1; 1 if it does not. */
 static mg_real mg_part_at_radius(const mg_segment *segment, mg_real radius, mg_real outward) {
@@ -83,8 +71,10 @@ static mg_real mg_part_in_closed_feature(mg_context *c, int feature_pair, int si
   mg_real x[3], normal[3];
   c->kernels->shape_point(kind, zero, s->parameters + s->feature_parameters[2 * feature_pair + side], x, normal);
   if (c->kernels->shape_kinds[kind].nearest_point == MG_NEAREST_PLANE) {
-    if (segment->begins_on_body && mg_is_in_plane(segment, x, normal))
-      return mg_part_within_border(c, feature_pair, side, segment);
+    if (segment->begins_on_body && mg_is_in_plane(segment, x, normal)) { /* the body may have no thickness there */
+      const mg_real part = mg_part_within_border(c, feature_pair, side, start, along, segment->slack);
+      return part * segment->length <= segment->size ? part : 1;
+    }
     const mg_real span[3] = {x[0] - start[0], x[1] - start[1], x[2] - start[2]}, rate = mg_dot3(normal, along);
     return rate > 0 ? mg_left_at(c, feature_pair, side, segment, mg_dot3(normal, span) / rate, normal) : 1;
   }

@@ -129,6 +129,32 @@ MG_INTERNAL int mg_is_within_border(const mg_context *c, int feature_pair, int s
   return 1;
 }
 
+/* Least x >= 0 beyond which e + f x + g x^2 is negative; MG_MAX if there is none. */
+static mg_real mg_first_sign_change(mg_real e, mg_real f, mg_real g) {
+  const mg_real square = f * f - 4 * g * e;
+  if (e < 0) return 0;
+  if (f > 0) return g < 0 ? (f + (mg_real)sqrt(square)) / (-2 * g) : MG_MAX;
+  if (square > 0) return 2 * e / ((mg_real)sqrt(square) - f);
+  return g < 0 ? 0 : MG_MAX;
+}
+
+MG_INTERNAL mg_real mg_part_within_border(const mg_context *c, int feature_pair, int side, const mg_real *x,
+                                          const mg_real *along, mg_real slack) {
+  const mg_system *s = c->system;
+  mg_real first = MG_MAX;
+  for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++) {
+    const mg_real *a = mg_bounding_quadric(c, side, k);
+    if (!a) continue;
+    const mg_real slope[3] = {a[1] + 2 * a[4] * x[0] + a[7] * x[1] + a[8] * x[2],
+                              a[2] + 2 * a[5] * x[1] + a[7] * x[0] + a[9] * x[2],
+                              a[3] + 2 * a[6] * x[2] + a[8] * x[0] + a[9] * x[1]};
+    const mg_real pure[10] = {0, 0, 0, 0, a[4], a[5], a[6], a[7], a[8], a[9]};
+    first = mg_min(first, mg_first_sign_change(mg_quadric_condition(a, x) + slack, mg_dot3(slope, along),
+                                               mg_quadric_condition(pure, along)));
+  }
+  return first;
+}
+
 /* True if a side of a feature pair is a sphere. */
 static int mg_is_ball(const mg_context *c, int feature_pair, int side) {
   return mg_shape_kind_of(c, feature_pair, side)->nearest_point == MG_NEAREST_SPHERE;

@@ -134,6 +134,11 @@ MG_INTERNAL mg_real mg_quadric_condition(const mg_real *a, const mg_real *x);
    `slack` of it, m, by those conditions that are functions of the point alone. */
 MG_INTERNAL int mg_is_within_border(const mg_context *c, int feature_pair, int side, const mg_real *x, mg_real slack);
 
+/* Part of `along`, at least 0, that a point of that surface may move before it is no longer within the border, as
+   mg_is_within_border says; MG_MAX if it never leaves. */
+MG_INTERNAL mg_real mg_part_within_border(const mg_context *c, int feature_pair, int side, const mg_real *x,
+                                          const mg_real *along, mg_real slack);
+
 /* Transforms a point from world axes to the axes of a feature's shape. */
 MG_INTERNAL void mg_point_in_shape_axes(const mg_context *c, int feature_pair, int side, const mg_real *world,
                                         mg_real *local);

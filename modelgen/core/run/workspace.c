@@ -14,17 +14,17 @@
 typedef struct {
   mg_real *reals;
   int *ints;
-  long n_reals, n_ints;
+  long long n_reals, n_ints;
 } mg_memory;
 
 /* Reserves n mg_real; returns where they begin, 0 where memory is only counted. */
-static mg_real *mg_reserve_reals(mg_memory *memory, long n) {
+static mg_real *mg_reserve_reals(mg_memory *memory, long long n) {
   memory->n_reals += n;
   return memory->reals ? mg_take_reals(&memory->reals, n) : 0;
 }
 
 /* The same of n int. */
-static int *mg_reserve_ints(mg_memory *memory, long n) {
+static int *mg_reserve_ints(mg_memory *memory, long long n) {
   memory->n_ints += n;
   return memory->ints ? mg_take_ints(&memory->ints, n) : 0;
 }
@@ -114,7 +114,7 @@ static void mg_set_incidence(mg_context *c) {
 /* Divides the memory of the friction constraints. */
 static void mg_set_friction_arrays(mg_context *c, mg_memory *memory) {
   const mg_system *s = c->system;
-  const long n = mg_held_row_capacity(s), k = s->closed_capacity;
+  const long long n = mg_held_row_capacity(s), k = s->closed_capacity;
   c->patches.friction = mg_reserve_items(memory, s->n_patch_slot, sizeof(mg_patch_friction));
   c->patches.strip_capacity = mg_strip_capacity_max(s),
   c->patches.strips = mg_reserve_items(memory, c->patches.strip_capacity, sizeof(mg_boundary_strip));
@@ -193,8 +193,8 @@ static int mg_first_limit_pair(const mg_system *s) {
 /* Divides the memory. */
 static void mg_set_arrays(mg_context *c, mg_memory *memory) {
   const mg_system *s = c->system;
-  const long b = s->n_body, m = s->n_contact, r = mg_row_count(s), n = mg_held_row_capacity(s), k = s->closed_capacity,
-             x = mg_state_count(s);
+  const long long b = s->n_body, m = s->n_contact, r = mg_row_count(s), n = mg_held_row_capacity(s),
+                  k = s->closed_capacity, x = mg_state_count(s);
   mg_set_cell_arrays(c, memory);
   c->patches.arcs = mg_reserve_items(memory, mg_max_patch_arcs(s), sizeof(mg_arc)),
   c->patches.hull_memory = mg_reserve_reals(memory, mg_hull_memory_max(s)); /* pointers first */
@@ -211,7 +211,8 @@ static void mg_set_arrays(mg_context *c, mg_memory *memory) {
   c->rows.eta_dot = mg_reserve_reals(memory, s->n_eta + m);
   c->lcp.A = mg_reserve_reals(memory, n * n), c->lcp.b = mg_reserve_reals(memory, n),
   c->lcp.z = mg_reserve_reals(memory, n);
-  c->lcp.work = mg_reserve_reals(memory, mg_lcp_work_size((int)n));
+  const long long dense = mg_lcp_work_size((int)n), large = mg_large_qp_work_size((int)n, s->n_body);
+  c->lcp.work = mg_reserve_reals(memory, dense > large ? dense : large);
   c->lcp.reduced_A = mg_reserve_reals(memory, k * k), c->lcp.reduced_b = mg_reserve_reals(memory, k),
   c->lcp.reduced_z = mg_reserve_reals(memory, n);
   c->step.slopes = mg_reserve_reals(memory, MG_STAGES * x), c->step.end = mg_reserve_reals(memory, x),
@@ -274,9 +275,13 @@ static mg_memory mg_count_memory(const mg_system *s) {
   return memory;
 }
 
-MG_API long mg_work_size(const mg_system *s) { return mg_count_memory(s).n_reals; }
+MG_API long long mg_work_size(const mg_system *s) {
+  return mg_held_row_capacity(s) > MG_ROW_MAX ? -1 : mg_count_memory(s).n_reals;
+}
 
-MG_API long mg_iwork_size(const mg_system *s) { return mg_count_memory(s).n_ints; }
+MG_API long long mg_iwork_size(const mg_system *s) {
+  return mg_held_row_capacity(s) > MG_ROW_MAX ? -1 : mg_count_memory(s).n_ints;
+}
 
 /* Sets the memory of the friction constraints to a start without any slip or proof. */
 static void mg_init_friction(mg_context *c) {

@@ -26,10 +26,9 @@ static mg_row_matrix mg_gather_rows(mg_context *c, int n) {
   return matrix;
 }
 
-/* True if the problem has many contacts and nothing else, and the memory of the dense solver suffices. */
+/* True if the problem has many contacts and nothing else. */
 static int mg_has_many_contacts_alone(const mg_context *c, int n) {
-  return n >= MG_MANY_CONTACTS && mg_append_bilateral_rows(c, c->lcp.rows, n) == n &&
-         mg_large_qp_work_size(n, c->system->n_body) <= mg_lcp_work_size(c->system->closed_capacity);
+  return n >= MG_MANY_CONTACTS && mg_append_bilateral_rows(c, c->lcp.rows, n) == n;
 }
 
 MG_INTERNAL int mg_solve_step_lcp(mg_context *c, int n, const mg_real *value, const mg_real *guess,

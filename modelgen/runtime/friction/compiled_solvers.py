@@ -13,6 +13,7 @@ from modelgen.errors import SimulationError
 from modelgen.runtime.c_arrays import C_REALS, frozen, pointer
 from modelgen.runtime.compiled_lcp import CoreLibrary
 from modelgen.runtime.friction.problem import FrictionProblem, FrictionSolution, Motion, Outcome
+from modelgen.runtime.tables.scratch_memory import solver_scratch
 
 Law = Literal["coulomb", "relaxed"]
 LAWS: tuple[Law, ...] = ("coulomb", "relaxed")  # in the order of core/solve/friction/friction.h
@@ -130,8 +131,7 @@ def _call(
     if start is not None:
         z[:] = np.asarray(start)
     marks = np.zeros(count, dtype=np.intc)
-    work = np.empty(int(cdll.mg_friction_work_size(n, count)), dtype=z.dtype)
-    iwork = np.empty(int(cdll.mg_friction_iwork_size(n, count)), dtype=np.intc)
+    work, iwork = solver_scratch(cdll.mg_friction_work_size, cdll.mg_friction_iwork_size, z.dtype, n, count)
     report = _report(z.dtype)
     cdll.mg_friction(
         ctypes.byref(record),

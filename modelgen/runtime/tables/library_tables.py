@@ -19,6 +19,7 @@ from modelgen.notation import SETTING_SIZE, component_names
 from modelgen.runtime.tables.array_block import ArrayBlock
 from modelgen.runtime.tables.ctypes_structures import Array, Tables, fill_system, tables_of
 from modelgen.runtime.tables.planar_contacts import SUPPORT_POINTS, shares, slot_count
+from modelgen.runtime.tables.scratch_memory import fit_scratch, memory_of_run
 
 EVENT_PREFIX = "event_"
 _MADE: WeakKeyDictionary[Library, LibraryTables] = WeakKeyDictionary()
@@ -78,7 +79,7 @@ def _make(library: Library) -> LibraryTables:
     n_contact, limits = len(names) + SUPPORT_POINTS * slots, len(instance["limits"])
     n_event = 64 + 8 * n_contact + 4 * int(system.n_switch)
     reals, integers = _sizes_of_run(instance, system, n_contact, slots)
-    work, iwork, checkpoint = _memory_sizes(library.cdll, system)
+    work, iwork = fit_scratch(library.cdll, system, tables.dtype, memory_of_run())
     return LibraryTables(
         tables=tables,
         system=system,
@@ -106,7 +107,7 @@ def _make(library: Library) -> LibraryTables:
         integers=_block(integers, n_event, ("kind", "contact", "feature_pair")),
         work_size=work,
         iwork_size=iwork,
-        checkpoint_size=checkpoint,
+        checkpoint_size=_checkpoint_size(library.cdll, system),
     )
 
 
@@ -175,9 +176,7 @@ def _scales(tables: Tables, instance: Mapping[str, Any]) -> Array:
     return sizes
 
 
-def _memory_sizes(cdll: ctypes.CDLL, system: Any) -> tuple[int, ...]:
-    """Lengths of the scratch arrays, and of a saved state in bytes."""
-    functions = cdll.mg_work_size, cdll.mg_iwork_size, cdll.mg_save_size
-    for function in functions:
-        function.restype = ctypes.c_long
-    return tuple(int(function(ctypes.byref(system))) for function in functions)
+def _checkpoint_size(cdll: ctypes.CDLL, system: Any) -> int:
+    """Bytes of a saved state."""
+    cdll.mg_save_size.restype = ctypes.c_long
+    return int(cdll.mg_save_size(ctypes.byref(system)))

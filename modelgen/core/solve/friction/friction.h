@@ -74,10 +74,10 @@ typedef struct {
 } mg_friction_report;
 
 /* Length of `work` for n rows and n_contact contacts, in mg_real. */
-MG_API int mg_friction_work_size(int n, int n_contact);
+MG_API long long mg_friction_work_size(int n, int n_contact);
 
 /* Length of `iwork` for n rows and n_contact contacts, in int. */
-MG_API int mg_friction_iwork_size(int n, int n_contact);
+MG_API long long mg_friction_iwork_size(int n, int n_contact);
 
 /* Solves a problem. z [n]: a guess on entry (zeros if there is none), the forces on return, or the best found. marks
    [n_contact] receives the marks of the contacts. Returns the outcome; SOLVED is never returned with a residual above

@@ -7,12 +7,13 @@
 /* Memory: matrices, vectors and integer vectors of the size of the problem. */
 enum { MG_FRICTION_SQUARES = 9, MG_FRICTION_VECTORS = 48, MG_FRICTION_INTS = 14 };
 
-MG_API int mg_friction_work_size(int n, int n_contact) {
-  return MG_FRICTION_SQUARES * n * n + MG_FRICTION_VECTORS * (n + 1) + 3 * n_contact + mg_lcp_work_size(n);
+MG_API long long mg_friction_work_size(int n, int n_contact) {
+  return (long long)MG_FRICTION_SQUARES * n * n + MG_FRICTION_VECTORS * (n + 1LL) + 3LL * n_contact +
+         mg_lcp_work_size(n);
 }
 
-MG_API int mg_friction_iwork_size(int n, int n_contact) {
-  return MG_FRICTION_INTS * (n + n_contact + 1) + mg_lcp_iwork_size(n);
+MG_API long long mg_friction_iwork_size(int n, int n_contact) {
+  return MG_FRICTION_INTS * (1LL + n + n_contact) + mg_lcp_iwork_size(n);
 }
 
 /* Divides the memory. */

@@ -3,9 +3,9 @@
 #include "solve/lcp/lcp_solvers.h"
 #include "base/base.h"
 
-MG_API int mg_lcp_work_size(int n) { return 8 * n * n + 24 * n + 16; }
+MG_API long long mg_lcp_work_size(int n) { return 8LL * n * n + 24LL * n + 16; }
 
-MG_API int mg_lcp_iwork_size(int n) { return 8 * n + 8; }
+MG_API long long mg_lcp_iwork_size(int n) { return 8LL * n + 8; }
 
 /* Solution of a z = -b; 0 if a is not positive. Returns the rank. */
 static int mg_active_one(mg_real a, mg_real b, mg_real *z) {

@@ -21,11 +21,13 @@ typedef struct {
   mg_real residual; /* mg_lcp_residual of z */
 } mg_lcp_report;
 
+enum { MG_ROW_MAX = 26000 }; /* most rows of a problem: counts up to three times its square are kept in int */
+
 /* Length of `work` of all functions below for size n, in mg_real. */
-MG_API int mg_lcp_work_size(int n);
+MG_API long long mg_lcp_work_size(int n);
 
 /* Length of `iwork` of all functions below for size n, in int. */
-MG_API int mg_lcp_iwork_size(int n);
+MG_API long long mg_lcp_iwork_size(int n);
 
 /* Solution of A_BB z_B = -b_B of least norm of D z, D = diag(sqrt(A_ii)), with z = 0 outside B; A symmetric positive
    semidefinite; active[i] != 0 marks B. Returns the rank of A_BB. */

@@ -1,0 +1,155 @@
+"""What scenes of many contacts cost by time-stepping, and whether Ctrl-C is heard in them.
+
+`python -m tests.benchmarks.many_contacts count` prints instructions of whole runs under callgrind (stacks of
+boxes, heaps of spheres with friction), those of set-up taken off. `... interrupt [N]` sends Ctrl-C (SIGINT)
+at N random instants (20) of runs of heavy scenes, each in a process of its own, and prints how long the
+answer took; the exit code is 1 where one took more than ANSWER_S. `... sizes [N ...]` runs heaps of N spheres
+for one step.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from modelgen import Accuracy, build, derive, emit, require, simulate
+from modelgen.codegen.library import Library
+from modelgen.errors import ModelgenError
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Scene
+from tests.benchmarks.counting import callgrind, countable
+
+ANSWER_S = 0.5  # s, most time between Ctrl-C and the end of a run
+SPACING = 0.13  # m, of the spheres of a heap at the start
+COUNTED = (("stack", 5, 0.002, 0.05), ("stack", 10, 0.002, 0.02), ("heap", 20, 0.005, 0.4))
+HEAVY = (("heap", 50, 0.005, 60.0), ("heap", 100, 0.005, 60.0), ("stack", 20, 0.002, 60.0))
+
+
+def stack(boxes: int) -> Scene:
+    """Cubes of 0.1 m at rest on each other."""
+    edge = 0.1
+    cubes = [
+        make.dynamic(
+            f"b{i}", make.box(edge, edge, edge), density=1000.0, position=[0.0, 0.0, edge / 2 + i * edge]
+        )
+        for i in range(boxes)
+    ]
+    bodies = [make.fixed("floor", make.plane()), *cubes]
+    return make.scene(f"stack_{boxes}", bodies, contacts={"between": "all", "friction": 0.5})
+
+
+def heap(spheres: int, seed: int = 0) -> Scene:
+    """Spheres of 0.05 m that fall between four walls."""
+    rng = np.random.default_rng(seed)
+    side = max(2, round((spheres / 2) ** (1 / 3)))
+    half, turn = side * SPACING / 2 + 0.01, float(np.pi / 2)
+    walls = (
+        *([-half, 0.0, 0.0], [0.0, turn, 0.0]),
+        *([half, 0.0, 0.0], [0.0, -turn, 0.0]),
+        *([0.0, -half, 0.0], [-turn, 0.0, 0.0]),
+        *([0.0, half, 0.0], [turn, 0.0, 0.0]),
+    )
+    bodies = [make.fixed("floor", make.plane())]
+    bodies += [
+        make.fixed(f"w{k}", make.plane(), position=walls[2 * k], rpy=walls[2 * k + 1]) for k in range(4)
+    ]
+    for i in range(spheres):
+        layer, place = divmod(i, side * side)
+        at = [
+            SPACING * (n - (side - 1) / 2) + float(rng.uniform(-0.004, 0.004))
+            for n in (place % side, place // side)
+        ]
+        ball = make.sphere(0.05)
+        bodies.append(make.dynamic(f"s{i}", ball, density=1000.0, position=[*at, 0.08 + SPACING * layer]))
+    return make.scene(f"heap_{spheres}", bodies, contacts={"between": "all", "friction": 0.5})
+
+
+SCENES = {"stack": stack, "heap": heap}
+
+
+def built(kind: str, bodies: int, folder: str) -> Library:
+    return build(emit(derive(require(SCENES[kind](bodies)))), folder=folder)
+
+
+def run(folder: Path, step: float, until: float) -> None:
+    """A run by time-stepping, without its estimate; `until` 0: its set-up alone."""
+    library = Library.load(folder)
+    path = simulate(
+        library, until=until or 1e-9, accuracy=Accuracy.fast(), method="time-stepping", step=step,
+        samples=1, estimate=False,
+    )  # fmt: skip
+    print(
+        f"{path.outcome.value} t={path.t_end:.4g} steps={path.steps} penetration={path.penetration_max:.2g} "
+        f"residual={path.complementarity_max:.2g}"
+    )
+
+
+def count() -> None:
+    print("| scene | steps of | until | instructions |\n|---|---|---|---|")
+    for kind, bodies, step, until in COUNTED:
+        with TemporaryDirectory() as folder, TemporaryDirectory() as target:
+            countable(built(kind, bodies, folder), Path(target))
+            module = "tests.benchmarks.many_contacts"
+            whole, empty = (callgrind(module, "run", target, step, end) for end in (until, 0.0))
+        print(f"| {kind} of {bodies} | {step} s | {until} s | {whole - empty:.4g} |", flush=True)
+
+
+def interrupt(instants: int) -> None:
+    rng = np.random.default_rng(0)
+    worst = 0.0
+    for kind, bodies, step, until in HEAVY:
+        with TemporaryDirectory() as folder:
+            built(kind, bodies, folder)
+            for _ in range(-(-instants // len(HEAVY))):
+                after, answer = float(rng.uniform(0.5, 8.0)), 0.0
+                command = [sys.executable, "-m", "tests.benchmarks.many_contacts", "run", folder, step, until]
+                with subprocess.Popen(
+                    [str(word) for word in command], stdout=subprocess.PIPE, text=True, env=dict(os.environ)
+                ) as child:
+                    time.sleep(3.0 + after)
+                    if child.poll() is None:
+                        child.send_signal(signal.SIGINT)
+                        sent = time.perf_counter()
+                        child.wait()
+                        answer = time.perf_counter() - sent
+                    told = child.stdout.read().strip() if child.stdout else ""
+                worst = max(worst, answer)
+                print(
+                    f"{kind} of {bodies}: Ctrl-C after {3 + after:.1f} s, answered in {answer:.2f} s; {told}"
+                )
+    print(f"longest answer {worst:.2f} s")
+    if worst > ANSWER_S:
+        sys.exit(f"Ctrl-C was answered later than {ANSWER_S} s")
+
+
+def sizes(numbers: list[int]) -> None:
+    for spheres in numbers:
+        with TemporaryDirectory() as folder:
+            try:
+                built("heap", spheres, folder)
+                run(Path(folder), 0.005, 0.005)
+            except ModelgenError as refused:
+                print(f"{spheres} spheres: refused: {refused}")
+
+
+def main() -> None:
+    what, *rest = sys.argv[1:] or ["count"]
+    if what == "run":
+        run(Path(rest[0]), float(rest[1]), float(rest[2]))
+    elif what == "interrupt":
+        interrupt(int(rest[0]) if rest else 20)
+    elif what == "sizes":
+        sizes([int(text) for text in rest] or [200, 300, 500])
+    else:
+        count()
+
+
+if __name__ == "__main__":
+    main()
