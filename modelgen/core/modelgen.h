@@ -276,26 +276,27 @@ typedef struct {
                                 at once, where all follow Newton's law */
   int planar_contacts;       /* 1: flat faces that lie on each other rest as patches; 0: on single contacts */
 
-  mg_real step;              /* s: step of RK4 and of time-stepping; first step of DOP853, 0: chosen by the program */
-  mg_real stepping_theta;    /* Moreau's scheme: part of a step that follows the positions of its rows, 0..1 */
-  mg_real stepping_residual; /* time-stepping: impulses with no more than this residual are accepted */
-  mg_real fallback_step;     /* fallback: steps of fallback_step * time */
-  mg_real fallback_progress; /* an event-driven run falls back where many tries advance t by less than
-                                fallback_progress * time and a third of them is rejected */
-  mg_real chatter_step;      /* time-stepping in place of events that cost too much: steps of chatter_step * time */
-  mg_real chatter_work;      /* an event-driven run goes on by time-stepping when the work of its events, in evaluations
-                                of one contact, exceeds this and several times what time-stepping would have cost */
-  mg_real tolerance;         /* DOP853: bound of the local error over scale, root mean square */
-  mg_real contact_gap;       /* gaps |d| <= contact_gap * length count as touching */
-  mg_real start_gap;         /* at the start, gaps |d| <= start_gap * length count as touching; deeper penetration
-                                is refused */
-  mg_real start_joint_gap;   /* at the start, joint errors <= start_joint_gap * length are corrected, others refused */
-  mg_real drift_tolerance;   /* drift is projected away if d exceeds drift_tolerance * length, or d_dot that over
-                                time */
-  mg_real rest_speed; /* contacts that approach slower than rest_speed * length / time do not rebound; loads hold a
-                         switching function of place at a zero that it passes as slowly */
-  mg_real slip_speed; /* slip below slip_speed * length / time (spin, rolling: slip_speed / time) sticks if
-                         the forces permit it */
+  mg_real step;               /* s: step of RK4 and of time-stepping; first step of DOP853, 0: chosen by the program */
+  mg_real stepping_theta;     /* Moreau's scheme: part of a step that follows the positions of its rows, 0..1 */
+  mg_real stepping_tolerance; /* time-stepping: a friction solve ends at this residual once its iterations slow down */
+  mg_real stepping_residual;  /* time-stepping: impulses with no more than this residual are accepted, and counted */
+  mg_real fallback_step;      /* fallback: steps of fallback_step * time */
+  mg_real fallback_progress;  /* an event-driven run falls back where many tries advance t by less than
+                                 fallback_progress * time and a third of them is rejected */
+  mg_real chatter_step;       /* time-stepping in place of events that cost too much: steps of chatter_step * time */
+  mg_real chatter_work;    /* an event-driven run goes on by time-stepping when the work of its events, in evaluations
+                              of one contact, exceeds this and several times what time-stepping would have cost */
+  mg_real tolerance;       /* DOP853: bound of the local error over scale, root mean square */
+  mg_real contact_gap;     /* gaps |d| <= contact_gap * length count as touching */
+  mg_real start_gap;       /* at the start, gaps |d| <= start_gap * length count as touching; deeper penetration
+                              is refused */
+  mg_real start_joint_gap; /* at the start, joint errors <= start_joint_gap * length are corrected, others refused */
+  mg_real drift_tolerance; /* drift is projected away if d exceeds drift_tolerance * length, or d_dot that over
+                              time */
+  mg_real rest_speed;      /* contacts that approach slower than rest_speed * length / time do not rebound; loads hold a
+                              switching function of place at a zero that it passes as slowly */
+  mg_real slip_speed;      /* slip below slip_speed * length / time (spin, rolling: slip_speed / time) sticks if
+                              the forces permit it */
   mg_real friction_bound_margin; /* a friction constraint whose force has reached its bound is tried with a bound that
                                     is smaller by this part */
   mg_real rest_acceleration;     /* gap accelerations below rest_acceleration * length / time^2 do not open a contact */

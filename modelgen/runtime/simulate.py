@@ -215,7 +215,7 @@ def _run(session: Session, schedule: Schedule, recording: Recording, report: Rep
     if session.start_code:
         return Ending(OUTCOME_OF_CODE[session.start_code], session.drain_events())
     events: list[Event] = []
-    chunk, end, code = 100, schedule[-1][0], CONTINUE
+    chunk, end, code = 1, schedule[-1][0], CONTINUE
     try:
         for until, settings in schedule:
             session.input[:] = settings
@@ -226,7 +226,7 @@ def _run(session: Session, schedule: Schedule, recording: Recording, report: Rep
                 events += session.drain_events()
                 if code == CONTINUE:
                     elapsed = max(time.perf_counter() - before, 1e-6)
-                    chunk = int(min(max(chunk * CHUNK_S / elapsed, 10), 10 * chunk))
+                    chunk = int(min(max(chunk * CHUNK_S / elapsed, 1), 10 * chunk))
                 if report and code in (CONTINUE, FULL):
                     report(float(session.run.t) / end)
             if code:

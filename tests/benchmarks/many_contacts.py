@@ -14,6 +14,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -71,7 +72,7 @@ def heap(spheres: int, seed: int = 0) -> Scene:
     return make.scene(f"heap_{spheres}", bodies, contacts={"between": "all", "friction": 0.5})
 
 
-SCENES = {"stack": stack, "heap": heap}
+SCENES: dict[str, Callable[[int], Scene]] = {"stack": stack, "heap": heap}
 
 
 def built(kind: str, bodies: int, folder: str) -> Library:

@@ -96,7 +96,7 @@ static mg_friction_problem mg_make_friction_problem(mg_context *c, mg_real h) {
                            c->lcp.A,
                            c->lcp.b,
                            1,
-                           1};
+                           c->settings->stepping_tolerance};
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->events.is_near[i]) p.n = mg_append_friction_contact(c, i, p.n_contact++, p.n);
   p.n = mg_append_spring_rows(c, c->lcp.rows, mg_append_joint_rows(c, c->lcp.rows, p.n));
@@ -122,7 +122,8 @@ static int mg_release_slipping_constraints(mg_context *c, const mg_friction_prob
   return mg_use_kinetic_bounds(c);
 }
 
-/* Solves the problem; a residual up to stepping_residual counts as solved. Returns the outcome of mg_friction. */
+/* Solves the problem; a residual up to stepping_residual counts as solved, loosely above stepping_tolerance. Returns
+   the outcome of mg_friction. */
 static int mg_try_friction_law(mg_context *c, const mg_friction_problem *p, mg_friction_report *report) {
   const int outcome = mg_friction(p, c->lcp.z, c->friction.marks, report, c->friction.work, c->friction.iwork);
   c->run->lcp_solves++;

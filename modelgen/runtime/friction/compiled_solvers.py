@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Mapping
+from functools import cache
 from typing import Any, Literal
 
 import numpy as np
@@ -19,15 +20,6 @@ Law = Literal["coulomb", "relaxed"]
 LAWS: tuple[Law, ...] = ("coulomb", "relaxed")  # in the order of core/solve/friction/friction.h
 _COUNTS = ("outcome", "sweeps", "newton", "starts", "rank", "active", "unique")
 _UNDECIDED = -1
-
-
-class _Problem(ctypes.Structure):
-    _fields_ = (
-        *((name, ctypes.c_int) for name in ("n", "n_contact", "law", "tell")),
-        *((name, ctypes.c_void_p) for name in ("first", "rows", "cone", "A", "b")),
-        ("starts", ctypes.c_int),
-        ("hasty", ctypes.c_int),
-    )
 
 
 def coulomb(
@@ -165,7 +157,7 @@ def motion(problem: FrictionProblem, z: NDArray[Any]) -> NDArray[Any]:
 
 def _record(
     problem: FrictionProblem, library: CoreLibrary, law: Law, starts: int = 0
-) -> tuple[_Problem, tuple[Any, ...]]:
+) -> tuple[Any, tuple[Any, ...]]:
     """The record for the core, and the arrays that must live as long as it does."""
     real = library.dtype
     A, b = np.asfortranarray(problem.A, dtype=real), np.ascontiguousarray(problem.b, dtype=real)
@@ -173,7 +165,20 @@ def _record(
     first, rows = (np.ascontiguousarray(x, dtype=np.intc) for x in (problem.first, problem.rows))
     kept = (first, rows, cone, A, b)
     pointers = (pointer(array) for array in kept)
-    return _Problem(problem.n, len(first), LAWS.index(law), 1, *pointers, starts, 0), kept
+    record = _problem(np.dtype(real))
+    return record(problem.n, len(first), LAWS.index(law), 1, *pointers, starts, 0.0), kept
+
+
+@cache
+def _problem(dtype: np.dtype[Any]) -> Any:
+    """The mg_friction_problem of a real type."""
+    fields = [
+        *((name, ctypes.c_int) for name in ("n", "n_contact", "law", "tell")),
+        *((name, ctypes.c_void_p) for name in ("first", "rows", "cone", "A", "b")),
+        ("starts", ctypes.c_int),
+        ("accepted", C_REALS[dtype.char]),
+    ]
+    return type("FrictionProblem", (ctypes.Structure,), {"_fields_": fields})
 
 
 def _report(dtype: np.dtype[Any]) -> Any:

@@ -89,6 +89,7 @@ SETTINGS_REALS = (
     *(
         "step",
         "stepping_theta",
+        "stepping_tolerance",
         "stepping_residual",
         "fallback_step",
         "fallback_progress",

@@ -23,20 +23,21 @@ enum { MG_CONE = 4 }; /* coefficients of a contact: mu along t1, along t2; spinn
 
 /* A problem. */
 typedef struct {
-  int n;                 /* rows */
-  int n_contact;         /* contacts */
-  int law;               /* MG_COULOMB or MG_RELAXED */
-  int wants_rank;        /* 1: rank, active and unique are reported, and forces that are not unique have least norm */
-  const int *first;      /* [n_contact] row of N; the other rows of the contact follow it */
-  const int *rows;       /* [n_contact] 1: N; 3: N, t1, t2; 6: N, t1, t2, spin about N, rolling about t1, t2 */
-  const mg_real *cone;   /* [MG_CONE n_contact] coefficients, >= 0; 0: no force along that row; those of rows that the
-                            contact lacks are not read */
-  const mg_real *A;      /* [n n] matrix, column-major */
-  const mg_real *b;      /* [n] right-hand side */
-  int max_starts;        /* bound of the starting points, 0: all that are known; one may take a hundred times as long as
-                            the first */
-  int accepts_tolerance; /* 1: a residual within the tolerance, a thousand roundings, is enough; 0: Newton steps go on
-                            while they reduce it */
+  int n;               /* rows */
+  int n_contact;       /* contacts */
+  int law;             /* MG_COULOMB or MG_RELAXED */
+  int wants_rank;      /* 1: rank, active and unique are reported, and forces that are not unique have least norm */
+  const int *first;    /* [n_contact] row of N; the other rows of the contact follow it */
+  const int *rows;     /* [n_contact] 1: N; 3: N, t1, t2; 6: N, t1, t2, spin about N, rolling about t1, t2 */
+  const mg_real *cone; /* [MG_CONE n_contact] coefficients, >= 0; 0: no force along that row; those of rows that the
+                          contact lacks are not read */
+  const mg_real *A;    /* [n n] matrix, column-major */
+  const mg_real *b;    /* [n] right-hand side */
+  int max_starts;      /* bound of the starting points, 0: all that are known; one may take a hundred times as long as
+                          the first */
+  mg_real accepted;    /* a residual within it, or within a quarter of MG_LCP_CAP, is a solution once Newton steps no
+                          longer halve the merit, and Newton's method is tried again only after progress; 0: only a
+                          thousand roundings are, and Newton steps go on while they reduce them */
 } mg_friction_problem;
 
 /* Outcome of mg_friction. */
@@ -81,9 +82,9 @@ MG_API long long mg_friction_iwork_size(int n, int n_contact);
 
 /* Solves a problem. z [n]: a guess on entry (zeros if there is none), the forces on return, or the best found. marks
    [n_contact] receives the marks of the contacts. Returns the outcome; SOLVED is never returned with a residual above
-   1e-9 (1e-3 in float, 1e-12 in long double). Block Gauss-Seidel (Jourdan, Alart and Jean, Comput. Methods Appl. Mech.
-   Eng. 155 (1998), 31-47) and a semismooth Newton method on the natural map (Alart and Curnier, ibid. 92 (1991),
-   353-375), from other starting points where these fail. */
+   1e-9 (1e-3 in float, 1e-12 in long double) and above `accepted`. Block Gauss-Seidel (Jourdan, Alart and Jean, Comput.
+   Methods Appl. Mech. Eng. 155 (1998), 31-47) and a semismooth Newton method on the natural map (Alart and Curnier,
+   ibid. 92 (1991), 353-375), from other starting points where these fail. */
 MG_API int mg_friction(const mg_friction_problem *problem, mg_real *z, int *marks, mg_friction_report *report,
                        mg_real *work, int *iwork);
 

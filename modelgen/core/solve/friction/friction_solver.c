@@ -11,21 +11,23 @@ enum {
   MG_FRICTION_REFINEMENT_STEPS = 3 /* most Newton steps from a solution */
 };
 
-/* Sweeps, then Newton steps; where these fail, more sweeps from where the first ended. Returns whether a solution
-   was found. */
+/* Sweeps, then Newton steps; where these fail, more sweeps from where the first ended. A problem that names what it
+   accepts is given Newton steps again only where the sweeps between have halved the residual, because sweeps cost far
+   less. Returns whether a solution was found. */
 static int mg_friction_sweep_and_newton(mg_scaled_friction *s, int rounds) {
   const int m = s->m;
-  mg_real *swept = s->spare;
+  mg_real *swept = s->spare, before = MG_MAX;
   for (int round = 0, sweeps = MG_FRICTION_SWEEPS; round < rounds; ++round, sweeps *= MG_FRICTION_SWEEP_GROWTH) {
     if (mg_friction_sweep(s, sweeps)) return 1;
+    if (s->given->accepted > 0 && s->residual > before / 2) continue;
+    before = s->residual;
     for (int i = 0; i < m; ++i) swept[i] = s->y[i];
     for (int augmented = 1; augmented >= 0; --augmented) {
-      if (mg_friction_newton(s, MG_FRICTION_NEWTON_STEPS, augmented)) return 1;
+      if (mg_friction_newton(s, MG_FRICTION_NEWTON_STEPS, augmented) || mg_friction_is_accepted(s)) return 1;
       for (int i = 0; i < m; ++i) s->y[i] = swept[i];
     }
-    if (s->given->accepts_tolerance && s->residual <= MG_LCP_CAP / 4) return 1;
   }
-  return 0;
+  return mg_friction_is_accepted(s);
 }
 
 /* Tries the guess z, and Newton steps from it. Returns whether a solution was found; else y is the guess. */
@@ -34,7 +36,7 @@ static int mg_friction_warm_start(mg_scaled_friction *s, const mg_real *z) {
   mg_friction_scale_guess(s, z);
   mg_friction_update_motion(s);
   if (mg_friction_update_best(s)) return 1;
-  if (guessed && mg_friction_newton(s, MG_FRICTION_SWEEPS, 1)) return 1;
+  if (guessed && (mg_friction_newton(s, MG_FRICTION_SWEEPS, 1) || mg_friction_is_accepted(s))) return 1;
   mg_friction_scale_guess(s, z);
   return 0;
 }
@@ -68,7 +70,8 @@ static int mg_friction_certify_best(mg_scaled_friction *s, mg_real *z, int *mark
   for (int c = 0; c < s->n; ++c) marks[c] = mg_friction_contact_marks(s, c);
   mg_friction_unscale(s, s->best, z);
   report->residual = mg_friction_certify(s->given, z, &growth);
-  report->outcome = report->residual <= MG_LCP_CAP ? MG_FRICTION_SOLVED : MG_FRICTION_NOT_FOUND;
+  report->outcome =
+      report->residual <= mg_max(s->given->accepted, MG_LCP_CAP) ? MG_FRICTION_SOLVED : MG_FRICTION_NOT_FOUND;
   return report->outcome == MG_FRICTION_SOLVED;
 }
 
@@ -76,7 +79,7 @@ static int mg_friction_certify_best(mg_scaled_friction *s, mg_real *z, int *mark
 static void mg_friction_refine(mg_scaled_friction *s) {
   const int m = s->m;
   mg_real *before = s->spare;
-  for (int step = 0; step < MG_FRICTION_REFINEMENT_STEPS && !s->given->accepts_tolerance; ++step) {
+  for (int step = 0; step < MG_FRICTION_REFINEMENT_STEPS && !(s->given->accepted > 0); ++step) {
     const mg_real residual = s->residual, tolerance = mg_friction_tolerance(s, s->best);
     if (!(residual > tolerance / 1000 && residual <= tolerance)) return;
     for (int i = 0; i < m; ++i) before[i] = s->y[i] = s->best[i];

@@ -54,6 +54,11 @@ MG_INTERNAL mg_real mg_friction_tolerance(const mg_scaled_friction *s, const mg_
   return tolerance < MG_LCP_CAP / 4 ? tolerance : MG_LCP_CAP / 4;
 }
 
+MG_INTERNAL int mg_friction_is_accepted(const mg_scaled_friction *s) {
+  const mg_real accepted = s->given->accepted;
+  return accepted > 0 && s->residual <= mg_max(accepted, MG_LCP_CAP / 4);
+}
+
 MG_INTERNAL int mg_friction_update_best(mg_scaled_friction *s) {
   const mg_real error = mg_friction_error(s);
   if (error < s->residual) {

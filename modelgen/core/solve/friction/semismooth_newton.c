@@ -302,7 +302,8 @@ MG_INTERNAL int mg_friction_newton(mg_scaled_friction *s, int limit, int augment
   n.augmented = augmented;
   mg_friction_update_motion(s);
   n.before[0] = mg_semismooth_merit(&n);
-  for (int iteration = 0; steps.left > 0 && steps.slow <= MG_NEWTON_PATIENCE; ++iteration) {
+  for (int iteration = 0; steps.left > 0 && steps.slow <= (mg_friction_is_accepted(s) ? 0 : MG_NEWTON_PATIENCE);
+       ++iteration) {
     const mg_real merit = n.before[iteration % MG_LINE_SEARCH_MEMORY];
     ++s->newton;
     n.has_changed = 0;
