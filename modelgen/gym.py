@@ -65,7 +65,8 @@ def make(
 
     The actions are values of all inputs of the scene, in order, within their ranges. They hold during the
     step, or, of inputs with hold = "linear", are reached at its end. Observations and rewards are taken
-    there. A run that fails ends its episode as truncated, with `outcome` in the info.
+    there. A run that fails ends its episode as truncated, with `outcome` in the info. When an episode ends,
+    `doubts` in the info names what the run's own figures speak against (DOUBT_KINDS), if there is anything.
 
     Raises:
         ModelgenError: an argument is not what it says, or an input has no range.
@@ -185,7 +186,7 @@ class RunEnv(gymnasium.Env[Array, Array]):
         observation, reward, terminated = self._facts.shown(self._many)
         failed = bool(self._many.ended[0])
         truncated = failed or _is_over(self._many.t, self._facts)[0]
-        info = {"outcome": str(self._many.outcomes[0])} if failed else {}
+        info = _info(self._many, 0) if failed or truncated or terminated[0] else {}
         return observation[0], float(reward[0]), bool(terminated[0]), bool(truncated), info
 
 
@@ -235,9 +236,16 @@ class RunVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Array]):
         reward[over], terminated[over], truncated[over] = 0.0, False, False
         self._over = terminated | truncated
         infos: dict[str, Any] = {}
-        for lane in np.flatnonzero(self._many.ended).tolist():
-            self._add_info(infos, {"outcome": str(self._many.outcomes[lane])}, lane)
+        for lane in np.flatnonzero(self._over).tolist():
+            self._add_info(infos, _info(self._many, lane), lane)
         return observation, reward, terminated, truncated, infos
+
+
+def _info(many: Simulations, lane: int) -> dict[str, Any]:
+    """What is to be known of a run whose episode has ended: why it failed, and the doubts of its figures."""
+    failure = {"outcome": str(many.outcomes[lane])} if many.ended[lane] else {}
+    doubts = many.doubts[lane]
+    return failure | ({"doubts": ", ".join(doubts)} if doubts else {})
 
 
 def _seeds(seed: int | Sequence[int | None] | None, n: int) -> Sequence[int | None]:

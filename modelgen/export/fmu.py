@@ -40,7 +40,7 @@ NUMBERS = """/* Numbers of the variables of the FMU, in the order of modelDescri
 #define FMU_FIRST_OUTPUT {sensors}u
 #define FMU_FIRST_STATE {states}u
 #define FMU_FIRST_CONSTANT {constants}u
-#define FMU_END {end}u
+#define FMU_DOUBTS {end}u
 
 static const double fmu_constants[] = {{{values}}};
 """

@@ -42,9 +42,18 @@ class Variable:
     largest: float | None = None
 
 
+DOUBTS = Variable(
+    "run.doubts",
+    "output",
+    "discrete",
+    "reasons not to trust the run so far, bits MG_DOUBT_.. of modelgen.h; 0: none that its figures show",
+)
+
+
 @dataclass(frozen=True, slots=True)
 class Variables:
-    """The variables of an FMU in the order of their numbers: time, inputs, sensors, states, constants."""
+    """The variables of an FMU in the order of their numbers: time, inputs, sensors, states, constants, and
+    the doubts of its run."""
 
     inputs: tuple[Variable, ...]
     sensors: tuple[Variable, ...]
@@ -54,7 +63,7 @@ class Variables:
     @property
     def all(self) -> tuple[Variable, ...]:
         time = Variable("time", "independent", "continuous", unit="s")
-        return (time, *self.inputs, *self.sensors, *self.states, *self.constants)
+        return (time, *self.inputs, *self.sensors, *self.states, *self.constants, DOUBTS)
 
 
 def variables_of(instance: Mapping[str, Any], states: bool) -> Variables:

@@ -26,6 +26,13 @@ WIDE = 3  # panels side by side
 POINT = 26.0  # area of the mark of a run, pt^2
 EVEN = 1e-9  # of the range: values of a grid that are equal
 FAILED: dict[str, Any] = {"marker": "x", "s": 22.0, "linewidths": 1.0}
+DOUBTED: dict[str, Any] = {
+    "marker": "o",
+    "s": 40.0,
+    "linewidths": 1.0,
+    "facecolors": "none",
+    "edgecolors": "C3",
+}
 
 
 def draw_sweep(found: Sweep, path: str | Path, of: Sequence[str] | None = None) -> None:
@@ -45,7 +52,9 @@ def draw_sweep(found: Sweep, path: str | Path, of: Sequence[str] | None = None) 
     rows = -(-len(panels) // WIDE)
     wide = min(WIDE, len(panels))
     figure = require_matplotlib()(figsize=(1.0 + 4.2 * wide, 0.8 + 3.4 * rows), layout="constrained")
-    figure.suptitle(f"{found.plan['scene']}: {len(found)} runs, {int(found.failed.sum())} failed")
+    doubted = int((_doubted(found)).sum())
+    counts = f"{len(found)} runs, {int(found.failed.sum())} failed, {doubted} others not trusted"
+    figure.suptitle(f"{found.plan['scene']}: {counts}")
     for k, (name, x, y) in enumerate(panels):
         axes = figure.add_subplot(rows, wide, k + 1)
         if y:
@@ -76,6 +85,9 @@ def _curve(found: Sweep, name: str, x: str, axes: Any) -> None:
     order = np.argsort(found[x], kind="stable")
     at, shown, failed = found[x][order], values[order], found.failed[order]
     axes.plot(at[~failed], shown[~failed], ".-", markersize=4, linewidth=0.9, color="C0")
+    doubted = _doubted(found)[order] & np.isfinite(shown)
+    if doubted.any():
+        axes.scatter(at[doubted], shown[doubted], label="not trusted", **DOUBTED)
     if failed.any():
         known = failed & np.isfinite(shown)
         axes.scatter(at[known], shown[known], color="C3", label="failed", **FAILED)
@@ -99,6 +111,9 @@ def _map(found: Sweep, name: str, x: str, y: str, axes: Any) -> None:
         drawn = axes.pcolormesh(*grid, shading="nearest", **options)
     else:
         drawn = axes.scatter(at[known], over[known], c=values[known], s=POINT, **options)
+    doubted = _doubted(found)
+    if doubted.any():
+        axes.scatter(at[doubted], over[doubted], **DOUBTED)
     if failed.any():
         axes.scatter(at[failed], over[failed], color="C3", **FAILED)
     bar = axes.figure.colorbar(drawn, ax=axes)
@@ -107,6 +122,11 @@ def _map(found: Sweep, name: str, x: str, y: str, axes: Any) -> None:
         bar.ax.set_ylim(-0.5, len(labels) - 0.5)
     _name_axes(axes, x, y)
     axes.set_title(name, fontsize="medium")
+
+
+def _doubted(found: Sweep) -> Array:
+    """Runs that came to their end and are not trusted: (n,) of bool."""
+    return np.asarray(~found.failed & (found["trusted"] == 0))
 
 
 def _name_axes(axes: Any, x: str, y: str) -> None:

@@ -17,6 +17,7 @@ from modelgen.report.html_parts import STYLE, badge, document, sections_of, tabl
 from modelgen.report.printed_rounding import NOISE, largest, noise_of_joints, vector_text
 from modelgen.report.run_plot import picture
 from modelgen.report.run_record import Record
+from modelgen.report.verdict import horizon_of, verdict_line, verdict_title
 
 EVENTS = 400  # in the table; more are counted
 MORE_STYLE = "img{max-width:100%}.kind{white-space:nowrap}ul{margin:.3rem 0}"
@@ -53,7 +54,8 @@ def run_page(record: Record, derivation: Derivation, frames: int = 4, n: int = 0
         ModelgenError: matplotlib, which draws the pictures, is not installed.
     """
     summary, facts = record.summary, check_facts(derivation)
-    title = f"{summary['scene']}: {summary['outcome']} at t = {summary['t_end']:.6g} s"
+    reached = f"{summary['outcome']} at t = {summary['t_end']:.6g} s"
+    title = f"{summary['scene']}: {reached}, {verdict_title(summary)}"
     sections = [
         ("accuracy", "How exact it is", _accuracy(summary)),
         ("pictures", "Pictures", _pictures(record, frames)),
@@ -67,15 +69,20 @@ def run_page(record: Record, derivation: Derivation, frames: int = 4, n: int = 0
 
 
 def _accuracy(summary: Mapping[str, Any]) -> str:
-    estimate, doubts = summary["estimate"], summary["doubts"]
-    said = estimate["statement"] if estimate else "its error was not estimated"
-    trust = "not trusted: " + "; ".join(doubts) if doubts else "trusted"
+    estimate, horizon = summary["estimate"], horizon_of(summary)
+    said = [estimate["statement"]] if estimate else []
     given = [
         f"{kind}: " + ", ".join(f"{name} = {value:.9g}" for name, value in summary[kind].items())
         for kind in ("parameters", "inputs")
         if summary[kind]
     ]
-    lines = [f"accuracy setting: {summary['accuracy']}", said, trust, summary["advice"], *given]
+    lines = [
+        f"accuracy setting: {summary['accuracy']}",
+        *said,
+        verdict_line(summary),
+        summary["advice"],
+        *given,
+    ]
     lines += [f"warning: {warning}" for warning in summary["warnings"]]
     text = "".join(f"<li>{escape(line)}</li>" for line in lines)
     figures = [(escape(what), _number(summary[key]), unit) for key, what, unit in FIGURES]
@@ -84,9 +91,10 @@ def _accuracy(summary: Mapping[str, Any]) -> str:
         for key, what, unit in ERRORS
         if estimate and estimate[key] is not None
     ]
+    until = "" if horizon is None else f" up to {horizon:.6g} s"
     return (
         f"<ul>{text}</ul>"
-        + (table(("estimated error", "", "unit"), errors, (1,)) if errors else "")
+        + (table((f"estimated error{until}", "", "unit"), errors, (1,)) if errors else "")
         + table(("figure", "", "unit"), figures, (1,))
     )
 

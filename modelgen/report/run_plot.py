@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from io import BytesIO
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from modelgen.errors import ModelgenError, expect, path_of
 from modelgen.report.run_files import check_suffix
 from modelgen.report.run_record import Array, Record
 from modelgen.report.snapshots import draw_frames, frame_samples
+from modelgen.report.verdict import horizon_of, verdict_title
 
 if TYPE_CHECKING:
     from modelgen.report.displayed_bodies import Stage
@@ -30,6 +32,8 @@ NOISE = 1e-9  # a range so small, against the values in it, is rounding, and not
 ENTRIES = 20  # lines that a legend names
 INSIDE = 6  # of them for which there is room beside the curves
 STYLES = ("-", "--", ":")  # of the components x, y, z, where bodies have colours
+DOUBTED = "tab:red"  # of what is not trusted
+WORDS = 150  # most characters of a line below the panels
 RESIDUAL: dict[str, Any] = {"linewidth": 0.8, "color": "tab:red", "alpha": 0.7}
 
 
@@ -88,7 +92,11 @@ def _figure(record: Record, frames: int | None) -> Any:
     heights = [1.0 if known else 1.7] * above + [1.0] * rows + [1.7] * -(-len(curves) // PAIR)
     figure = figure_class(figsize=(11.0, 2.8 * sum(heights)), layout="constrained")
     summary = record.summary
-    figure.suptitle(f"{summary['scene']}: {summary['outcome']} at t = {summary['t_end']:.6g} s")
+    reached = f"{summary['scene']}: {summary['outcome']} at t = {summary['t_end']:.6g} s"
+    reasons = "".join(f"\n{fill(doubt, WORDS)}" for doubt in summary["doubts"])
+    figure.suptitle(f"{reached}, {verdict_title(summary)}")
+    if reasons:
+        figure.supxlabel(f"not trusted:{reasons}", fontsize="small", color=DOUBTED)
     grid = figure.add_gridspec(len(heights), ROW, height_ratios=heights)
 
     def place(first: int, number: int, side_by_side: int) -> Any:
@@ -145,6 +153,9 @@ def _over_time(record: Record, axes: Any, panel: Callable[[Record, Any], None]) 
         axes.set_prop_cycle(color=[_colour(k) for k in range(20)])
     panel(record, axes)
     _finish(axes)
+    horizon = horizon_of(record.summary)
+    if horizon is not None:  # shaded where nothing is predicted
+        axes.axvspan(horizon, record.summary["t_end"], color=DOUBTED, alpha=0.12, linewidth=0)
 
 
 def _pressure(record: Record, axes: Any, patch: int) -> None:

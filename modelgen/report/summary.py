@@ -7,6 +7,7 @@ from math import hypot, isnan
 from typing import Any
 
 from modelgen.report.printed_rounding import NOISE, largest, noise_of_joints, vector_text
+from modelgen.report.verdict import verdict_line
 
 FIRST, LAST = 15, 5  # events printed from the start and the end; those between are counted
 
@@ -46,14 +47,7 @@ def summary_lines(summary: dict[str, Any]) -> Iterator[str]:
     for key in ("out", "plot"):
         if summary[key] is not None:
             yield written_line(summary[key])
-    yield _trust_line(summary)
-
-
-def _trust_line(summary: dict[str, Any]) -> str:
-    """The last line: whether the run can be trusted, and why not."""
-    doubts, unknown = summary["doubts"], "" if summary["estimate"] else "; its error was not estimated"
-    line = f"not trusted: {'; '.join(doubts)}" if doubts else "trusted"
-    return line + unknown
+    yield verdict_line(summary)
 
 
 def written_line(file: object) -> str:

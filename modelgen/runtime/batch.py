@@ -16,7 +16,7 @@ from modelgen.runtime.core_session import Session
 from modelgen.runtime.lane_arrays import lanes_of
 from modelgen.runtime.start import REFUSED, refusal
 from modelgen.runtime.tables.ctypes_structures import Array
-from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Outcome
+from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Outcome, doubt_kinds
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +29,7 @@ class Batch:
     outcomes: tuple[Outcome, ...]
     energy_drift: Array  # (n,) max |E - E_0 - work| over the largest kinetic energy
     steps: Array  # (n,)
+    doubts: tuple[tuple[str, ...], ...]  # what the figures of each run speak against, of DOUBT_KINDS
 
 
 def simulate_batch(
@@ -73,6 +74,9 @@ def simulate_batch(
         outcomes=tuple(OUTCOME_OF_CODE[code] for code in codes.tolist()),
         energy_drift=np.array([session.energy_drift(run) for run in runs]),
         steps=np.array([run.steps for run in runs]),
+        doubts=tuple(
+            doubt_kinds(session.doubts(run, code)) for run, code in zip(runs, codes.tolist(), strict=True)
+        ),
     )
 
 

@@ -218,9 +218,10 @@ class Session:
         """Takes n RK4 steps without events, projection or energy ledger."""
         self.library.cdll.mg_smooth(*self._head, ctypes.c_long(n), *self._scratch)
 
-    def doubts(self) -> int:
-        """What the figures of the run speak against, whatever its outcome: bits of mg_doubts."""
-        return int(self.library.cdll.mg_doubts(*self._head, ctypes.c_int(0)))
+    def doubts(self, run: Any, code: int) -> int:
+        """What the figures of an mg_run that has come to an outcome of the core speak against: bits of
+        mg_doubts."""
+        return int(self.library.cdll.mg_doubts(*self._head[:2], ctypes.byref(run), ctypes.c_int(code)))
 
     def energy_drift(self, run: Any) -> float:
         """max |E - E_0 - work| of an mg_run, relative to its largest kinetic energy, or to m L^2 / T^2 at

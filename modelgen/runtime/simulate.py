@@ -155,7 +155,7 @@ def _path(session: Session, schedule: Schedule, times: Array, report: Report) ->
         session.run,
         recording.columns(),
         ending,
-        doubts=session.doubts(),
+        doubts=session.doubts(session.run, 0),  # whether it ended early is seen from its outcome
         wall_s=time.perf_counter() - started,
         warnings=warnings(session, session.accuracy, ending.events),
         outcome_function=unbounded(session, ending.outcome),

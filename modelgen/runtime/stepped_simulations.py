@@ -27,7 +27,7 @@ from modelgen.runtime.sensors import parts_of
 from modelgen.runtime.session_group import SessionGroup, group_of
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.tables.ctypes_structures import Array
-from modelgen.runtime.trajectory import Event, Outcome
+from modelgen.runtime.trajectory import Event, Outcome, doubt_kinds
 
 KEYWORDS = ("parameters", "inputs", "q", "u", "accuracy", "threads", *STEPPING)  # of `start_many`
 Values = Mapping[str, Any]  # by name: one number, or one for each lane
@@ -114,6 +114,12 @@ class Simulations:
     def outcomes(self) -> tuple[Outcome | None, ...]:
         """DONE where a lane can go on, else why it ended; None where it could not start."""
         return self._group.outcomes
+
+    @property
+    def doubts(self) -> tuple[tuple[str, ...], ...]:
+        """What the figures of each lane speak against so far, of DOUBT_KINDS; empty: nothing. Errors are
+        not estimated."""
+        return tuple(doubt_kinds(self._group.doubts(lane)) for lane in range(self.n))
 
     @property
     def ended(self) -> Array:

@@ -85,6 +85,13 @@ DOUBT_KINDS = (  # by the bits MG_DOUBT_ENDED ..
     *("ended", "gap", "penetration", "joint", "energy", "complementarity", "impact-gain", "no-gamma"),
     *("time-stepping", "slip-stop", "indeterminate", "flush", "unfollowed", "incomplete"),
 )
+
+
+def doubt_kinds(bits: int) -> tuple[str, ...]:
+    """The doubts of mg_doubts by name."""
+    return tuple(kind for bit, kind in enumerate(DOUBT_KINDS) if bits >> bit & 1)
+
+
 LOAD_SWITCH: EventKind = "load-switch"
 EVENT_KINDS: tuple[EventKind, ...] = get_args(EventKind)  # by MG_EVENT_IMPACT ..
 SEARCH_EVENTS: tuple[EventKind, ...] = ("appear", "vanish")  # at ends of steps

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.by_name import ByName
 from modelgen.runtime.core_session import Session
-from modelgen.runtime.trajectory import DOUBT_KINDS, Event, Outcome, Trajectory
+from modelgen.runtime.trajectory import Event, Outcome, Trajectory, doubt_kinds
 from modelgen.runtime.warnings.time_stepping import fallback_step
 
 
@@ -78,7 +78,7 @@ def trajectory_of(
         complementarity_max=float(run.complementarity_max),
         margin_min=float(min(run.margin_min, 1.0)),
         redundant_max=int(run.redundant_max),
-        doubt_kinds=tuple(kind for bit, kind in enumerate(DOUBT_KINDS) if doubts >> bit & 1),
+        doubt_kinds=doubt_kinds(doubts),
         indeterminate_t=float(run.indeterminate_t) if run.indeterminate else None,
         indeterminate_load=session.switching_loads[switch] if switch >= 0 else "",
         paradox_contact=session.contacts[paradox] if is_paradox else "",

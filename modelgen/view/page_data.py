@@ -11,6 +11,7 @@ from modelgen.geometry.body_meshes import Mesh
 from modelgen.model import Model
 from modelgen.report.displayed_bodies import Actor, Stage, stage_of
 from modelgen.report.run_record import Array, Record, rotate_inverse
+from modelgen.report.verdict import verdict_line, verdict_title
 from modelgen.rotations import rotation_of
 from modelgen.scene.scene_types import Body
 from modelgen.view.packing import packed, packed_bytes, packed_indices
@@ -67,16 +68,15 @@ def stage_data(stage: Stage, model: Model) -> dict[str, Any]:
 
 
 def _outcome(summary: dict[str, Any]) -> str:
-    error = summary["estimate"] and summary["estimate"]["position"]
-    told = f", error {error:.1g} m" if error else ""
-    return f"{summary['outcome']} at t = {summary['t_end']:.6g} s, {summary['accuracy']}{told}"
+    reached = f"{summary['outcome']} at t = {summary['t_end']:.6g} s"
+    return f"{reached}, {summary['accuracy']}, {verdict_title(summary)}"
 
 
 def _said(summary: dict[str, Any]) -> str:
     """What there is to say of the accuracy of a run."""
     estimate = summary["estimate"]
     return "; ".join(
-        [*([estimate["statement"]] if estimate else []), *summary["doubts"], *summary["warnings"]]
+        [*([estimate["statement"]] if estimate else []), verdict_line(summary), *summary["warnings"]]
     )
 
 

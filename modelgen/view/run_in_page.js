@@ -182,11 +182,22 @@ async function startRun() {
     const n = Math.hypot(...q);
     return q.map(each => each / n);
   }
+  function doubtsOf(code) { // in words
+    const found = core.page_doubts(code), told = [];
+    for (let doubt = 1; doubt <= found; doubt *= 2) if (found & doubt) told.push(textAt(core.page_doubt_text(doubt)));
+    return told;
+  }
+  function textAt(place) {
+    const bytes = new Uint8Array(core.memory.buffer);
+    return new TextDecoder().decode(bytes.subarray(place, bytes.indexOf(0, place)));
+  }
   function tell(count) {
     const failed = core.page_failed_contact(), whose = live.contact_names[failed] ? ` (${live.contact_names[failed]})` : "";
     text.textContent = message || (goesOn() ? `computed up to t = ${core.page_time().toPrecision(6)} s, ${live.accuracy}`
       : code === 0 ? `done at t = ${core.page_time().toPrecision(6)} s, ${live.accuracy}`
       : `ended at t = ${core.page_time().toPrecision(6)} s: ${outcome(code)}${whose}`);
+    const doubts = message || goesOn() ? [] : doubtsOf(code);
+    if (doubts.length) text.textContent += `; not trusted: ${doubts.join("; ")}`;
     document.body.dataset.state = goesOn() ? "running" : "ended";
   }
 

@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -262,6 +263,19 @@ def test_pictures_have_a_panel_for_each_pair_of_numbers(numbers: int, tmp_path: 
     assert drawn.count('<g id="axes_') == panels + bars
     with pytest.raises(ModelgenError, match="did you mean 'place_z'"):
         draw_sweep(found, file, ["place_zz"])
+
+
+def test_runs_that_are_not_trusted_are_counted_in_the_picture(tmp_path: Path) -> None:
+    found = sweep(ball(), dict([*VARY.items()][:1]), until=0.2)
+    done = np.flatnonzero(~found.failed)
+    assert len(done) > 1
+    for doubted in (0, 2):
+        trusted = np.where(np.isin(np.arange(len(found)), done[:doubted]), 0.0, 1.0)
+        columns = {**found.columns, "trusted": trusted}
+        file = tmp_path / "curve.svg"
+        draw_sweep(replace(found, columns=columns), file, ["place_x"])
+        texts = "".join(file.read_text(encoding="utf-8").split("<!--"))
+        assert f"{doubted} others not trusted" in texts
 
 
 def test_queued_runs_are_each_handed_out_once() -> None:

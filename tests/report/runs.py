@@ -33,5 +33,5 @@ def ball_on_table(n: int = 41) -> Record:
         **{"patch_torque": np.zeros((n, 0)), "patch_share": np.zeros((n, 0))},
     }
     meshes = {"0_o": np.zeros((3, 4, 3)) + np.linspace(0, 1, 4)[None, :, None]}
-    summary = {"scene": "ring", "outcome": "done", "t_end": 2.0, "events": []}
+    summary = {"scene": "ring", "outcome": "done", "t_end": 2.0, "events": [], "doubts": [], "estimate": None}
     return Record(columns, ("table", "ball"), ("ball-table",), np.array([[0, 1]]), meshes, summary)

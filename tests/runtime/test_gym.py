@@ -135,7 +135,7 @@ def test_a_vector_does_what_that_of_gymnasium_does_with_single_environments(name
             over += int((mine[2] | mine[3]).sum())
     assert over > n
     if name.endswith("fail"):
-        assert set(mine[4]) == {"outcome", "_outcome"}
+        assert set(mine[4]) == {"outcome", "_outcome", "doubts", "_doubts"}
 
 
 def assert_same(mine: Any, its: Any) -> None:

@@ -83,7 +83,7 @@ def test_the_core_doubts_each_figure_beyond_its_bound(
     for kind in counts:
         setattr(run, COUNTS[kind], 1)
     beyond = {kind for kind, part in parts.items() if not part <= 1} | counts
-    doubted = session.doubts()
+    doubted = session.doubts(run, 0)
     assert {kind for bit, kind in enumerate(DOUBT_KINDS) if doubted >> bit & 1} == beyond
 
 

@@ -37,6 +37,9 @@ int main(void) {
     code = scene_advance(&scene, step * period);
   }
   print_state();
+  const int doubts = scene_doubts(&scene, code);
+  for (int doubt = 1; doubt <= doubts; doubt *= 2)
+    if (doubts & doubt) fprintf(stderr, "not trusted: %s\n", mg_doubt_text(doubt));
   if (code != MG_DONE) fprintf(stderr, "ended at t = %g s: code %d of modelgen.h\n", (double)scene.run.t, code);
   return code;
 }

@@ -86,8 +86,11 @@ FMI2_EXPORT fmi2Status fmi2ExitInitializationMode(void *component) {
   return fmi2OK;
 }
 
-FMI2_EXPORT fmi2Status fmi2Terminate(void *c) {
-  (void)c;
+FMI2_EXPORT fmi2Status fmi2Terminate(void *component) {
+  fmi2_instance *c = component;
+  const int doubts = scene_doubts(&c->run.scene, c->run.outcome);
+  for (int doubt = 1; doubt <= doubts; doubt *= 2)
+    if (doubts & doubt) fmi2_say(c, fmi2Warning, mg_doubt_text(doubt));
   return fmi2OK;
 }
 

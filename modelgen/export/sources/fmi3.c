@@ -73,8 +73,11 @@ FMI3_EXPORT fmi3Status fmi3ExitInitializationMode(void *component) {
   return fmi3OK;
 }
 
-FMI3_EXPORT fmi3Status fmi3Terminate(void *c) {
-  (void)c;
+FMI3_EXPORT fmi3Status fmi3Terminate(void *component) {
+  fmi3_instance *c = component;
+  const int doubts = scene_doubts(&c->run.scene, c->run.outcome);
+  for (int doubt = 1; doubt <= doubts; doubt *= 2)
+    if (doubts & doubt) fmi3_say(c, fmi3Warning, mg_doubt_text(doubt));
   return fmi3OK;
 }
 

@@ -48,8 +48,11 @@ int fmu_get(fmu *instance, const unsigned *numbers, size_t n, double *values) {
     } else if (k < FMU_FIRST_CONSTANT) {
       if (!fmu_settle(instance)) return 0;
       values[i] = (double)instance->scene.run.x[k - FMU_FIRST_STATE];
-    } else if (k < FMU_END) {
+    } else if (k < FMU_DOUBTS) {
       values[i] = fmu_constants[k - FMU_FIRST_CONSTANT];
+    } else if (k == FMU_DOUBTS) {
+      if (!fmu_settle(instance)) return 0;
+      values[i] = scene_doubts(&instance->scene, instance->outcome);
     } else {
       return 0;
     }

@@ -26,6 +26,9 @@ double PAGE(page_time)(void) { return scene.run.t; }
 int PAGE(page_samples)(void) { return record.count; }
 int PAGE(page_events)(void) { return scene.events.count; }
 int PAGE(page_failed_contact)(void) { return scene.run.failed_contact; }
+/* The reasons not to trust the run that has come to `code`, as bits, and one of them in words. */
+int PAGE(page_doubts)(int code) { return scene_doubts(&scene, code); }
+const char *PAGE(page_doubt_text)(int doubt) { return mg_doubt_text(doubt); }
 void PAGE(page_set_input)(int input, double value) { scene_set_input(&scene, input, value); }
 void PAGE(page_set_rate)(int input, double rate) { scene_set_rate(&scene, input, rate); }
 

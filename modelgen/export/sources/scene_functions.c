@@ -36,6 +36,10 @@ void scene_poses(scene_instance *scene, mg_real *pose) {
   mg_pose_all(scene->system, &scene_settings, &scene->run, pose, scene->work, scene->iwork);
 }
 
+int scene_doubts(const scene_instance *scene, int code) {
+  return mg_doubts(scene->system, &scene_settings, &scene->run, code);
+}
+
 void scene_save(const scene_instance *scene, unsigned char *bytes) {
   mg_save(scene->system, &scene_settings, &scene->run, bytes);
 }
