@@ -34,7 +34,8 @@ def contacts_of_pair(
     next, so that steps are kept short. Two convex shapes, one of them round, touch once. A body in a hollow
     may be near to several of its sides, though it touches one at a time; where the shapes are not so
     simple, it may touch all around. Others touch in several points, searched for as the bodies move, or after
-    every step where there are edges, which come down on faces all along.
+    every step where there are edges, which come down on faces all along, or open ends, over which closest
+    points come in that were none before, at any gap.
     """
     hollow = is_hollow(a) or is_hollow(b)
     alone = touches_once(a, b)
@@ -48,16 +49,17 @@ def contacts_of_pair(
         bounded = is_composite(a) or is_composite(b)
         search: Search = "always" if bounded or explicit else "moved"
         return PairContacts(len(feature_pairs), True, search if once or len(feature_pairs) == 1 else "ahead")
-    if once and len(feature_pairs) == 1:
+    is_open = has_open_ends(a) or has_open_ends(b)
+    if once and len(feature_pairs) == 1 and not is_open:
         return PairContacts(1, True, "always" if explicit else "moved")
-    if once and (a.kind in ROUND or b.kind in ROUND):
+    if once and (len(feature_pairs) == 1 or a.kind in ROUND or b.kind in ROUND):
         return PairContacts(1, False, "never")
     smooth = is_smooth(a) and is_smooth(b)
     around = not alone and (a.cavity or b.cavity)
     count = pair.points or (SMOOTH if smooth and not around else MANY)
-    if alone and smooth and not explicit:
-        return PairContacts(count, False, "apart")
-    return PairContacts(count, False, "moved" if smooth and not explicit else "always")
+    if not smooth or explicit or is_open:
+        return PairContacts(count, False, "always")
+    return PairContacts(count, False, "apart" if alone else "moved")
 
 
 def runs_on(shape: Shape) -> bool:
@@ -69,6 +71,13 @@ def runs_on(shape: Shape) -> bool:
         for feature in features
         for condition in feature.conditions
     )
+
+
+def has_open_ends(shape: Shape) -> bool:
+    """Whether the shape has ends or edges that carry no contact: those of a curve or of an open surface."""
+    features = features_of(shape).features
+    ends = any(condition.next is None for feature in features for condition in feature.conditions)
+    return ends and (shape.chart is not None or not shape.cavity)
 
 
 def is_smooth(shape: Shape) -> bool:
