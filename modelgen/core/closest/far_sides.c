@@ -32,6 +32,11 @@ static int mg_has_cells(const mg_context *c, int feature_pair, int side) {
   return c->system->n_cell_tree > 0 && c->system->feature_tree[2 * feature_pair + side] >= 0;
 }
 
+/* True if a feature is a plane. */
+static int mg_is_plane(const mg_context *c, int feature_pair, int side) {
+  return c->kernels->shape_kinds[c->system->feature_shape[2 * feature_pair + side]].nearest_point == MG_NEAREST_PLANE;
+}
+
 /* Point of a segment. */
 static void mg_point_of_segment(const mg_segment *segment, mg_real part, mg_real *x) {
   for (int k = 0; k < 3; k++) x[k] = segment->start[k] + part * segment->along[k];
@@ -153,19 +158,35 @@ static mg_real mg_part_before_cell(const mg_cell *cell, const mg_segment *segmen
   return mg_min(mg_max(nearest - radius / length, (mg_real)0), (mg_real)1);
 }
 
-/* The same of a small cell: near its start a segment leaves only what all normals show, because the surface on which it
-   begins is there. */
-static mg_real mg_part_before_small_cell(const mg_cell *cell, const mg_segment *segment) {
-  const mg_real part = mg_part_before_cell(cell, segment), length = segment->length,
-                start = MG_SEGMENT_START * segment->size / length;
-  if (part >= start || mg_dot3(cell->direction, segment->along) - cell->spread * length > MG_OUTWARD * length)
-    return part;
-  return mg_part_nearest_to_cell(cell, segment) + cell->radius / length > start ? start : 1;
+/* Near its start, where the surface on which it begins is, a segment leaves only what all normals of a cell show. */
+static int mg_is_left_near_start(const mg_cell *cell, const mg_segment *segment) {
+  const mg_real length = segment->length;
+  return mg_dot3(cell->direction, segment->along) - cell->spread * length > MG_OUTWARD * length;
+}
+
+/* The part from which on a segment is away from its start. */
+static mg_real mg_part_away(const mg_segment *segment) { return MG_SEGMENT_START * segment->size / segment->length; }
+
+/* The part before which a segment does not leave a cell of which nothing more is to be known, given a lower bound. */
+static mg_real mg_part_before_small_cell(const mg_cell *cell, const mg_segment *segment, mg_real part) {
+  const mg_real away = mg_part_away(segment);
+  if (part >= away || mg_is_left_near_start(cell, segment)) return part;
+  return mg_part_nearest_to_cell(cell, segment) + cell->radius / segment->length > away ? away : 1;
+}
+
+/* True if a cell is not divided for a segment, given the part before which that does not leave it: it is small beside
+   the segment and, near its start, tells whether it is left there, or is as small as `smallest`, m. The body may be
+   thinner there than what is near the start. */
+static int mg_is_cell_small_enough(const mg_cell *cell, const mg_segment *segment, mg_real part, mg_real smallest) {
+  if (!(cell->radius * MG_SEGMENT_CELLS <= segment->size)) return 0;
+  return part >= mg_part_away(segment) || mg_is_left_near_start(cell, segment) || cell->radius <= smallest;
 }
 
 /* The part of a segment at which it leaves a surface with cells, or 1; 0 where the search before has left no room to
    tell. */
 static mg_real mg_part_in_cells(mg_context *c, int feature_pair, int side, const mg_segment *segment) {
+  const mg_real smallest =
+      c->settings->search_merge_distance * mg_pair_length(c, c->system->feature_pair_owner[feature_pair]);
   int stack[MG_SEGMENT_STACK], count = 0;
   mg_real first = 1, near[3];
   mg_feature_limits limits;
@@ -177,10 +198,10 @@ static mg_real mg_part_in_cells(mg_context *c, int feature_pair, int side, const
     const mg_cell *cell = c->search.cells + at;
     const mg_real part = mg_is_cell_beyond(c, at, &limits) ? 1 : mg_part_before_cell(cell, segment);
     if (!(part < first)) continue;
-    if (cell->radius * MG_SEGMENT_CELLS <= segment->size) {
+    if (mg_is_cell_small_enough(cell, segment, part, smallest)) {
       mg_point_of_segment(segment, mg_part_nearest_to_cell(cell, segment), near);
       if (mg_is_within_border(c, feature_pair, side, near, segment->slack))
-        first = mg_min(first, mg_part_before_small_cell(cell, segment));
+        first = mg_min(first, mg_part_before_small_cell(cell, segment, part));
       continue;
     }
     const int half = count + 2 <= MG_SEGMENT_STACK ? mg_divide_cell(c, feature_pair, side, at) : 0;
@@ -266,11 +287,15 @@ static int mg_normal_at(mg_context *c, int feature_pair, int side, const mg_real
   return mg_dot3(point, point) <= slack * slack;
 }
 
-/* True if a segment begins on a surface and goes out of it there, not along it. */
+/* True if a segment begins on a surface and goes out of it there, not along it. On a plane both are known to rounding:
+   a thin sheet is left at its edge by all ways but those along it. */
 static int mg_begins_outward(mg_context *c, int feature_pair, int side, const mg_segment *segment) {
+  const int is_plane = mg_is_plane(c, feature_pair, side);
+  const mg_real slack = is_plane ? fabs(segment->least) : segment->slack,
+                least = is_plane ? c->settings->feature_border : MG_OUTWARD;
   mg_real normal[3];
-  return mg_normal_at(c, feature_pair, side, segment->start, segment->slack, normal) &&
-         mg_dot3(normal, segment->along) > MG_OUTWARD * segment->length;
+  return mg_normal_at(c, feature_pair, side, segment->start, slack, normal) &&
+         mg_dot3(normal, segment->along) > least * segment->length;
 }
 
 /* True if a feature of one side of a feature pair is a surface. */
