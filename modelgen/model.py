@@ -110,6 +110,7 @@ class JointKind:
     kind: str  # name in `joint.kinds.FORMS`
     motion: Expression | None = None  # of t and inputs: what its first coordinate is held at
     inputs: tuple[InputKind, ...] = ()  # of the scene, if the motion depends on one
+    armature: tuple[str, ...] = ()  # rates that have one: of coordinates, or the relative spin
 
 
 @dataclass(frozen=True, slots=True)
@@ -276,9 +277,16 @@ class JointEntry:
     a: int
     b: int
     row: int  # its first among the rows of all joints
-    rows: int
+    rows: int  # that it holds
+    inertial_rows: int  # of its armature, after the others
     frames: tuple[Pose, Pose]  # in the axes of a and b as written
-    parameters: tuple[float, ...]
+    geometry: tuple[float, ...]  # frames, length, the kind's numbers
+    armature: tuple[float, ...] = ()  # kg or kg m^2, those above zero
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """Of its rows."""
+        return (*self.geometry, *self.armature)
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,9 +10,10 @@ from modelgen.assembly.contact_kinds import find_body
 from modelgen.assembly.inputs_of_expressions import inputs_of_expressions
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.masses import pose_numbers
-from modelgen.joint.joint_kernels import row_count
+from modelgen.joint.joint_kernels import held_row_count, inertial_row_count
 from modelgen.joint.joint_limits import is_turn
 from modelgen.model import JointEntry, JointKind, LimitEntry, LimitKind, LoadEntry, LoadKind
+from modelgen.scene.joint_format import ARMATURE
 from modelgen.scene.scene_types import Input, Joint, Scene, Vector
 
 UNLIMITED = 1e30  # N or N m, in place of a limit that is not given
@@ -40,12 +41,13 @@ def joined(
     limits: list[LimitEntry] = []
     springs: list[LoadEntry] = []
     for index, joint in enumerate(scene.joints):
-        row = joints[-1].row + joints[-1].rows if joints else 0
+        row = joints[-1].row + joints[-1].rows + joints[-1].inertial_rows if joints else 0
         a, b = (find_body(scene, name, f"{scene.source}: joint[{index}]") for name in joint.between)
         numbers = _parameters(joint, (centres[a], centres[b]), length)
         kind = kinds.index(_kind(joint, scene.inputs))
-        rows = row_count(kinds.kinds[kind])
-        joints.append(JointEntry(joint.name, kind, a, b, row, rows, joint.frames, numbers))
+        rows = held_row_count(kinds.kinds[kind]), inertial_row_count(kinds.kinds[kind])
+        armature = tuple(each for each in joint.armature if each)
+        joints.append(JointEntry(joint.name, kind, a, b, row, *rows, joint.frames, numbers, armature))
         first = limits[-1].eta + limits[-1].room if limits else eta
         limits += _limits(joint, index, joints[-1], first, limit_kinds)
         if joint.is_sprung:
@@ -71,14 +73,16 @@ def _actuators(scene: Scene, joints: Sequence[JointEntry], loads: KindList[LoadK
         )  # fmt: skip
         low, high = actuator.limits
         ends = (-UNLIMITED if low is None else low, UNLIMITED if high is None else high) if limited else ()
-        numbers = (*entry.parameters, actuator.gain, *ends)
+        numbers = (*entry.geometry, actuator.gain, *ends)
         found.append(LoadEntry(loads.index(kind), (entry.a, entry.b), numbers))
     return found
 
 
 def _kind(joint: Joint, inputs: Sequence[Input]) -> JointKind:
     if joint.motion is None:
-        return JointKind(joint.kind, joint.kind)
+        names = ARMATURE.get(joint.kind, ())
+        of = tuple(name for name, each in zip(names, joint.armature, strict=False) if each)
+        return JointKind("_".join((joint.kind, *of, *(["armature"] if of else []))), joint.kind, armature=of)
     used = inputs_of_expressions(inputs, (joint.motion,))
     return JointKind(f"{joint.kind}_moved", joint.kind, joint.motion, used)
 
@@ -102,7 +106,7 @@ def _limits(
         found.append(
             LimitEntry(
                 f"{joint.name}:{end}", kind, index, entry.a, entry.b, at, room, joint.restitution,
-                (*entry.parameters, bound),
+                (*entry.geometry, bound),
             )
         )  # fmt: skip
     return found

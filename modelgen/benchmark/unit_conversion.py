@@ -10,6 +10,7 @@ from modelgen.errors import SceneError
 from modelgen.scene.expression import Expression, Name, Number
 from modelgen.scene.expression_algebra import expression_of, over, substitute, times
 from modelgen.scene.free_form_values import ControlPolygon, HeightField, Net, Polyline, Spline
+from modelgen.scene.joint_format import ARMATURE
 from modelgen.scene.outline_piece_kinds import Outline
 from modelgen.scene.scene_types import (
     Body,
@@ -31,6 +32,7 @@ PURE = {"half_angle", "p", "q"}  # parameters of the catalogue that are no lengt
 FREE = ("chart", "curve", "revolution", "extrusion")  # whose named parameters mean what their formulas say
 TURNING = ("revolute", "universal", "spherical")  # joints whose coordinates are angles
 MEASURED = ("screw", "distance")  # joints whose numbers are lengths
+LENGTHS = ("displacement", "x", "y")  # rates of joints that are velocities
 
 Three = tuple[Expression, Expression, Expression]
 Ends = tuple[float | None, float | None]
@@ -214,6 +216,10 @@ def _load(load: Load, units: Units) -> Load:
 def _joint(joint: Joint, units: Units) -> Joint:
     along = 1.0 if joint.kind in TURNING else units.length
     stiff = units.energy / along**2
+    inertia = tuple(
+        value * units.mass * (1.0 if name in LENGTHS else units.length**2)
+        for name, value in zip(ARMATURE.get(joint.kind, ()), joint.armature, strict=False)
+    )
     return replace(
         joint,
         frames=(_pose(joint.frames[0], units), _pose(joint.frames[1], units)),
@@ -224,6 +230,7 @@ def _joint(joint: Joint, units: Units) -> Joint:
         damping=joint.damping * stiff * units.time,
         rest=joint.rest * along,
         motion=None if joint.motion is None else _formula(joint.motion, units, along),
+        armature=inertia,
     )
 
 

@@ -103,7 +103,8 @@ def _reference(model: Model, session: Session, patches: tuple[PatchMode, ...]) -
         for index, constraint in friction_of_contacts(model)
         for k in range(constraint.rows)
     ]
-    places = [*range(shown), *friction, *range(joints, below), *of_supports]
+    held = [joints + joint.row + k for joint in model.joints for k in range(joint.rows)]
+    places = [*range(shown), *friction, *held, *of_supports]
     values = [float(forces[place]) for place in places]
     of_patches = np.zeros(PATCH_FRICTION_ROWS * sum(each.sticks for each in patches))
     return (*values, *of_patches)

@@ -21,7 +21,7 @@ from modelgen.geometry.coordinate_domains import dimension_of
 from modelgen.geometry.curves import may_bend
 from modelgen.joint.joint_actuators import law_of
 from modelgen.joint.joint_equations import FORMS
-from modelgen.joint.joint_kernels import row_count
+from modelgen.joint.joint_kernels import inertial_row_count, row_count
 from modelgen.joint.joint_limits import is_turn
 from modelgen.model import ContactKind, JointKind, LoadKind, Model
 from modelgen.scene.sensors import sensor_sizes
@@ -204,7 +204,7 @@ def _tables(derivation: Derivation) -> list[str]:
     return [
         _table("mg_body_kind", bodies, [kind.name for kind in model.body_kinds], "0, 0, 0, 0"),
         _table("mg_contact_kind", contacts, contact_names, _row(*[0] * 8)),
-        _table("mg_joint_kind", joints, [kind.name for kind in model.joint_kinds], "0, 0, 0, 0"),
+        _table("mg_joint_kind", joints, [kind.name for kind in model.joint_kinds], _row(*[0] * 5)),
         _table("mg_load_kind", loads, [kind.name for kind in model.load_kinds], _row(*[0] * 5)),
         _table("mg_shape_kind", shapes, [kind.name for kind in model.shape_kinds], "0, 0, 0, 0"),
     ]
@@ -240,9 +240,10 @@ def _limit_turns(model: Model) -> list[int]:
 
 
 def _joint_sizes(kind: JointKind, parameters: int) -> str:
-    """Number of rows and of coordinates of a kind of joint, whether its rows depend on time, and number of
-    their parameters."""
-    return _row(row_count(kind), len(FORMS[kind.kind].coordinates), int(kind.motion is not None), parameters)
+    """Number of rows and of coordinates of a kind of joint, whether its rows depend on time, numbers of their
+    parameters and of rows of armature."""
+    moved, coordinates = int(kind.motion is not None), len(FORMS[kind.kind].coordinates)
+    return _row(row_count(kind), coordinates, moved, parameters, inertial_row_count(kind))
 
 
 def _row(*numbers: int) -> str:

@@ -23,7 +23,7 @@ from modelgen.geometry.extent import bounding_ball
 from modelgen.geometry.points import is_point
 from modelgen.geometry.surface_catalogue import surface_of
 from modelgen.joint.joint_equations import FORMS as FORMS_OF_JOINTS
-from modelgen.joint.joint_kernels import row_count
+from modelgen.joint.joint_kernels import held_row_count, inertial_row_count
 from modelgen.model import (
     BodyEntry,
     BodyKind,
@@ -142,7 +142,8 @@ def _joint_kind(kind: JointKind) -> dict[str, Any]:
     return {
         "name": kind.name,
         "kind": kind.kind,
-        "rows": row_count(kind),
+        "rows": held_row_count(kind),
+        **({"inertial_rows": inertial_row_count(kind)} if kind.armature else {}),
         "coordinates": [{"name": each.name, "measure": each.measure} for each in form.coordinates],
         "motion": None if kind.motion is None else kind.motion.text,
         "parameters": parameters_of_joint(kind),
@@ -173,7 +174,8 @@ def parameters_of_joint(kind: JointKind | LimitKind | LoadKind) -> list[str]:
         own = _SPRING_NAMES if kind.is_spring else ("gain", *(("least", "largest") if kind.limited else ()))
         return [*_joint_parameters(kind.joint), *own]
     bound = ["bound"] if isinstance(kind, LimitKind) else []
-    return [*_joint_parameters(kind.kind), *bound]
+    inertias = [] if isinstance(kind, LimitKind) else [f"armature_{name}" for name in kind.armature]
+    return [*_joint_parameters(kind.kind), *bound, *inertias]
 
 
 def _shape_kind(kind: ShapeKind) -> dict[str, Any]:

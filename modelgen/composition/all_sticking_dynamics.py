@@ -90,9 +90,9 @@ def _arguments(scene: WrittenScene) -> dict[str, ca.SX]:
 
 def pushed(model: Model, functions: Functions, mode: ContactMode) -> ca.Function:
     """(t, q, u, eta, gravity, parameters, inputs, force) -> (qdot, udot, eta_dot, joint_value, joint_J,
-    rate, gamma) under given forces along all rows of all contacts, contact by contact, and then of joints,
-    N or N m; what the rows of the joints hold at zero, m or rad, and their J (k, n_u); of all rows J u and
-    gamma."""
+    rate, gamma, mass) under given forces along all rows of all contacts, contact by contact, and then of
+    joints, N or N m; what the rows of the joints hold at zero, m or rad, and their J (k, n_u); of all rows
+    J u and gamma; the mass matrix (n_u, n_u)."""
     scene = written_scene(model, functions, mode, ca.SX)
     joints = [row for row in scene.rows.rows if row.kind == "joint"]
     rows = [*(row for touch in scene.rows.contacts if touch for row in touch.rows), *joints]
@@ -107,5 +107,6 @@ def pushed(model: Model, functions: Functions, mode: ContactMode) -> ca.Function
         "joint_J": ca.vertcat(ca.SX(0, model.n_u), *(row.J for row in joints)),
         "rate": ca.vertcat(ca.SX(0, 1), *(row.rate for row in rows)),
         "gamma": ca.vertcat(ca.SX(0, 1), *(row.gamma for row in rows)),
+        "mass": ca.densify(scene.mass),
     }
     return kernel("pushed", {**scene.symbols.arguments, "force": force}, outputs)

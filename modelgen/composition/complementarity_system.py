@@ -18,7 +18,7 @@ import numpy as np
 from modelgen.composition.constraint_rows import Row
 from modelgen.composition.contact_mode import ContactMode, FrictionMode, contact_count, friction_of_contacts
 from modelgen.composition.explicit_runge_kutta import settled_state
-from modelgen.composition.moving_bodies import Functions, mass_matrix
+from modelgen.composition.moving_bodies import Functions
 from modelgen.composition.right_hand_side import WrittenScene, written_scene
 from modelgen.composition.scene_symbols import Expression, parameter_values
 from modelgen.model import Model
@@ -71,7 +71,7 @@ def complementarity_system(
     push = ca.DM(model.n_u, 1)
     for k, row in enumerate(rows):
         push = push + row.J.T * forces[k]
-    mass = mass_matrix(scene.bodies)
+    mass = scene.mass
     first, second, equal = _conditions(scene, loads, speeds, listed, _held_by_joints(scene))
     return ComplementaritySystem(
         scene=scene,

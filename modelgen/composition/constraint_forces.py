@@ -237,38 +237,37 @@ def _solution(
     the part of A's null space in f.
     """
     if not redundant and symmetric:
-        return reference + _regular(A, right - ca.mtimes(A, reference), symmetric)
+        return reference + regular(A, right - ca.mtimes(A, reference), symmetric)
     S = ca.diag(scale)
     scaled = ca.mtimes(S, ca.mtimes(A, S))
     right = scale * (right - ca.mtimes(A, reference))
     if int(A.shape[0]) == 1:
         return reference + scale * right / (scaled + (scaled == 0))
     if not redundant:
-        return reference + scale * _regular(scaled, right, symmetric)
+        return reference + scale * regular(scaled, right, symmetric)
     normal = ca.mtimes(scaled, scaled.T) + REGULARISATION * ca.DM.eye(int(A.shape[0]))
     found = ca.DM(int(A.shape[0]), 1)
     for _ in range(REFINED):
         left = right - ca.mtimes(scaled, found)
-        found = found + ca.mtimes(scaled.T, _regular(normal, left, symmetric=True))
+        found = found + ca.mtimes(scaled.T, regular(normal, left, symmetric=True))
     return reference + scale * found
 
 
-def _regular(A: Expression, b: Expression, symmetric: bool) -> Expression:
-    """Solution of a regular system: by expressions (SX), or one call of a factorisation (MX)."""
+def regular(A: Expression, b: Expression, symmetric: bool) -> Expression:
+    """Solution (n, k) of a regular system: by expressions (SX), or one call of a factorisation (MX)."""
     if isinstance(A, ca.SX):
         return eliminated(A, b) if symmetric else ca.solve(A, b)
     return ca.solve(ca.densify(A), ca.densify(b), "ldl" if symmetric else "qr")
 
 
-def eliminated(matrix: ca.SX, vector: ca.SX) -> ca.SX:
-    """Solution (n,) of a symmetric positive definite system by elimination without pivoting."""
-    n = int(vector.numel())
+def eliminated(matrix: ca.SX, right: ca.SX) -> ca.SX:
+    """Solution (n, k) of a symmetric positive definite system by elimination without pivoting."""
     if matrix.sparsity().is_diag():
-        return vector / ca.diag(matrix)
+        return ca.horzcat(*(column / ca.diag(matrix) for column in ca.horzsplit(right)))
     first = matrix[1:, 0] / matrix[0, 0]
     schur = matrix[1:, 1:] - ca.mtimes(first, matrix[0, 1:])
-    rest = eliminated(schur, vector[1:n] - first * vector[0])
-    return ca.vertcat((vector[0] - ca.mtimes(matrix[0, 1:], rest)) / matrix[0, 0], rest)
+    rest = eliminated(schur, right[1:, :] - ca.mtimes(first, right[0, :]))
+    return ca.vertcat((right[0, :] - ca.mtimes(matrix[0, 1:], rest)) / matrix[0, 0], rest)
 
 
 def _spread(

@@ -61,6 +61,7 @@ class SceneRows:
     contacts: tuple[TouchingContact | None, ...]  # contacts with shapes, then limits
     rows: tuple[Row, ...]
     along: tuple[tuple[Expression, Expression] | None, ...]  # per friction constraint: its tangents t1, t2
+    armature: tuple[Row, ...] = ()  # of joints, no rows of constraints: J^T J is part of the mass matrix
 
 
 def row_names(model: Model, mode: ContactMode, joint_rows: Sequence[int]) -> tuple[str, ...]:
@@ -104,12 +105,14 @@ class RowBuilder:
             found, frame = self._friction(number, constraint, contacts[index])
             friction += found
             along.append(frame)
-        joints = [row for number, _ in enumerate(model.joints) for row in self._joint(number)]
+        of_joints = [self._joint(number) for number, _ in enumerate(model.joints)]
+        joints = [row for held, _ in of_joints for row in held]
+        armature = tuple(row for _, inertial in of_joints for row in inertial)
         patches = [self._patch(each) for each in mode.patches]
         supports = [row for rows, _ in patches for row in rows]
         rubbing = [row for _, rows in patches for row in rows]
         rows = (*normals, *friction, *joints, *supports, *rubbing)
-        return SceneRows(tuple(contacts), tuple(rows), tuple(along))
+        return SceneRows(tuple(contacts), tuple(rows), tuple(along), armature)
 
     def _contact(self, index: int, entry: ContactEntry, mode: ContactMode) -> TouchingContact | None:
         number = mode.feature_pairs[index]
@@ -209,22 +212,23 @@ class RowBuilder:
             a.kind, a.owner, a.name, x * a.J + y * b.J, x * a.gamma + y * b.gamma, x * a.rate + y * b.rate
         )
 
-    def _joint(self, number: int) -> list[Row]:
+    def _joint(self, number: int) -> tuple[list[Row], list[Row]]:
+        """The rows that a joint holds, and those of its armature."""
         entry = self._model.joints[number]
         kind = self._model.joint_kinds[entry.kind]
-        if not entry.rows:
-            return []
+        if not entry.rows + entry.inertial_rows:
+            return [], []
         function = self._functions[f"mg_{kind.name}_rows"]
         a, b = self._bodies[entry.a], self._bodies[entry.b]
         settings = [self._symbols.inputs] if kind.inputs else []
         arguments = [self._symbols.t, a.pose, a.twist, b.pose, b.twist, self._parameters.joints[number]]
         value, J, gamma, bias = function.call(fitted(function, [*arguments, *settings]))
         rows = []
-        for k in range(entry.rows):
+        for k in range(entry.rows + entry.inertial_rows):
             row_a, row_b = J[12 * k : 12 * k + 6], J[12 * k + 6 : 12 * k + 12]
             made = self._row("joint", number, entry.name, {entry.a: row_a, entry.b: row_b}, gamma[k], bias[k])
             rows.append(Row(made.kind, made.owner, made.name, made.J, made.gamma, made.rate, value[k], row_b))
-        return rows
+        return rows[: entry.rows], rows[entry.rows :]
 
     def _patch(self, each: PatchMode) -> tuple[list[Row], list[Row]]:
         """The rows of the three points of a patch, and those of its friction if it sticks."""

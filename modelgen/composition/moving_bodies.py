@@ -59,7 +59,7 @@ def moving_bodies(
     ]
 
 
-def times_inverse_mass(bodies: list[MovingBody], wrenches: Expression) -> Expression:
+def times_inverse_body_mass(bodies: list[MovingBody], wrenches: Expression) -> Expression:
     """M^-1 times wrenches (n_u, k), body by body."""
     parts: list[Expression] = []
     at = 0

@@ -8,6 +8,7 @@ from typing import Any
 
 import casadi as ca
 
+from modelgen.composition.armature import whole_mass, with_armature
 from modelgen.composition.constraint_forces import (
     ForcesAndAccelerations,
     SlipSpeeds,
@@ -26,7 +27,12 @@ from modelgen.composition.contact_mode import (
     friction_of_contacts,
     mode_size,
 )
-from modelgen.composition.moving_bodies import Functions, MovingBody, moving_bodies, times_inverse_mass
+from modelgen.composition.moving_bodies import (
+    Functions,
+    MovingBody,
+    moving_bodies,
+    times_inverse_body_mass,
+)
 from modelgen.composition.scene_symbols import (
     Expression,
     SceneSymbols,
@@ -50,8 +56,14 @@ class WrittenScene:
     rows: SceneRows
 
     def times_inverse_mass(self, wrenches: Expression) -> Expression:
-        """M^-1 times wrenches (n_u, k)."""
-        return times_inverse_mass(self.bodies, wrenches)
+        """M^-1 times wrenches (n_u, k), the armature of joints being part of M."""
+        responses = times_inverse_body_mass(self.bodies, wrenches)
+        return with_armature(self.rows.armature, self.bodies, responses, curved=False)
+
+    @property
+    def mass(self) -> Expression:
+        """M (n_u, n_u) of bodies and armature."""
+        return whole_mass(self.rows.armature, self.bodies)
 
     @property
     def qdot(self) -> Expression:
@@ -60,7 +72,8 @@ class WrittenScene:
     @property
     def free(self) -> Expression:
         """Accelerations without forces of the rows."""
-        return ca.vertcat(ca.DM(0, 1), *(body.accel for body in self.bodies if body.columns))
+        bodies = ca.vertcat(ca.DM(0, 1), *(body.accel for body in self.bodies if body.columns))
+        return with_armature(self.rows.armature, self.bodies, bodies, curved=True)
 
     @property
     def eta_dot(self) -> Expression:

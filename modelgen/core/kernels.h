@@ -15,6 +15,8 @@
 #include "base/taylor_models.h"
 #include "base/real.h"
 
+#define MG_JOINT_ROWS_MAX 6 /* most rows of a joint */
+
 /* Motion of a body. The order matters: bodies from MG_POINT on are moved by forces. */
 enum {
   MG_FIXED = 0,  /* does not move */
@@ -76,6 +78,7 @@ typedef struct {
   int n_coordinates; /* coordinates, 0..3 */
   int prescribed;    /* 1: its rows depend on time, so that it does work */
   int n_parameters;  /* parameters of its rows */
+  int n_inertial;    /* rows of armature, the last of n_rows: J is that of a coordinate's rate times sqrt(I) */
 } mg_joint_kind;
 
 typedef struct {

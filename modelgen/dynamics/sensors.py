@@ -48,7 +48,7 @@ def sensor_parameters(model: Model) -> tuple[float, ...]:
             if measured.quantity == "torque":
                 found += _from(model.bodies[entry.b].centre_of_mass, entry.frames[1].position)
             elif measured.quantity != "force":
-                found += entry.parameters
+                found += entry.geometry
     return tuple(found)
 
 
@@ -213,7 +213,7 @@ def _of_joint(measured: Measurand, model: Model, symbols: _Symbols) -> ca.SX:
     value = coordinate_of(kind).value(m, numbers)
     outputs = {"found": value if measured.quantity == "coordinate" else m.rate(value).total}
     function = m.kernel("joint", {**m.moving, "parameters": parameters_of(m, numbers)}, outputs)
-    (found,) = function.call([pose_a, twist_a, pose_b, twist_b, symbols.take(len(entry.parameters))])
+    (found,) = function.call([pose_a, twist_a, pose_b, twist_b, symbols.take(len(entry.geometry))])
     return found
 
 

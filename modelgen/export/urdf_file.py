@@ -116,6 +116,8 @@ def _unlike(scene: Scene) -> Iterator[str]:
             yield f"joint {joint.name!r} is {joint.kind}"
         if joint.motion is not None or joint.is_sprung:
             yield f"joint {joint.name!r} has a prescribed motion, a spring or a damper"
+        if joint.armature:
+            yield f"joint {joint.name!r} has armature"
         if joint.name not in used:
             yield f"joint {joint.name!r} closes a loop"
 

@@ -18,7 +18,6 @@ from modelgen.importing.welded_bodies import (
     motion_at,
     pose_at,
     pose_in,
-    rotor,
 )
 from modelgen.scene.pose_arithmetic import compose
 from modelgen.scene.scene_types import Pose
@@ -36,7 +35,7 @@ class ModelJoint:
         number: of the joint in the model.
         between: names of two bodies.
         frames: in each of them; the coordinate of the scene is that of the model.
-        keys: limits, stiffness, damping and rest, as scene files have them.
+        keys: limits, stiffness, damping, rest and armature, as scene files have them.
     """
 
     number: int
@@ -123,7 +122,7 @@ def _links(
             members=(),
             pose=pose_at(at, first),
             mass=LIGHT * body.mass,
-            inertia=(LIGHT if turns else 1.0) * inertia + rotor(source, numbers[k - 1]),
+            inertia=(LIGHT if turns else 1.0) * inertia,
             velocity=velocity,
             spin=spin,
         )
@@ -177,6 +176,8 @@ def _chain(
         frame = _along(place, model.jnt_axis[number])
         name = names.of(source.name("joint", number), f"{after.name}_joint")
         keys = {} if kind == "spherical" else _keys(source, number)
+        armature = _linear(source.model, "dof_armature", int(model.jnt_dofadr[number]))
+        keys |= {"armature": armature} if armature else {}
         frames = (compose(into, frame), compose(frame, _reference(source, number, kind)))
         yield ModelJoint(number, name, kind, (before, after.name), frames, keys)
         _note(source, number, kind, parent.fixed, notes)
@@ -230,13 +231,6 @@ def _note(source: Compiled, number: int, kind: str, on_world: bool, notes: Notes
         notes.approximate("limits of joints are rigid, and give nothing back")
     if model.dof_frictionloss[u]:
         notes.omit(f"dry friction of {told}, {_linear(model, 'dof_frictionloss', u):g}")
-    armature = _linear(model, "dof_armature", u)
-    if armature and kind != "revolute":
-        notes.omit(f"armature of {told}, {armature:g}")
-    elif armature and not on_world:
-        notes.approximate(
-            f"armature of {told}, {armature:g}, is a disc on its body, which its parent's rotation turns too"
-        )
     if kind == "spherical" and model.jnt_stiffness[number]:
         notes.omit(f"stiffness of the ball {told}")
     if kind == "spherical" and _damping(model, number) and not on_world:

@@ -113,17 +113,7 @@ def _inertia(source: Compiled, members: tuple[int, ...], pose: Pose) -> tuple[fl
     for m, at, own in parts:
         arm = at - centre
         inertia += own + m * (arm @ arm * np.eye(3) - np.outer(arm, arm))
-    last = int(model.body_jntadr[members[0]] + model.body_jntnum[members[0]] - 1)
-    return mass, centre, inertia + (rotor(source, last) if model.body_jntnum[members[0]] else 0.0)
-
-
-def rotor(source: Compiled, joint: int) -> Array:
-    """(3, 3) kg m^2: the armature of a hinge as a thin disc on the body that it turns; of others zero."""
-    model = source.model
-    if int(model.jnt_type[joint]) != source.mj.mjtJoint.mjJNT_HINGE:
-        return np.zeros((3, 3))
-    axis = np.asarray(model.jnt_axis[joint], dtype=float)
-    return np.asarray(model.dof_armature[model.jnt_dofadr[joint]] * (np.eye(3) + np.outer(axis, axis)) / 2)
+    return mass, centre, inertia
 
 
 def pose_in(source: Compiled, body: int, owner: int) -> Pose:

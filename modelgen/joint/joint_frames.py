@@ -127,6 +127,18 @@ class Meeting:
             total=total,
         )
 
+    def relative_spin(self) -> Rate:
+        """The relative angular velocity w_b - w_a along the axes of frame a, as k = 3 rates."""
+        w_a, w_b = self.a.angular_velocity, self.b.angular_velocity
+        axes, still = self.a.rotation.T, ca.SX(3, 3)
+        return Rate(
+            J_a=ca.horzcat(still, -ca.mtimes(axes, self.a.body.rotation)),
+            J_b=ca.horzcat(still, ca.mtimes(axes, self.b.body.rotation)),
+            gamma=-ca.mtimes(axes, cross(w_a, w_b)),
+            bias=ca.SX(3, 1),
+            total=ca.mtimes(axes, w_b - w_a),
+        )
+
     def kernel(self, name: str, inputs: dict[str, ca.SX], outputs: dict[str, ca.SX]) -> ca.Function:
         """A kernel whose outputs are expressions of the span and the axes."""
         return kernel(name, inputs, dict(zip(outputs, self.placed(outputs.values()), strict=True)))

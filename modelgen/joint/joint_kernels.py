@@ -9,8 +9,9 @@ import casadi as ca
 from modelgen.dynamics.inputs import input_argument, input_values
 from modelgen.geometry.expression_translation import lower
 from modelgen.joint.joint_equations import FORMS
-from modelgen.joint.joint_frames import Meeting, meeting
+from modelgen.joint.joint_frames import Meeting, Rate, meeting
 from modelgen.model import JointKind
+from modelgen.scene.joint_format import SPIN
 
 
 def numbers_of(kind: str) -> ca.SX:
@@ -34,9 +35,19 @@ def values_of(kind: JointKind, m: Meeting, numbers: ca.SX, settings: dict[str, c
 
 
 @lru_cache(maxsize=256)
-def row_count(kind: JointKind) -> int:
-    """Number of rows of a joint of this kind."""
+def held_row_count(kind: JointKind) -> int:
+    """Number of rows that a joint of this kind holds."""
     return int(values_of(kind, meeting(), numbers_of(kind.kind), input_argument(kind.inputs)).numel())
+
+
+def inertial_row_count(kind: JointKind) -> int:
+    """Number of rows of the armature of a joint of this kind."""
+    return sum(3 if name == SPIN else 1 for name in kind.armature)
+
+
+def row_count(kind: JointKind) -> int:
+    """Number of all rows of a joint of this kind: those that it holds, then those of its armature."""
+    return held_row_count(kind) + inertial_row_count(kind)
 
 
 def rows_kernel(kind: JointKind) -> ca.Function:
@@ -44,20 +55,45 @@ def rows_kernel(kind: JointKind) -> ca.Function:
     (value(k) m, J(12 k), gamma1(k) m/s^2, bias(k) m/s); J row after row, a then b.
 
     value_dot = J u + bias and value_ddot = J u_dot + gamma1. A joint whose motion depends on inputs also
-    takes `inputs`, their settings.
+    takes `inputs`, their settings. Rows of armature I come last: J u is the rate of a coordinate times
+    sqrt(I), and the value 0.
     """
     m, numbers, settings = meeting(), numbers_of(kind.kind), input_argument(kind.inputs)
+    armature = ca.SX.sym("armature", len(kind.armature))
     value = values_of(kind, m, numbers, settings)
-    rate = m.rate(value)
-    J = ca.horzcat(rate.J_a, rate.J_b)
-    outputs = {"value": value, "J": ca.vec(J.T), "gamma1": rate.gamma, "bias": rate.bias}
-    inputs = {"t": m.t, **m.moving, "parameters": parameters_of(m, numbers)} | settings
+    rates = [m.rate(value)]
+    for k, name in enumerate(kind.armature):
+        rates.append(_scaled(ca.sqrt(armature[k]), _inertial_rate(kind.kind, name, m, numbers)))
+        value = ca.vertcat(value, ca.SX(int(rates[-1].gamma.numel()), 1))
+    J = ca.vertcat(*(ca.horzcat(rate.J_a, rate.J_b) for rate in rates))
+    outputs = {
+        "value": ca.densify(value),
+        "J": ca.vec(J.T),
+        "gamma1": ca.vertcat(*(rate.gamma for rate in rates)),
+        "bias": ca.vertcat(*(rate.bias for rate in rates)),
+    }
+    inputs = {"t": m.t, **m.moving, "parameters": parameters_of(m, numbers, armature)} | settings
     return m.kernel(f"mg_{kind.name}_rows", inputs, outputs)
+
+
+def _inertial_rate(kind: str, name: str, m: Meeting, numbers: ca.SX) -> Rate:
+    """The rate that an armature belongs to."""
+    if name == SPIN:
+        return m.relative_spin()
+    value = next(each.value for each in FORMS[kind].coordinates if each.name == name)
+    return m.rate(value(m, numbers))
+
+
+def _scaled(factor: ca.SX, rate: Rate) -> Rate:
+    parts = (rate.J_a, rate.J_b, rate.gamma, rate.bias, rate.total)
+    return Rate(*(factor * part for part in parts))
 
 
 def coordinates_kernel(kind: JointKind) -> ca.Function:
     """`mg_<kind>_coordinates`: (pose_a, pose_b, parameters) -> (coordinate(c))."""
     m, numbers = meeting(), numbers_of(kind.kind)
+    armature = ca.SX.sym("armature", len(kind.armature))
     values = [each.value(m, numbers) for each in FORMS[kind.kind].coordinates]
-    inputs = {"pose_a": m.a.pose, "pose_b": m.b.pose, "parameters": parameters_of(m, numbers)}
+    parameters = parameters_of(m, numbers, armature)
+    inputs = {"pose_a": m.a.pose, "pose_b": m.b.pose, "parameters": parameters}
     return m.kernel(f"mg_{kind.name}_coordinates", inputs, {"coordinate": ca.vertcat(ca.SX(0, 1), *values)})

@@ -71,7 +71,7 @@ class Moving:
 
         Raises NoPlaceError where there is none near.
         """
-        scales, root = self.model.scales, self.touching.root
+        scales = self.model.scales
         for _ in range(CORRECTIONS):
             etas, B, value, J, *_ = self._held(q, u, etas)
             rate = J @ u
@@ -81,6 +81,7 @@ class Moving:
             )
             if off < KEPT:
                 return self.at(q, u, etas)
+            root = self.touching.mass_at(q)[1]
             G = J[self._places] @ root
             back = root @ np.linalg.lstsq(G, value[self._places], rcond=DEPENDENT)[0]
             u = u - root @ np.linalg.lstsq(J @ root, rate, rcond=DEPENDENT)[0]
@@ -90,7 +91,7 @@ class Moving:
     def at(self, q: Array, u: Array, etas: tuple[Array, ...]) -> MovingState:
         """The state with the contact points brought onto their extrema from `etas`."""
         touching, held = self.touching, self.touching.held
-        root, mass = touching.root, touching.mass
+        mass, root = touching.mass_at(q)
         etas, B, value, J, gamma, free = self._held(q, u, etas)
         Z, Q = motions_along(J, root), root @ np.linalg.pinv(J @ root, rcond=DEPENDENT)
         udot = Z @ (Z.T @ mass @ free) - Q @ gamma

@@ -113,9 +113,9 @@ class Touching:
         _refuse(model)
         self.library = library
         self.contacts = self._at_start()
-        self.mass_inverse = _mass_inverse(model)
-        self.root: Array = np.asarray(np.linalg.cholesky(self.mass_inverse), dtype=float)
-        self.mass: Array = np.asarray(np.linalg.inv(self.mass_inverse), dtype=float)
+        inverse = _mass_inverse(model)
+        self.root: Array = np.asarray(np.linalg.cholesky(inverse), dtype=float)  # of the bodies alone
+        self.mass: Array = np.asarray(np.linalg.inv(inverse), dtype=float)
         self.held: list[int] = []  # rows among those of all contacts
         for contact, first in zip(self.contacts, self.first, strict=True):
             self.held += [first + row for row in contact.held]
@@ -145,14 +145,31 @@ class Touching:
         J = rows[self.held]
         if not (np.isfinite(rows).all() and np.isfinite(free).all()):
             raise NoPlaceError
-        wanted = -self.root.T @ self.mass @ free
-        force[self.held] = np.linalg.lstsq((J @ self.root).T, wanted, rcond=DEPENDENT)[0]
+        mass, root = self.mass_at(q)
+        wanted = -root.T @ mass @ free
+        force[self.held] = np.linalg.lstsq((J @ root).T, wanted, rcond=DEPENDENT)[0]
         B, C, D = (np.array(each) for each in self._motion(q, still, eta, force)[:3])
         return Place(
             q=q, etas=etas, facings=facings, J=J, joint_rows=self.joint_rows,
-            value=self.values(gaps, np.array(values)), B=B, C=C, D=D, free=free, mass=self.mass,
-            root=self.root, motions=motions_along(J, self.root),
+            value=self.values(gaps, np.array(values)), B=B, C=C, D=D, free=free, mass=mass,
+            root=root, motions=motions_along(J, root),
         )  # fmt: skip
+
+    def mass_at(self, q: Array) -> tuple[Array, Array]:
+        """(n, n) the mass matrix at a place, to which the armature of joints adds, and root, root root^T =
+        mass^-1."""
+        if not any(joint.armature for joint in self.model.joints):
+            return self.mass, self.root
+        mass = np.array(self._mass(q))
+        return mass, np.asarray(np.linalg.cholesky(np.linalg.inv(mass)), dtype=float)
+
+    @cached_property
+    def _mass(self) -> ca.Function:
+        """q -> the mass matrix."""
+        rhs, q = self.pushed, ca.SX.sym("q", self.model.n_q)
+        given = {name: ca.SX(ca.DM(value)) for name, value in self.settings.items() if name in rhs.name_in()}
+        others = {name: ca.SX(rhs.numel_in(name), 1) for name in rhs.name_in() if name != "q"}
+        return ca.Function("mass", [q], [rhs.call(others | given | {"q": q})["mass"]])
 
     def values(self, gaps: list[float], of_joints: Array) -> Array:
         """(m,) of the rows that are held: gaps along normals, m, what joints hold at zero; 0 of others."""

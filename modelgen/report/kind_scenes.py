@@ -10,11 +10,13 @@ from modelgen.errors import ModelgenError
 from modelgen.joint.joint_equations import FORMS as JOINTS
 from modelgen.name_suggestions import nearest
 from modelgen.scene.expression import parse_expression
+from modelgen.scene.joint_format import ARMATURE
 from modelgen.scene.scene_types import Body, ContactPair, Joint, Pose, Scene, Shape, Vector
 from modelgen.scene.shape_catalogue import SHAPES
 
 MOTION = parse_expression("0.2*sin(3*t)", ("t",))
 TEETH = (17.0, 40.0)
+INERTIAS = (0.2, 0.3, 0.5)  # of the rates of a joint that may have an armature
 NONE: Mapping[str, float] = {}
 SPRUNG = ("revolute", "prismatic", "cylindrical", "universal", "screw")
 LIMITED: Mapping[str, dict[str, Any]] = {  # bounds of the first coordinate, and of the second
@@ -26,7 +28,8 @@ LIMITED: Mapping[str, dict[str, Any]] = {  # bounds of the first coordinate, and
 
 
 def kind_scene(kind: str) -> Scene:
-    """A scene of the kind "shape-shape", "shape-shape:form", "joint" or "joint:motion", both bodies free.
+    """A scene of the kind "shape-shape", "shape-shape:form", "joint", "joint:motion" or "joint:armature",
+    both bodies free.
 
     Raises ModelgenError if there is no such kind.
     """
@@ -35,14 +38,16 @@ def kind_scene(kind: str) -> Scene:
 
 
 def joint_scene(name: str, extra: str) -> Scene:
-    """One joint with limits and a spring where it takes them, or with a given motion."""
+    """One joint with limits and a spring where it takes them, or with a given motion, or with armature."""
     form = JOINTS[name]
-    if extra not in ("", *(("motion",) if form.given else ())):
-        allowed = f"{name}:motion" if form.given else f"{name} alone: its motion cannot be given"
+    extras = [*(["motion"] if form.given else []), *(["armature"] if name in ARMATURE else [])]
+    if extra not in ("", *extras):
+        allowed = ", ".join(f"{name}:{each}" for each in extras)
+        allowed = allowed or f"{name} alone: its motion cannot be given, and it has no armature"
         raise ModelgenError("inspect", f"no kind '{name}:{extra}'", allowed, "")
     far = name in ("distance", "rope")
     frames = (Pose((0.3, 0.0, 0.1)), Pose((-0.2, 0.1, 0.0)))
-    joint = Joint("joint", name, ("a", "b"), frames, _numbers(name), **_optional(name, bool(extra)))
+    joint = Joint("joint", name, ("a", "b"), frames, _numbers(name), **_optional(name, extra))
     place = {"a": (0.0, 0.0, 0.0), "b": (1.3 if far else 0.5, -0.1, 0.1)}
     bodies = tuple(_sample_body(each, None, position) for each, position in place.items())
     return Scene(name if not extra else f"{name}:{extra}", "inspect", bodies, (), joints=(joint,))
@@ -53,9 +58,11 @@ def _numbers(name: str) -> tuple[float, ...]:
     return {"screw": (0.2,), "distance": (0.8,), "gear": (*TEETH, *at_rest, *at_rest)}.get(name, ())
 
 
-def _optional(name: str, moved: bool) -> dict[str, Any]:
-    if moved:
+def _optional(name: str, extra: str) -> dict[str, Any]:
+    if extra == "motion":
         return {"motion": MOTION}
+    if extra == "armature":
+        return {"armature": INERTIAS[: len(ARMATURE[name])]}
     limits = {**LIMITED[name], "restitution": 0.5} if name in LIMITED else {}
     return {**limits, "stiffness": 40.0, "damping": 0.7, "rest": 0.3} if name in SPRUNG else limits
 

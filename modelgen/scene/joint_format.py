@@ -51,6 +51,33 @@ _SPRUNG = (
     Field("damping", NOT_NEGATIVE, "along the coordinate, N s/m or N m s/rad", default=0.0),
     Field("rest", NUMBER, "coordinate at which the spring has no force, m or rad", default=0.0),
 )
+SPIN = "spin"  # the relative angular velocity
+ARMATURE: Mapping[str, tuple[str, ...]] = {
+    "revolute": ("angle",),
+    "prismatic": ("displacement",),
+    "cylindrical": ("displacement", "angle"),
+    "spherical": (SPIN,),
+    "universal": ("angle_x", "angle_y"),
+    "planar": ("x", "y", "angle"),
+    "screw": ("displacement",),
+}  # the rates of each kind that may have an armature, in the order of the key
+
+
+def _armature(kind: str) -> tuple[Field, ...]:
+    names = ARMATURE.get(kind, ())
+    units = {SPIN: "kg m^2, of the relative angular velocity w: adds armature w^2/2 to the kinetic energy"}
+    doc = "inertia of the rotor of a drive: adds armature rate^2/2 to the kinetic energy, "
+    doc = units.get(names[0], doc) if names else ""
+    if len(names) == 1:
+        doc += "" if names[0] == SPIN else "kg m^2" if names[0] == "angle" else "kg"
+        return (Field("armature", NOT_NEGATIVE, doc, default=0.0),)
+    if names:
+        each = Sequence(NOT_NEGATIVE, len(names), "[" + ", ".join(["0.0"] * len(names)) + "]")
+        doc += f"for the rates of {', '.join(names)}, kg, of angles kg m^2"
+        return (Field("armature", each, doc, default=(0.0,) * len(names)),)
+    return ()
+
+
 _MOTION = Field(
     "motion", ExpressionText("expression of t and linear inputs"),
     "the coordinate as an expression of t and linear inputs, rad or m",
@@ -79,7 +106,7 @@ JOINT = Tagged(
     "kind",
     "what the two frames of the joint may do",
     {
-        kind: Table((*_JOINT_FRAMES, *keys), (*ORIENTATION, *_FRAME_OR_FRAMES))
+        kind: Table((*_JOINT_FRAMES, *keys, *_armature(kind)), (*ORIENTATION, *_FRAME_OR_FRAMES))
         for kind, keys in _JOINT_KEYS.items()
     },
 )

@@ -85,6 +85,7 @@ def _joint(values: Mapping[str, Any], bodies: Mapping[str, Body], place: Place) 
         frames,
         _numbers(values, (first, second), frames, place),
         motion=None if motion is None else _motion(motion, place.key("motion")),
+        armature=_armature(values.get("armature", 0.0)),
         **{key: values[key] for key in _OPTIONAL if key in values},
     )
     _check_limits(joint, place)
@@ -92,6 +93,12 @@ def _joint(values: Mapping[str, Any], bodies: Mapping[str, Body], place: Place) 
     if joint.kind in TURNING:
         remark_on_angles(joint.limits, place.key("limits"))
     return joint
+
+
+def _armature(given: float | tuple[float, ...]) -> tuple[float, ...]:
+    """Of each rate that may have one; empty where there is none."""
+    each = given if isinstance(given, tuple) else (given,)
+    return each if any(each) else ()
 
 
 def _motion(text: str, place: Place) -> Expression:
@@ -187,9 +194,9 @@ def _check_limits(joint: Joint, place: Place) -> None:
         raise place.key("limits").error(found, allowed, 'write limits = ["none", 0.5]')
     if joint.kind == "rope" and joint.limits == (None, None):
         raise place.key("limits").error("a rope without limits", "", 'write limits = ["none", length]')
-    if joint.motion is not None and (joint.limits != (None, None) or joint.is_sprung):
+    if joint.motion is not None and (joint.limits != (None, None) or joint.is_sprung or joint.armature):
         raise place.key("motion").error(
-            "a given motion together with limits, stiffness or damping",
-            "a coordinate whose motion is given has neither",
+            "a given motion together with limits, stiffness, damping or armature",
+            "a coordinate whose motion is given has none of them",
             "remove one",
         )

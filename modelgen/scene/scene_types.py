@@ -264,6 +264,7 @@ class Joint:
     damping: float = 0.0  # N s/m or N m s/rad
     rest: float = 0.0  # m or rad
     motion: Expression | None = None  # of t: the first coordinate, rad or m
+    armature: tuple[float, ...] = ()  # kg or kg m^2, of each rate in `ARMATURE`, or none
 
     @property
     def is_sprung(self) -> bool:

@@ -15,6 +15,7 @@ import mpmath as mp
 import numpy as np
 
 from modelgen.scene.expression import Binary, Call, Cubic, Expression, Name, Node, Number, Unary
+from modelgen.scene.joint_format import SPIN
 
 Array = np.ndarray[Any, Any]
 DIGITS = 50
@@ -104,6 +105,10 @@ COORDINATES: Mapping[str, Callable[[Frames], list[Any]]] = {
     "distance": lambda f: [mp.norm(f.r)],
     "rope": lambda f: [mp.norm(f.r)],
 }
+ARMATURE_COORDINATES: Mapping[str, tuple[str, ...]] = {
+    "revolute": ("angle",), "prismatic": ("displacement",), "cylindrical": ("displacement", "angle"),
+    "screw": ("displacement",), "universal": ("angle_x", "angle_y"), "planar": ("x", "y", "angle"),
+}  # fmt: skip
 GIVEN: Mapping[str, Callable[[Frames, Any], Any]] = {
     "revolute": lambda f, angle: f.length * _off_turn(f, angle),
     "prismatic": lambda f, lift: f.r[2] - lift,
@@ -118,6 +123,22 @@ def rows_of(kind: str, motion: Expression | None, f: Frames) -> list[Any]:
         return ROWS[kind](f)
     held = [] if kind == "distance" else ROWS[kind](f)  # a given distance takes the place of the constant one
     return [*held, GIVEN[kind](f, precise(motion.tree, f.t))]
+
+
+def inertial_values(kind: str, names: Sequence[str], armature: Array, f: Frames, before: Frames) -> list[Any]:
+    """What the rates with an armature I are the rates of, times sqrt(I): coordinates, and of a spin the turn
+    from `before`, axes of the first frame there, whose first two derivatives there are the spin and its
+    rate."""
+    found: list[Any] = []
+    for name, inertia in zip(names, armature, strict=True):
+        root = mp.sqrt(mp.mpf(float(inertia)))
+        if name != SPIN:
+            found.append(root * COORDINATES[kind](f)[ARMATURE_COORDINATES[kind].index(name)])
+            continue
+        turn = f.Q * before.Q.T
+        sine = mp.matrix([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]) / 2
+        found += [root * each for each in sine]
+    return found
 
 
 def precise(node: Node, t: Any) -> Any:

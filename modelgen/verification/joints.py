@@ -11,11 +11,18 @@ import mpmath as mp
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from modelgen.joint.joint_kernels import inertial_row_count
 from modelgen.joint.joint_limits import is_turn
 from modelgen.model import JointKind, LimitKind, LoadKind
 from modelgen.scene.expression import evaluate
 from modelgen.verification.findings import Finding, compared
-from modelgen.verification.joint_reference import COORDINATES, differenced, frames_at, rows_of
+from modelgen.verification.joint_reference import (
+    COORDINATES,
+    differenced,
+    frames_at,
+    inertial_values,
+    rows_of,
+)
 from modelgen.verification.random_input_settings import drawn_settings, with_settings
 
 Array = np.ndarray[Any, Any]
@@ -143,17 +150,29 @@ def _off_the_joint(function: ca.Function, kind: JointKind, at: Drawn) -> Both:
         motion = with_settings(motion, kind.inputs, settings[0])
 
     def rows(motions: Motions) -> tuple[Array, Array, Array]:
-        return differenced(lambda h: rows_of(kind.kind, motion, frames_at(motions, at.parameters, at.t, h)))
+        now = frames_at(motions, at.parameters, at.t, 0)
+
+        def values(h: Any) -> list[Any]:
+            frames = frames_at(motions, at.parameters, at.t, h)
+            held = rows_of(kind.kind, motion, frames)
+            return [*held, *inertial_values(kind.kind, kind.armature, _armature(kind, at), frames, now)]
+
+        return differenced(values)
 
     found = function(at.t, *at.moving, at.parameters, *settings)
     value, flat, gamma, bias = (np.asarray(x).ravel() for x in found)
     J = flat.reshape(-1, 12)
     wanted, first, second = rows(at.motions)
+    wanted[len(wanted) - inertial_row_count(kind) :] = 0.0  # armature holds nothing
     still = tuple((pose, np.zeros(6), np.zeros(6)) for pose, _, _ in at.motions)
     return {
         "value": (value, wanted), "J": (J @ at.u + bias, first),
         "gamma1": (J @ at.u_dot + gamma, second), "bias": (bias, rows(still)[1]),
     }  # fmt: skip
+
+
+def _armature(kind: JointKind, at: Drawn) -> Array:
+    return at.parameters[len(at.parameters) - len(kind.armature) :]
 
 
 def _on_the_joint(function: ca.Function, kind: JointKind, at: Drawn) -> Both:

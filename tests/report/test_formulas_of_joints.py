@@ -10,11 +10,13 @@ from modelgen import derive, require
 from modelgen.joint.joint_equations import FORMS
 from modelgen.report.formula_list import OF_A_JOINT, formula_facts
 from modelgen.report.kind_scenes import kind_scene
+from modelgen.scene.joint_format import ARMATURE
 
 MOTIONS = [f"{joint}:motion" for joint, form in FORMS.items() if form.given]
+INERTIAL = [f"{joint}:armature" for joint in ARMATURE]
 
 
-@pytest.mark.parametrize("kind", [*FORMS, *MOTIONS])
+@pytest.mark.parametrize("kind", [*FORMS, *MOTIONS, *INERTIAL])
 def test_every_entry_of_every_output_has_a_line(kind: str) -> None:
     facts = formula_facts(derive(require(kind_scene(kind))), None, "text", OF_A_JOINT)
     for formula in facts:

@@ -12,6 +12,7 @@ from modelgen import derive, require
 from modelgen.derivation import Derivation
 from modelgen.joint import joint_equations
 from modelgen.report.kind_scenes import kind_scene
+from modelgen.scene.joint_format import ARMATURE
 from modelgen.verification.verify import verified
 from tests.verification.test_status import corrupted
 
@@ -19,6 +20,7 @@ N = 6
 KINDS = (
     *joint_equations.FORMS,
     *(f"{kind}:motion" for kind, form in joint_equations.FORMS.items() if form.given),
+    *(f"{kind}:armature" for kind in ARMATURE),
 )
 
 
@@ -48,6 +50,7 @@ def test_every_joint_agrees_with_the_placement_of_its_frames(kind: str) -> None:
     ("kind", "role", "output"),
     [
         *(("screw:motion", "rows", output) for output in ("value", "J", "gamma1", "bias")),
+        ("planar:armature", "rows", "J"), ("spherical:armature", "rows", "gamma1"),
         ("universal", "coordinates", "coordinate"),
         *(("revolute", "rates", output) for output in ("d", "J_o", "gamma", "eta_dot", "normal")),
         *(("revolute", "place", output) for output in ("eta_next", "d", "residual", "normal", "point_f")),

@@ -57,7 +57,8 @@ static void mg_store_passage_start(mg_context *c) {
     mg_impulse_column(c, row, v->column + 12 * row);
     mg_add_body_impulse(c, row, v->column + 12 * row, -c->solution.force[row], v->free_twist);
   }
-  for (int i = mg_next_row(c, -1); i < c->layout.friction_row_end; i = mg_next_row(c, i)) v->rate[i] = c->rows.d_dot[i];
+  for (int i = mg_next_row(c, -1); i < c->layout.friction_row_end; i = mg_next_row(c, i))
+    v->rate[i] = c->contacts.is_inertial[i] ? mg_row_times(c, i, c->bodies.twist) : c->rows.d_dot[i];
   v->power = mg_load_power(c, c->step.slopes);
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
     if (!c->run->closed[i]) continue;
@@ -161,8 +162,17 @@ static void mg_set_passage_velocities(mg_context *c, mg_real tau, mg_real *x, mg
     }
 }
 
+/* Sets the rates that are left of the rows of armature: J (u+ - u-) and the impulse so far. */
+static void mg_set_passage_armature_rates(mg_context *c) {
+  for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
+    if (c->contacts.is_inertial[i])
+      c->rows.d_dot[i] =
+          mg_row_times(c, i, c->bodies.twist) - c->events.passage.rate[i] + c->events.passage.impulse[i];
+}
+
 /* Correct the impulses by those that remove the remaining row velocities at x. */
 static void mg_update_passage_impulses(mg_context *c) {
+  mg_set_passage_armature_rates(c);
   const int shared = c->run->forces_redundant;
   c->friction.couples_normal = c->system->n_friction > 0, c->run->forces_redundant = 0;
   const int n = mg_hold_rows(c, c->run->active, 1, c->rows.d_dot, c->solution.impulse);

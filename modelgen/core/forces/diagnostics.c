@@ -16,7 +16,9 @@ MG_INTERNAL mg_real mg_energy(mg_context *c, mg_real *kinetic) {
     total += moving + height;
     *kinetic += moving;
   }
-  return total;
+  const mg_real of_armature = mg_armature_energy(c, c->run->t, c->run->x);
+  *kinetic += of_armature;
+  return total + of_armature;
 }
 
 /* Raises a maximum. */

@@ -1,4 +1,4 @@
-/* Rank of the joints: which of their rows are independent, by Cholesky's factor of J M^-1 J^T in the order of the rows,
+/* Rank of the joints: which of the rows that they hold are independent, by Cholesky's factor of J M^-1 J^T in the order of the rows,
    and the dead centres that a linkage passes. Writes the joint workspace and the joint statistics of the run. */
 #include "forces/forces.h"
 #include "base/base.h"
@@ -9,7 +9,7 @@ MG_INTERNAL int mg_rank_joints(mg_context *c, int *rank) {
   int total = 0;
   mg_assemble_delassus(c, c->lcp.rows, n);
   for (int r = 0; r < n; r++) {
-    const mg_real own = c->lcp.A[r + n * r];
+    const mg_real own = c->contacts.is_inertial[c->lcp.rows[r]] ? 0 : c->lcp.A[r + n * r];
     mg_real left = own;
     for (int k = 0; k < r; k++) {
       if (!c->lcp.joint_mask[k]) continue;

@@ -68,7 +68,7 @@ MG_INTERNAL int mg_list_held_rows(mg_context *c) {
 /* Solves for the amounts of the n rows of c->lcp.rows. */
 static void mg_solve_listed_rows(mg_context *c, int n, const mg_real *rate, mg_real *amount) {
   if (n == 1 && !c->friction.couples_normal) {
-    const mg_real weight = mg_update_inverse_mass_row(c, c->lcp.rows[0]);
+    const mg_real weight = mg_update_inverse_mass_row(c, c->lcp.rows[0]) + mg_row_yield(c, c->lcp.rows[0]);
     amount[c->lcp.rows[0]] = weight > 0 ? -rate[c->lcp.rows[0]] / weight : 0;
   } else if (n > 0 && mg_is_one_pair(c, n)) mg_hold_pair(c, n, rate, amount);
   else if (n > 0) {

@@ -10,8 +10,9 @@ MG_INTERNAL void mg_apply_impulses(mg_context *c, int n) {
   for (int r = 0; r < n; r++) mg_add_row_response(c, c->lcp.rows[r], c->lcp.z[r], c->bodies.wrench);
   for (int r = 0; r < n; r++) {
     const int i = c->lcp.rows[r];
-    const mg_real before = c->rows.d_dot[i], after = before + mg_row_times(c, i, c->bodies.wrench);
-    c->run->x[c->layout.work_state] += c->lcp.z[r] * ((before + after) / 2 - mg_prescribed_gap_rate(c, i));
+    const mg_real before = c->rows.d_dot[i], after = before + mg_row_times(c, i, c->bodies.wrench),
+                  mean = c->contacts.is_inertial[i] ? 0 : (before + after) / 2; /* armature keeps its work as energy */
+    c->run->x[c->layout.work_state] += c->lcp.z[r] * (mean - mg_prescribed_gap_rate(c, i));
   }
   for (int b = 0; b < s->n_body; b++)
     for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_u; k++)

@@ -37,7 +37,7 @@ MG_INTERNAL void mg_joint_wrench(const mg_context *c, int joint, mg_real *wrench
   const mg_system *s = c->system;
   const int first = c->layout.joint_row_begin + s->joint_row[joint];
   for (int j = 0; j < 6; j++) wrench[j] = 0;
-  for (int i = first; i < first + c->kernels->joint_kinds[s->joint_kind[joint]].n_rows; i++)
+  for (int i = first; i < first + mg_held_joint_rows(c, joint); i++)
     for (int j = 0; j < 6; j++) wrench[j] += c->solution.force[i] * c->rows.J[12 * i + 6 + j];
 }
 

@@ -14,22 +14,27 @@ MG_INTERNAL void mg_copy_velocity(const mg_context *c, int body, const mg_real *
   if (motion == MG_FREE) to[3] = from[3], to[4] = from[4], to[5] = from[5];
 }
 
+MG_INTERNAL void mg_place_body(const mg_context *c, mg_real t, const mg_real *x, int body, mg_real *pose,
+                               mg_real *twist, mg_real *accel) {
+  const mg_system *s = c->system;
+  const int kind = mg_body_kind_of(c, body), motion = c->bodies.motion[body];
+  const mg_real *q = x + s->body_q[body], *u = x + s->n_q + s->body_u[body];
+  const int n_u = motion < MG_POINT ? 0 : c->kernels->body_kinds[kind].n_u;
+  for (int i = 0; i < n_u; i++) twist[i] = u[i];
+  if (motion == MG_DRIVEN)
+    c->kernels->body_path(kind, &t, s->parameters + s->body_parameters[body], c->run->input, pose, twist, accel);
+  if (motion == MG_FREE) c->kernels->body_pose(kind, q, pose);
+  if (motion == MG_POINT)
+    for (int i = 0; i < 3; i++) pose[i] = q[i];
+}
+
 MG_INTERNAL void mg_update_poses(mg_context *c, mg_real t, const mg_real *x) {
   const mg_system *s = c->system;
   for (int b = 0; b < s->n_body; b++) {
-    const int kind = mg_body_kind_of(c, b), motion = c->bodies.motion[b];
-    if (motion == MG_FIXED) continue;
-    const mg_real *q = x + s->body_q[b], *u = x + s->n_q + s->body_u[b];
-    mg_real *pose = c->bodies.pose + 12 * b, *twist = c->bodies.twist + 6 * b;
-    const int n_u = motion < MG_POINT ? 0 : c->kernels->body_kinds[kind].n_u;
-    for (int i = 0; i < n_u; i++) twist[i] = u[i];
-    if (motion == MG_DRIVEN)
-      c->kernels->body_path(kind, &t, s->parameters + s->body_parameters[b], c->run->input, pose, twist,
-                            c->bodies.acceleration + 6 * b);
-    if (motion == MG_FREE) c->kernels->body_pose(kind, q, pose);
-    if (motion == MG_FREE && s->n_switch) mg_copy_reals(c->bodies.quaternion + 4 * b, q + 3, 4);
-    if (motion == MG_POINT)
-      for (int i = 0; i < 3; i++) pose[i] = q[i];
+    if (c->bodies.motion[b] == MG_FIXED) continue;
+    mg_place_body(c, t, x, b, c->bodies.pose + 12 * b, c->bodies.twist + 6 * b, c->bodies.acceleration + 6 * b);
+    if (c->bodies.motion[b] == MG_FREE && s->n_switch)
+      mg_copy_reals(c->bodies.quaternion + 4 * b, x + s->body_q[b] + 3, 4);
   }
 }
 

@@ -429,6 +429,7 @@ typedef struct {
 typedef struct {
   int *kind;                                     /* [per row] contact kind */
   int *o, *f;                                    /* [per row] bodies o and f; of joint rows bodies a and b */
+  int *is_inertial;                              /* [per row] 1: a row of armature (model/joint_rows.c) */
   int *n_eta;                                    /* [per contact] length of eta; 0 on no feature pair */
   int *parameters;                               /* [per contact] offset into parameters */
   mg_real *length;                               /* [per contact] length of its pair, m */

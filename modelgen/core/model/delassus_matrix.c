@@ -1,5 +1,5 @@
-/* The Delassus matrix J M^-1 J^T: how forces on one row accelerate another; and M^-1 J^T of any row. Writes c->rows.MJ
-   and c->lcp.A. */
+/* The Delassus matrix J M^-1 J^T: how forces on one row accelerate another, and 1 on the diagonal of rows that yield;
+   and M^-1 J^T of any row. Writes c->rows.MJ and c->lcp.A. */
 #include "model/model.h"
 #include "base/base.h"
 
@@ -52,8 +52,7 @@ MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n) {
       }
     }
   for (int r = 0; r < n; r++) c->lcp.column[list[r]] = -1;
-  for (int r = 0; r < n && c->springs.are_rows; r++)
-    if (list[r] >= c->layout.spring_row_begin) c->lcp.A[r + n * r] += 1;
+  for (int r = 0; r < n; r++) c->lcp.A[r + n * r] += mg_row_yield(c, list[r]);
 }
 
 /* Sets MJ of one body of n listed rows, and adds J MJ to c->lcp.A, or sets it if it is the first. */
@@ -78,10 +77,11 @@ MG_INTERNAL void mg_assemble_delassus_of_pair(mg_context *c, const int *list, in
   if (o_moves) mg_add_side_of_pair(c, list, n, 0, o, 1);
   if (f_moves && o_moves) mg_add_side_of_pair(c, list, n, 1, f, 0);
   if (f_moves && !o_moves) mg_add_side_of_pair(c, list, n, 1, f, 1);
+  for (int r = 0; r < n; r++) c->lcp.A[r + n * r] += mg_row_yield(c, list[r]);
 }
 
 MG_INTERNAL mg_real mg_delassus_entry(const mg_context *c, int row, int column) {
-  mg_real sum = 0;
+  mg_real sum = row == column ? mg_row_yield(c, row) : 0;
   for (int side = 0; side < 2; side++)
     for (int other = 0; other < 2; other++) {
       const int body = side ? c->contacts.f[row] : c->contacts.o[row];

@@ -1,10 +1,53 @@
 /* Rows of the joints: values, J, Gamma1 (equation (2.3) of Anitescu, Cremer and Potra, 1995) and the rates of
-   prescribed motions. Writes c->rows. */
+   prescribed motions. Writes c->rows.
+
+   The armature I of a coordinate with the rate r = j u adds r I r / 2 to the kinetic energy, and so the force
+   -I dr/dt along the row j to the bodies. With J = sqrt(I) j this is the row
+
+     J du/dt + gamma + f = 0,   after an impulse   J (u+ - u-) + L = 0:
+
+   a bilateral row like those that the joint holds, with 1 added to its diagonal of J M^-1 J^T, and with nothing to
+   hold: its value and its rate count as zero. By Woodbury's formula the bodies move as under M + sum I j^T j. */
 #include "model/model.h"
+
+MG_INTERNAL int mg_held_joint_rows(const mg_context *c, int joint) {
+  const mg_joint_kind *kind = c->kernels->joint_kinds + c->system->joint_kind[joint];
+  return kind->n_rows - kind->n_inertial;
+}
+
+MG_INTERNAL mg_real mg_row_yield(const mg_context *c, int row) {
+  return c->contacts.is_inertial[row] || (c->springs.are_rows && row >= c->layout.spring_row_begin);
+}
+
+MG_INTERNAL mg_real mg_armature_energy(const mg_context *c, mg_real t, const mg_real *x) {
+  mg_real energy = 0;
+  for (int j = 0; j < c->system->n_joint; j++) {
+    const mg_joint_kind *kind = c->kernels->joint_kinds + c->system->joint_kind[j];
+    const int side[2] = {c->system->joint_a[j], c->system->joint_b[j]};
+    mg_real pose[24], twist[12], accel[12], value[MG_JOINT_ROWS_MAX], J[12 * MG_JOINT_ROWS_MAX], gamma[MG_JOINT_ROWS_MAX],
+        bias[MG_JOINT_ROWS_MAX];
+    if (!kind->n_inertial) continue;
+    for (int k = 0; k < 2; k++) {
+      mg_copy_reals(pose + 12 * k, c->bodies.pose + 12 * side[k], 12);
+      mg_copy_reals(twist + 6 * k, c->bodies.twist + 6 * side[k], 6);
+      mg_place_body(c, t, x, side[k], pose + 12 * k, twist + 6 * k, accel + 6 * k);
+    }
+    mg_zero_reals(J, 12 * MG_JOINT_ROWS_MAX);
+    c->kernels->joint_rows(c->system->joint_kind[j], &t, pose, twist, pose + 12, twist + 6,
+                           c->system->parameters + c->system->joint_parameters[j], c->run->input, value, J, gamma,
+                           bias);
+    for (int i = kind->n_rows - kind->n_inertial; i < kind->n_rows; i++) {
+      const mg_real rate = mg_dot6(J + 12 * i, twist) + mg_dot6(J + 12 * i + 6, twist + 6);
+      energy += rate * rate / 2;
+    }
+  }
+  return energy;
+}
 
 MG_INTERNAL void mg_init_joint_rows(mg_context *c) {
   const mg_system *s = c->system;
   c->layout.has_prescribed_joint = 0;
+  for (int i = 0; i < c->layout.spring_row_end; i++) c->contacts.is_inertial[i] = 0;
   for (int i = c->layout.joint_row_begin - 1; i < c->layout.joint_row_end; i++)
     c->contacts.kind[i] = c->contacts.o[i] = c->contacts.f[i] = 0, c->lcp.column[i] = -1;
   for (int j = 0; j < s->n_joint; j++) {
@@ -13,6 +56,7 @@ MG_INTERNAL void mg_init_joint_rows(mg_context *c) {
     for (int i = 0; i < kind->n_rows; i++) {
       const int row = c->layout.joint_row_begin + s->joint_row[j] + i;
       c->contacts.o[row] = s->joint_a[j], c->contacts.f[row] = s->joint_b[j];
+      c->contacts.is_inertial[row] = i >= mg_held_joint_rows(c, j);
     }
   }
 }

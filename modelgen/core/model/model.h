@@ -67,6 +67,11 @@ MG_INTERNAL int mg_is_moved_by_forces(const mg_context *c, int body);
 /* Copies the velocity coordinates of a body: 6 of a free body, 3 of a point mass, none of the others. */
 MG_INTERNAL void mg_copy_velocity(const mg_context *c, int body, const mg_real *from, mg_real *to);
 
+/* Writes pose and twist of one body at time t and state x, of a driven body also its acceleration; those of a fixed body
+   stay. */
+MG_INTERNAL void mg_place_body(const mg_context *c, mg_real t, const mg_real *x, int body, mg_real *pose,
+                               mg_real *twist, mg_real *accel);
+
 /* Writes poses and twists of all bodies at time t and state x; of driven bodies also their accelerations. */
 MG_INTERNAL void mg_update_poses(mg_context *c, mg_real t, const mg_real *x);
 
@@ -315,6 +320,16 @@ MG_INTERNAL void mg_assemble_delassus_of_pair(mg_context *c, const int *list, in
 MG_INTERNAL mg_real mg_delassus_entry(const mg_context *c, int row, int column);
 
 /* joint_rows.c */
+
+/* Number of the rows of a joint that it holds, which come before those of its armature. */
+MG_INTERNAL int mg_held_joint_rows(const mg_context *c, int joint);
+
+/* 1 for a row that yields, of armature or of a spring in a step of time-stepping: added to its diagonal of J M^-1 J^T;
+   0 for the others. */
+MG_INTERNAL mg_real mg_row_yield(const mg_context *c, int row);
+
+/* Kinetic energy of the armature of all joints at time t and state x, J. Writes nothing. */
+MG_INTERNAL mg_real mg_armature_energy(const mg_context *c, mg_real t, const mg_real *x);
 
 /* Assigns bodies to the joint rows. */
 MG_INTERNAL void mg_init_joint_rows(mg_context *c);

@@ -234,7 +234,8 @@ static void mg_set_arrays(mg_context *c, mg_memory *memory) {
   c->events.broken_condition = mg_reserve_ints(memory, m), c->events.within_border = mg_reserve_ints(memory, m);
   c->contacts.n_eta = mg_reserve_ints(memory, m);
   c->contacts.kind = mg_reserve_ints(memory, r), c->contacts.parameters = mg_reserve_ints(memory, m + 1);
-  c->contacts.o = mg_reserve_ints(memory, r), c->contacts.f = mg_reserve_ints(memory, r);
+  c->contacts.o = mg_reserve_ints(memory, r), c->contacts.f = mg_reserve_ints(memory, r),
+  c->contacts.is_inertial = mg_reserve_ints(memory, r);
   c->lcp.rows = mg_reserve_ints(memory, r), c->lcp.mask = mg_reserve_ints(memory, r),
   c->lcp.joint_mask = mg_reserve_ints(memory, n);
   c->springs.impulse = mg_reserve_reals(memory, mg_spring_count(s)),

@@ -64,7 +64,7 @@ static void mg_blow_equations_adjoint(const mg_context *c, mg_sensitivity *s, co
     const int g = b->constraint[r], first = r > 0 && g >= 0 && b->constraint[r - 1] == g ? r - 1 : r;
     if (b->role[r] == MG_BLOW_STRUCK) {
       before_bar[r] -= bar[r] * b->restitution[r] / b->scale[r];
-      s->adjoint->restitution[b->row[r]] -= bar[r] * b->rate_before[r] / b->scale[r];
+      if (b->normal[r] == r) s->adjoint->restitution[b->row[r]] -= bar[r] * b->rate_before[r] / b->scale[r];
     }
     if (b->role[r] != MG_BLOW_SLIPS) {
       after_bar[r] -= bar[r] / b->scale[r];

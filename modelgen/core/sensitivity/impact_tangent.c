@@ -1,5 +1,6 @@
 /* Derivative of a blow: the impulses L of the rows that take part satisfy
-     M (u+ - u-) = J^T L,   J u+ + e J u- = 0   for rows that are struck, stick, or belong to joints,
+     M (u+ - u-) = J^T L,   J u+ + e J u- = 0   for rows that are struck, stick, or are held by joints,
+     J u+ - J u- + L_k = 0                      for armature: struck with e = -1, and its diagonal yields,
      L_k + ratio_k(J u+) L_N = 0                for slip, with the force ratios of slip,
    and are differentiated with these equations. Which rows take part, and how, is read off the solved blow. Reads the
    run after it and s->before; writes velocities of the derivatives. */
@@ -125,6 +126,11 @@ static int mg_drop_dependent_rows(mg_context *c, mg_blow *b) {
   return 1;
 }
 
+/* J (u+ - u-) of a row, less what it yields: what the impulses of the listed rows make of it. */
+static mg_real mg_blow_rate_change(const mg_context *c, const mg_blow *b, int r) {
+  return c->contacts.is_inertial[b->row[r]] ? 0 : b->rate_after[r] - b->rate_before[r];
+}
+
 /* Entry of J M^-1 J^T over two listed rows; of a normal row as second with the friction of slip that its impulse
    brings. */
 static mg_real mg_blow_matrix_entry(const mg_context *c, const mg_blow *b, int r, int k) {
@@ -150,8 +156,7 @@ static int mg_solve_blow_impulses(mg_context *c, mg_blow *b) {
       b->matrix[i + m * k] =
           mg_blow_matrix_entry(c, b, solved[i], solved[k]) / (b->scale[solved[i]] * b->scale[solved[k]]);
   if (!(mg_lu(m, b->matrix, b->pivots) > 0)) return MG_BY_REDUNDANT_ROWS;
-  for (int i = 0; i < m; i++)
-    b->change[i] = (b->rate_after[solved[i]] - b->rate_before[solved[i]]) / b->scale[solved[i]];
+  for (int i = 0; i < m; i++) b->change[i] = mg_blow_rate_change(c, b, solved[i]) / b->scale[solved[i]];
   mg_lu_solve(m, b->matrix, b->pivots, b->change);
   for (int i = 0; i < m; i++) b->impulse[solved[i]] = b->change[i] / b->scale[solved[i]];
   for (int r = 0; r < b->n; r++)
@@ -160,7 +165,7 @@ static int mg_solve_blow_impulses(mg_context *c, mg_blow *b) {
   for (int r = 0; r < b->n; r++) {
     mg_real change = 0;
     for (int k = 0; k < b->n; k++) change += c->lcp.A[r + (long)b->n * k] * b->impulse[k];
-    residual = mg_max(residual, fabs(change - (b->rate_after[r] - b->rate_before[r])) / b->scale[r]);
+    residual = mg_max(residual, fabs(change - mg_blow_rate_change(c, b, r)) / b->scale[r]);
     largest = mg_max(largest, fabs(change) / b->scale[r]);
   }
   return residual > MG_LARGEST_BLOW_RESIDUAL * largest ? MG_BY_IMPACT_LAW : MG_NO_REASON;
@@ -208,6 +213,7 @@ static int mg_classify_normal_rows(const mg_context *c, mg_blow *b) {
     const mg_real noise = sqrt(c->settings->event_tolerance) * (fabs(before) + fabs(after)) +
                           c->settings->drift_tolerance * c->system->length / c->system->time;
     b->restitution[r] = 0;
+    if (c->contacts.is_inertial[b->row[r]]) b->role[r] = MG_BLOW_STRUCK, b->restitution[r] = -1;
     if (b->normal[r] != r || fabs(after) <= noise) continue;
     const mg_real e = c->system->restitution[b->row[r]];
     if (fabs(after + e * before) > noise) return MG_BY_IMPACT_LAW;
@@ -354,10 +360,10 @@ static void mg_set_blow_right_hand_sides(const mg_context *c, mg_sensitivity *s,
   for (int r = 0; r < b->n; r++) {
     const int g = b->constraint[r], first = r > 0 && g >= 0 && b->constraint[r - 1] == g ? r - 1 : r;
     if (b->role[r] == MG_BLOW_STRUCK)
-      b->change[r] = -(b->rate_after_dot[r] + b->restitution[r] * b->rate_before_dot[r] +
-                       mg_number_dot(s, s->directions->restitution, c->system->n_contact, direction, b->row[r]) *
-                           b->rate_before[r]) /
-                     b->scale[r];
+      b->change[r] = -(b->rate_after_dot[r] + b->restitution[r] * b->rate_before_dot[r]) / b->scale[r];
+    if (b->role[r] == MG_BLOW_STRUCK && b->normal[r] == r)
+      b->change[r] -= mg_number_dot(s, s->directions->restitution, c->system->n_contact, direction, b->row[r]) *
+                      b->rate_before[r] / b->scale[r];
     if (b->role[r] == MG_BLOW_HELD) b->change[r] = -b->rate_after_dot[r] / b->scale[r];
     if (b->role[r] != MG_BLOW_SLIPS) continue;
     mg_blow_force_ratio(c, b, r, by_rate, by_mu);

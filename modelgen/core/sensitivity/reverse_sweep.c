@@ -116,15 +116,16 @@ static void mg_sensed_forces_adjoint(mg_context *c, mg_sensitivity *s) {
     }
   }
   for (int j = 0; j < system->n_joint; j++) {
-    const int rows = c->kernels->joint_kinds[system->joint_kind[j]].n_rows,
-              first = c->layout.joint_row_begin + system->joint_row[j];
+    const int rows = mg_held_joint_rows(c, j), first = c->layout.joint_row_begin + system->joint_row[j];
+    mg_real force[MG_ROWS_OF_ONE] = {0};
     if (!rows) continue;
+    mg_copy_reals(force, c->solution.force + first, rows);
     mg_zero_reals(s->y_dot, MG_Y_VALUE + MG_ROWS_OF_ONE);
     for (int k = 0; k < 6; k++) {
       s->y_dot[MG_Y_SECOND + k] = s->joint[6 * j + k];
       for (int r = first; r < first + rows; r++) s->at.force[r] += c->rows.J[12 * r + 6 + k] * s->joint[6 * j + k];
     }
-    mg_joint_adjoint(c, s, j, c->run->t, c->solution.force + first, 0);
+    mg_joint_adjoint(c, s, j, c->run->t, force, 0);
   }
 }
 

@@ -181,8 +181,8 @@ static void mg_joint_rows_adjoint(mg_context *c, mg_sensitivity *s, int joint, m
     y[MG_Y_FIRST + k] = s->at.wrench[6 * c->system->joint_a[joint] + k],
                    y[MG_Y_SECOND + k] = s->at.wrench[6 * c->system->joint_b[joint] + k];
   for (int k = 0; k < kind->n_rows; k++)
-    y[MG_Y_ACCEL + k] = s->at.residual[row + k], y[MG_Y_RATE + k] = s->at.rate[row + k],
-                   y[MG_Y_VALUE + k] = s->at.value[row + k];
+    y[MG_Y_ACCEL + k] = s->at.residual[row + k], y[MG_Y_VALUE + k] = s->at.value[row + k];
+  for (int k = 0; k < mg_held_joint_rows(c, joint); k++) y[MG_Y_RATE + k] = s->at.rate[row + k];
   mg_joint_adjoint(c, s, joint, t, c->solution.force + row, c->bodies.acceleration);
 }
 

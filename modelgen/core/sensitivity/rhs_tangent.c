@@ -116,8 +116,8 @@ static void mg_joint_rows_tangent(mg_context *c, mg_sensitivity *s, int directio
   if (!kind->n_rows) return;
   mg_joint_tangent(c, s, direction, joint, t, c->solution.force + row, c->bodies.acceleration);
   for (int k = 0; k < kind->n_rows; k++)
-    s->at.residual[row + k] = s->y_dot[MG_Y_ACCEL + k], s->at.rate[row + k] = s->y_dot[MG_Y_RATE + k],
-                         s->at.value[row + k] = s->y_dot[MG_Y_VALUE + k];
+    s->at.residual[row + k] = s->y_dot[MG_Y_ACCEL + k], s->at.value[row + k] = s->y_dot[MG_Y_VALUE + k];
+  for (int k = 0; k < mg_held_joint_rows(c, joint); k++) s->at.rate[row + k] = s->y_dot[MG_Y_RATE + k];
   for (int k = 0; k < 6; k++)
     s->at.wrench[6 * c->system->joint_a[joint] + k] += s->y_dot[MG_Y_FIRST + k],
         s->at.wrench[6 * c->system->joint_b[joint] + k] += s->y_dot[MG_Y_SECOND + k];

@@ -58,7 +58,7 @@ typedef struct {
   int role[MG_BLOW_ROWS];       /* what the blow does to it */
   int pivots[MG_BLOW_ROWS];
   mg_real impulse[MG_BLOW_ROWS];         /* N s or N m s */
-  mg_real restitution[MG_BLOW_ROWS];     /* of a struck normal row */
+  mg_real restitution[MG_BLOW_ROWS];     /* of a struck normal row; -1 of a row of armature */
   mg_real rate_before[MG_BLOW_ROWS];     /* J u- */
   mg_real rate_after[MG_BLOW_ROWS];      /* J u+ */
   mg_real rate_before_dot[MG_BLOW_ROWS]; /* derivatives of both */

@@ -38,7 +38,7 @@ static void mg_add_sensed_forces(mg_context *c, mg_sensitivity *s, const mg_real
   }
   for (int j = 0; j < system->n_joint; j++) {
     const int first = c->layout.joint_row_begin + system->joint_row[j];
-    for (int r = first; r < first + c->kernels->joint_kinds[system->joint_kind[j]].n_rows; r++)
+    for (int r = first; r < first + mg_held_joint_rows(c, j); r++)
       for (int k = 0; k < 6; k++) s->joint[6 * j + k] += c->rows.J[12 * r + 6 + k] * force[r];
   }
 }
@@ -55,10 +55,11 @@ static void mg_sensed_forces_tangent(mg_context *c, mg_sensitivity *s, int direc
       if (mg_is_on_feature_pair(c, i) && c->rows.d[i] < least) least = c->rows.d[i], pair[2 * p] = s->at.value[i];
   }
   for (int j = 0; j < system->n_joint; j++) {
-    const int rows = c->kernels->joint_kinds[system->joint_kind[j]].n_rows,
-              first = c->layout.joint_row_begin + system->joint_row[j];
+    const int rows = mg_held_joint_rows(c, j), first = c->layout.joint_row_begin + system->joint_row[j];
+    mg_real force[MG_ROWS_OF_ONE] = {0};
     if (!rows) continue;
-    mg_joint_tangent(c, s, direction, j, c->run->t, c->solution.force + first, 0);
+    mg_copy_reals(force, c->solution.force + first, rows);
+    mg_joint_tangent(c, s, direction, j, c->run->t, force, 0);
     for (int k = 0; k < 6; k++) joint[6 * j + k] = s->y_dot[MG_Y_SECOND + k];
   }
   mg_add_sensed_forces(c, s, s->at.force, s->directions->moves_borders && s->directions->moves_borders[direction]);

@@ -17,8 +17,9 @@ enum { MG_CORRECTIONS = 64, MG_SLOW_CORRECTIONS = 6 };
    motions do. */
 static mg_real mg_row_impulse_work(const mg_context *c, int row, mg_real h) {
   if (c->solution.force[row] == 0) return 0;
-  const mg_real after = mg_free_end_rate(c, row, h) + mg_row_times(c, row, c->bodies.wrench);
-  return c->solution.force[row] * ((mg_start_rate(c, row, h) + after) / 2 - mg_prescribed_gap_rate(c, row));
+  const mg_real after = mg_free_end_rate(c, row, h) + mg_row_times(c, row, c->bodies.wrench),
+                mean = c->contacts.is_inertial[row] ? 0 : (mg_start_rate(c, row, h) + after) / 2;
+  return c->solution.force[row] * (mean - mg_prescribed_gap_rate(c, row));
 }
 
 /* Adds the work of all impulses; notes the impact that adds most energy, which Newton's law with friction permits. */

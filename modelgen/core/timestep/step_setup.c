@@ -83,6 +83,7 @@ MG_INTERNAL mg_real mg_start_rate(const mg_context *c, int row, mg_real h) {
 }
 
 MG_INTERNAL mg_real mg_free_end_rate(const mg_context *c, int row, mg_real h) {
+  if (c->contacts.is_inertial[row]) return 0; /* the accelerations are under its force */
   const mg_real rate = c->rows.d_dot[row] + h * mg_row_times(c, row, c->bodies.acceleration);
   return mg_is_joint_row(c, row) ? rate + mg_scheme_theta(c) * h * c->rows.gamma[row] : rate;
 }

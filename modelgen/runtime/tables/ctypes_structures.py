@@ -515,9 +515,9 @@ def _room(manifest: Manifest) -> int:
 
 
 def _row_count(manifest: Manifest) -> int:
-    """The number of rows of all joints."""
-    kinds = manifest.kinds["joint"]
-    return sum(int(kinds[joint["kind"]]["rows"]) for joint in manifest.instance["joints"])
+    """The number of rows of all joints, those of armature included."""
+    kinds = [manifest.kinds["joint"][joint["kind"]] for joint in manifest.instance["joints"]]
+    return sum(int(kind["rows"]) + int(kind.get("inertial_rows", 0)) for kind in kinds)
 
 
 def settings_of(tables: Tables, accuracy: Accuracy, instance: Mapping[str, Any]) -> Any:
