@@ -29,17 +29,17 @@ LINKAGES = """
         springref="0.1"/>
       <geom type="capsule" size="0.02" fromto="0 0 0 0.2 0.03 0"/>
       <body name="fore-arm" pos="0.2 0.03 0" euler="10 20 30">
-        <joint name="elbow" axis="1 0 0" armature="0"/>
+        <joint name="elbow" axis="1 0 0" armature="0.02"/>
         <geom type="box" size="0.1 0.02 0.03" pos="0.1 0 0"/>
         <body name="hand" pos="0.2 0 0" euler="0 30 0"><geom type="sphere" size="0.03"/></body>
       </body>
     </body>
     <body name="bob" pos="0 1 1">
-      <joint name="socket" type="ball" pos="0 0 0.2" damping="0.002"/>
+      <joint name="socket" type="ball" pos="0 0 0.2" damping="0.002" armature="0.003"/>
       <geom type="ellipsoid" size="0.05 0.03 0.04" pos="0.02 0 -0.05"/>
     </body>
     <body name="cart" pos="0 2 1">
-      <joint name="along" type="slide" axis="1 0 0" stiffness="20" damping="0.1"/>
+      <joint name="along" type="slide" axis="1 0 0" stiffness="20" damping="0.1" armature="0.3"/>
       <joint name="tilt" axis="0 1 0" pos="0 0 0.1"/>
       <joint name="swing" axis="1 0 0" pos="0 0 0.1"/>
       <geom type="cylinder" size="0.04 0.1" pos="0 0 -0.1"/>
