@@ -316,6 +316,7 @@ typedef struct {
   mg_real *scale;                   /* [n_states] size of each state, against which its error is measured */
   mg_real *interpolant;             /* [8 n_states] coefficients of the interpolant */
   mg_real *load_wrench;             /* [6 per body] time-stepping: wrenches of the loads in the middle of the step */
+  mg_real *pose;                    /* [12 per body] time-stepping: poses from which contact points are followed */
   mg_real *time_samples;            /* samples of the functions of time in a step */
   mg_rolling_start *rolling_starts; /* [per contact] start of rolling */
   mg_real rolling_step;  /* length of a step from flat tried at this state, which the interpolant holds, s; 0:

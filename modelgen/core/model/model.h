@@ -422,6 +422,10 @@ MG_INTERNAL int mg_has_pair_extents(const mg_context *c, int pair);
    not asked for. */
 MG_INTERNAL mg_motion_bound mg_pair_motion_bound(const mg_context *c, int pair, int with_acceleration);
 
+/* Bound of the movement of the shapes of a pair relative to each other, m, from the poses `before` [12 per body] to the
+   present ones; as above. */
+MG_INTERNAL mg_real mg_pair_movement_bound(const mg_context *c, int pair, const mg_real *before);
+
 /* The speed alone. */
 MG_INTERNAL mg_real mg_pair_speed_bound(const mg_context *c, int pair);
 

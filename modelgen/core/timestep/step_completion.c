@@ -2,6 +2,7 @@
    (post-stabilisation: Anitescu and Hart, Int. J. Numer. Methods Eng. 60 (2004), 2335-2371). Writes the state and
    statistics of the run. */
 #include "timestep/timestep.h"
+#include "base/base.h"
 #include "solve/lcp/lcp_solvers.h"
 #include "model/model.h"
 #include "closest/closest.h"
@@ -108,19 +109,29 @@ MG_INTERNAL void mg_integrate_positions(mg_context *c, mg_real h) {
   mg_normalise_quaternions(c, c->run->x);
 }
 
-/* Converges eta of a contact from where the step has led it, else from where it began. Returns 0 if both fail. */
+/* Most change of the gap of a contact between the poses c->step.pose and the present ones: the gap of a critical point
+   changes no faster than the shapes move, and a turn is longer than its chord. */
+static mg_real mg_gap_change_bound(const mg_context *c, int contact) {
+  return 2 * mg_pair_movement_bound(c, c->system->contact_pair[contact], c->step.pose) +
+         c->settings->start_gap * c->system->length;
+}
+
+/* Converges eta of a contact from where the step has led it, else from where it began. Returns 0 if both fail, or lead
+   to other critical points, as Newton's method does from near a fold. */
 static int mg_converge_contact(mg_context *c, int contact) {
   mg_real *eta = mg_contact_eta(c, c->run->x, contact), found[MG_MAX_ETA];
   const mg_real *before = mg_contact_eta(c, c->step.settled, contact);
+  const mg_real gap = c->rows.d[contact], change = mg_gap_change_bound(c, contact);
   const int n = c->contacts.n_eta[contact];
   for (int k = 0; k < n; k++) found[k] = eta[k];
-  int steps = mg_newton_on_feature_pair(c, contact, found);
-  if (steps < 0) {
+  int is_found = mg_newton_on_feature_pair(c, contact, found) >= 0 && fabs(c->search.placement[0] - gap) <= change;
+  if (!is_found) {
     for (int k = 0; k < n; k++) found[k] = before[k];
-    steps = mg_converge_from_any_start(c, c->run->feature_pair[contact], found);
+    is_found = mg_converge_from_any_start(c, c->run->feature_pair[contact], found) >= 0 &&
+               fabs(c->search.placement[0] - gap) <= change;
   }
-  for (int k = 0; k < n; k++) eta[k] = steps < 0 ? before[k] : found[k];
-  return steps >= 0;
+  for (int k = 0; k < n; k++) eta[k] = is_found ? found[k] : before[k];
+  return is_found;
 }
 
 /* Marks a contact that is off its feature pair, and requests a search where it is held at the end of a line that may be
@@ -135,6 +146,7 @@ static void mg_mark_feature_exit(mg_context *c, int contact) {
 }
 
 MG_INTERNAL void mg_converge_all_contacts(mg_context *c, mg_events *events) {
+  mg_copy_reals(c->step.pose, c->bodies.pose, 12 * c->system->n_body);
   mg_update_poses(c, c->run->t, c->run->x);
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
     c->events.triggered[i] = c->events.within_border[i] = 0;

@@ -81,7 +81,7 @@ MG_INTERNAL void mg_apply_step_impulses(mg_context *c, mg_real h);
 MG_INTERNAL void mg_integrate_positions(mg_context *c, mg_real h);
 
 /* Converges eta of all contacts at run->x, and marks those that are off their feature pairs; contacts without closest
-   points, or whose points are no minimum any more, are released. */
+   points, or whose points are no minimum any more, are released. Needs gaps and poses from which run->x is reached. */
 MG_INTERNAL void mg_converge_all_contacts(mg_context *c, mg_events *events);
 
 /* Corrects positions while penetration exceeds contact_gap; the change of the energy counts as work. Leaves the rows at
