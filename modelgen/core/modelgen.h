@@ -325,6 +325,8 @@ typedef struct {
   mg_real joint_rank_tolerance;   /* a joint row depends on other joint rows if no more than this part of its diagonal
                                      entry of J M^-1 J^T is independent of them; it then gets no force */
   mg_real penetration_limit;      /* a run ends where bodies penetrate deeper than this times length */
+  mg_real correction_ratio;       /* a correction of positions moves no body farther than this times the penetration,
+                                     gap or joint error that it removes */
   mg_real appear_depth;           /* a contact may appear in a run with d >= -appear_depth * pair length */
   mg_real step_min;               /* a step below step_min * time ends the run */
   mg_real margin_warn;   /* a contact that starts at a zero of its margin has no bound on it up to here, nor has one of
@@ -501,7 +503,9 @@ typedef struct {
   mg_real t_event;          /* time of the last transition, s */
   mg_real t_roundoff;       /* rounding error of t so far, s: the exact time is t + t_roundoff */
   mg_real energy_0;         /* energy at the start, J */
-  mg_real energy_error_max; /* largest |energy - energy_0 - work|, J */
+  mg_real energy_error_max;  /* largest |energy - energy_0 - work - correction_work|, J */
+  mg_real correction_work;   /* change of the energy by all corrections of positions, J; no part of the work */
+  mg_real correction_energy; /* sum of the amounts of these changes, J */
   mg_real kinetic_max;      /* largest kinetic energy, J */
   mg_real gap_max;          /* largest |d| of a closed contact, m */
   mg_real
@@ -811,7 +815,7 @@ enum {
   MG_DOUBT_GAP = 2,                /* a closed contact was open by more than gap_error_max */
   MG_DOUBT_PENETRATION = 4,        /* bodies penetrated deeper than gap_error_max */
   MG_DOUBT_JOINT = 8,              /* a joint was apart by more than start_joint_gap */
-  MG_DOUBT_ENERGY = 16,            /* energy that work does not explain, above energy_error_max and rounding */
+  MG_DOUBT_ENERGY = 16,            /* energy that work does not explain, or of corrections, above energy_error_max and rounding */
   MG_DOUBT_COMPLEMENTARITY = 32,   /* forces pull, or act across gaps, by more than complementarity_error_max */
   MG_DOUBT_IMPACT_GAIN = 64,       /* an impact added more energy than energy_error_max */
   MG_DOUBT_NO_GAMMA = 128,         /* Gamma2 is left out */

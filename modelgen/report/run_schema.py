@@ -139,7 +139,12 @@ _PROPERTIES = {
     "wall_s": entry(NUMBER, "wall-clock time of the run, s"),
     "energy_drift": entry(
         NUMBER,
-        "max |E - E0 - work| / max kinetic energy; if nothing moved, over the characteristic energy",
+        "max |E - E0 - work - corrections| / max kinetic energy; over the characteristic energy if nothing moved",
+    ),
+    "correction_energy": entry(
+        NUMBER,
+        "sum of the amounts by which corrections of positions changed the energy, over the same",
+        minimum=0,
     ),
     "gap_max": entry(NUMBER, "largest |d| of a closed contact at an accepted step, m"),
     "penetration_max": entry(

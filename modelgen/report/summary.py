@@ -26,7 +26,8 @@ def summary_lines(summary: dict[str, Any]) -> Iterator[str]:
         f"{summary['wall_s']:.3g} s"
     )
     yield (
-        f"energy drift {summary['energy_drift']:.2e}, largest gap {summary['gap_max']:.2e} m, "
+        f"energy drift {summary['energy_drift']:.2e}, by corrections {summary['correction_energy']:.2e}, "
+        f"largest gap {summary['gap_max']:.2e} m, "
         f"deepest penetration {summary['penetration_max']:.2e} m, "
         f"complementarity {summary['complementarity_max']:.2e}, smallest margin {summary['margin_min']:.2e}"
     )

@@ -137,6 +137,11 @@ class Accuracy:
         joint_rank_tolerance: the same of a joint row, as at a dead centre.
         penetration_limit: a run ends where bodies penetrate deeper than this times L; in time-stepping,
             deeper than that and than they move in two steps.
+        correction_ratio: a correction of positions, after a step of time-stepping or of drift, moves no body
+            farther than this times the penetration, gap or joint error that it removes, and `contact_gap` L:
+            sqrt(dx^2 + da I da / m) <= correction_ratio d + contact_gap L, with the movement dx of the centre
+            of mass, the turn da, inertia I and mass m. One contact alone moves no body farther than d. A
+            longer correction is not made, and what remains is judged.
         appear_depth: deepest penetration, in P, of a contact that is found during a run.
         event_scan_parts: number of parts of a step that are searched for the first event.
         appear_margin: least margin of a contact that is found during a run.
@@ -165,8 +170,8 @@ class Accuracy:
         prediction_error_max: rad, or in L: above this estimated error nothing is predicted.
         gap_error_max: a run is not trusted if the gap of a closed contact, or a penetration, exceeded this
             times L.
-        energy_error_max: a run is not trusted if its energy drift exceeds this, and what rounding explains:
-            (steps + 1) eps (|E_0| + largest kinetic energy + M L^2/T^2). The same if an impact adds more
+        energy_error_max: a run is not trusted if its energy drift and the energy of corrections of positions,
+            added, exceed this, and what rounding explains: (steps + 1) eps (|E_0| + largest kinetic energy + M L^2/T^2). The same if an impact adds more
             energy than this times the largest kinetic energy, as Newton's restitution with friction may.
         complementarity_error_max: a run is not trusted if min(gap/L, force/(M L/T^2)) of a contact exceeds
             this in size: forces that pull, or that act across a gap.
@@ -221,6 +226,7 @@ class Accuracy:
     contact_rank_tolerance: float = 2e-10
     joint_rank_tolerance: float = 1e-8
     penetration_limit: float = 1e-6
+    correction_ratio: float = 100.0
     appear_depth: float = 0.02
     event_scan_parts: int = 16
     lcp_iterations: int = 200

@@ -224,9 +224,14 @@ class Session:
         return int(self.library.cdll.mg_doubts(*self._head[:2], ctypes.byref(run), ctypes.c_int(code)))
 
     def energy_drift(self, run: Any) -> float:
-        """max |E - E_0 - work| of an mg_run, relative to its largest kinetic energy, or to m L^2 / T^2 at
-        rest."""
+        """max |E - E_0 - work - corrections| of an mg_run, relative to its largest kinetic energy, or to
+        m L^2 / T^2 at rest."""
         return float(run.energy_error_max) / self._moved_energy(run)
+
+    def correction_energy(self, run: Any) -> float:
+        """The sum of the amounts by which corrections of positions changed the energy, relative as
+        `energy_drift`."""
+        return float(run.correction_energy) / self._moved_energy(run)
 
     def energy_rounding(self, run: Any) -> float:
         """What rounding of energy and work in each step may add up to, relative as `energy_drift`."""

@@ -126,8 +126,9 @@ class Trajectory:
 
     `modelgen.record_of(trajectory, library)` makes of it what `modelgen.save` and `modelgen.draw` take.
 
-    `energy_drift` is max |E - E_0 - work| over the largest kinetic energy seen (over m L^2 / T^2 if nothing
-    moved); `complementarity_max` the largest |min(gap / L, force / (m L / T^2))|; `gap_max`
+    `energy_drift` is max |E - E_0 - work - corrections| over the largest kinetic energy seen (over m L^2 / T^2
+    if nothing moved), and `correction_energy` the sum of the amounts by which corrections of positions changed
+    the energy, over the same; `complementarity_max` the largest |min(gap / L, force / (m L / T^2))|; `gap_max`
     the largest |d| of a closed contact at an accepted step, m; `margin_min` the smallest margin of one.
     """
 
@@ -202,6 +203,7 @@ class Trajectory:
     flush_t: float = 0.0  # s, of the first blow on an edge in the plane of a face
     flush_contact: str = ""  # its contact, "" where there was none
     energy_rounding: float = 0.0  # energy drift that rounding may explain
+    correction_energy: float = 0.0  # sum of |changes of energy| by corrections of positions, as energy_drift
     penetration_t: float = 0.0  # s, of `penetration_max`
     penetration_pair: str = ""  # the pair that penetrates so deep, "" where none does
     undeclared: tuple[Passage, ...] = ()  # pairs that no contact lists and that overlapped, by time
@@ -287,6 +289,7 @@ class Trajectory:
             "rhs_evals": self.rhs_evals,
             "wall_s": self.wall_s,
             "energy_drift": self.energy_drift,
+            "correction_energy": self.correction_energy,
             "gap_max": self.gap_max,
             "penetration_max": self.penetration_max,
             "penetration_t": self.penetration_t,

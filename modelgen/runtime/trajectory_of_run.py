@@ -70,6 +70,7 @@ def trajectory_of(
         wall_s=wall_s,
         energy_drift=session.energy_drift(run),
         energy_rounding=session.energy_rounding(run),
+        correction_energy=session.correction_energy(run),
         gap_max=float(run.gap_max),
         penetration_max=float(run.penetration_max),
         penetration_t=float(run.penetration_t),

@@ -59,12 +59,14 @@ def _figures(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) 
     length = instance["scales"]["length"]
     gap, joint = accuracy.gap_error_max * length, accuracy.start_joint_gap * length
     energy = max(accuracy.energy_error_max, path.energy_rounding)
+    drift, corrected = path.energy_drift + path.correction_energy, path.correction_energy
+    by_corrections = f", {corrected:.2g} of it by corrections of positions," if corrected > energy / 2 else ""
     return {
         "gap": f"the gap of a closed contact reached {path.gap_max:.2g} m, above {gap:.2g} m",
         "penetration": f"bodies penetrated by {path.penetration_max:.2g} m ({path.penetration_pair}, "
         f"t = {path.penetration_t:.6g} s), above {gap:.2g} m",
         "joint": f"a joint was apart by {path.joint_error_max:.2g} m, above {joint:.2g} m",
-        "energy": f"the energy drift {path.energy_drift:.2g} is above {energy:.2g}",
+        "energy": f"the energy drift {drift:.2g}{by_corrections} is above {energy:.2g}",
         "complementarity": "a contact force pulled, or acted across a gap, by "
         f"{path.complementarity_max:.2g} (complementarity), above {accuracy.complementarity_error_max:g}",
         "impact-gain": f"an impact at {path.impact_gain_contact} (t = {path.impact_gain_t:.6g} s) added "

@@ -31,7 +31,7 @@ MG_INTERNAL void mg_update_diagnostics(mg_context *c) {
   mg_run *run = c->run;
   const mg_real weight = s->mass * s->length / (s->time * s->time);
   mg_real kinetic;
-  const mg_real error = mg_energy(c, &kinetic) - run->energy_0 - run->x[c->layout.work_state];
+  const mg_real error = mg_energy(c, &kinetic) - run->energy_0 - run->x[c->layout.work_state] - run->correction_work;
   mg_update_maximum(&run->energy_error_max, fabs(error));
   mg_update_maximum(&run->kinetic_max, kinetic);
   if (s->n_joint_row) mg_monitor_joint_rank(c);

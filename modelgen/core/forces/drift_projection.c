@@ -1,6 +1,7 @@
 /* Drift projection: deviations from zero gap, zero gap velocity and the joint rows are removed along M^-1 J^T,
    the least change in the kinetic metric. Writes positions, orientations and velocities of the run's state, and
-   evaluates it again. */
+   evaluates it again. A correction of positions that moves a body much farther than what it removes comes from rows that
+   are almost dependent, or from a wrong closest point, and is not made. */
 #include "forces/forces.h"
 #include "model/model.h"
 
@@ -42,8 +43,41 @@ MG_INTERNAL void mg_rotate_quaternion(mg_real *e, const mg_real *angle) {
   e[3] = q3 + q0 * z + q1 * y - q2 * x;
 }
 
-MG_INTERNAL void mg_apply_pose_correction(mg_context *c) {
+/* Root mean square of the movement of the mass of a body by a correction u, m: the kinetic energy of u as a velocity,
+   over that of unit velocity; *mass receives the mass of the body. */
+static mg_real mg_mean_movement(const mg_context *c, int body, const mg_real *u, mg_real *mass) {
   const mg_system *s = c->system;
+  const mg_real unit[6] = {1}, *q = c->run->x + s->body_q[body], *parameters = s->parameters + s->body_parameters[body];
+  mg_real moving, height, momentum[3], spin[3];
+  c->kernels->body_energy(mg_body_kind_of(c, body), q, unit, s->gravity, parameters, mass, &height, momentum, spin);
+  c->kernels->body_energy(mg_body_kind_of(c, body), q, u, s->gravity, parameters, &moving, &height, momentum, spin);
+  *mass *= 2;
+  return sqrt(2 * moving / *mass);
+}
+
+/* True if a correction moves no body farther than it may; *energy receives the change of the energy by it, J. */
+static int mg_is_correction_bounded(const mg_context *c, mg_real violation, mg_real *energy) {
+  const mg_system *s = c->system;
+  const mg_real most = c->settings->correction_ratio * violation + c->settings->contact_gap * s->length;
+  mg_real mass;
+  *energy = 0;
+  for (int b = 0; b < s->n_body; b++) {
+    if (!mg_is_moved_by_forces(c, b)) continue;
+    const mg_real *change = c->bodies.wrench + 6 * b;
+    if (!(mg_mean_movement(c, b, change, &mass) <= most)) return 0;
+    *energy -= mass * mg_dot3(s->gravity, change);
+  }
+  return 1;
+}
+
+MG_INTERNAL int mg_apply_pose_correction(mg_context *c, mg_real violation) {
+  const mg_system *s = c->system;
+  mg_real energy;
+  if (!mg_is_correction_bounded(c, violation, &energy)) {
+    mg_clear_body_corrections(c);
+    return 0;
+  }
+  c->run->correction_work += energy, c->run->correction_energy += fabs(energy);
   for (int b = 0; b < s->n_body; b++) {
     if (!mg_is_moved_by_forces(c, b)) continue;
     mg_real *q = c->run->x + s->body_q[b], *change = c->bodies.wrench + 6 * b;
@@ -52,6 +86,7 @@ MG_INTERNAL void mg_apply_pose_correction(mg_context *c) {
   }
   mg_normalise_quaternions(c, c->run->x);
   mg_clear_body_corrections(c);
+  return 1;
 }
 
 MG_INTERNAL void mg_apply_velocity_correction(mg_context *c) {
@@ -63,12 +98,14 @@ MG_INTERNAL void mg_apply_velocity_correction(mg_context *c) {
 }
 
 MG_INTERNAL int mg_project_drift(mg_context *c) {
-  const mg_real drift = c->settings->drift_tolerance * c->system->length;
-  if (mg_largest_held_violation(c, c->rows.d) > drift) {
+  const mg_real drift = c->settings->drift_tolerance * c->system->length,
+                violation = mg_largest_held_violation(c, c->rows.d);
+  if (violation > drift) {
     mg_solve_row_correction(c, c->run->closed, c->rows.d);
-    mg_apply_pose_correction(c);
-    if (!mg_place_all_contacts(c, c->run->t, c->run->x)) return 0;
-    mg_evaluate_run_state(c);
+    if (mg_apply_pose_correction(c, violation)) {
+      if (!mg_place_all_contacts(c, c->run->t, c->run->x)) return 0;
+      mg_evaluate_run_state(c);
+    }
   }
   if (mg_largest_held_violation(c, c->rows.d_dot) > drift / c->system->time) {
     mg_solve_row_correction(c, c->run->closed, c->rows.d_dot);
@@ -80,9 +117,10 @@ MG_INTERNAL int mg_project_drift(mg_context *c) {
 
 MG_INTERNAL int mg_project_initial_pose(mg_context *c) {
   for (int round = 0; round < 5; round++) {
-    if (mg_largest_held_violation(c, c->rows.d) <= c->settings->drift_tolerance * c->system->length) return 1;
+    const mg_real violation = mg_largest_held_violation(c, c->rows.d);
+    if (violation <= c->settings->drift_tolerance * c->system->length) return 1;
     mg_solve_row_correction(c, c->run->closed, c->rows.d);
-    mg_apply_pose_correction(c);
+    if (!mg_apply_pose_correction(c, violation)) return 1;
     for (int extra = 0; extra < 3; extra++)
       if (!mg_place_all_contacts(c, c->run->t, c->run->x)) return 0;
     mg_evaluate_run_state(c);

@@ -115,7 +115,7 @@ MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run
   if (!mg_project_initial_joints(&c)) return MG_JOINT_APART;
   mg_open_separating(&c);
   if (settings->project && !mg_project_initial_pose(&c)) return MG_NO_EXTREMUM;
-  run->energy_0 = mg_energy(&c, &kinetic);
+  run->energy_0 = mg_energy(&c, &kinetic), run->correction_work = run->correction_energy = 0;
   mg_clear_triggered_events(&c);
   if (settings->method == MG_TIME_STEPPING) return mg_begin_time_stepping(&c);
   mg_settle_load_branches(&c, 0);

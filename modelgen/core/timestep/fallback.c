@@ -103,12 +103,12 @@ MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events)
   return 1;
 }
 
-/* Projects the closed contacts to d = 0 and d_dot = 0; the change of the energy counts as work. Returns an
-   outcome. */
+/* Projects the closed contacts to d = 0 and d_dot = 0; the change of the kinetic energy counts as work, as that of an
+   impact. Returns an outcome. */
 static int mg_resume_event_driven(mg_context *c) {
   mg_run *run = c->run;
-  mg_real kinetic;
-  const mg_real before = mg_energy(c, &kinetic);
+  mg_real before, after;
+  mg_energy(c, &before);
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     run->active[i] = c->events.triggered[i] = 0;
   for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
@@ -118,7 +118,8 @@ static int mg_resume_event_driven(mg_context *c) {
   mg_open_separating(c);
   if (!mg_has_closed_contact_capacity(c)) return MG_TOO_MANY_CLOSED;
   if (c->settings->project && !mg_project_drift(c)) return MG_NOT_FINITE;
-  run->x[c->layout.work_state] += mg_energy(c, &kinetic) - before;
+  mg_energy(c, &after);
+  run->x[c->layout.work_state] += after - before;
   return MG_DONE;
 }
 

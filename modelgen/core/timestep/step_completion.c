@@ -169,7 +169,7 @@ static mg_real mg_largest_violation(const mg_context *c) {
 }
 
 /* Least movement in the metric of the kinetic energy that removes penetration and joint errors, to first order.
-   Returns 0 if it fails. */
+   Returns 0 if it fails, or would move a body too far. */
 static int mg_correct_positions(mg_context *c, mg_real worst) {
   mg_lcp_report report;
   int n = 0;
@@ -180,12 +180,11 @@ static int mg_correct_positions(mg_context *c, mg_real worst) {
   for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
   for (int r = 0; r < n + c->system->n_joint_row; r++)
     mg_add_row_response(c, c->lcp.rows[r], c->lcp.z[r], c->bodies.wrench);
-  mg_apply_pose_correction(c);
-  return 1;
+  return mg_apply_pose_correction(c, worst);
 }
 
 MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events) {
-  mg_real kinetic, before = 0, halved = MG_MAX;
+  mg_real halved = MG_MAX;
   int moved = 0, slow_rounds = 0;
   mg_update_rows_at(c, c->run->t, c->run->x);
   for (int round = 0; round < MG_CORRECTIONS && slow_rounds < MG_SLOW_CORRECTIONS && c->settings->project; round++) {
@@ -193,9 +192,9 @@ MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events) {
     if (!(worst > c->settings->contact_gap * c->system->length)) break;
     slow_rounds = worst < halved / 2 ? 0 : slow_rounds + 1;
     if (!slow_rounds) halved = worst;
-    if (!moved++) before = mg_energy(c, &kinetic);
     mg_copy_states(c, c->run->x, c->step.stage);
     if (!mg_correct_positions(c, worst)) break;
+    moved++;
     mg_converge_all_contacts(c, events);
     mg_update_rows_at(c, c->run->t, c->run->x);
     if (mg_largest_violation(c) < 2 * worst) continue;
@@ -204,6 +203,5 @@ MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events) {
     mg_update_rows_at(c, c->run->t, c->run->x);
     break;
   }
-  if (moved) c->run->x[c->layout.work_state] += mg_energy(c, &kinetic) - before;
   return moved;
 }

@@ -118,6 +118,7 @@ SETTINGS_REALS = (
         "contact_rank_tolerance",
         "joint_rank_tolerance",
         "penetration_limit",
+        "correction_ratio",
         "appear_depth",
         "step_min",
     ),
@@ -193,7 +194,8 @@ RUN_COUNTS = (
     "search_effort",
 )
 RUN_REALS = (
-    *("t_event", "t_roundoff", "energy_0", "energy_error_max", "kinetic_max"),
+    *("t_event", "t_roundoff", "energy_0", "energy_error_max"),
+    *("correction_work", "correction_energy", "kinetic_max"),
     *("gap_max", "penetration_max", "penetration_t", "complementarity_max", "margin_min", "lcp_residual_max"),
     *("joint_error_max", "joint_speed", "dead_centre_t", "joint_margin_min", "joint_margin_t"),
     *("progress_t", "fallback_first", "fallback_end", "fallback_time", "fallback_step", "fallback_left"),
