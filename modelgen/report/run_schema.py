@@ -139,7 +139,7 @@ _PROPERTIES = {
     "wall_s": entry(NUMBER, "wall-clock time of the run, s"),
     "energy_drift": entry(
         NUMBER,
-        "max |E - E0 - work - corrections| / max kinetic energy; over the characteristic energy if nothing moved",
+        "max |E - E0 - work - corrections| / max kinetic energy; of what rests, / characteristic energy",
     ),
     "correction_energy": entry(
         NUMBER,
