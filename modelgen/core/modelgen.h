@@ -815,7 +815,7 @@ enum {
   MG_DOUBT_GAP = 2,                /* a closed contact was open by more than gap_error_max */
   MG_DOUBT_PENETRATION = 4,        /* bodies penetrated deeper than gap_error_max */
   MG_DOUBT_JOINT = 8,              /* a joint was apart by more than start_joint_gap */
-  MG_DOUBT_ENERGY = 16,            /* energy that work does not explain, or of corrections, above energy_error_max and rounding */
+  MG_DOUBT_ENERGY = 16,            /* energy that work does not explain, and of corrections, above energy_error_max */
   MG_DOUBT_COMPLEMENTARITY = 32,   /* forces pull, or act across gaps, by more than complementarity_error_max */
   MG_DOUBT_IMPACT_GAIN = 64,       /* an impact added more energy than energy_error_max */
   MG_DOUBT_NO_GAMMA = 128,         /* Gamma2 is left out */

@@ -171,8 +171,9 @@ class Accuracy:
         gap_error_max: a run is not trusted if the gap of a closed contact, or a penetration, exceeded this
             times L.
         energy_error_max: a run is not trusted if its energy drift and the energy of corrections of positions,
-            added, exceed this, and what rounding explains: (steps + 1) eps (|E_0| + largest kinetic energy + M L^2/T^2). The same if an impact adds more
-            energy than this times the largest kinetic energy, as Newton's restitution with friction may.
+            added, exceed this, and what rounding explains: (steps + 1) eps (|E_0| + largest kinetic energy +
+            M L^2/T^2). The same if an impact adds more energy than this times the largest kinetic energy, as
+            Newton's restitution with friction may.
         complementarity_error_max: a run is not trusted if min(gap/L, force/(M L/T^2)) of a contact exceeds
             this in size: forces that pull, or that act across a gap.
         overlap_depth: two shapes that no contact lists have passed through each other where a point of both
