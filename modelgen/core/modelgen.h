@@ -504,7 +504,8 @@ typedef struct {
   mg_real t_roundoff;       /* rounding error of t so far, s: the exact time is t + t_roundoff */
   mg_real energy_0;         /* energy at the start, J */
   mg_real energy_error_max;  /* largest |energy - energy_0 - work - correction_work|, J */
-  mg_real correction_work;   /* change of the energy by all corrections of positions, J; no part of the work */
+  mg_real correction_work;   /* time-stepping: change of the energy by all corrections of positions, J; no part of the
+                                work */
   mg_real correction_energy; /* sum of the amounts of these changes, J */
   mg_real kinetic_max;      /* largest kinetic energy, J */
   mg_real gap_max;          /* largest |d| of a closed contact, m */

@@ -143,7 +143,7 @@ _PROPERTIES = {
     ),
     "correction_energy": entry(
         NUMBER,
-        "sum of the amounts by which corrections of positions changed the energy, over the same",
+        "sum of the amounts by which corrections of positions in time-stepping changed the energy, over it",
         minimum=0,
     ),
     "gap_max": entry(NUMBER, "largest |d| of a closed contact at an accepted step, m"),

@@ -128,9 +128,9 @@ class Trajectory:
 
     `energy_drift` is max |E - E_0 - work - corrections| over the largest kinetic energy seen (over
     m L^2 / T^2 if nothing moved), and `correction_energy` the sum of the amounts by which corrections of
-    positions changed the energy, over the same; `complementarity_max` the largest
-    |min(gap / L, force / (m L / T^2))|; `gap_max` the largest |d| of a closed contact at an accepted step, m;
-    `margin_min` the smallest margin of one.
+    positions after steps of time-stepping changed the energy, over the same; `complementarity_max` the
+    largest |min(gap / L, force / (m L / T^2))|; `gap_max` the largest |d| of a closed contact at an accepted
+    step, m; `margin_min` the smallest margin of one.
     """
 
     scene: str

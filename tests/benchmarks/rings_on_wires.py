@@ -114,6 +114,17 @@ def run(ring: Ring, accuracy: str) -> Trajectory | None:
         return None
 
 
+def runs(count: int, accuracy: str) -> Iterator[tuple[Ring, Trajectory]]:
+    """The first `count` rings that start outside of the wire, and their runs."""
+    seed = found = 0
+    while found < count:
+        ring, seed = ring_on_wire(seed), seed + 1
+        path = run(ring, accuracy)
+        if path is not None:
+            found += 1
+            yield ring, path
+
+
 def leap_of(ring: Ring, path: Trajectory) -> float:
     """`Ring.leap` of a run."""
     k = path.body_names.index("ring")
@@ -168,28 +179,23 @@ def main() -> None:
     parser.add_argument("--groups", type=int, default=40)
     parser.add_argument("--fmus", type=int, default=3)
     given = parser.parse_args()
-    fallen: list[int] = []
+    fallen: list[Ring] = []
     for accuracy in given.accuracies.split(","):
         ends: Counter[str] = Counter()
         leap = energy = 0.0
-        for seed in range(given.count):
-            ring = ring_on_wire(seed)
-            path = run(ring, accuracy)
-            if path is None:
-                ends["refused"] += 1
-                continue
+        for ring, path in runs(given.count, accuracy):
             ends[path.outcome.name.lower()] += 1
             ends["with fallbacks"] += falls_back(path)
-            fallen += [seed] if falls_back(path) and accuracy == "balanced" else []
+            fallen += [ring] if falls_back(path) and accuracy == "balanced" else []
             leap, energy = max(leap, leap_of(ring, path)), max(energy, path.correction_energy)
         print(f"{accuracy}: {dict(ends)}; way over bound {leap:.4f}, energy of corrections {energy:.1e}")
     if given.groups:
-        leap = max(each for seed in range(given.groups) for each in lanes_of(ring_on_wire(seed), seed))
+        leap = max(each for ring, _ in runs(given.groups, "balanced") for each in lanes_of(ring, 1))
         print(f"{given.groups} groups of {LANES} lanes: way over bound {leap:.4f}")
-    for seed in fallen[: given.fmus]:
+    for ring in fallen[: given.fmus]:
         with tempfile.TemporaryDirectory() as folder:
-            leaps = [fmu_leap(ring_on_wire(seed), version, Path(folder)) for version in (2, 3)]
-        print(f"FMUs of seed {seed}: way over bound {leaps[0]:.4f} and {leaps[1]:.4f}")
+            leaps = [fmu_leap(ring, version, Path(folder)) for version in (2, 3)]
+        print(f"FMUs of a ring that falls back: way over bound {leaps[0]:.4f} and {leaps[1]:.4f}")
 
 
 if __name__ == "__main__":

@@ -43,41 +43,34 @@ MG_INTERNAL void mg_rotate_quaternion(mg_real *e, const mg_real *angle) {
   e[3] = q3 + q0 * z + q1 * y - q2 * x;
 }
 
-/* Root mean square of the movement of the mass of a body by a correction u, m: the kinetic energy of u as a velocity,
-   over that of unit velocity; *mass receives the mass of the body. */
-static mg_real mg_mean_movement(const mg_context *c, int body, const mg_real *u, mg_real *mass) {
+/* Kinetic energy of a body at velocities u, J. */
+static mg_real mg_kinetic_energy(const mg_context *c, int body, const mg_real *u) {
   const mg_system *s = c->system;
-  const mg_real unit[6] = {1}, *q = c->run->x + s->body_q[body], *parameters = s->parameters + s->body_parameters[body];
   mg_real moving, height, momentum[3], spin[3];
-  c->kernels->body_energy(mg_body_kind_of(c, body), q, unit, s->gravity, parameters, mass, &height, momentum, spin);
-  c->kernels->body_energy(mg_body_kind_of(c, body), q, u, s->gravity, parameters, &moving, &height, momentum, spin);
-  *mass *= 2;
-  return sqrt(2 * moving / *mass);
+  c->kernels->body_energy(mg_body_kind_of(c, body), c->run->x + s->body_q[body], u, s->gravity,
+                          s->parameters + s->body_parameters[body], &moving, &height, momentum, spin);
+  return moving;
 }
 
-/* True if a correction moves no body farther than it may; *energy receives the change of the energy by it, J. */
-static int mg_is_correction_bounded(const mg_context *c, mg_real violation, mg_real *energy) {
-  const mg_system *s = c->system;
-  const mg_real most = c->settings->correction_ratio * violation + c->settings->contact_gap * s->length;
-  mg_real mass;
-  *energy = 0;
-  for (int b = 0; b < s->n_body; b++) {
+/* True if the corrections move no body farther than they may: the root mean square of the movement of its mass has the
+   kinetic energy of the correction as a velocity, over that of unit velocity. */
+static int mg_is_correction_bounded(const mg_context *c, mg_real violation) {
+  const mg_real unit[6] = {1};
+  const mg_real most = c->settings->correction_ratio * violation + c->settings->contact_gap * c->system->length;
+  for (int b = 0; b < c->system->n_body; b++) {
     if (!mg_is_moved_by_forces(c, b)) continue;
-    const mg_real *change = c->bodies.wrench + 6 * b;
-    if (!(mg_mean_movement(c, b, change, &mass) <= most)) return 0;
-    *energy -= mass * mg_dot3(s->gravity, change);
+    const mg_real moving = mg_kinetic_energy(c, b, c->bodies.wrench + 6 * b);
+    if (!(sqrt(moving / mg_kinetic_energy(c, b, unit)) <= most)) return 0;
   }
   return 1;
 }
 
 MG_INTERNAL int mg_apply_pose_correction(mg_context *c, mg_real violation) {
   const mg_system *s = c->system;
-  mg_real energy;
-  if (!mg_is_correction_bounded(c, violation, &energy)) {
+  if (!mg_is_correction_bounded(c, violation)) {
     mg_clear_body_corrections(c);
     return 0;
   }
-  c->run->correction_work += energy, c->run->correction_energy += fabs(energy);
   for (int b = 0; b < s->n_body; b++) {
     if (!mg_is_moved_by_forces(c, b)) continue;
     mg_real *q = c->run->x + s->body_q[b], *change = c->bodies.wrench + 6 * b;

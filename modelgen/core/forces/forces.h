@@ -548,8 +548,7 @@ MG_INTERNAL int mg_set_body_corrections(mg_context *c, int n);
 /* Rotate a quaternion by a small rotation vector in body axes, to first order. */
 MG_INTERNAL void mg_rotate_quaternion(mg_real *e, const mg_real *angle);
 
-/* Add the corrections to positions and orientations of the run's state and normalise; the change of the energy counts
-   in run->correction_work and run->correction_energy. Returns 0, and changes nothing, where they move the mass of a body farther, in the root mean
+/* Add the corrections to positions and orientations of the run's state and normalise. Returns 0, and changes nothing, where they move the mass of a body farther, in the root mean
    square, than correction_ratio times the violation that they remove, m, and contact_gap. */
 MG_INTERNAL int mg_apply_pose_correction(mg_context *c, mg_real violation);
 

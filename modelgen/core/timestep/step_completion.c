@@ -184,7 +184,7 @@ static int mg_correct_positions(mg_context *c, mg_real worst) {
 }
 
 MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events) {
-  mg_real halved = MG_MAX;
+  mg_real kinetic, before = 0, halved = MG_MAX;
   int moved = 0, slow_rounds = 0;
   mg_update_rows_at(c, c->run->t, c->run->x);
   for (int round = 0; round < MG_CORRECTIONS && slow_rounds < MG_SLOW_CORRECTIONS && c->settings->project; round++) {
@@ -192,6 +192,7 @@ MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events) {
     if (!(worst > c->settings->contact_gap * c->system->length)) break;
     slow_rounds = worst < halved / 2 ? 0 : slow_rounds + 1;
     if (!slow_rounds) halved = worst;
+    if (!moved) before = mg_energy(c, &kinetic);
     mg_copy_states(c, c->run->x, c->step.stage);
     if (!mg_correct_positions(c, worst)) break;
     moved++;
@@ -203,5 +204,7 @@ MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events) {
     mg_update_rows_at(c, c->run->t, c->run->x);
     break;
   }
+  const mg_real change = moved ? mg_energy(c, &kinetic) - before : 0;
+  c->run->correction_work += change, c->run->correction_energy += fabs(change);
   return moved;
 }
