@@ -36,6 +36,11 @@ from modelgen.scene.scene_types import Condition, ContactPair, Feature, Pose, Sh
 Array = np.ndarray[Any, Any]
 
 STRAIGHT = frozenset({"plane", "line", "segment", "edge", "cylinder", "cone"})  # touch a plane along a line
+ENDED = {
+    "segment": (0.0, 0.0, 1.0),
+    "edge": (1.0, 0.0, 0.0),
+}  # straight wires with ends, and their directions
+WIRE, ENDS_OF_WIRE = "wire", ("end_bottom", "end_top")
 CONES = ("wing", "direction", "tip")  # conditions of the normal; the others are of the place
 
 
@@ -199,16 +204,25 @@ def _check_restriction(pair: ContactPair, sides: list[tuple[Feature, ...]], wher
 
 
 def _ended(sides: list[tuple[Feature, ...]]) -> list[tuple[Feature, ...]]:
-    """The features that can touch: of a segment against a plane, its two ends."""
-    kinds = [tuple(feature.shape.kind for feature in features) for features in sides]
-    if sorted(kinds) != [("plane",), ("segment",)]:
-        return sides
-    return [_ends_of(one[0].shape) if one[0].shape.kind == "segment" else one for one in sides]
+    """The features that can touch: a straight wire touches a plane with its ends, other surfaces with itself
+    too."""
+    return [_with_ends(mine, other) for mine, other in (sides, sides[::-1])]
 
 
-def _ends_of(segment: Shape) -> tuple[Feature, ...]:
-    ((_, length),) = segment.parameters
-    return vertex("end_bottom", (0.0, 0.0, -length / 2)), vertex("end_top", (0.0, 0.0, length / 2))
+def _with_ends(mine: tuple[Feature, ...], other: tuple[Feature, ...]) -> tuple[Feature, ...]:
+    wire = mine[0]
+    if len(mine) > 1 or wire.shape.kind not in ENDED or all(each.dimension < 2 for each in other):
+        return mine
+    half, axis = wire.shape.parameters[0][1] / 2, np.array(ENDED[wire.shape.kind])
+    ends = tuple(
+        vertex(name, sign * half * axis, Condition("direction", tuple(-sign * axis), WIRE))
+        for name, sign in zip(ENDS_OF_WIRE, (-1.0, 1.0), strict=True)
+    )
+    if [each.shape.kind for each in other] == ["plane"]:
+        alone = tuple(replace(each, conditions=()) for each in ends)
+        return alone if wire.shape.kind == "segment" else mine
+    borders = (replace(each, next=name) for each, name in zip(wire.conditions, ENDS_OF_WIRE, strict=True))
+    return replace(wire, name=WIRE, conditions=tuple(borders)), *ends
 
 
 def _allowed(side: Sequence[Feature], pair: ContactPair) -> list[Two]:
