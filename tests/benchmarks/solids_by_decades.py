@@ -1,0 +1,458 @@
+"""Specimens of every kind of shape, their numbers by decades, for the law of the first touch.
+
+Each has a lower bound of the distance outside with an exact sign, and points of what can touch first:
+curved faces, edges, corners. A flat face touches at an edge or a corner, or is touched by what the other
+shape lists.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Shape
+from tests.benchmarks.measured_solids import (
+    TURN,
+    Solid,
+    cam,
+    ellipsoid,
+    hull,
+    star,
+    torus,
+    tube,
+    turned,
+)
+
+Array = np.ndarray[Any, Any]
+Face = Callable[[Array, Array], Array]
+Edge = Callable[[Array], Array]
+SHEET = 1e-11  # half the thickness, against its size, by which a disc or a curve is given an inside
+
+
+@dataclass(frozen=True)
+class Endless:
+    """A shape without a bound; it is seen within a ball of that radius about its origin, m."""
+
+    of: Callable[[float], Solid]
+
+
+def seen(shape: Solid | Endless, within: float) -> Solid:
+    """The solid; of one without bound, what is within that radius, m."""
+    return shape.of(within) if isinstance(shape, Endless) else shape
+
+
+def decades(rng: np.random.Generator, low: float, high: float) -> float:
+    """A random number between 10^low and 10^high, by decades."""
+    return float(10 ** rng.uniform(low, high))
+
+
+def _stack(*columns: Any) -> Array:
+    return np.stack(np.broadcast_arrays(*columns), axis=-1)
+
+
+def ring(r: float, z: float = 0.0, sweep: float = TURN) -> Edge:
+    return lambda t: _stack(r * np.cos(sweep * t), r * np.sin(sweep * t), z)
+
+
+def line(a: Sequence[float], b: Sequence[float]) -> Edge:
+    start, along = np.array(a, float), np.array(b, float) - np.array(a, float)
+    return lambda t: start + np.asarray(t)[..., None] * along
+
+
+def conical(bottom: tuple[float, float], top: tuple[float, float]) -> Face:
+    """The side between two circles, each (radius, z)."""
+
+    def face(u: Array, v: Array) -> Array:
+        r, z = (low + u * (high - low) for low, high in zip(bottom, top, strict=True))
+        return _stack(r * np.cos(TURN * v), r * np.sin(TURN * v), z)
+
+    return face
+
+
+def ball_part(r: float, z: float, low: float, high: float) -> Face:
+    """Of a ball about (0, 0, z) what lies between two angles to the axis."""
+
+    def face(u: Array, v: Array) -> Array:
+        t = low + u * (high - low)
+        return _stack(r * np.sin(t) * np.cos(TURN * v), r * np.sin(t) * np.sin(TURN * v), z + r * np.cos(t))
+
+    return face
+
+
+def sized(
+    s: float, shape: Shape, radius: float, distance: Callable[[Array], Array], faces: Sequence[Face] = (),
+    edges: Sequence[Edge] = (), cavity: bool = False, inner: float = 0.0,
+) -> Solid:  # fmt: skip
+    """The solid of a shape whose geometry is given in units of s."""
+    return Solid(
+        shape, s * radius, lambda x: s * distance(x / s),
+        [_scaled(s, face) for face in faces], [_scaled(s, edge) for edge in edges], cavity, s * inner,
+    )  # fmt: skip
+
+
+def _scaled(s: float, at: Callable[..., Array]) -> Callable[..., Array]:
+    def scaled(*coordinates: Array) -> Array:
+        return s * at(*coordinates)
+
+    return scaled
+
+
+def _radial(x: Array) -> Array:
+    return np.hypot(x[..., 0], x[..., 1])
+
+
+def sphere(rng: np.random.Generator, s: float, cavity: bool = False) -> Solid:
+    def distance(x: Array) -> Array:
+        found: Array = np.linalg.norm(x, axis=-1) - 1
+        return -found if cavity else found
+
+    shape = make.sphere(s, cavity=cavity)
+    return sized(s, shape, 1.0, distance, [ball_part(1.0, 0.0, 0.0, np.pi)], cavity=cavity, inner=1.0)
+
+
+def oblong(rng: np.random.Generator, s: float) -> Solid:
+    axes = [1.0, decades(rng, -2, 0), decades(rng, -2, 0)]
+    return ellipsoid(*(s * axes[k] for k in rng.permutation(3)))
+
+
+def hollow_ellipsoid(rng: np.random.Generator, s: float) -> Solid:
+    a, b, c = rng.uniform(0.4, 1, 3)
+    solid = ellipsoid(a, b, c)
+    least = min(a, b, c)
+
+    def distance(x: Array) -> Array:
+        found: Array = (1 - np.linalg.norm(x / np.array([a, b, c]), axis=-1)) * least
+        return found
+
+    shape = make.ellipsoid(s * a, s * b, s * c, cavity=True)
+    return sized(s, shape, 1.0, distance, solid.faces, cavity=True, inner=least)
+
+
+def superellipsoid(rng: np.random.Generator, s: float) -> Solid:
+    a, b, c = (decades(rng, -1, 0) for _ in range(3))
+    p, q = (2 * decades(rng, 0, 0.7) for _ in range(2))
+
+    def gauge(x: Array) -> tuple[Array, Array]:
+        """Convex, homogeneous of degree 1; with its gradient."""
+        scaled = np.abs(x) / [a, b, c]
+        across = np.linalg.norm(scaled[..., :2], ord=p, axis=-1)
+        level = np.maximum((across**q + scaled[..., 2] ** q) ** (1 / q), 1e-300)
+        slope_across = (across / level) ** (q - 1)
+        part = scaled[..., :2] / np.maximum(across, 1e-300)[..., None]
+        slope = np.concatenate(
+            [slope_across[..., None] * part ** (p - 1), ((scaled[..., 2] / level) ** (q - 1))[..., None]],
+            axis=-1,
+        ) / [a, b, c]
+        return level, np.linalg.norm(slope, axis=-1)
+
+    def distance(x: Array) -> Array:
+        level, slope = gauge(x)
+        return (level - 1) / np.maximum(slope, 1e-300)
+
+    def face(u: Array, v: Array) -> Array:
+        t, turn = np.pi * u, TURN * v
+        x = _stack(a * np.sin(t) * np.cos(turn), b * np.sin(t) * np.sin(turn), c * np.cos(t))
+        return x / gauge(x)[0][..., None]
+
+    shape = make.superellipsoid(s * a, s * b, s * c, p, q)
+    return sized(s, shape, float(np.hypot(np.hypot(a, b), c)), distance, [face])
+
+
+def rings(rng: np.random.Generator, s: float) -> Solid:
+    return torus(s, s * decades(rng, -3, -0.02))
+
+
+def box(rng: np.random.Generator, s: float, cavity: bool = False) -> Solid:
+    half = np.array([decades(rng, -0.4 if cavity else -3, 0) for _ in range(3)])
+    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half
+    edges = [
+        line(corners[i], corners[j])
+        for i in range(8)
+        for j in range(i)
+        if (corners[i] != corners[j]).sum() == 1
+    ]
+
+    def distance(x: Array) -> Array:
+        out = np.abs(x) - half
+        deep: Array = out.max(axis=-1)
+        return -deep if cavity else np.linalg.norm(np.maximum(out, 0), axis=-1) + np.minimum(deep, 0)
+
+    shape = make.box(*map(float, 2 * s * half), cavity=cavity)
+    return sized(s, shape, float(np.linalg.norm(half)), distance, [], edges, cavity, float(half.min()))
+
+
+def capsule(rng: np.random.Generator, s: float, cavity: bool = False) -> Solid:
+    radius, length = 1.0, decades(rng, -1 if cavity else -3, 0.5 if cavity else 3)
+    half = length / 2
+
+    def distance(x: Array) -> Array:
+        z = x[..., 2] - np.clip(x[..., 2], -half, half)
+        found: Array = np.hypot(_radial(x), z) - radius
+        return -found if cavity else found
+
+    caps = [ball_part(radius, half, 0, np.pi / 2), ball_part(radius, -half, np.pi / 2, np.pi)]
+    faces = [conical((radius, -half), (radius, half)), *caps]
+    shape = make.capsule(s * radius, s * length, cavity=cavity)
+    return sized(s, shape, radius + half, distance, faces, cavity=cavity, inner=radius)
+
+
+def can(rng: np.random.Generator, s: float) -> Solid:
+    return tube(s, 0.0, s * decades(rng, -3, 3))
+
+
+def pipe(rng: np.random.Generator, s: float) -> Solid:
+    return tube(s, s * (1 - decades(rng, -3, -0.05)), s * decades(rng, -3, 2))
+
+
+def frustum(rng: np.random.Generator, s: float, cavity: bool = False) -> Solid:
+    length, slope = decades(rng, -1 if cavity else -3, 0.5 if cavity else 2), decades(rng, -2.9, 0.7)
+    slope = min(slope, 0.9 * 2 / length) if not cavity else min(slope, 0.5 / length)
+    slope = max(slope, 1.2e-3)
+    half, middle = length / 2, 1.0
+    if half * slope >= 1:
+        length, half, slope = 20.0, 10.0, 0.05
+    ends = middle + half * slope, middle - half * slope
+    if rng.integers(2):
+        ends, slope = ends[::-1], -slope
+    steep = 1 / np.hypot(1, slope)
+
+    def distance(x: Array) -> Array:
+        side = (_radial(x) - (middle - slope * x[..., 2])) * steep
+        found: Array = np.maximum(side, np.abs(x[..., 2]) - half)
+        return -found if cavity else found
+
+    edges = [] if cavity else [ring(ends[0], -half), ring(ends[1], half)]
+    faces = [conical((ends[0], -half), (ends[1], half))]
+    shape = make.frustum(float(s * ends[0]), float(s * ends[1]), s * length, cavity=cavity)
+    inner = min(half, float(steep))
+    return sized(s, shape, float(np.hypot(max(ends), half)), distance, faces, edges, cavity, inner)
+
+
+def dome(rng: np.random.Generator, s: float) -> Solid:
+    radius, length = 1.0, decades(rng, -2.9, 0)
+    if rng.integers(2):
+        length = 2 - length
+    depth, rim = radius - length, float(np.sqrt(length * (2 - length)))
+
+    def distance(x: Array) -> Array:
+        ball = np.linalg.norm(x + np.array([0, 0, depth]), axis=-1) - radius
+        found: Array = np.maximum(ball, -x[..., 2])
+        return found
+
+    faces = [ball_part(radius, -depth, 0.0, float(np.arccos(depth / radius)))]
+    return sized(s, make.dome(s * radius, s * length), max(length, rim), distance, faces, [ring(rim)])
+
+
+def half_torus(rng: np.random.Generator, s: float) -> Solid:
+    minor = decades(rng, -2.5, -0.02)
+
+    def distance(x: Array) -> Array:
+        found: Array = np.maximum(np.hypot(_radial(x) - 1, x[..., 2]) - minor, -x[..., 1])
+        return found
+
+    def face(u: Array, v: Array) -> Array:
+        r = 1 + minor * np.cos(TURN * v)
+        return _stack(r * np.cos(np.pi * u), r * np.sin(np.pi * u), minor * np.sin(TURN * v))
+
+    def rim(at: float) -> Edge:
+        return lambda t: _stack(at + minor * np.cos(TURN * t), 0.0, minor * np.sin(TURN * t))
+
+    return sized(s, make.half_torus(s, s * minor), 1 + minor, distance, [face], [rim(-1.0), rim(1.0)])
+
+
+def polyhedron(rng: np.random.Generator, s: float) -> Solid:
+    return hull(rng, s)
+
+
+def flat_hull(rng: np.random.Generator, s: float) -> Solid:
+    """A hexagonal plate, its thickness by decades."""
+    half = decades(rng, -3, 0)
+    angle = TURN * np.arange(6) / 6
+    flat = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    corners = np.array([[x, y, z] for z in (-half, half) for x, y in flat])
+    edges = [line(corners[k], corners[k + 6]) for k in range(6)]
+    edges += [line(corners[b + k], corners[b + (k + 1) % 6]) for b in (0, 6) for k in range(6)]
+    normals = np.stack([np.cos(angle + np.pi / 6), np.sin(angle + np.pi / 6)], axis=1)
+
+    def distance(x: Array) -> Array:
+        across = (x[..., :2] @ normals.T).max(axis=-1) - np.sqrt(0.75)
+        found: Array = np.maximum(across, np.abs(x[..., 2]) - half)
+        return found
+
+    shape = make.polyhedron([[float(s * c) for c in each] for each in corners])
+    return sized(s, shape, float(np.hypot(1, half)), distance, [], edges)
+
+
+def stars(rng: np.random.Generator, s: float) -> Solid:
+    return star(4, s, s * decades(rng, -1, -0.2), s * decades(rng, -2, 1))
+
+
+def cams(rng: np.random.Generator, s: float) -> Solid:
+    return cam([*map(float, s * rng.uniform(0.6, 1, 7))], s * decades(rng, -2, 1))
+
+
+def vase(rng: np.random.Generator, s: float) -> Solid:
+    return turned(s, s * decades(rng, -1, 0.5), rng.uniform(0.1, 0.5), rng.uniform(-0.05, 0.05))
+
+
+def disc(rng: np.random.Generator, s: float) -> Solid:
+    def distance(x: Array) -> Array:
+        found: Array = np.hypot(np.maximum(_radial(x) - 1, 0), x[..., 2]) - SHEET
+        return found
+
+    return sized(s, make.disc(s), 1.0, distance, [], [ring(1.0)])
+
+
+def egg(rng: np.random.Generator, s: float) -> Solid:
+    """A chart of the user's own: an ellipsoid that is thicker at one end."""
+    a, k = decades(rng, -1, 0.5), float(rng.uniform(0.1, 0.4))
+
+    def distance(x: Array) -> Array:
+        """From the cylinder that contains it, or by the largest slope within that."""
+        r, z = np.minimum(_radial(x), 1.2 * a), np.clip(x[..., 2], -1, 1)
+        level = r**2 - a * a * (1 + k * z) * (1 - z**2)
+        found: Array = np.maximum(np.hypot(_radial(x) - r, x[..., 2] - z), level / (2.4 * a + 3.2 * a * a))
+        return found
+
+    def face(u: Array, v: Array) -> Array:
+        t, turn = np.pi * (u - 0.5), TURN * v
+        r = a * np.cos(t) * np.sqrt(1 + k * np.sin(t))
+        return _stack(r * np.cos(turn), r * np.sin(turn), np.sin(t))
+
+    shape = make.chart(
+        "s*a*cos(v)*sqrt(1 + k*sin(v))*cos(u)", "s*a*cos(v)*sqrt(1 + k*sin(v))*sin(u)", "s*sin(v)",
+        domain=[[0.0, TURN], [-np.pi / 2, np.pi / 2]], periodic=[True, False], poles=["v_min", "v_max"],
+        parameters={"s": s, "a": a, "k": k},
+    )  # fmt: skip
+    return sized(s, shape, float(np.hypot(1.2 * a, 1)), distance, [face])
+
+
+def _of_curve(s: float, shape: Shape, nearest: Callable[[Array], Array], *edges: Edge) -> Solid:
+    """`nearest`: the distance of points from the curve."""
+    return sized(s, shape, 1.0, lambda x: nearest(x) - SHEET, [], edges)
+
+
+def apex(t: Array) -> Array:
+    """The origin."""
+    return _stack(0 * np.asarray(t), 0.0, 0.0)
+
+
+def circle(rng: np.random.Generator, s: float) -> Solid:
+    return _of_curve(s, make.circle(s), lambda x: np.hypot(_radial(x) - 1, x[..., 2]), ring(1.0))
+
+
+def segment(rng: np.random.Generator, s: float) -> Solid:
+    def nearest(x: Array) -> Array:
+        found: Array = np.hypot(_radial(x), x[..., 2] - np.clip(x[..., 2], -1, 1))
+        return found
+
+    return _of_curve(s, make.segment(2 * s), nearest, line([0, 0, -1], [0, 0, 1]))
+
+
+def oval(rng: np.random.Generator, s: float) -> Solid:
+    """An elliptical wire; what falls on it is seen by its points alone."""
+    b = decades(rng, -1.5, 0)
+    edge: Edge = lambda t: _stack(np.cos(TURN * t), b * np.sin(TURN * t), 0.0)  # noqa: E731
+    shape = make.shape("ellipse_curve", semi_axes=[s, s * b])
+    return sized(s, shape, 1.0, lambda x: np.full(x.shape[:-1], np.inf), [], [edge])
+
+
+def point(rng: np.random.Generator, s: float) -> Solid:
+    return sized(s, make.point(), 0.0, lambda x: np.asarray(np.linalg.norm(x, axis=-1)), [], [apex])
+
+
+def plane(rng: np.random.Generator, s: float) -> Endless:
+    return Endless(lambda seen: Solid(make.plane(), np.inf, lambda x: x[..., 2]))
+
+
+def rod(rng: np.random.Generator, s: float, cavity: bool = False) -> Endless:
+    def of(seen: float) -> Solid:
+        seen /= s
+
+        def distance(x: Array) -> Array:
+            return (_radial(x) - 1) * (-1 if cavity else 1)
+
+        faces = [conical((1.0, -seen), (1.0, seen))]
+        return sized(s, make.cylinder(s, cavity=cavity), np.inf, distance, faces, cavity=cavity, inner=1.0)
+
+    return Endless(of)
+
+
+def cone(rng: np.random.Generator, s: float) -> Endless:
+    angle = float(np.clip(decades(rng, -2.9, 0.19), 1.1e-3, 1.5))
+
+    def of(seen: float) -> Solid:
+        seen /= s
+
+        def distance(x: Array) -> Array:
+            found: Array = _radial(x) * np.cos(angle) + x[..., 2] * np.sin(angle)
+            return np.where(x[..., 2] > 0, np.maximum(found, x[..., 2]), found)
+
+        low = -seen * np.cos(angle)
+        faces = [conical((0.0, 0.0), (float(seen * np.sin(angle)), float(low)))]
+        return sized(s, make.cone(angle), np.inf, distance, faces, [apex])
+
+    return Endless(of)
+
+
+def paraboloid(rng: np.random.Generator, s: float) -> Endless:
+    """Convex: with exterior +z, it opens downwards."""
+    a, b = decades(rng, -1.5, 1.5), decades(rng, -1.5, 1.5)
+
+    def of(seen: float) -> Solid:
+        seen /= s
+
+        def distance(x: Array) -> Array:
+            level = x[..., 2] + x[..., 0] ** 2 / (2 * a) + x[..., 1] ** 2 / (2 * b)
+            found: Array = level / np.sqrt(1 + (x[..., 0] / a) ** 2 + (x[..., 1] / b) ** 2)
+            return found
+
+        def face(u: Array, v: Array) -> Array:
+            reach = np.minimum(seen, np.sqrt(2 * np.array([a, b]) * seen))
+            x, y = reach[0] * (2 * u - 1), reach[1] * (2 * v - 1)
+            return _stack(x, y, -(x**2) / (2 * a) - y**2 / (2 * b))
+
+        return sized(s, make.paraboloid(-s * a, -s * b), np.inf, distance, [face])
+
+    return Endless(of)
+
+
+KINDS: dict[str, Callable[[np.random.Generator, float], Solid | Endless]] = {
+    "sphere": sphere,
+    "ellipsoid": oblong,
+    "superellipsoid": superellipsoid,
+    "torus": rings,
+    "capsule": capsule,
+    "cylinder": can,
+    "tube": pipe,
+    "frustum": frustum,
+    "dome": dome,
+    "half_torus": half_torus,
+    "box": box,
+    "polyhedron": polyhedron,
+    "plate": flat_hull,
+    "star": stars,
+    "cam": cams,
+    "revolution": vase,
+    "chart": egg,
+    "disc": disc,
+    "circle": circle,
+    "segment": segment,
+    "ellipse_curve": oval,
+    "point": point,
+    "plane": plane,
+    "endless cylinder": rod,
+    "cone": cone,
+    "paraboloid": paraboloid,
+    "hollow sphere": lambda rng, s: sphere(rng, s, cavity=True),
+    "hollow ellipsoid": hollow_ellipsoid,
+    "hollow box": lambda rng, s: box(rng, s, cavity=True),
+    "hollow capsule": lambda rng, s: capsule(rng, s, cavity=True),
+    "hollow frustum": lambda rng, s: frustum(rng, s, cavity=True),
+    "bore": lambda rng, s: rod(rng, s, cavity=True),
+}
+CURVES = ("circle", "segment", "ellipse_curve", "point")
