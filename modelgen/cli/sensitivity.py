@@ -45,7 +45,10 @@ def sensitivity(
     check: Compared = False,
     as_json: AsJson = False,
 ) -> None:
-    """Differentiate what a run shows by parameters, inputs and starts, through contacts and impacts."""
+    """Differentiate what a run shows by parameters, inputs and starts, through contacts and impacts.
+
+    With --check, a derivative that differences of runs do not bear out is undecided.
+    """
     from modelgen.report.sensitivity_output import print_sensitivity, sensitivity_facts
     from modelgen.runtime.sensitivity import check_names
 
@@ -69,9 +72,9 @@ def sensitivity(
         found = modelgen.sensitivity(library, times, **settings)
     differences = None
     if check:
-        from modelgen.runtime.finite_differences import run_differences
+        from modelgen.runtime.finite_differences import checked
 
-        differences = run_differences(library, times, **settings)
+        found, differences = checked(found, library, times, **settings)
     facts = sensitivity_facts(found, differences)
     print_facts(facts, as_json, lambda: print_sensitivity(facts, Console()))
     if found.outcome is not None:

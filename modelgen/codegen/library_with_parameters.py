@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Iterable, Iterator, Mapping
+from math import inf
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -20,7 +21,8 @@ from modelgen.errors import LibraryError, SceneError, SimulationError
 from modelgen.model import Model, Scales
 from modelgen.scene.parameter_rereading import SceneReader, changed_scene
 from modelgen.scene.parameters import checked_values
-from modelgen.scene.scene_types import Origin
+from modelgen.scene.scene_types import Origin, Scene
+from modelgen.scene.source_location import Motion
 
 KEPT = 64  # sets of values of a library that are kept
 KINDS = ("body", "contact", "load", "shape", "joint", "limit")
@@ -47,9 +49,7 @@ def library_with(library: Library, values: Values) -> Library:
     chosen = own | checked_values(values, ranges)
     if chosen == own:
         return library
-    variants = _VARIANTS.get(library)
-    if variants is None:
-        variants = _VARIANTS[library] = _Variants(library, own)
+    variants = _variants_of(library, own)
     kept, key = variants.kept, tuple(chosen.values())
     if key not in kept:
         kept[key] = library.with_instance(variants.instance(chosen))
@@ -57,6 +57,38 @@ def library_with(library: Library, values: Values) -> Library:
             kept.popitem(last=False)
     kept.move_to_end(key)
     return kept[key]
+
+
+class Moved:
+    """A library of which all numbers move along their derivatives by a parameter."""
+
+    def __init__(self, library: Library, variants: _Variants, parameter: str) -> None:
+        self._library, self._variants, self._parameter = library, variants, parameter
+        _, motion = variants.along(parameter, 0.0)
+        self.kink = next(iter(motion.kinks), "")
+        """The place of a number that is on a kink, or an empty text."""
+        self.unit = min(((abs(each.value) or 1.0) / abs(each.rate) for each in motion.moved), default=inf)
+        """By which the first number changes by as much as itself, or, from zero, by 1; infinite where none
+        moves."""
+        self.scale = max((abs(each.value) for each in motion.moved), default=0.0)
+        """The largest number that moves."""
+
+    def __call__(self, step: float) -> Library:
+        """The library after a change by `step`; raises SimulationError as `library_with` does."""
+        return self._library.with_instance(self._variants.along(self._parameter, step)[0])
+
+
+def library_along(library: Library, parameter: str) -> Moved:
+    """The functions of a library with numbers that move with a parameter from its value there."""
+    own = {each["name"]: each["value"] for each in library.manifest.instance["parameters"]}
+    return Moved(library, _variants_of(library, own), parameter)
+
+
+def _variants_of(library: Library, own: Values) -> _Variants:
+    variants = _VARIANTS.get(library)
+    if variants is None:
+        variants = _VARIANTS[library] = _Variants(library, own)
+    return variants
 
 
 class _Variants:
@@ -82,18 +114,31 @@ class _Variants:
         try:
             found, change = self._read(values)
         except SceneError as error:
-            where = f"parameters: {self._told(values, self._changed(values))}"
-            remedy = error.remedy or "choose another value"
-            told = f"refused by {error.where}: {error.found}"
-            raise SimulationError(where, told, error.allowed, remedy) from None
+            raise _refused(f"parameters: {self._told(values, self._changed(values))}", error) from None
         if change:
             raise self._other_structure(values, change)
         parameters = [{**each, "value": values[each["name"]]} for each in self._parameters]
         return found | {"parameters": parameters, "origin": self._origin}
 
+    def along(self, parameter: str, step: float) -> tuple[Json, Motion]:
+        """The instance with numbers that have moved along a parameter, and that motion; raises
+        SimulationError."""
+        try:
+            scene, motion = self._reader.scene_along(self._own, parameter, step)
+            found, change = self._instance_of(scene)
+        except SceneError as error:
+            raise _refused(f"parameters: {parameter}", error) from None
+        if change:
+            remedy = "differentiate where a small change keeps the structure"
+            raise SimulationError(f"parameters: {parameter}", f"another structure ({change})", "", remedy)
+        return found | {"parameters": self._parameters, "origin": self._origin}, motion
+
     def _read(self, values: Values) -> tuple[Json, str]:
         """The instance with these values, and what differs other than in numbers, in words."""
-        model = require(self._reader.scene(values), self._scales, self._model)
+        return self._instance_of(self._reader.scene(values))
+
+    def _instance_of(self, scene: Scene) -> tuple[Json, str]:
+        model = require(scene, self._scales, self._model)
         instance = instance_of(model, (self._model, self._instance))
         return instance, next(self._changes(model, instance), "")
 
@@ -139,6 +184,11 @@ class _Variants:
     @staticmethod
     def _told(values: Values, names: Iterable[str]) -> str:
         return ", ".join(f"{name} = {values[name]:.9g}" for name in names)
+
+
+def _refused(where: str, error: SceneError) -> SimulationError:
+    remedy = error.remedy or "choose another value"
+    return SimulationError(where, f"refused by {error.where}: {error.found}", error.allowed, remedy)
 
 
 def _listed(names: Iterable[str]) -> str:

@@ -76,7 +76,7 @@ def _directions(library: Library) -> str:
         if name not in parameters and name.rpartition(".")[2] not in STILL
     ]
     directions = directions_of(library.manifest.instance, names)
-    rows = direction_arrays(library, directions, {})
+    rows = direction_arrays(library, directions)
     weights = np.random.default_rng(0).uniform(0.5, 1.0, len(directions))
     arrays = [
         array_text(f"scene_direction_{name}", weights @ rows[name], "static const")

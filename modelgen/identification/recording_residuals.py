@@ -19,7 +19,7 @@ from modelgen.runtime.arguments import with_parameters
 from modelgen.runtime.core_session import Session
 from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.sensitivity import Outputs, TangentRun, outputs_of
-from modelgen.runtime.sensitivity_directions import direction_arrays
+from modelgen.runtime.sensitivity_directions import DirectionRows, direction_rows
 
 DIFFERENCE = 1e-3  # step of differences, in scales of the unknowns; a second one is twice as long
 STEPS = (DIFFERENCE, 2 * DIFFERENCE)
@@ -74,8 +74,8 @@ class RecordedRuns:
         self.high = np.array([each.high for each in unknowns])
         self.scales = np.array([each.scale for each in unknowns])
         self.simulated = 0  # runs
-        self._known: tuple[tuple[float, ...] | None, dict[str, Array]] = None, {}
-        self._still = direction_arrays(library, (), {})
+        self._known: tuple[tuple[float, ...] | None, DirectionRows | None] = None, None
+        self._still = direction_rows(library, ())
 
     def shown(self, run: RecordedRun, x: Array, rows: int) -> Array:
         """(rows, n_of) values at the first times of a recording; NaN after the run has ended early."""
@@ -99,8 +99,8 @@ class RecordedRuns:
         """
         library = self._library(x)
         session = self._session(library, run, x)
-        arrays = self._directions(library, session, run, x)
-        shown, jacobian, verdicts = self._tangents(session, run, arrays, rows)
+        directions = self._directions(library, session, run, x)
+        shown, jacobian, verdicts = self._tangents(session, run, directions, rows)
         own = [*self.common, *run.parts]
         found = np.zeros((rows, len(run.comparison.names), len(x)))
         found[:, :, own] = run.comparison.derivatives(run.recording, self._whole(run, shown), jacobian)
@@ -173,13 +173,14 @@ class RecordedRuns:
         run.start.write(session.x, x[list(run.parts)])
         return session
 
-    def _directions(self, library: Library, session: Session, run: RecordedRun, x: Array) -> dict[str, Array]:
-        """The fields of mg_directions: the common unknowns, then those of the start."""
-        common = self._common(library, x)
+    def _directions(self, library: Library, session: Session, run: RecordedRun, x: Array) -> DirectionRows:
+        """The common unknowns, then those of the start."""
+        of_all = self._common(library, x)
+        common = of_all.arrays
         n, start = len(run.parts), common["start"].copy()
         start[:, run.start.overwritten] = 0.0
         own = run.start.rows(x[list(run.parts)], len(session.x), session.x)
-        return {
+        arrays = {
             name: np.ascontiguousarray(
                 np.concatenate(
                     [start, own.astype(rows.dtype)]
@@ -189,23 +190,26 @@ class RecordedRuns:
             )
             for name, rows in common.items()
         }
+        return DirectionRows(arrays, of_all.kinks)
 
-    def _common(self, library: Library, x: Array) -> dict[str, Array]:
-        """The fields of mg_directions of the common unknowns, which all recordings share."""
+    def _common(self, library: Library, x: Array) -> DirectionRows:
+        """The common unknowns, which all recordings share."""
         key = tuple(x[list(self.common)])
         if key != self._known[0]:
             directions = [self.unknowns[k].direction for k in self.common]
             changed = [each.owner for each in directions if each.kind == "input"]
-            self._known = key, direction_arrays(library, directions, {}, [*self.inputs, *changed])
+            self._known = key, direction_rows(library, directions, [*self.inputs, *changed])
+        assert self._known[1] is not None
         return self._known[1]
 
     def _tangents(
-        self, session: Session, run: RecordedRun, arrays: Mapping[str, Array], rows: int
+        self, session: Session, run: RecordedRun, directions: DirectionRows, rows: int
     ) -> tuple[Array, Array, list[Any]]:
         """Values (rows, n_of), derivatives (rows, n_of, n_by) and verdicts at the first times."""
         self.simulated += 1
         outputs = Outputs(session, run.comparison.of)
-        tangent = TangentRun(session, arrays, len(arrays["start"]))
+        arrays = directions.arrays
+        tangent = TangentRun(session, arrays, len(arrays["start"]), directions.kinks)
         found = [tangent.go_on(float(time)).shown(outputs) for time in run.recording.t[:rows]]
         values, slopes, verdicts = zip(*found, strict=True)
         if tangent.outcome is not None:

@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.table import Table
 
 from modelgen.report.schema_parts import NUMBER, entry, record
-from modelgen.runtime.sensitivity import REASONS, VERDICTS, Sensitivity
+from modelgen.runtime.sensitivity import DOUBTS, VERDICTS, Sensitivity
 from modelgen.runtime.tables.ctypes_structures import Array
 
 
@@ -69,9 +69,9 @@ def sensitivity_schema() -> dict[str, Any]:
     array_or_null = {"type": ["array", "null"]}
     verdict = {
         "kind": entry("string", "whether the derivatives hold up to the time", enum=list(VERDICTS)),
-        "reason": entry("string", "the first cause of doubt, or empty", enum=list(REASONS)),
+        "reason": entry("string", "the first cause of doubt, or empty", enum=list(DOUBTS)),
         "t": entry("number", "time of that cause, s"),
-        "contact": entry("string", "its contact, or empty"),
+        "contact": entry("string", "its contact, or the number of the scene that is on a kink; or empty"),
     }
     event = {
         "t": entry("number", "time of an event, s"),

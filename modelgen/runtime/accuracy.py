@@ -59,6 +59,15 @@ SLOWER = 1000.0  # ratio of `rest_speed` and `slip_speed`, on which bouncing and
 COARSER = 1.5  # ratio of the companion's tolerance where the real type resolves no finer one
 TENTH = 10.0**-0.125  # ratio of steps at which an error of order 8 is a tenth
 
+# Derivatives of tables by a parameter, from differences whose steps are halved and extrapolated
+RELATIVE_STEP = 1e-2  # longest step, of the numbers that move
+TABLE_ERROR = 1e-9  # they hold if the last extrapolation changes them by no more than this times their size
+TABLE_BEND = 1e-6  # of that size: difference of both sides that is a kink if it does not shrink with the step
+
+RUN_DIFFERENCE = (
+    1e-6  # a derivative agrees with a difference of runs up to this times its size, and its error
+)
+
 SHARED = 32  # epsilons of their size within which boundaries of two planar regions coincide
 
 CHOICES = ("impacts", "newton", "project", "use_gamma")  # keys of a scene's [run] that override the record

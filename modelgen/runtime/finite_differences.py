@@ -2,23 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 
 from modelgen.codegen.library import Library
-from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.accuracy import RUN_DIFFERENCE, Accuracy
 from modelgen.runtime.arguments import with_parameters
 from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.inputs import Inputs
-from modelgen.runtime.sensitivity import Outputs, TangentRun, times_of
-from modelgen.runtime.sensitivity_directions import Direction, direction_arrays, directions_of, extrapolated
+from modelgen.runtime.sensitivity import APART, VERDICTS, Outputs, Sensitivity, TangentRun, Verdict, times_of
+from modelgen.runtime.sensitivity_directions import (
+    Direction,
+    direction_arrays,
+    directions_of,
+    extrapolated_with_error,
+)
 from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.start import begin
 from modelgen.runtime.tables.ctypes_structures import Array
 
 STEP, LEVELS = 2e-4, 3  # of a direction, relative to the size of its number; of the extrapolation
 STEPS = 1_000_000  # in one call of the core
+SAFE = 10.0  # times the estimated error of a difference
+ROUGH = 100.0  # times the tolerance of a run: errors of what it shows, of the size of that
 
 
 def run_differences(
@@ -40,29 +50,71 @@ def run_differences(
         step: the largest change, relative to the size of a parameter or input, absolute of a start.
         others: as those of `sensitivity`.
     """
-    runs = _Runs(library, times_of(t), of, parameters or {}, inputs or {}, accuracy)
-    columns = [
-        extrapolated(runs.along(direction), step * runs.size(direction), LEVELS)
-        for direction in directions_of(library.manifest.instance, by)
-    ]
-    return np.stack(columns, axis=-1)
+    runs = Runs(library, times_of(t), of, parameters, inputs, accuracy)
+    return differences_with_errors(runs, directions_of(library.manifest.instance, by), step)[0]
 
 
-class _Runs:
+def differences_with_errors(
+    runs: Runs, directions: Sequence[Direction], step: float = STEP
+) -> tuple[Array, Array]:
+    """Those differences and their errors, both (nt, n_of, n_by): by how much the last extrapolation changes
+    them, and what the runs resolve."""
+    columns, errors = [], []
+    for direction in directions:
+        longest = step * runs.size(direction)
+        value, error = extrapolated_with_error(runs.along(direction), longest, LEVELS)
+        columns.append(value)
+        errors.append(error + runs.roughness * 2 ** (LEVELS - 1) / longest)
+    return np.stack(columns, axis=-1), np.stack(errors, axis=-1)
+
+
+def checked(
+    found: Sensitivity, library: Library, t: Sequence[float] | float, *, by: Sequence[str], **settings: Any
+) -> tuple[Sensitivity, Array]:
+    """Derivatives with the verdicts that remain beside differences of runs, and these differences; arguments
+    are those of `run_differences`."""
+    runs = Runs(library, times_of(t), **settings)
+    differences, errors = differences_with_errors(runs, directions_of(library.manifest.instance, by))
+    return compared(found, differences, errors), differences
+
+
+def compared(found: Sensitivity, differences: Array, errors: Array) -> Sensitivity:
+    """Derivatives with the verdicts that remain beside differences of runs.
+
+    A derivative agrees if |derivative - difference| <= SAFE error + RUN_DIFFERENCE |difference|.
+    Where one does not, the verdict is "undecided" from that time on.
+    """
+    apart = np.abs(found.jacobian - differences) > SAFE * errors + RUN_DIFFERENCE * np.abs(differences)
+    verdicts, from_here = [], False
+    for verdict, t, at in zip(found.verdicts, found.t, apart, strict=True):
+        from_here |= bool(np.any(at))
+        verdicts.append(Verdict(VERDICTS[2], APART, float(t)) if from_here and verdict else verdict)
+    return replace(found, verdicts=tuple(verdicts))
+
+
+class Runs:
     """Runs that differ from one by a change along one direction."""
 
     def __init__(
         self,
         library: Library,
         times: Array,
-        of: Sequence[str] | None,
-        parameters: Mapping[str, float],
-        inputs: Mapping[str, float],
-        accuracy: Accuracy | str | None,
+        of: Sequence[str] | None = None,
+        parameters: Mapping[str, float] | None = None,
+        inputs: Mapping[str, float] | None = None,
+        accuracy: Accuracy | str | None = None,
     ) -> None:
+        """The library, the times, what of, parameters, inputs and accuracy of `run_differences`."""
         self._library, self._times, self._of = library, times, of
-        self._parameters, self._accuracy = dict(parameters), accuracy
-        self._inputs = dict(inputs)  # the others have their defaults, which may follow from parameters
+        self._parameters, self._accuracy = dict(parameters or {}), accuracy
+        self._inputs = dict(inputs or {})  # the others have their defaults, which may follow from parameters
+
+    @cached_property
+    def roughness(self) -> Array:
+        """By how much the values (nt, n_of) of a run are rough."""
+        values = self.shown(None, 0.0)
+        tolerance = accuracy_of(self._library.manifest.instance, self._accuracy, {}).tolerance
+        return np.asarray(ROUGH * tolerance * np.max(np.abs(values), axis=1, keepdims=True) + 0 * values)
 
     def _session(self, library: Library) -> Session:
         return Session(library, accuracy_of(library.manifest.instance, self._accuracy, {}))
@@ -79,20 +131,21 @@ class _Runs:
         """The size of the number of a direction."""
         return 1.0 if direction.kind == "start" else abs(self._value(direction)) or 1.0
 
-    def along(self, direction: Direction) -> _Along:
-        return _Along(self, direction)
+    def along(self, direction: Direction) -> Callable[[float], Array]:
+        """The values of runs as a function of the change along a direction."""
+        return partial(self.shown, direction)
 
-    def shown(self, direction: Direction, change: float) -> Array:
+    def shown(self, direction: Direction | None, change: float) -> Array:
         """The values (nt, n_of) of a run with a change along a direction."""
         parameters, inputs = dict(self._parameters), dict(self._inputs)
-        if direction.kind == "parameter":
+        if direction is not None and direction.kind == "parameter":
             parameters[direction.owner] = self._value(direction) + change
-        if direction.kind == "input":
+        if direction is not None and direction.kind == "input":
             inputs[direction.owner] = self._value(direction) + change
         library = with_parameters(self._library, parameters)
         session = self._session(library)
         Inputs(session).update(inputs)
-        if direction.kind == "start":
+        if direction is not None and direction.kind == "start":
             self._change_start(session, direction, change)
         begin(session)
         outputs, record = Outputs(session, self._of), session.tables.Record()
@@ -106,7 +159,7 @@ class _Runs:
 
     def _change_start(self, session: Session, direction: Direction, change: float) -> None:
         """Change the start, as joints and blows correct it, as far as its constraints permit."""
-        arrays = direction_arrays(session.library, [direction], self._parameters, self._inputs)
+        arrays = direction_arrays(session.library, [direction], self._inputs)
         run = TangentRun(self._session(session.library), arrays, 1)
         session.x[:] = run.session.x + change * run.state_derivatives()[0]
         for body in session.instance["bodies"]:
@@ -114,13 +167,3 @@ class _Runs:
                 session.x[body["q"] + 3 : body["q"] + 7] /= np.linalg.norm(
                     session.x[body["q"] + 3 : body["q"] + 7]
                 )
-
-
-class _Along:
-    """The values of runs as a function of the change along one direction."""
-
-    def __init__(self, runs: _Runs, direction: Direction) -> None:
-        self._runs, self._direction = runs, direction
-
-    def __call__(self, change: float) -> Array:
-        return self._runs.shown(self._direction, change)

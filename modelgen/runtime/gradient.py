@@ -16,7 +16,7 @@ from modelgen.runtime.arguments import check_keywords, shown, values_by_name, wi
 from modelgen.runtime.core_session import Session
 from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.sensitivity import VERDICTS, Outputs, TangentRun, Verdict, times_of
-from modelgen.runtime.sensitivity_directions import direction_arrays, directions_of
+from modelgen.runtime.sensitivity_directions import direction_rows, directions_of
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.tables.ctypes_structures import COTANGENT_ARRAYS, INTEGER, Array, address
 
@@ -76,7 +76,8 @@ def gradient(
     shape = len(times), len(outputs.names)
     check_loss(loss, shape)
     directions = directions_of(library.manifest.instance, by)
-    rows = direction_arrays(library, directions, parameters or {}, inputs or {})
+    known = direction_rows(library, directions, inputs or {})
+    rows = known.arrays
     weights = np.random.default_rng(0).uniform(0.5, 1.0, len(directions))
     combined = {
         name: np.ascontiguousarray((weights @ array)[None, :])
@@ -87,7 +88,7 @@ def gradient(
     combined["is_permitted"] = np.ones(1, dtype=INTEGER)
     starts = Session(library, session.accuracy)
     Inputs(starts).update(values_by_name("inputs", inputs))
-    at_start = TangentRun(starts, rows, len(directions)).verdict()
+    at_start = TangentRun(starts, rows, len(directions), known.kinks).verdict()
     run = TapedRun(session, combined)
     marks, shown = [], []
     for time in times:

@@ -26,7 +26,7 @@ from modelgen.runtime.arguments import (
 from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.error_estimate import ROUNDED, SAFE, nudge
 from modelgen.runtime.inputs import Inputs
-from modelgen.runtime.sensitivity_directions import direction_arrays, directions_of
+from modelgen.runtime.sensitivity_directions import direction_rows, directions_of
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.start import begin
 from modelgen.runtime.tables.ctypes_structures import DIRECTION_ARRAYS, INTEGER, Array, address
@@ -62,14 +62,18 @@ REASONS = (  # MG_NO_REASON ..
     "a sensor is on a kink or at a jump",
     "a sensor shows forces that are not unique",
 )
-NOT_FINITE = "a derivative is not finite"
 AT_EVENT = "an event happens at this very time"
+NOT_FINITE = "a derivative is not finite"
+APART = "differences of runs do not agree"
+OF_NUMBERS = "numbers that follow from a parameter are on a kink"
+DOUBTS = (*REASONS, AT_EVENT, NOT_FINITE, APART, OF_NUMBERS)  # every reason of a verdict
 
 
 @dataclass(frozen=True)
 class Verdict:
     """Whether a derivative holds: "differentiable", "one-sided" for changes by which an event at this very
-    time comes sooner, or "undecided"; with the first cause of that."""
+    time comes sooner, or "undecided"; with the first cause of that, its time, and its contact, or the number
+    of the scene that is on a kink."""
 
     kind: str
     reason: str = ""
@@ -157,8 +161,8 @@ def sensitivity(
     Inputs(session).update(values_by_name("inputs", inputs))
     directions = directions_of(library.manifest.instance, by)
     outputs = Outputs(session, of)
-    arrays = direction_arrays(library, directions, parameters or {}, inputs or {})
-    run = TangentRun(session, arrays, len(directions))
+    known = direction_rows(library, directions, inputs or {})
+    run = TangentRun(session, known.arrays, len(directions), known.kinks)
     rows = [run.go_on(float(time)).shown(outputs) for time in times]
     jacobian = np.array([jacobian for _, jacobian, _ in rows])
     error = None
@@ -167,7 +171,7 @@ def sensitivity(
         twin = Session(library, record.companion(epsilon))
         Inputs(twin).update(values_by_name("inputs", inputs))
         nudge(twin.x, twin.instance)
-        error = _error(jacobian, TangentRun(twin, arrays, len(directions)), outputs, times, epsilon)
+        error = _error(jacobian, TangentRun(twin, known.arrays, len(directions)), outputs, times, epsilon)
     return Sensitivity(
         t=times,
         of=outputs.names,
@@ -276,9 +280,11 @@ def _states_of(body: Mapping[str, Any], n_q: int) -> list[tuple[str, int, int]]:
 class TangentRun:
     """A run with the derivatives of its state."""
 
-    def __init__(self, session: Session, arrays: Mapping[str, Array], n: int) -> None:
-        """`arrays`: the fields of mg_directions, n rows each."""
-        self.session, self._n, self._arrays = session, n, arrays
+    def __init__(
+        self, session: Session, arrays: Mapping[str, Array], n: int, kinks: Sequence[str] = ()
+    ) -> None:
+        """`arrays` and `kinks`: those of DirectionRows, n rows."""
+        self.session, self._n, self._arrays, self._kinks = session, n, arrays, tuple(filter(None, kinks))
         tables, dtype = session.tables, session.tables.dtype
         self._cdll = cdll = session.library.cdll
         if not hasattr(cdll, "mg_begin_tangent"):
@@ -369,6 +375,8 @@ class TangentRun:
     def verdict(self, of_sensors: int = 0) -> Verdict:
         """Of the derivatives up to now; `of_sensors`: number of a reason why those of sensors do not hold."""
         tangent = self._tangent
+        if self._kinks:
+            return Verdict(VERDICTS[2], OF_NUMBERS, 0.0, self._kinks[0])
         if not tangent.verdict and of_sensors:
             return Verdict(VERDICTS[2], REASONS[of_sensors], float(self.session.run.t))
         if not tangent.verdict:

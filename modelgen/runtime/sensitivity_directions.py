@@ -15,7 +15,8 @@ from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError
 from modelgen.name_suggestions import nearest
 from modelgen.notation import SETTING_SIZE
-from modelgen.runtime.arguments import names_in, with_parameters
+from modelgen.runtime.arguments import names_in
+from modelgen.runtime.table_derivatives import Tables
 from modelgen.runtime.tables.ctypes_structures import INTEGER, Array, address
 from modelgen.runtime.tables.library_tables import library_tables
 
@@ -23,8 +24,6 @@ TABLES = (  # of mg_system
     *("parameters", "numbers", "restitution", "friction_static", "friction_kinetic", "patch_friction"),
 )
 QUANTITIES = ("position", "orientation", "velocity", "angular_velocity")
-RELATIVE_STEP = 1e-2  # of a parameter, in the differences of the tables
-LEVELS = 4  # of the extrapolation of these differences
 ROUNDING = 4  # units of rounding of a number in the tables
 
 
@@ -72,16 +71,27 @@ def _named(instance: Mapping[str, Any], name: str) -> list[Direction]:
     return [Direction(f"{name}_{axis}", "start", body, quantity, k) for k, axis in enumerate("xyz")]
 
 
+@dataclass(frozen=True)
+class DirectionRows:
+    """Directions as the core reads them."""
+
+    arrays: dict[str, Array]  # the fields of mg_directions, a row for each direction
+    kinks: tuple[str, ...]  # of each direction the number of the scene that is on a kink, or an empty text
+
+
 def direction_arrays(
-    library: Library,
-    directions: Sequence[Direction],
-    parameters: Mapping[str, float],
-    inputs: Collection[str] = (),
+    library: Library, directions: Sequence[Direction], inputs: Collection[str] = ()
 ) -> dict[str, Array]:
-    """The fields of mg_directions, a row for each direction.
+    """The arrays of `direction_rows`."""
+    return direction_rows(library, directions, inputs).arrays
+
+
+def direction_rows(
+    library: Library, directions: Sequence[Direction], inputs: Collection[str] = ()
+) -> DirectionRows:
+    """The directions of a library at the values of its parameters.
 
     Args:
-        parameters: those of the run.
         inputs: names of the inputs whose values are given to the run; the others have their defaults, which
             may follow from parameters.
     """
@@ -93,9 +103,10 @@ def direction_arrays(
     names = [each["name"] for each in library.manifest.instance["inputs"]]
     found["input"] = np.zeros((n, SETTING_SIZE * len(names)))
     at_default = np.array([name not in inputs for name in names], dtype=bool)
+    kinks = [""] * n
     for row, direction in enumerate(directions):
         if direction.kind == "parameter":
-            change = _table_derivatives(library, direction.owner, parameters)
+            change, kinks[row] = _table_derivatives(library, direction.owner)
             defaults = change.pop("defaults")
             found["input"][row, ::SETTING_SIZE] = np.where(at_default, defaults, 0.0)
             for name, values in change.items():
@@ -109,10 +120,11 @@ def direction_arrays(
     }
     moved = np.any(np.abs(found["numbers"]) > np.sqrt(np.finfo(float).eps), axis=1)
     permitted = np.array([each.kind == "start" for each in directions], dtype=INTEGER)
-    return arrays | {
+    arrays |= {
         "moves_borders": np.ascontiguousarray(moved, dtype=INTEGER),
         "is_permitted": np.ascontiguousarray(permitted),
     }
+    return DirectionRows(arrays, tuple(kinks))
 
 
 def body_entry(library: Library, name: str) -> Mapping[str, Any]:
@@ -153,49 +165,38 @@ def _tables(library: Library) -> dict[str, Array]:
     return {**tables, "gravity": gravity, "start": shared.start, "defaults": defaults}
 
 
-def _table_derivatives(library: Library, name: str, parameters: Mapping[str, float]) -> dict[str, Array]:
-    """Derivatives of all tables by a parameter: differences of tables that are read again, extrapolated to
-    order 2 LEVELS (Richardson)."""
-    entry = next(each for each in library.manifest.instance["parameters"] if each["name"] == name)
-    value = float(entry["value"])
-    low = -inf if entry["minimum"] is None else float(entry["minimum"])
-    high = inf if entry["maximum"] is None else float(entry["maximum"])
-    step = min(RELATIVE_STEP * (abs(value) or 1.0), value - low, high - value)
-
-    def read(change: float) -> Array:
-        tables = _tables(with_parameters(library, {**parameters, name: value + change}))
-        return np.concatenate([np.asarray(tables[key], dtype=float) for key in keys])
+def _table_derivatives(library: Library, name: str) -> tuple[dict[str, Array], str]:
+    """Derivatives of all tables by a parameter, and the number of the scene that is on a kink, or an empty
+    text."""
+    from modelgen.codegen.library_with_parameters import library_along  # reads the scene again, with CasADi
 
     keys = (*TABLES, "gravity", "start", "defaults")
-    flat = _derivative(read, step, value, low, high)
-    sizes = [len(_tables(library)[key]) for key in keys]
-    return dict(zip(keys, np.split(flat, np.cumsum(sizes)[:-1]), strict=True))
+    tables = _tables(library)
+    sizes = [len(tables[key]) for key in keys]
+    moved = library_along(library, name)
+
+    def read(step: float) -> Array:
+        at = _tables(moved(step)) if step else tables
+        return np.concatenate([np.asarray(at[key], dtype=float) for key in keys])
+
+    if moved.unit == inf:  # no number moves
+        return dict(zip(keys, map(np.zeros, sizes), strict=True)), moved.kink
+    found = Tables(read, moved.unit, moved.scale, float(np.finfo(library.dtype).eps)).derivative()
+    kink = moved.kink or ("" if found.is_smooth else f"what follows from {name}")
+    return dict(zip(keys, np.split(found.value, np.cumsum(sizes)[:-1]), strict=True)), kink
 
 
-def _derivative(read: Callable[[float], Array], step: float, value: float, low: float, high: float) -> Array:
-    """By central differences; at the end of what the parameter or the scene permits, by those of one side."""
-    whole = min(RELATIVE_STEP * (abs(value) or 1.0), high - low)
-    try:
-        return extrapolated(read, step) if step > 0 else _one_sided(read, whole if value <= low else -whole)
-    except SimulationError:
-        try:
-            return _one_sided(read, -whole)
-        except SimulationError:
-            return _one_sided(read, whole)
+def extrapolated(function: Callable[[float], Array], step: float, levels: int = 4) -> Array:
+    """The value of `extrapolated_with_error`."""
+    return extrapolated_with_error(function, step, levels)[0]
 
 
-def _one_sided(read: Callable[[float], Array], step: float) -> Array:
-    """Derivative at 0 by differences with steps step, step/2, .., extrapolated to zero."""
-    at_start = read(0.0)
-    table: list[Array] = [(read(step / 2**k) - at_start) / (step / 2**k) for k in range(2 * LEVELS)]
-    for order in range(1, len(table)):
-        table = [(2.0**order * b - a) / (2.0**order - 1) for a, b in pairwise(table)]
-    return table[0]
-
-
-def extrapolated(function: Callable[[float], Array], step: float, levels: int = LEVELS) -> Array:
-    """Derivative at 0 by central differences with steps step, step/2, .., extrapolated (Richardson); the
-    first difference where it agrees with the second up to rounding, as for a linear function."""
+def extrapolated_with_error(
+    function: Callable[[float], Array], step: float, levels: int
+) -> tuple[Array, Array]:
+    """Derivative at 0 by central differences with steps step, step/2, .., extrapolated (Richardson), and by
+    how much the last extrapolation changes it; the first difference where it agrees with the second up to
+    rounding, as for a linear function."""
     table: list[Array] = []
     for k in range(levels):
         h = step / 2**k
@@ -203,8 +204,10 @@ def extrapolated(function: Callable[[float], Array], step: float, levels: int = 
         table.append((above - below) / (2 * h))
         rounding = ROUNDING * np.finfo(float).eps * np.maximum(np.abs(above), np.abs(below))
         if k == 1 and np.all(np.abs(table[1] - table[0]) * h <= rounding):
-            return table[0]
+            return table[0], rounding / h
+    change = np.zeros_like(table[0])
     for order in range(1, levels):
-        factor = 4.0**order
+        factor, last = 4.0**order, table[-1]
         table = [(factor * b - a) / (factor - 1) for a, b in pairwise(table)]
-    return table[0]
+        change = np.abs(table[-1] - last)
+    return table[0], change

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from modelgen.scene.expression import CONSTANTS, Expression
+from modelgen.scene.expression import CONSTANTS, Expression, parse_expression
 from modelgen.scene.expression_functions import FUNCTIONS
 from modelgen.scene.scalar_types import NUMBER, ExpressionText, Text
-from modelgen.scene.source_location import Place
+from modelgen.scene.source_location import Motion, Place
 from modelgen.scene.table_types import NamedNumbers
 
 VARIABLES = ("t", "u", "v", "x", "y", "z", "vx", "vy", "vz", "wx", "wy", "wz", "qw", "qx", "qy", "qz")
@@ -35,6 +35,38 @@ def with_constants(place: Place, written: object, parameters: Mapping[str, float
             _find(name, parsed, constants, (), at)
         following |= _following(parsed, following)
     return replace(place, constants=constants, following=following)
+
+
+def along(place: Place, written: object, parameter: str, step: float) -> Place:
+    """The place of a scene, whose numbers move by `step` times their derivatives by a parameter.
+
+    Raises SceneError.
+    """
+    motion = Motion({parameter: 1.0}, step, [], [])
+    if isinstance(written, Mapping) and "constants" in written:
+        at = place.key("constants")
+        texts = NAMED.named(written["constants"], at)
+        rates: dict[str, float] = {parameter: 1.0}
+        for name in texts:
+            _find_rate(name, texts, parameter, rates, at, motion)
+        motion = replace(motion, rates=rates)
+    return replace(place, motion=motion)
+
+
+def _find_rate(
+    name: str, texts: Mapping[str, object], parameter: str, rates: dict[str, float], at: Place, motion: Motion
+) -> None:
+    """Add the derivative of a constant that follows from a parameter, those that it is made of first."""
+    if name in rates or parameter not in at.following.get(name, ()):
+        return
+    place = at.key(name)
+    expression = parse_expression(_TEXT.read(texts[name], place), at.constants)
+    for other in sorted(expression.names):
+        _find_rate(other, texts, parameter, rates, at, motion)
+    found = place.tangent(expression, rates)
+    rates[name] = found.rate
+    if found.is_kink:
+        motion.kinks.append(place.path)
 
 
 def _parsed(written: object, place: Place) -> Mapping[str, Expression]:

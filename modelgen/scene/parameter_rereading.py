@@ -13,7 +13,7 @@ from modelgen.scene.scene_format import SCENE
 from modelgen.scene.scene_from_tables import place_of, scene_from_bodies, with_form
 from modelgen.scene.scene_types import Body, Input, Origin, Parameter, Scene
 from modelgen.scene.shapes_and_bodies import read_body
-from modelgen.scene.source_location import Place
+from modelgen.scene.source_location import Motion, Place
 from modelgen.scene.table_types import Several
 
 
@@ -69,7 +69,16 @@ class SceneReader:
 
         Raises SceneError.
         """
-        place = place_of(Place(self.source), self.origin.tables, values)
+        return self._scene(values, place_of(Place(self.source), self.origin.tables, values))
+
+    def scene_along(self, values: Mapping[str, float], parameter: str, step: float) -> tuple[Scene, Motion]:
+        """The scene with these values, of which all numbers have moved by `step` times their derivatives by a
+        parameter, and that motion. Raises SceneError."""
+        place = place_of(Place(self.source), self.origin.tables, values, (parameter, step))
+        assert place.motion is not None
+        return self._scene(values, place), place.motion
+
+    def _scene(self, values: Mapping[str, float], place: Place) -> Scene:
         if place.inputs != self._inputs:  # motions start at the values of inputs
             self._inputs = place.inputs
             self._parts.clear()

@@ -9,7 +9,7 @@ from typing import Any
 from modelgen.errors import SceneError
 from modelgen.scene import contacts_and_loads, joints
 from modelgen.scene.actuators import actuators_of, check_names
-from modelgen.scene.constants import with_constants
+from modelgen.scene.constants import along, with_constants
 from modelgen.scene.contact_groups import group_pairs
 from modelgen.scene.inputs import remark_on_unused, with_inputs
 from modelgen.scene.parameters import parameters_of, with_uses
@@ -82,10 +82,13 @@ def _scene(name: str, written: object, source: str, parameters: tuple[Parameter,
     return replace(scene, parameters=with_uses(parameters, place.uses, place)) if parameters else scene
 
 
-def place_of(place: Place, written: object, parameters: Mapping[str, float]) -> Place:
-    """The place of a scene, whose expressions may use its parameters, constants and inputs; raises
-    SceneError."""
-    return with_inputs(with_constants(place, written, parameters), written)
+def place_of(
+    place: Place, written: object, parameters: Mapping[str, float], change: tuple[str, float] | None = None
+) -> Place:
+    """The place of a scene, whose expressions may use its parameters, constants and inputs; `change`: a
+    parameter along which all numbers move, and how far. Raises SceneError."""
+    known = with_constants(place, written, parameters)
+    return with_inputs(known if change is None else along(known, written, *change), written)
 
 
 def scene_from_bodies(name: str, bodies: tuple[Body, ...], values: Mapping[str, Any], place: Place) -> Scene:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from modelgen.errors import ExpressionError, SceneError
 from modelgen.scene.expression import Expression, evaluate, parse_expression
+from modelgen.scene.expression_tangent import Tangent, tangent
 
 if TYPE_CHECKING:
     from modelgen.scene.scene_types import Input
@@ -26,6 +27,24 @@ class Use(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
+class Motion:
+    """A change of all numbers of a scene with one parameter: each by `step` times its derivative."""
+
+    rates: Mapping[str, float]  # derivatives of that parameter and of the constants that follow from it
+    step: float
+    moved: list[Tangent]  # numbers that it moves, as they are read
+    kinks: list[str]  # places of numbers that are on a kink
+
+    def of(self, found: Tangent, place: str) -> float:
+        """The number after the change."""
+        if found.is_kink:
+            self.kinks.append(place)
+        if found.rate:
+            self.moved.append(found)
+        return found.value + self.step * found.rate
+
+
+@dataclass(frozen=True, slots=True)
 class Place:
     """The key path of one value, such as `body[0].shape.radius`, in one source."""
 
@@ -39,6 +58,7 @@ class Place:
     )  # the parameters that a constant follows from, one itself among them
     uses: list[Use] = field(default_factory=list, compare=False, repr=False)  # shared by all of a source
     inputs: tuple[Input, ...] = field(default=(), compare=False)  # of the scene
+    motion: Motion | None = field(default=None, compare=False)  # of its numbers, along a parameter
 
     def __str__(self) -> str:
         where = ": ".join(part for part in (self.source, self.path) if part)
@@ -54,9 +74,8 @@ class Place:
         return self._at(self.path, label)
 
     def _at(self, path: str, label: str) -> Place:
-        return Place(
-            *(self.source, path, label, self.remarks, self.constants, self.following, self.uses, self.inputs)
-        )
+        shared = self.remarks, self.constants, self.following, self.uses, self.inputs, self.motion
+        return Place(self.source, path, label, *shared)
 
     def error(self, found: str, allowed: str = "", remedy: str = "") -> SceneError:
         return SceneError(str(self), found, allowed, remedy)
@@ -88,7 +107,7 @@ class Place:
         words = dict.fromkeys(re.findall(r"[A-Za-z_]\w*", text)) if self.following else {}
         found = {w: self.constants[w] for w in words if w in self.following and w not in names}
         self.note(sorted({each for name in found for each in self.following[name]}))
-        return found
+        return {name: self._moved(name, value) for name, value in found.items()}
 
     def _followed(self, expression: Expression) -> list[str]:
         """The parameters that an expression follows from."""
@@ -115,13 +134,30 @@ class Place:
         """The value of an expression without names but those of constants, such as `pi/2`."""
         if text in self.constants:
             self.note(sorted(self.following.get(text, ())))
-            return self.constants[text]
+            return self._moved(text, self.constants[text])
         try:
-            return self.value(self.expression(text, ()), {})
+            return self._moved(text, self.value(self.expression(text, ()), {}))
         except SceneError as error:
             raise SceneError(
                 error.where, error.found, error.allowed, error.remedy or "write a number"
             ) from None
+
+    def _moved(self, text: str, value: float) -> float:
+        """The value of an expression of constants, after the change of its numbers, if there is one."""
+        if self.motion is None:
+            return value
+        expression = parse_expression(text, self.motion.rates, self.constants)
+        if not expression.names:
+            return value
+        return self.motion.of(self.tangent(expression, self.motion.rates), self.path)
+
+    def tangent(self, expression: Expression, rates: Mapping[str, float]) -> Tangent:
+        """The value of an expression of constants, with its derivative from those of the constants; a refusal
+        names this place."""
+        try:
+            return tangent(expression, self.constants, rates)
+        except ExpressionError as error:
+            raise self.error(f"in {error.where}: {error.found}", "a finite derivative is required") from None
 
     def value(self, expression: Expression, values: Mapping[str, float]) -> float:
         """The finite value of an expression; a refusal names this place."""

@@ -46,7 +46,7 @@ class Difference:
 def starts_along(library: Library, direction: Direction) -> Array:
     """The change of the state at the start that the constraints there permit, (n_x,)."""
     session = Session(library, accuracy_of(library.manifest.instance, "tight", {}))
-    run = TangentRun(session, direction_arrays(library, [direction], {}), 1)
+    run = TangentRun(session, direction_arrays(library, [direction]), 1)
     return run.state_derivatives()[0].copy()
 
 

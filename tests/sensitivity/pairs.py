@@ -312,7 +312,7 @@ class Pairs:
 
     def _derivatives(self, direction: Direction) -> tuple[list[tuple[Array, Array, Verdict]], Array]:
         """What `TangentRun.shown` says at each time, and the change of the settled start."""
-        arrays = direction_arrays(self.library, [direction], {})
+        arrays = direction_arrays(self.library, [direction])
         record = accuracy_of(self.library.manifest.instance, self._accuracy, {})
         run = TangentRun(Session(self.library, record), arrays, 1)
         along, outputs = run.state_derivatives()[0].copy(), Outputs(run.session, self._of)

@@ -31,8 +31,7 @@ def test_derivatives_leave_the_run_as_it_is(name: str) -> None:
     while plain.advance(until, MANY, plain.tables.Record()) in (CONTINUE, FULL):
         plain.drain_events()
     runs = {
-        n: TangentRun(session(), direction_arrays(library, directions[:n], {}), n).go_on(until)
-        for n in (0, 1, 3)
+        n: TangentRun(session(), direction_arrays(library, directions[:n]), n).go_on(until) for n in (0, 1, 3)
     }
     for run in runs.values():
         assert np.array_equal(run.session.x, plain.x)

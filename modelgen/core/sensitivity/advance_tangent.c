@@ -24,7 +24,7 @@ MG_API long mg_sensitivity_size(const mg_system *s, int n) {
   return 2 * mg_count_reals(mg_save_size(s), 1) + mg_count_reals(1, sizeof(mg_blow)) + 36L * s->n_body +
          4 * mg_sensitivity_rows(s) + s->n_friction_row + (12L * (n ? n : 1) + 2 * n + 3) * states +
          3 * mg_packed_size(s) + 18 + s->n_switch + 2 * n + 1 + s->n_friction + s->n_patch_slot + 2L * s->n_pair +
-         6L * s->n_joint + 12L * s->n_load + 6L * s->n_patch_slot + mg_packed_size(s) + 3L * s->kernels->n_sensor;
+         6L * s->n_joint + 12L * s->n_load + 6L * s->n_patch_slot + mg_packed_size(s) + 5L * s->kernels->n_sensor;
 }
 
 MG_API long mg_sensitivity_int_size(const mg_system *s) {
@@ -142,7 +142,7 @@ MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int
   s->on_kink = mg_take_ints(&iwork, system->n_contact + system->n_friction + system->n_patch_slot);
   s->reasons = mg_take_ints(&iwork, system->kernels->n_sensor);
   s->moved = mg_take_reals(&work, mg_packed_size(system)),
-  s->shown = mg_take_reals(&work, 3L * system->kernels->n_sensor);
+  s->shown = mg_take_reals(&work, 5L * system->kernels->n_sensor);
 }
 
 /* Opens the memory of derivatives along directions; the bytes of the run before and after a step come first. */

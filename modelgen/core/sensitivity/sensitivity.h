@@ -139,7 +139,7 @@ typedef struct {
   int *on_kink;          /* [n_contact + n_friction + n_patch_slot] 1 or 2: on a kink, as kinks.c marks it */
   int *reasons;          /* [n_sensor] why what a sensor shows is not differentiable, or 0 */
   mg_real *moved;        /* packed arguments of the sensors, moved along a direction */
-  mg_real *shown;        /* [3 n_sensor] what they show at three places */
+  mg_real *shown;        /* [5 n_sensor] what they show at five places */
   int is_lost;           /* 1: the step or start treated last is not differentiated */
   mg_real t_bar;         /* in the adjoint: cotangent of the time of paths and of motions of joints */
   int doubtful;          /* contact for which the step treated last is not certain, or -1 */

@@ -123,30 +123,34 @@ static void mg_show_moved_sensors(const mg_context *c, const mg_sensitivity *s, 
 #define MG_PROBE_SHORTER 16           /* times shorter: whether it is a kink, or a bend */
 #define MG_PROBE_KINK ((mg_real)1e-4) /* of a slope: least difference of both sides that is a kink */
 
-/* Marks the sensors whose slopes differ on the two sides of the state, or from their derivative, by as much when the
-   way is shorter. Needs the packed arguments of the sensors and their derivatives. */
+/* True if what sensor k shows, s->shown, has another slope on each side of the state, or another than its derivative,
+   by as much on a shorter way. size: of what it may be the difference of. */
+static int mg_is_sensor_on_kink(const mg_sensitivity *s, int n, int k, mg_real longest, mg_real size) {
+  mg_real off[2][2]; /* differences of both sides, and of their mean from the derivative */
+  int is_kink[2] = {1, 1};
+  for (int shorter = 0; shorter < 2; shorter++) {
+    const mg_real part = longest / (shorter ? MG_PROBE_SHORTER : 1), now = s->shown[k],
+                  before = s->shown[(1 + 2 * shorter) * n + k], after = s->shown[(2 + 2 * shorter) * n + k],
+                  left = (now - before) / part, right = (after - now) / part,
+                  slope = fabs(left) + fabs(right) + fabs(s->y_dot[k]),
+                  least = MG_PROBE_KINK * slope + 64 * MG_EPS * (size + fabs(now) + fabs(after) + fabs(before)) / part;
+    off[shorter][0] = fabs(right - left), off[shorter][1] = fabs((left + right) / 2 - s->y_dot[k]);
+    for (int i = 0; i < 2; i++) is_kink[i] &= off[shorter][i] > least && (!shorter || off[1][i] > off[0][i] / 4);
+  }
+  return is_kink[0] || is_kink[1];
+}
+
+/* Marks the sensors that are on a kink. Needs their packed arguments and the derivatives of these. */
 static void mg_mark_kinks_of_sensors(const mg_context *c, mg_sensitivity *s) {
   const int n = c->kernels->n_sensor;
   mg_real largest;
-  const mg_real most = mg_packed_change(c, s, &largest);
-  mg_real *before = s->shown, *now = before + n, *after = now + n;
+  const mg_real most = mg_packed_change(c, s, &largest), longest = MG_PROBE_PART / most;
   if (!(most > 0)) return;
-  mg_show_moved_sensors(c, s, 0, now);
-  for (int k = 0; k < n; k++) {
-    mg_real off[2][2]; /* differences of both sides, and of their mean from the derivative */
-    int is_kink[2] = {1, 1};
-    for (int shorter = 0; shorter < 2 && !s->reasons[k] && (is_kink[0] || is_kink[1]); shorter++) {
-      const mg_real part = MG_PROBE_PART / most / (shorter ? MG_PROBE_SHORTER : 1);
-      mg_show_moved_sensors(c, s, -part, before), mg_show_moved_sensors(c, s, part, after);
-      const mg_real left = (now[k] - before[k]) / part, right = (after[k] - now[k]) / part,
-                    slope = fabs(left) + fabs(right) + fabs(s->y_dot[k]),
-                    size = largest + fabs(now[k]) + fabs(after[k]) + fabs(before[k]),
-                    least = MG_PROBE_KINK * slope + 64 * MG_EPS * size / part;
-      off[shorter][0] = fabs(right - left), off[shorter][1] = fabs((left + right) / 2 - s->y_dot[k]);
-      for (int i = 0; i < 2; i++) is_kink[i] &= off[shorter][i] > least && (!shorter || off[1][i] > off[0][i] / 4);
-    }
-    if (!s->reasons[k] && (is_kink[0] || is_kink[1])) s->reasons[k] = MG_BY_SENSOR_KINK;
-  }
+  mg_show_moved_sensors(c, s, 0, s->shown);
+  for (int i = 1; i < 5; i++)
+    mg_show_moved_sensors(c, s, (i % 2 ? -longest : longest) / (i > 2 ? MG_PROBE_SHORTER : 1), s->shown + i * n);
+  for (int k = 0; k < n; k++)
+    if (!s->reasons[k] && mg_is_sensor_on_kink(s, n, k, longest, largest)) s->reasons[k] = MG_BY_SENSOR_KINK;
 }
 
 /* Marks the sensors whose derivatives change where those of accelerations and forces are left out. */
