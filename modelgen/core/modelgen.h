@@ -455,8 +455,8 @@ typedef struct {
   int *friction_mode;          /* [n_friction] MG_FRICTION_OFF .. MG_SLIPPING */
   mg_real *slip_direction;     /* [3 n_friction] direction of slip or rolling, unit vector; of spin, +-1 in the first */
   int *patch_mode;             /* [n_patch_slot] mode of the friction of its patch, MG_FRICTION_OFF .. MG_SLIPPING */
-  mg_real *patch_slip_direction; /* [4 n_patch_slot] direction of the slip of a patch: velocity of the first support
-                                    point (3) and spin times the radius of the support points; unit length */
+  mg_real *patch_slip_direction; /* [4 n_patch_slot] direction of the slip of a patch: velocity in the middle of the
+                                    support points (3) and spin times their radius; unit length */
   mg_real *reference_force;      /* [n_contact + 1 + n_joint_row + n_friction_row] per row: force, N or N m, from which
                                     forces that are not unique deviate least; in time-stepping that of the last
                                     step */

@@ -17,6 +17,8 @@ enum {
   MG_BOUND_KINETIC = 2 /* an unknown bounded by the kinetic cone */
 };
 
+#define MG_SLIP_ROUNDING (mg_real)1e4 /* rounding of slip velocities, in units of eps and of their scale */
+
 enum { MG_PATCH_ROWS = 3 }; /* friction rows of a patch: slip of its first support point along t1, t2, spin about N */
 
 /* Friction of the patch in a slot. */
@@ -27,6 +29,7 @@ struct mg_patch_friction {
   int force_outside;                     /* 1: the centre of pressure is outside the hull */
   mg_real centre[2];                     /* centre of pressure, also outside the hull, in the axes of this, m */
   mg_real extent;                        /* extent of the loaded region about it, m */
+  mg_real step[2], part;                 /* step of Newton's method that led to the centre, m; the part taken of it */
   mg_real mean_distance, mean_point[2];  /* mean distance of the pressure from its centre, m, and that centre; 0: not
                                             known */
   mg_real force_ratio[MG_PATCH_ROWS][3]; /* friction along a row over minus the force of each support point */
@@ -402,17 +405,30 @@ MG_INTERNAL mg_real mg_support_radius(const mg_context *c, int slot);
 /* Fill the frame of a patch: hull pose, tangents and support points in hull axes, and the sign of N. */
 MG_INTERNAL void mg_set_patch_frame(const mg_context *c, int slot, mg_patch_frame *at);
 
+/* Place of the middle of the supports of a slot, from the first, in the axes of f. Slip has its direction there: that
+   of a point farther out turns with the body. */
+MG_INTERNAL void mg_middle_of_supports(const mg_context *c, int slot, mg_real *local);
+
+/* From velocities of the three friction rows of a patch, or their derivatives, to the slip in the middle of the
+   supports along t1 and t2, and the spin times the support radius. */
+MG_INTERNAL void mg_patch_slip_in_middle(const mg_context *c, int slot, const mg_real *rate, mg_real *out);
+
+/* The inverse. */
+MG_INTERNAL void mg_patch_slip_of_first_support(const mg_context *c, int slot, const mg_real *in_middle, mg_real *slip);
+
+/* Stored slip direction of a patch, in components along t1, t2 and spin times support radius. */
+MG_INTERNAL void mg_patch_slip_direction(const mg_context *c, int slot, mg_real *e);
+
 /* Slip and spin of a patch along its stored slip direction; rate: [per row] velocities, or their derivatives. */
 MG_INTERNAL mg_real mg_patch_slip_along_direction(const mg_context *c, int slot, const mg_real *rate);
 
-/* Set the slip direction of a patch from a twist: velocity of the first support along t1, t2 and spin about N. */
-MG_INTERNAL void mg_set_patch_slip_direction(mg_context *c, int slot, const mg_real *twist);
+/* Store the direction of slip in the middle of the supports along t1, t2, and spin times the support radius. */
+MG_INTERNAL void mg_set_patch_slip_direction(mg_context *c, int slot, const mg_real *slip);
 
 /* Two unit vectors that complete the unit vector e to an orthonormal basis. */
 MG_INTERNAL void mg_complete_orthonormal_basis(const mg_real *e, mg_real across[2][3]);
 
-/* Slip direction of a patch and two directions across it, in components along t1, t2 and spin times support
-   radius. */
+/* That direction and two directions across it. */
 MG_INTERNAL void mg_patch_slip_basis(const mg_context *c, int slot, mg_real e[3][3]);
 
 /* Forget the centres of pressure from which the pressures of patches are sought, so that the forces found next depend on
@@ -522,6 +538,12 @@ MG_INTERNAL int mg_find_patch_friction_event(mg_context *c, int slot);
 
 /* At the start of a step, set slip directions and modes of all patches and remember the modes. */
 MG_INTERNAL void mg_begin_step_patch_friction(mg_context *c);
+
+/* Longest step, s, towards the end of slip whose direction turns. The ratio of velocity and spin tends to 0/0 there,
+   and changes by the logarithm of the time that is left, half of which a step may take. A direction that does not turn
+   does not limit the step, unless its derivatives are followed: the present acceleration leaves hardly any slip across
+   it. */
+MG_INTERNAL mg_real mg_patch_slip_step_limit(const mg_context *c);
 
 /* Reset the friction modes of all patches. */
 MG_INTERNAL void mg_reset_patch_friction(mg_context *c);

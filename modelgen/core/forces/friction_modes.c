@@ -8,8 +8,6 @@
 #include "solve/friction/friction_solvers.h"
 #include "model/model.h"
 
-#define MG_SLIP_ROUNDING (mg_real)1e4 /* rounding of slip velocities, in units of eps and of their scale */
-
 /* Time in s until slip stops at its present deceleration; 0 if it has stopped. */
 static mg_real mg_slip_stop_time(const mg_context *c, int contact, int constraint) {
   const mg_real *direction = c->run->slip_direction + 3 * constraint, *t = c->rows.tangents + 6 * contact;

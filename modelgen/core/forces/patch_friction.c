@@ -1,12 +1,17 @@
 /* Friction of patches: a sticking patch holds the slip of its first support and its spin like a joint; a slipping
    one adds the friction that Coulomb's law at every point gives for the pressure between the faces (Winkler
-   foundation, see friction_wrench). Writes force ratios, forces and accelerations; does not change modes. */
+   foundation, see friction_wrench). Friction shifts the pressure, and pressure determines the friction: at a given
+   twist friction is linear in the pressure on a given loaded region, so that forces and pressure are solved for
+   together, and the region is corrected by Newton's method, whose matrix is exact because the pressure vanishes where
+   the region ends. Writes force ratios, forces and accelerations; does not change modes. */
 #include "forces/forces.h"
 #include "base/base.h"
 #include "region/region.h"
 #include "model/model.h"
 
-#define MG_PRESSURE_ROUNDS 40 /* most iterations between pressure and forces */
+#define MG_PRESSURE_ROUNDS 60 /* most steps of Newton's method for pressure and forces */
+
+#define MG_PRESSURE_STEP_MIN ((mg_real)1 / 16) /* least part of a step that does not bring the pressure nearer */
 
 MG_INTERNAL int mg_has_patch_friction(const mg_context *c, int patch) {
   return c->system->patch_friction[2 * patch + 1] > 0;
@@ -47,20 +52,54 @@ MG_INTERNAL void mg_set_patch_frame(const mg_context *c, int slot, mg_patch_fram
   }
 }
 
-MG_INTERNAL mg_real mg_patch_slip_along_direction(const mg_context *c, int slot, const mg_real *rate) {
-  const mg_real *direction = c->run->patch_slip_direction + 4 * slot,
-                *t = c->rows.tangents + 6 * mg_first_support(c, slot);
-  const mg_real *slip = rate + mg_first_patch_friction_row(c, slot);
-  return slip[0] * mg_dot3(t, direction) + slip[1] * mg_dot3(t + 3, direction) +
-         slip[2] * mg_support_radius(c, slot) * direction[3];
+MG_INTERNAL void mg_middle_of_supports(const mg_context *c, int slot, mg_real *local) {
+  const mg_real *p = c->run->point + 3 * mg_first_support(c, slot);
+  for (int k = 0; k < 3; k++) local[k] = (p[k] + p[3 + k] + p[6 + k]) / 3 - p[k];
 }
 
-MG_INTERNAL void mg_set_patch_slip_direction(mg_context *c, int slot, const mg_real *twist) {
-  const mg_real *t = c->rows.tangents + 6 * mg_first_support(c, slot), turn = twist[2] * mg_support_radius(c, slot);
-  const mg_real size = sqrt(twist[0] * twist[0] + twist[1] * twist[1] + turn * turn);
+/* Velocities along t1 and t2 in the middle of the supports, less those of the first, for a unit spin. */
+static void mg_middle_levers(const mg_context *c, int slot, mg_real *lever) {
+  const int support = mg_first_support(c, slot);
+  const mg_real *t = c->rows.tangents + 6 * support;
+  mg_real local[3], arm[3];
+  mg_middle_of_supports(c, slot, local);
+  mg_to_world(c->bodies.pose + 12 * c->contacts.f[support], local, 0, arm);
+  lever[0] = -mg_dot3(arm, t + 3), lever[1] = mg_dot3(arm, t);
+}
+
+MG_INTERNAL void mg_patch_slip_in_middle(const mg_context *c, int slot, const mg_real *rate, mg_real *out) {
+  mg_real lever[2];
+  mg_middle_levers(c, slot, lever);
+  for (int k = 0; k < 2; k++) out[k] = rate[k] + rate[2] * lever[k];
+  out[2] = rate[2] * mg_support_radius(c, slot);
+}
+
+MG_INTERNAL void mg_patch_slip_of_first_support(const mg_context *c, int slot, const mg_real *in_middle,
+                                                mg_real *slip) {
+  mg_real lever[2];
+  mg_middle_levers(c, slot, lever);
+  slip[2] = in_middle[2] / mg_support_radius(c, slot);
+  for (int k = 0; k < 2; k++) slip[k] = in_middle[k] - slip[2] * lever[k];
+}
+
+MG_INTERNAL void mg_patch_slip_direction(const mg_context *c, int slot, mg_real *e) {
+  const mg_real *direction = c->run->patch_slip_direction + 4 * slot,
+                *t = c->rows.tangents + 6 * mg_first_support(c, slot);
+  e[0] = mg_dot3(t, direction), e[1] = mg_dot3(t + 3, direction), e[2] = direction[3];
+}
+
+MG_INTERNAL mg_real mg_patch_slip_along_direction(const mg_context *c, int slot, const mg_real *rate) {
+  mg_real e[3], slip[3];
+  mg_patch_slip_direction(c, slot, e);
+  mg_patch_slip_in_middle(c, slot, rate + mg_first_patch_friction_row(c, slot), slip);
+  return mg_dot3(slip, e);
+}
+
+MG_INTERNAL void mg_set_patch_slip_direction(mg_context *c, int slot, const mg_real *slip) {
+  const mg_real *t = c->rows.tangents + 6 * mg_first_support(c, slot), size = sqrt(mg_dot3(slip, slip));
   mg_real *direction = c->run->patch_slip_direction + 4 * slot;
-  for (int k = 0; k < 3; k++) direction[k] = (twist[0] * t[k] + twist[1] * t[3 + k]) / size;
-  direction[3] = turn / size;
+  for (int k = 0; k < 3; k++) direction[k] = (slip[0] * t[k] + slip[1] * t[3 + k]) / size;
+  direction[3] = slip[2] / size;
 }
 
 MG_INTERNAL void mg_complete_orthonormal_basis(const mg_real *e, mg_real across[2][3]) {
@@ -72,9 +111,7 @@ MG_INTERNAL void mg_complete_orthonormal_basis(const mg_real *e, mg_real across[
 }
 
 MG_INTERNAL void mg_patch_slip_basis(const mg_context *c, int slot, mg_real e[3][3]) {
-  const mg_real *direction = c->run->patch_slip_direction + 4 * slot,
-                *t = c->rows.tangents + 6 * mg_first_support(c, slot);
-  e[0][0] = mg_dot3(t, direction), e[0][1] = mg_dot3(t + 3, direction), e[0][2] = direction[3];
+  mg_patch_slip_direction(c, slot, e[0]);
   mg_complete_orthonormal_basis(e[0], e + 1);
 }
 
@@ -84,17 +121,20 @@ MG_INTERNAL void mg_patch_slip_basis(const mg_context *c, int slot, mg_real e[3]
 static int mg_patch_slip_twist(const mg_context *c, int slot, mg_real *twist) {
   const mg_real *slip = c->rows.d_dot + mg_first_patch_friction_row(c, slot),
                 *steer = c->patches.friction[slot].slip_direction;
-  const mg_real radius = mg_support_radius(c, slot), spin_velocity = slip[2] * radius;
-  const mg_real size = sqrt(slip[0] * slip[0] + slip[1] * slip[1] + spin_velocity * spin_velocity);
-  const int is_small = size <= 2 * c->settings->slip_speed * c->system->length / c->system->time;
-  const int sign = !is_small && mg_patch_slip_along_direction(c, slot, c->rows.d_dot) < 0 ? -1 : 1;
+  const mg_real least =
+      c->run->patch_mode[slot] == MG_SLIPPING ? MG_SLIP_ROUNDING * MG_EPS : 2 * c->settings->slip_speed;
   const int is_solved_for = c->friction.follows_angle && c->run->patch_mode[slot] == MG_SLIP_ONSET;
-  mg_real e[3][3];
-  for (int k = 0; k < 3; k++) twist[k] = sign * slip[k];
-  if (!is_small && !is_solved_for) return sign;
+  mg_real e[3][3], in_middle[3];
   mg_patch_slip_basis(c, slot, e);
-  for (int k = 0; k < 3; k++) twist[k] = e[0][k] + (is_solved_for ? steer[0] * e[1][k] + steer[1] * e[2][k] : 0);
-  twist[2] /= radius;
+  mg_patch_slip_in_middle(c, slot, slip, in_middle);
+  const int is_small = sqrt(mg_dot3(in_middle, in_middle)) <= least * c->system->length / c->system->time;
+  if (!is_small && !is_solved_for) {
+    const int sign = mg_dot3(in_middle, e[0]) < 0 ? -1 : 1;
+    for (int k = 0; k < 3; k++) twist[k] = sign * slip[k];
+    return sign;
+  }
+  for (int k = 0; k < 3; k++) in_middle[k] = e[0][k] + (is_solved_for ? steer[0] * e[1][k] + steer[1] * e[2][k] : 0);
+  mg_patch_slip_of_first_support(c, slot, in_middle, twist);
   return 0;
 }
 
@@ -120,12 +160,24 @@ MG_INTERNAL void mg_update_patch_pressure(mg_context *c, int slot) {
   r->partly_unloaded = p->partly_unloaded, r->extent = p->reach;
 }
 
+/* How the centre from which the pressure is computed moves with the centre x: derivatives of mg_move_inside_hull. */
+static void mg_inward_derivatives(const mg_hull *h, const mg_real *x, mg_real step, mg_real by[2][2]) {
+  for (int k = 0; k < 2; k++) {
+    mg_real ahead[2] = {x[0], x[1]}, behind[2] = {x[0], x[1]};
+    ahead[k] += step, behind[k] -= step;
+    mg_move_inside_hull(h, ahead), mg_move_inside_hull(h, behind);
+    for (int i = 0; i < 2; i++) by[i][k] = (ahead[i] - behind[i]) / (2 * step);
+  }
+}
+
 MG_INTERNAL void mg_find_patch_friction(mg_context *c, int slot, mg_patch_slip *slip) {
   const mg_real mu = c->system->patch_friction[2 * mg_patch_of_slot(c, slot) + 1];
   const mg_winkler_pressure_field *p = &c->patches.pressure;
+  const mg_patch_friction *r = c->patches.friction + slot;
   mg_patch_frame *at = &slip->at;
-  mg_real G[3][3];
+  mg_real G[3][3], inward[2][2];
   mg_update_patch_pressure(c, slot);
+  if (r->force_outside) mg_inward_derivatives(&c->patches.hull, r->centre, p->reach / 1024, inward);
   mg_set_patch_frame(c, slot, at);
   for (int k = 0; k < 2; k++) slip->offset[k] = p->centre[k] - at->support[0][k];
   slip->twist[2] = at->sign * slip->slip[2];
@@ -133,9 +185,13 @@ MG_INTERNAL void mg_find_patch_friction(mg_context *c, int slot, mg_patch_slip *
   slip->twist[1] = slip->slip[0] * at->t[0][1] + slip->slip[1] * at->t[1][1] + slip->twist[2] * slip->offset[0];
   mg_friction_matrix(p, slip->twist, G);
   for (int i = 0; i < 3; i++) {
-    const mg_real moment[3] = {1, at->support[i][0] - p->centre[0], at->support[i][1] - p->centre[1]};
+    mg_real moment[3] = {1, at->support[i][0] - p->centre[0], at->support[i][1] - p->centre[1]};
     mg_real *level = slip->level[i];
-    if (c->patches.friction[slot].force_outside || !mg_solve_moments(p, moment, level))
+    if (r->force_outside) {
+      const mg_real arm[2] = {at->support[i][0] - r->centre[0], at->support[i][1] - r->centre[1]};
+      for (int k = 0; k < 2; k++) moment[1 + k] = mg_dot2(inward[k], arm);
+    }
+    if (!mg_solve_moments(p, moment, level))
       for (int k = 0; k < 3; k++) level[k] = p->coefficients[k];
     for (int k = 0; k < 3; k++) slip->force[i][k] = mu * (G[k][0] * level[0] + G[k][1] * level[1] + G[k][2] * level[2]);
   }
@@ -171,19 +227,40 @@ MG_INTERNAL void mg_set_patch_force_ratios(mg_context *c) {
   }
 }
 
-/* Store the new centre of pressure of a slot; true if the force ratios still hold for it: neither pressure lifts
-   off part of the face, or the centres agree. */
-static int mg_is_patch_pressure_converged(mg_context *c, int slot, const mg_real *centre) {
-  mg_patch_friction *r = c->patches.friction + slot;
-  mg_real old_centre[2] = {r->centre[0], r->centre[1]}, new_centre[2] = {centre[0], centre[1]};
-  const int was_cut = r->partly_unloaded || r->force_outside;
-  r->centre[0] = centre[0], r->centre[1] = centre[1], r->centre_known = 1;
-  if (!was_cut) {
-    mg_update_patch_pressure(c, slot);
-    return !r->partly_unloaded && !r->force_outside;
+/* Part of the step of Newton's method from the centre of pressure inside the hull that leaves a part of the margin
+   there, because friction varies the more the smaller the loaded region is. */
+static mg_real mg_inner_part_of_step(mg_context *c, int slot, const mg_real *step) {
+  mg_nearest_boundary nearest;
+  const mg_real *from = c->patches.friction[slot].centre;
+  mg_overlay_patch_regions(c, mg_patch_of_slot(c, slot));
+  const mg_real least = mg_hull_margin(&c->patches.hull, from, &nearest) / 4;
+  for (mg_real part = 1; part > MG_PRESSURE_STEP_MIN; part /= 2) {
+    const mg_real next[2] = {from[0] + part * step[0], from[1] + part * step[1]};
+    if (mg_hull_margin(&c->patches.hull, next, &nearest) >= least) return part;
   }
-  mg_move_inside_hull(&c->patches.hull, old_centre), mg_move_inside_hull(&c->patches.hull, new_centre);
-  return mg_distance2(new_centre, old_centre) <= sqrt(MG_EPS) * r->extent;
+  return MG_PRESSURE_STEP_MIN;
+}
+
+/* Takes a step of Newton's method from the centre of pressure for which the force ratios hold, of which the whole leads
+   to the centre of the forces found with them; half of the step before if this one is hardly shorter. Returns whether
+   the ratios hold for the new centre: neither pressure lifts off part of the face, or the centres agree. */
+static int mg_step_to_centre(mg_context *c, int slot, const mg_real *centre) {
+  mg_patch_friction *r = c->patches.friction + slot;
+  const int was_cut = r->partly_unloaded || r->force_outside;
+  const mg_real step[2] = {centre[0] - r->centre[0], centre[1] - r->centre[1]}, size = sqrt(mg_dot2(step, step));
+  const int agrees = size <= sqrt(MG_EPS) * r->extent;
+  if (c->patches.pressure_rounds > 0 && !agrees && r->part > MG_PRESSURE_STEP_MIN &&
+      size > (1 - r->part / 4) * sqrt(mg_dot2(r->step, r->step))) {
+    r->part /= 2;
+    for (int k = 0; k < 2; k++) r->centre[k] -= r->part * r->step[k];
+    return 0;
+  }
+  r->part = !r->centre_known || r->force_outside || agrees ? 1 : mg_inner_part_of_step(c, slot, step);
+  for (int k = 0; k < 2; k++) r->step[k] = step[k], r->centre[k] += r->part * step[k];
+  r->centre_known = 1;
+  if (was_cut || r->part < 1) return agrees;
+  mg_update_patch_pressure(c, slot);
+  return !r->partly_unloaded && !r->force_outside;
 }
 
 MG_INTERNAL int mg_has_changed_patch_pressures(mg_context *c) {
@@ -193,7 +270,7 @@ MG_INTERNAL int mg_has_changed_patch_pressures(mg_context *c) {
     if (!c->patches.friction[slot].slips || !(mg_support_resultant(c, slot, c->solution.force, world) > 0)) continue;
     mg_hull_pose(c, mg_patch_of_slot(c, slot), pose);
     mg_world_to_local_point(pose, world, centre);
-    if (mg_is_patch_pressure_converged(c, slot, centre)) continue;
+    if (mg_step_to_centre(c, slot, centre)) continue;
     mg_set_patch_force_ratio(c, slot);
     count++;
   }

@@ -8,6 +8,8 @@
 
 #define MG_DIRECTION_STEPS 40 /* most steps in search of the direction of slip */
 
+#define MG_SLIP_KEPT_PART 1024 /* slip_speed over what is left of slip across its direction if that does not turn */
+
 #define MG_RELEASE_ROUNDS 8 /* most rounds in which sticking patches that yield are released */
 
 /* Slip velocity in m/s below which a patch counts as sticking. */
@@ -104,9 +106,9 @@ MG_INTERNAL int mg_find_patch_friction_event(mg_context *c, int slot) {
 
 /* Set the slip direction of a patch from its slip; returns 0 where the slip is too small. */
 static int mg_update_patch_slip_direction(mg_context *c, int slot) {
-  const mg_real *slip = c->rows.d_dot + mg_first_patch_friction_row(c, slot),
-                turn = slip[2] * mg_support_radius(c, slot);
-  if (!(sqrt(slip[0] * slip[0] + slip[1] * slip[1] + turn * turn) > 2 * mg_patch_slip_tolerance(c))) return 0;
+  mg_real slip[3];
+  mg_patch_slip_in_middle(c, slot, c->rows.d_dot + mg_first_patch_friction_row(c, slot), slip);
+  if (!(sqrt(mg_dot3(slip, slip)) > 2 * mg_patch_slip_tolerance(c))) return 0;
   mg_set_patch_slip_direction(c, slot, slip);
   return 1;
 }
@@ -125,28 +127,52 @@ MG_INTERNAL void mg_reset_patch_friction(mg_context *c) {
     c->run->patch_mode[slot] = MG_FRICTION_OFF, c->patches.friction[slot].triggered = 0;
 }
 
-/* Accelerations of the three friction rows of a patch, spin times the support radius. */
+/* Acceleration of slip in the middle of the supports, but for its centripetal part. */
 static void mg_patch_slip_acceleration(const mg_context *c, int slot, mg_real *rate) {
   const int row = mg_first_patch_friction_row(c, slot);
-  for (int k = 0; k < MG_PATCH_ROWS; k++) rate[k] = mg_row_acceleration(c, row + k);
-  rate[2] *= mg_support_radius(c, slot);
+  mg_real of_rows[MG_PATCH_ROWS];
+  for (int k = 0; k < MG_PATCH_ROWS; k++) of_rows[k] = mg_row_acceleration(c, row + k);
+  mg_patch_slip_in_middle(c, slot, of_rows, rate);
 }
 
-/* Time in s until the slip of a patch stops at its present deceleration; 0 if it has stopped. */
-static mg_real mg_patch_slip_stop_time(const mg_context *c, int slot) {
-  const mg_real *direction = c->run->patch_slip_direction + 4 * slot,
-                *t = c->rows.tangents + 6 * mg_first_support(c, slot);
-  mg_real rate[3];
+/* Time in s until the slip of a patch stops at its present deceleration; 0 if it does not, or has stopped. Then `left`
+   is the slip across it that the present acceleration leaves. */
+static mg_real mg_patch_slip_stop_time(const mg_context *c, int slot, mg_real *left) {
+  const int support = mg_first_support(c, slot);
+  const mg_real *d_dot = c->rows.d_dot + mg_first_patch_friction_row(c, slot), *t = c->rows.tangents + 6 * support;
+  mg_real slip[3], rate[3], local[3], arm[3];
+  mg_patch_slip_in_middle(c, slot, d_dot, slip);
   mg_patch_slip_acceleration(c, slot, rate);
-  const mg_real along = mg_patch_slip_along_direction(c, slot, c->rows.d_dot);
-  const mg_real braking =
-      -(rate[0] * mg_dot3(t, direction) + rate[1] * mg_dot3(t + 3, direction) + rate[2] * direction[3]);
-  return along > 0 && braking > 0 ? along / braking : 0;
+  mg_middle_of_supports(c, slot, local);
+  mg_to_world(c->bodies.pose + 12 * c->contacts.f[support], local, 0, arm);
+  for (int k = 0; k < 2; k++) rate[k] -= d_dot[2] * d_dot[2] * mg_dot3(arm, t + 3 * k);
+  const mg_real size = sqrt(mg_dot3(slip, slip)), braking = -mg_dot3(slip, rate),
+                rounding = MG_SLIP_ROUNDING * MG_EPS * c->system->length / c->system->time,
+                time = size > rounding && braking > 0 ? size * (size / braking) : 0;
+  for (int k = 0; k < 3; k++) slip[k] += time * rate[k];
+  *left = sqrt(mg_dot3(slip, slip));
+  return time;
+}
+
+MG_INTERNAL mg_real mg_patch_slip_step_limit(const mg_context *c) {
+  mg_real limit = MG_MAX, left;
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
+    const int mode = c->run->patch_mode[slot];
+    if (!mg_is_slot_frictional(c, slot) || mode < MG_SLIP_STARTING) continue;
+    if (mode == MG_SLIP_STARTING &&
+        !(mg_patch_slip_along_direction(c, slot, c->rows.d_dot) > 2 * mg_patch_slip_tolerance(c)))
+      continue;
+    const mg_real time = mg_patch_slip_stop_time(c, slot, &left);
+    const int turns = c->step.follower || left > mg_patch_slip_tolerance(c) / MG_SLIP_KEPT_PART;
+    if (time > 0 && turns) limit = mg_min(limit, time / 2);
+  }
+  return limit;
 }
 
 /* Set the modes of all patches from their slip before the mode problem is solved; one that hardly slips is taken
    as sticking. */
 static void mg_initialise_patch_modes(mg_context *c) {
+  mg_real left;
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     int *mode = c->run->patch_mode + slot;
     mg_patch_friction *r = c->patches.friction + slot;
@@ -155,15 +181,14 @@ static void mg_initialise_patch_modes(mg_context *c) {
     if (patch < 0 || !mg_has_patch_friction(c, patch)) continue;
     const int slips = *mode != MG_STICKING && mg_update_patch_slip_direction(c, slot);
     r->slip_stopped = *mode >= MG_SLIP_ONSET && r->triggered && !slips;
-    if (r->slip_stopped) r->slip_time_left = mg_patch_slip_stop_time(c, slot);
+    if (r->slip_stopped) r->slip_time_left = mg_patch_slip_stop_time(c, slot, &left);
     *mode = slips ? MG_SLIPPING : MG_STICKING;
   }
 }
 
 /* Set the slip direction e of a patch and compute the slip acceleration under the friction along it. */
 static void mg_evaluate_slip_direction(mg_context *c, int slot, const mg_real *e, mg_real *rate) {
-  const mg_real twist[3] = {e[0], e[1], e[2] / mg_support_radius(c, slot)};
-  mg_set_patch_slip_direction(c, slot, twist);
+  mg_set_patch_slip_direction(c, slot, e);
   mg_evaluate_run_state(c);
   mg_patch_slip_acceleration(c, slot, rate);
 }
@@ -242,12 +267,8 @@ static int mg_release_yielding_patches(mg_context *c) {
     mg_patch_slip_acceleration(c, slot, e);
     const int is_held = sqrt(mg_dot3(e, e)) <= mg_acceleration_tolerance(c);
     if (is_held && !bound_reached && margin >= -mg_force_tolerance(c)) continue;
-    for (int k = 0; k < 3; k++) {
-      const mg_real unit = k < 2 ? 1 : mg_support_radius(c, slot);
-      if (is_held) e[k] = twist[k] * unit;
-      else twist[k] = e[k] / unit;
-    }
-    mg_set_patch_slip_direction(c, slot, twist);
+    if (is_held) mg_patch_slip_in_middle(c, slot, twist, e);
+    mg_set_patch_slip_direction(c, slot, e);
     const int is_continuous = bound_reached && mu[0] == mu[1];
     c->run->patch_mode[slot] = is_continuous ? MG_SLIP_ONSET : MG_SLIP_STARTING, r->triggered = 0;
     if (!is_continuous) mg_find_slip_direction(c, slot, e);

@@ -136,9 +136,10 @@ static void mg_resolve_slip_components(const mg_context *c, const mg_slip_onset 
   for (int i = 0; i < 2 + is_patch; i++)
     value[i] = accelerations ? mg_row_acceleration(c, row + i) : c->rows.d_dot[row + i];
   if (is_patch) {
-    value[2] *= mg_support_radius(c, slot);
+    mg_real slip[3];
+    mg_patch_slip_in_middle(c, slot, value, slip);
     mg_patch_slip_basis(c, slot, e);
-    *along = mg_dot3(value, e[0]), *across = mg_dot3(value, e[o->axis[k]]) - angle * *along;
+    *along = mg_dot3(slip, e[0]), *across = mg_dot3(slip, e[o->axis[k]]) - angle * *along;
     return;
   }
   mg_slip_direction_at_angle(c, o->contact[k], o->constraint[k], angle, e[0]);

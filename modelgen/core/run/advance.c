@@ -80,10 +80,11 @@ static int mg_take_step_part(mg_context *c, mg_real *h) {
 static mg_real mg_longest_step(const mg_context *c) {
   const mg_real reach = mg_penetration_step_limit(c),
                 search_limit = mg_has_rolling_start(c) ? MG_MAX : mg_search_step_limit(c),
-                opening_limit = mg_patch_opening_step_limit(c);
+                opening_limit = mg_patch_opening_step_limit(c),
+                slip_limit = c->system->n_friction ? mg_patch_slip_step_limit(c) : MG_MAX;
   const mg_real seen = mg_min(mg_min(search_limit, reach), mg_near_pair_step_limit(c));
   return (mg_is_companion_step_after_event(c, MG_MAX) ? 1 : c->settings->step_fraction) *
-         (seen < opening_limit ? seen : opening_limit);
+         mg_min(mg_min(seen, opening_limit), slip_limit);
 }
 
 /* Length of the step to the first event within the step h just tried, or 0; leaves the interpolant where there may

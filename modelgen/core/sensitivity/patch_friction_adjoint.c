@@ -38,9 +38,24 @@ static void mg_patch_frame_adjoint(const mg_context *c, mg_sensitivity *s, int s
       }
 }
 
+/* From the cotangents of stored slip to those of the pose of f and of t1 and t2. */
+static void mg_stored_slip_adjoint(const mg_context *c, mg_sensitivity *s, int slot, const mg_real *slip,
+                                   const mg_real *bar) {
+  const int support = mg_first_support(c, slot), f = c->contacts.f[support];
+  const mg_real *along = c->run->patch_slip_direction + 4 * slot, *t = c->rows.tangents + 6 * support;
+  mg_real *t_bar = s->at.tangents + 6 * slot, local[3], arm[3];
+  mg_middle_of_supports(c, slot, local);
+  mg_to_world(c->bodies.pose + 12 * f, local, 0, arm);
+  for (int k = 0; k < 3; k++) {
+    t_bar[k] += bar[0] * along[k] - bar[1] * slip[2] * arm[k];
+    t_bar[3 + k] += bar[1] * along[k] + bar[0] * slip[2] * arm[k];
+    const mg_real arm_bar = slip[2] * (bar[0] * t[3 + k] - bar[1] * t[k]);
+    for (int column = 0; column < 3; column++) s->at.pose[12 * f + 3 + 3 * column + k] += arm_bar * local[column];
+  }
+}
+
 MG_INTERNAL void mg_patch_slip_adjoint(mg_context *c, mg_sensitivity *s, int slot, const mg_real *bar) {
   const int patch = mg_patch_of_slot(c, slot), row = mg_first_patch_friction_row(c, slot);
-  const mg_real *along = c->run->patch_slip_direction + 4 * slot;
   mg_patch_slip p;
   mg_real G_bar[3][3] = {{0}}, t_bar[2][2] = {{0}}, twist_bar[3] = {0, 0, 0}, slip_bar[3];
   mg_find_patch_slip(c, slot, &p);
@@ -58,16 +73,19 @@ MG_INTERNAL void mg_patch_slip_adjoint(mg_context *c, mg_sensitivity *s, int slo
     for (int k = 0; k < 2; k++) t_bar[i][k] += p.slip[i] * twist_bar[k];
   }
   for (int k = 0; k < 3 && p.turned; k++) s->at.rate[row + k] += p.turned * slip_bar[k];
-  for (int k = 0; k < 6 && !p.turned; k++) s->at.tangents[6 * slot + k] += slip_bar[k / 3] * along[k % 3];
+  if (!p.turned) mg_stored_slip_adjoint(c, s, slot, p.slip, slip_bar);
   mg_patch_frame_adjoint(c, s, slot, &p.at, t_bar);
 }
 
 MG_INTERNAL void mg_patch_slip_rate_adjoint(const mg_context *c, mg_sensitivity *s, int slot, mg_real weight) {
   const int row = mg_first_patch_friction_row(c, slot);
-  const mg_real *direction = c->run->patch_slip_direction + 4 * slot,
-                *t = c->rows.tangents + 6 * mg_first_support(c, slot);
-  for (int k = 0; k < 2; k++) s->at.rate[row + k] += weight * mg_dot3(t + 3 * k, direction);
-  s->at.rate[row + 2] += weight * mg_support_radius(c, slot) * direction[3];
+  for (int m = 0; m < 3; m++) {
+    const mg_real unit[3] = {m == 0, m == 1, m == 2};
+    mg_real e[3], slip[3];
+    mg_patch_slip_direction(c, slot, e);
+    mg_patch_slip_in_middle(c, slot, unit, slip);
+    s->at.rate[row + m] += weight * mg_dot3(slip, e);
+  }
 }
 
 MG_INTERNAL void mg_patch_bound_adjoint(mg_context *c, mg_sensitivity *s, int slot, mg_real weight) {

@@ -72,19 +72,34 @@ static void mg_patch_frame_tangent(const mg_context *c, const mg_sensitivity *s,
   }
 }
 
+/* Derivative of the slip of the first support of a patch whose direction is stored, and is that in their middle. */
+static void mg_stored_slip_tangent(const mg_context *c, const mg_sensitivity *s, int slot, const mg_real *slip,
+                                   mg_real *slip_dot) {
+  const int support = mg_first_support(c, slot), f = c->contacts.f[support];
+  const mg_real *along = c->run->patch_slip_direction + 4 * slot, *t = c->rows.tangents + 6 * support,
+                *t_dot = s->at.tangents + 6 * slot;
+  mg_real local[3], arm[3], arm_dot[3];
+  mg_middle_of_supports(c, slot, local);
+  mg_to_world(c->bodies.pose + 12 * f, local, 0, arm);
+  mg_to_world(s->at.pose + 12 * f, local, 0, arm_dot);
+  slip_dot[0] = mg_dot3(along, t_dot) + slip[2] * (mg_dot3(arm_dot, t + 3) + mg_dot3(arm, t_dot + 3));
+  slip_dot[1] = mg_dot3(along, t_dot + 3) - slip[2] * (mg_dot3(arm_dot, t) + mg_dot3(arm, t_dot));
+  slip_dot[2] = 0;
+}
+
 MG_INTERNAL void mg_patch_slip_tangent(mg_context *c, mg_sensitivity *s, int direction, int slot) {
-  const mg_real *tangents_dot = s->at.tangents + 6 * slot;
   const int patch = mg_patch_of_slot(c, slot), row = mg_first_patch_friction_row(c, slot),
             support = mg_first_support(c, slot);
-  const mg_real mu = c->system->patch_friction[2 * patch + 1], *along = c->run->patch_slip_direction + 4 * slot,
+  const mg_real mu = c->system->patch_friction[2 * patch + 1],
                 mu_dot =
                     mg_number_dot(s, s->directions->patch_friction, 2L * c->system->n_patch, direction, 2 * patch + 1);
   mg_patch_slip p;
   mg_real t_dot[2][2], slip_dot[3], twist_dot[3], G_dot[3][3], *sum = s->at.ratio + row - c->layout.friction_row_begin;
   mg_find_patch_slip(c, slot, &p);
   mg_patch_frame_tangent(c, s, slot, &p.at, t_dot);
-  for (int k = 0; k < 3; k++)
-    slip_dot[k] = p.turned ? p.turned * s->at.rate[row + k] : k < 2 ? mg_dot3(along, tangents_dot + 3 * k) : 0;
+  if (p.turned)
+    for (int k = 0; k < 3; k++) slip_dot[k] = p.turned * s->at.rate[row + k];
+  else mg_stored_slip_tangent(c, s, slot, p.slip, slip_dot);
   twist_dot[2] = p.at.sign * slip_dot[2];
   for (int k = 0; k < 2; k++) {
     twist_dot[k] = (k ? p.offset[0] : -p.offset[1]) * twist_dot[2];

@@ -1,0 +1,128 @@
+"""Cans, tubes, pucks, columns and boxes that spin upright, and may slide, until friction stops them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from modelgen import Accuracy, simulate
+from modelgen.runtime.trajectory import Trajectory
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Shape
+from tests.planar.scenes import events, table
+from tests.planar.spun_faces import NEARLY_TIPPING, Disc, G, Polygon, Spun, ending
+from tests.running import library_of
+
+KINDS = ("can", "tube", "puck", "column", "box")
+ALLOWED = {"tight": 1e-8, "balanced": 1e-6}
+
+
+class Member(NamedTuple):
+    body: Spun
+    shape: Shape
+    mass: float
+    part: (
+        float  # mu h over the distance of the nearest edge from the middle: from 1 on it tips while it slides
+    )
+    v: np.ndarray  # (2,) m/s
+    w: float  # rad/s
+
+
+def member(seed: int, parts: tuple[float, float], slides: bool) -> Member:
+    """Radius, friction, height, inertia, mass, spin and sliding velocity by decades."""
+    random = np.random.default_rng(seed)
+    kind = KINDS[seed % len(KINDS)]
+    radius, mu, inertia = 10 ** random.uniform(-2, -0.7), random.uniform(0.1, 0.9), random.uniform(0.3, 0.9)
+    part = random.uniform(0, 0.1) if kind == "puck" else random.uniform(*parts)
+    edge = radius  # distance of the nearest edge
+    if kind == "column":
+        n = int(random.integers(3, 8))
+        angle = 2 * np.pi * np.arange(n) / n + random.uniform(0, 6)
+        corners, edge = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1), radius * np.cos(np.pi / n)
+    elif kind == "box":
+        edge = radius * random.uniform(0.3, 1)
+        corners = np.array([[radius, edge], [-radius, edge], [-radius, -edge], [radius, -edge]])
+    height = part * edge / mu
+    if kind == "tube":
+        bore = radius * random.uniform(0.2, 0.95)
+        pieces, inertia = ((1, Disc(radius)), (-1, Disc(bore))), (1 + (bore / radius) ** 2) / 2
+        shape = make.tube(radius, bore, 2 * height)
+    elif kind == "column":
+        pieces, shape = ((1, Polygon(corners)),), make.extrusion(2 * height, points=corners.tolist())
+    elif kind == "box":
+        pieces, shape = ((1, Polygon(corners)),), make.box(2 * radius, 2 * edge, 2 * height)
+    else:
+        pieces, shape = ((1, Disc(radius)),), make.cylinder(radius, 2 * height)
+    w = random.choice([-1, 1]) * np.sqrt(G / radius) * 10 ** random.uniform(-0.7, 0.7)
+    way = random.uniform(0, 2 * np.pi)
+    speed = abs(w) * radius * 10 ** random.uniform(-2, 1) if slides else 0.0
+    mass = 10 ** random.uniform(-2, 1)
+    return Member(
+        Spun(pieces, mu, height, inertia, radius),
+        shape,
+        mass,
+        part,
+        speed * np.array([np.cos(way), np.sin(way)]),
+        w,
+    )
+
+
+def run_of(of: Member, until: float, accuracy: str) -> Trajectory:
+    body, m = of.body, of.mass
+    about = m * body.inertia * body.radius**2
+    across = m * body.height**2 / 3 + about
+    upright = make.dynamic(
+        "body", of.shape, mass=m, inertia=[across, across, about],
+        position=[0, 0, body.height], velocity=[*of.v, 0], angular_velocity=[0, 0, of.w],
+    )  # fmt: skip
+    scene = make.scene(
+        "spun", [table(), upright], contact=[{"between": ["body", "table"], "friction": body.mu}]
+    )
+    return simulate(
+        library_of(scene), until=until, samples=300, accuracy=Accuracy.named(accuracy), estimate=False
+    )
+
+
+def check(of: Member, t: float, place: np.ndarray, accuracy: str) -> None:
+    """It stops at the time t at a place, for good; no energy is gained on the way."""
+    run = run_of(of, 1.2 * t, accuracy)
+    allowed, way = ALLOWED[accuracy], of.body.radius + np.hypot(*place)
+    assert run.doubts == ()
+    (ended,) = events(run, "slip-stop")
+    assert ended.t == pytest.approx(t, rel=allowed)
+    assert np.abs(run.p[-1, 1, :2] - place).max() < allowed * way
+    assert np.abs(run.v[-1, 1]).max() < 1e-9
+    assert np.abs(run.w[-1, 1]).max() < 1e-9
+    assert np.diff(run.energy).max() < 1e-14 * run.energy[0]
+
+
+def mean_distance(piece: Disc) -> float:
+    """Integral of the distance from the middle over a disc."""
+    return 2 * np.pi * piece.radius**3 / 3
+
+
+@pytest.mark.cases(3)
+@pytest.mark.parametrize("accuracy", ALLOWED)
+@pytest.mark.parametrize("seed", [seed for seed in range(60) if KINDS[seed % 5] in ("can", "tube", "puck")])
+def test_round_bodies_that_spin_in_place_stop_in_closed_form(seed: int, accuracy: str) -> None:
+    """The pressure stays uniform, so that the torque is mu m g times the mean distance from the axis: a can
+    stops at 3 R w/(4 mu g). This is so too far above the height from which it would tip while it slides."""
+    of = member(seed, (0.02, 3.0), slides=False)
+    area = sum(sign * np.pi * piece.radius**2 for sign, piece in of.body.pieces)
+    distance = sum(sign * mean_distance(piece) for sign, piece in of.body.pieces) / area
+    t = of.body.inertia * of.body.radius**2 * abs(of.w) / (of.body.mu * G * distance)
+    check(of, t, np.zeros(2), accuracy)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("slides", [False, True])
+@pytest.mark.parametrize("seed", range(50))
+def test_slip_that_ends_while_spinning_is_that_of_an_independent_integration(seed: int, slides: bool) -> None:
+    """Up to 0.99 of the height at which it tips."""
+    of = member(seed, (0.02, 0.99), slides)
+    end = ending(of.body, of.v, of.w)
+    assert end.margin > 2 * NEARLY_TIPPING
+    for accuracy in ALLOWED:
+        check(of, end.t, end.place, accuracy)
