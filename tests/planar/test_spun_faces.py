@@ -98,21 +98,24 @@ def check(of: Member, t: float, place: np.ndarray, accuracy: str) -> None:
     assert np.diff(run.energy).max() < 1e-14 * run.energy[0]
 
 
-def mean_distance(piece: Disc) -> float:
-    """Integral of the distance from the middle over a disc."""
-    return 2 * np.pi * piece.radius**3 / 3
+def area_and_distance(piece: Disc | Polygon) -> np.ndarray:
+    """Area of a disc or a rectangle, and the integral of the distance from the middle over it."""
+    if isinstance(piece, Disc):
+        return np.array([np.pi * piece.radius**2, 2 * np.pi * piece.radius**3 / 3])
+    a, b = piece.vertices[0]
+    mean = (2 * np.hypot(a, b) + a**2 / b * np.arcsinh(b / a) + b**2 / a * np.arcsinh(a / b)) / 6
+    return 4 * a * b * np.array([1.0, mean])
 
 
 @pytest.mark.cases(3)
 @pytest.mark.parametrize("accuracy", ALLOWED)
-@pytest.mark.parametrize("seed", [seed for seed in range(60) if KINDS[seed % 5] in ("can", "tube", "puck")])
-def test_round_bodies_that_spin_in_place_stop_in_closed_form(seed: int, accuracy: str) -> None:
+@pytest.mark.parametrize("seed", [seed for seed in range(60) if KINDS[seed % 5] != "column"])
+def test_bodies_that_spin_in_place_stop_in_closed_form(seed: int, accuracy: str) -> None:
     """The pressure stays uniform, so that the torque is mu m g times the mean distance from the axis: a can
     stops at 3 R w/(4 mu g). This is so too far above the height from which it would tip while it slides."""
     of = member(seed, (0.02, 3.0), slides=False)
-    area = sum(sign * np.pi * piece.radius**2 for sign, piece in of.body.pieces)
-    distance = sum(sign * mean_distance(piece) for sign, piece in of.body.pieces) / area
-    t = of.body.inertia * of.body.radius**2 * abs(of.w) / (of.body.mu * G * distance)
+    area, distance = sum(sign * area_and_distance(piece) for sign, piece in of.body.pieces)
+    t = of.body.inertia * of.body.radius**2 * abs(of.w) / (of.body.mu * G * distance / area)
     check(of, t, np.zeros(2), accuracy)
 
 
