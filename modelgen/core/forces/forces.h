@@ -413,9 +413,6 @@ MG_INTERNAL void mg_middle_of_supports(const mg_context *c, int slot, mg_real *l
    supports along t1 and t2, and the spin times the support radius. */
 MG_INTERNAL void mg_patch_slip_in_middle(const mg_context *c, int slot, const mg_real *rate, mg_real *out);
 
-/* The inverse. */
-MG_INTERNAL void mg_patch_slip_of_first_support(const mg_context *c, int slot, const mg_real *in_middle, mg_real *slip);
-
 /* Stored slip direction of a patch, in components along t1, t2 and spin times support radius. */
 MG_INTERNAL void mg_patch_slip_direction(const mg_context *c, int slot, mg_real *e);
 

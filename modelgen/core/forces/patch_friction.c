@@ -74,8 +74,8 @@ MG_INTERNAL void mg_patch_slip_in_middle(const mg_context *c, int slot, const mg
   out[2] = rate[2] * mg_support_radius(c, slot);
 }
 
-MG_INTERNAL void mg_patch_slip_of_first_support(const mg_context *c, int slot, const mg_real *in_middle,
-                                                mg_real *slip) {
+/* The inverse. */
+static void mg_patch_slip_of_first_support(const mg_context *c, int slot, const mg_real *in_middle, mg_real *slip) {
   mg_real lever[2];
   mg_middle_levers(c, slot, lever);
   slip[2] = in_middle[2] / mg_support_radius(c, slot);
