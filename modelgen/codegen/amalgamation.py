@@ -32,10 +32,15 @@ def header_text() -> str:
 
 
 @cache
-def runtime_text(derivatives: bool = False) -> str:
-    """The source files of the core, each header once; `derivatives`: with those that differentiate runs."""
+def runtime_text(derivatives: bool = False, lines: bool = False) -> str:
+    """The source files of the core, each header once.
+
+    Args:
+        derivatives: with those that differentiate runs.
+        lines: with directives by which a compiler, and an assertion that fails, name these files.
+    """
     sources = [name for name in _sources() if derivatives or not name.startswith(SENSITIVITY)]
-    return _unit("The core of modelgen", sources)
+    return _unit("The core of modelgen", sources, lines)
 
 
 @cache
@@ -49,11 +54,11 @@ def _sources() -> list[str]:
     return [name for name in core_files() if name.endswith(".c")]
 
 
-def _unit(what: str, sources: list[str]) -> str:
+def _unit(what: str, sources: list[str], lines: bool = False) -> str:
     known = {HEADER}
     _merged([HEADER], known)
     return f'/* {what} in one file, made from its sources. */\n#include "{HEADER}"\n\n' + _merged(
-        sources, known
+        sources, known, lines
     )
 
 
@@ -72,15 +77,23 @@ def _walk(folder: Traversable, prefix: str = "") -> Iterator[tuple[str, Traversa
             yield prefix + item.name, item
 
 
-def _merged(names: list[str], known: set[str]) -> str:
+def _merged(names: list[str], known: set[str], lines: bool = False) -> str:
     """The texts in order; each included header is inserted where it is first included."""
     files = core_files()
 
-    def include(match: re.Match[str]) -> str:
-        name = match.group(1)
-        if name in known:
-            return ""
-        known.add(name)
-        return INCLUDE.sub(include, files[name])
+    def text(name: str) -> str:
+        def include(match: re.Match[str]) -> str:
+            header, line = match.group(1), files[name].count("\n", 0, match.end()) + 1
+            back = _line(line, name) if lines else ""
+            if header in known:
+                return back
+            known.add(header)
+            return text(header) + back
 
-    return "".join(f"/* {name} */\n{INCLUDE.sub(include, files[name])}\n" for name in names)
+        return (_line(1, name) if lines else "") + INCLUDE.sub(include, files[name])
+
+    return "".join(f"/* {name} */\n{text(name)}\n" for name in names)
+
+
+def _line(number: int, name: str) -> str:
+    return f'#line {number} "{name}"\n'

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import os
 import platform
+import re
 import shlex
 import shutil
 import subprocess
@@ -23,6 +24,8 @@ FLAGS = ("-std=c99", "-fno-math-errno", "-ffp-contract=off", "-fvisibility=hidde
 QUICK_GCC = ("-fno-gcse", "-fno-schedule-insns2")
 SHARED = ("-shared", *(("-Wl,-z,defs",) if sys.platform == "linux" else ()))
 LIBRARIES = ("-lm",)
+DEBUG = "MODELGEN_DEBUG_CORE"  # environment variable: builds a core that asserts its preconditions
+FILLS = ("1", "2", "3", "4", "5")  # its values: patterns of memory; 1: NaN and -1
 IS_X86 = platform.machine().lower() in ("x86_64", "amd64")
 # with AVX-512, or tuned for it, GCC 12 copies so that the core stalls: a third slower; with FMA it fuses
 # products and sums of vectors although it is not to contract, so that bits differ from those of other builds
@@ -48,7 +51,21 @@ class Compiler:
         """All flags that decide what an object does, for one real type and level of optimisation."""
         native = ("-fno-sanitize=undefined",) if self.is_zig else NATIVE  # zig targets this CPU anyway
         quick = QUICK_GCC if self.is_gcc else ()
-        return (f"-{level}", *FLAGS, *quick, *native, *REAL_FLAGS[real])
+        return (f"-{level}", *FLAGS, *quick, *native, *REAL_FLAGS[real], *self._debug_flags())
+
+    def _debug_flags(self) -> tuple[str, ...]:
+        """The flags of the debug core, if DEBUG asks for it: assertions, and memory filled before use; local
+        variables too if the compiler can."""
+        fill = os.environ.get(DEBUG, "")
+        if not fill:
+            return ()
+        if fill not in FILLS:
+            raise LibraryError(
+                DEBUG, repr(fill), f"allowed: {', '.join(FILLS)}, or nothing", "correct or unset it"
+            )
+        found = re.search(r" (\d+)\.\d+", self.version)
+        knows = not self.is_gcc or (found is not None and int(found.group(1)) >= 12)
+        return (f"-DMG_DEBUG={fill}", *(("-ftrivial-auto-var-init=pattern",) if knows else ()))
 
 
 def portable_flags(compiler: Compiler, real: str) -> tuple[str, ...]:

@@ -40,7 +40,8 @@ def runtime_object(
     Raises:
         LibraryError: the cache cannot be written, or the compiler fails; the message names the log.
     """
-    texts = {HEADER: header_text(), SOURCE: runtime_text(derivatives)}
+    lines = any(flag.startswith("-DMG_DEBUG") for flag in flags)
+    texts = {HEADER: header_text(), SOURCE: runtime_text(derivatives, lines)}
     path = cache_folder() / f"runtime-{runtime_hash(compiler, flags, derivatives)[:16]}.o"
 
     def compile_core(scratch: Path) -> None:

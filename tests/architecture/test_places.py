@@ -54,7 +54,7 @@ SMALL = {
     ("finite_differences.py", 2e-4): "step of differences between runs",
     ("simulate.py", 1e-6): "keeps a measured wall time from being zero",
 }
-C_HEADERS = {"math.h", "tgmath.h", "float.h", "stddef.h", "string.h"}
+C_HEADERS = {"math.h", "tgmath.h", "float.h", "stddef.h", "string.h", "assert.h"}  # the last: debug core
 TOP_LEVEL = {"pyproject.toml", "README.md", "LICENSE", "modelgen", "generated", "tests", "scenes"}
 
 

@@ -3,10 +3,20 @@
 #ifndef MG_BASE_H
 #define MG_BASE_H
 
+#ifdef MG_DEBUG
+#include <assert.h>
+#endif
 #include <stddef.h>
 
 #include "base/taylor_models.h"
 #include "base/real.h"
+
+/* What must hold where a function is called: asserted in a debug core (MG_DEBUG), nothing in others. */
+#ifdef MG_DEBUG
+#define MG_REQUIRE(condition) assert(condition)
+#else
+#define MG_REQUIRE(condition) ((void)0)
+#endif
 
 /* MG_LCP_TIKHONOV  regularisation: added to the unit diagonal of S while the active set is sought.
    MG_LCP_CAP       largest residual of a solution (see mg_lcp_tolerance). */

@@ -381,8 +381,9 @@ MG_INTERNAL int mg_closest_convex(const mg_shape_pair *p, const mg_newton_goal *
 
 /* singularities.c */
 
-/* Extrapolate the state by a short time with the slope at the run's state and set the poses there. */
-MG_INTERNAL void mg_extrapolate_poses(mg_context *c);
+/* Extrapolate the state by a short time with the slope at the run's state and set the poses there; returns their time.
+ */
+MG_INTERNAL mg_real mg_extrapolate_poses(mg_context *c);
 
 /* What becomes of a minimum a short time later: it stays, the conditions of its feature pair are broken, or Newton's
    method does not find it. */

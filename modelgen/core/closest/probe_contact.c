@@ -36,9 +36,12 @@ MG_INTERNAL int mg_converge_from_any_start(mg_context *c, int feature_pair, mg_r
   const int probe = mg_use_probe_contact(c, feature_pair);
   const mg_shape_pair p = mg_shape_pair_of(c, probe);
   mg_real reach[MG_MAX_ETA];
+  int steps;
   const mg_newton_goal goal = {c->contacts.length[probe], c->settings->extremality_residual, reach};
   mg_eta_step_limit(c, feature_pair, reach);
   if (p.kernels->contact_kinds[p.kind].is_convex)
-    return mg_closest_convex(&p, &goal, 0, eta, c->search.placement) == MG_CLOSEST_NOT_FOUND ? -1 : 0;
-  return mg_damped_newton(&p, &goal, eta, c->search.placement);
+    steps = mg_closest_convex(&p, &goal, 0, eta, c->search.placement) == MG_CLOSEST_NOT_FOUND ? -1 : 0;
+  else steps = mg_damped_newton(&p, &goal, eta, c->search.placement);
+  MG_NOTE_PLACEMENT(c, probe, eta);
+  return steps;
 }

@@ -4,12 +4,13 @@
 #include "closest/closest.h"
 #include "model/model.h"
 
-MG_INTERNAL void mg_extrapolate_poses(mg_context *c) {
+MG_INTERNAL mg_real mg_extrapolate_poses(mg_context *c) {
   const mg_real moment = sqrt(c->settings->event_tolerance) * c->system->time;
   for (int range = 0; range < c->listed.n_range; range++)
     for (int i = mg_range_begin(c, range); i < mg_range_end(c, range); i++)
       c->step.stage[i] = c->run->x[i] + moment * c->step.slopes[i];
   mg_update_poses(c, c->run->t + moment, c->step.stage);
+  return c->run->t + moment;
 }
 
 MG_INTERNAL int mg_fate_of_minimum(mg_context *c, const mg_minimum *found) {

@@ -35,6 +35,7 @@ MG_INTERNAL void mg_open_separated_contacts(mg_context *c, mg_events *events) {
 /* True if the contact will pass a border of its feature pair before its gap is deeper than start_gap, so that it does
    not strike there; writes the condition of that border. Needs the slope at the run's state. */
 static int mg_is_about_to_leave_feature_pair(mg_context *c, int contact) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_SLOPE);
   const int feature_pair = c->run->feature_pair[contact];
   const mg_real soon = sqrt(sqrt(c->settings->event_tolerance)) * c->system->time,
                 moment = sqrt(c->settings->event_tolerance) * c->system->time;
@@ -120,6 +121,7 @@ static void mg_mark_exits_before_impact(mg_context *c) {
 /* Process all triggered events at the run's state: end patches, change features, close gaps, resolve impacts and
    choose new contact modes. Needs the rows at the run's state. */
 static int mg_process_contact_events(mg_context *c, mg_events *events) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_ROWS);
   if (mg_has_too_many_events(c)) return MG_TOO_MANY_EVENTS;
   if (mg_end_patches(c, events)) mg_evaluate_run_state(c);
   mg_cancel_spurious_feature_pair_exits(c);

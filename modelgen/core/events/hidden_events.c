@@ -1,12 +1,14 @@
 /* Events whose function is negative only between two samples of a step: lower bounds from four samples decide where
    the step is searched on its interpolant. Reads the margins that forces/event_margin_samples.c sampled. */
 #include "events/events.h"
+#include "model/model.h"
 #include "forces/forces.h"
 #include "integrate/integrate.h"
 
 enum { MG_MARGIN_LOOKS = 20 }; /* most evaluations in a part of a step in which a margin may be negative */
 
 MG_INTERNAL int mg_has_possible_hidden_event(mg_context *c) {
+  MG_NEEDS_ANY(c, MG_VALID_FORCES), MG_NEEDS_WITH(c, MG_VALID_RATES, MG_VALID_TWISTS);
   mg_margin_sample p[4];
   mg_real theta;
   if (c->settings->method != MG_DOP853) return 0;

@@ -105,8 +105,7 @@ static mg_departure mg_departure_on_branch(mg_context *c, int which, int side) {
     found.direction = found.rate > 0 ? 1 : -1;
     return found;
   }
-  mg_extrapolate_poses(c);
-  mg_update_switches(c, c->run->t);
+  mg_update_switches(c, mg_extrapolate_poses(c));
   const mg_real later = c->switches.rate[which];
   mg_update_poses(c, c->run->t, c->run->x);
   found.direction = fabs(later) <= noise / time ? 0 : later > 0 ? 1 : -1, found.determined = 0;

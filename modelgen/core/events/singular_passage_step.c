@@ -49,6 +49,7 @@ static mg_real mg_load_power(const mg_context *c, const mg_real *slope) {
 /* Store what the passage starts from: columns, row velocities, accelerations without these forces, points, load
    power. Needs the rows at the run's state. */
 static void mg_store_passage_start(mg_context *c) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_ROWS);
   mg_singular_passage *v = &c->events.passage;
   const int n = mg_list_held_rows(c);
   for (int k = 0; k < 6 * c->system->n_body; k++) v->free_twist[k] = c->bodies.acceleration[k];
@@ -137,6 +138,7 @@ static mg_real mg_place_points_after_passage(mg_context *c, mg_real t, mg_real *
 /* Set the velocities of x from loads and impulses, and return the part that the change of the rows contributes.
    Needs the rows at x. */
 static void mg_set_passage_velocities(mg_context *c, mg_real tau, mg_real *x, mg_real *row_change) {
+  MG_NEEDS_AT(c, MG_VALID_ROWS, x);
   const mg_system *s = c->system;
   mg_singular_passage *v = &c->events.passage;
   const int n = mg_list_held_rows(c);
@@ -166,8 +168,7 @@ static void mg_set_passage_velocities(mg_context *c, mg_real tau, mg_real *x, mg
 static void mg_set_passage_armature_rates(mg_context *c) {
   for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
     if (c->contacts.is_inertial[i])
-      c->rows.d_dot[i] =
-          mg_row_times(c, i, c->bodies.twist) - c->events.passage.rate[i] + c->events.passage.impulse[i];
+      c->rows.d_dot[i] = mg_row_times(c, i, c->bodies.twist) - c->events.passage.rate[i] + c->events.passage.impulse[i];
 }
 
 /* Correct the impulses by those that remove the remaining row velocities at x. */

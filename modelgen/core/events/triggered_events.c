@@ -21,6 +21,7 @@ MG_INTERNAL int mg_may_leave_feature_pair(const mg_context *c, int contact) {
 }
 
 MG_INTERNAL int mg_is_off_feature_pair(mg_context *c, int contact, const mg_real *eta) {
+  MG_NEEDS_PLACEMENT(c, c->run->feature_pair[contact], eta);
   int *const condition = c->events.broken_condition + contact;
   const mg_real value = mg_most_violated_condition(c, c->run->feature_pair[contact], eta, condition);
   if (value >= -c->settings->feature_border) return 0;
@@ -49,6 +50,7 @@ static int mg_find_feature_pair_exit(mg_context *c, int contact, mg_real *x) {
 
 /* Least watched condition of a contact at a state, and its index. Needs the poses there. */
 static mg_real mg_least_watched_condition(mg_context *c, int contact, mg_real *x, int *which) {
+  MG_NEEDS_AT(c, MG_VALID_POSES, x);
   const mg_real *eta = mg_contact_eta(c, x, contact);
   mg_place_contact(c, contact, eta, c->search.placement + 32);
   return mg_least_feature_pair_condition(c, c->run->feature_pair[contact], eta, MG_SEARCHED_BEYOND, which);
@@ -56,6 +58,7 @@ static mg_real mg_least_watched_condition(mg_context *c, int contact, mg_real *x
 
 /* True if a contact beyond a watched border moves back towards it. Needs the slope at the run's state. */
 static int mg_is_returning_to_border(mg_context *c, int contact, mg_real now) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_SLOPE);
   int which;
   mg_extrapolate_poses(c);
   const mg_real then = mg_least_watched_condition(c, contact, c->step.stage, &which);
@@ -64,6 +67,7 @@ static int mg_is_returning_to_border(mg_context *c, int contact, mg_real now) {
 }
 
 MG_INTERNAL void mg_mark_contacts_within_border(mg_context *c) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_POSES);
   int which;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
     const int feature_pair = c->run->feature_pair[i],
@@ -81,6 +85,7 @@ MG_INTERNAL void mg_mark_contacts_within_border(mg_context *c) {
 }
 
 MG_INTERNAL int mg_mark_triggered_events(mg_context *c, mg_real *x) {
+  MG_NEEDS_AT(c, MG_VALID_FORCES, x), MG_NEEDS_WITH(c, MG_VALID_RATES, MG_VALID_TWISTS);
   const mg_real deep = -c->settings->contact_gap * c->system->length,
                 rest = -c->settings->rest_speed * mg_speed_scale(c);
   int count = mg_mark_patch_events(c) + mg_mark_switch_events(c);

@@ -158,6 +158,7 @@ static int mg_is_minimum_on_far_sides(mg_context *c, const mg_minimum *found) {
 /* Move a contact whose feature pair condition is broken to the adjacent feature pair whose conditions hold, or release
    it. Needs the poses at the run's state. */
 static void mg_change_contact_feature(mg_context *c, mg_events *events, int contact) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_POSES);
   mg_real eta[6] = {0}, at[14], best = -MG_MAX;
   mg_minimum found = {0};
   int feature_pair = c->run->feature_pair[contact], condition = c->events.broken_condition[contact];
@@ -595,6 +596,7 @@ MG_INTERNAL int mg_follow_touching_minima(mg_context *c, mg_events *events, mg_r
 }
 
 MG_INTERNAL int mg_request_penetration_searches(mg_context *c) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_POSES);
   int count = 0;
   for (int pair = mg_next_pair(c, -1); pair < c->system->n_pair; pair = mg_next_pair(c, pair)) {
     const mg_real moved = c->run->moved_since_search[pair];

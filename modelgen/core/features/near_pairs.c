@@ -85,6 +85,7 @@ static void mg_clear_pair(mg_context *c, int pair) {
 /* Begins to follow a pair: from its closest points, or by a search at the end of the step. Needs the poses. Scratch of
    its contacts may be of another run. */
 static void mg_enter_pair(mg_context *c, int pair) {
+  MG_NEEDS_ANY(c, MG_VALID_POSES);
   const int feature_pair = c->system->pair_feature_pair[pair], contact = c->system->pair_contact[pair];
   mg_real eta[MG_MAX_ETA] = {0};
   mg_clear_pair(c, pair);
@@ -147,6 +148,7 @@ MG_INTERNAL void mg_begin_near_pairs(mg_context *c) {
 }
 
 MG_INTERNAL int mg_choose_near_pairs(mg_context *c, mg_real h, const mg_real *change, int is_step_given) {
+  MG_NEEDS_ANY(c, MG_VALID_TWISTS), MG_NEEDS_ANY(c, MG_VALID_FREE);
   c->listed.n_found = 0;
   if (!c->listed.has_candidates || !mg_could_leave_margins(c, h, change)) return 0;
   return mg_update_near_pairs(c, h, change, is_step_given) > 0;

@@ -27,6 +27,7 @@ static void mg_update_maximum(mg_real *largest, mg_real value) {
 }
 
 MG_INTERNAL void mg_update_diagnostics(mg_context *c) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_ROWS);
   const mg_system *s = c->system;
   mg_run *run = c->run;
   const mg_real weight = s->mass * s->length / (s->time * s->time);

@@ -1,7 +1,7 @@
 /* Drift projection: deviations from zero gap, zero gap velocity and the joint rows are removed along M^-1 J^T,
    the least change in the kinetic metric. Writes positions, orientations and velocities of the run's state, and
-   evaluates it again. A correction of positions that moves a body much farther than what it removes comes from rows that
-   are almost dependent, or from a wrong closest point, and is not made. */
+   evaluates it again. A correction of positions that moves a body much farther than what it removes comes from rows
+   that are almost dependent, or from a wrong closest point, and is not made. */
 #include "forces/forces.h"
 #include "model/model.h"
 
@@ -92,6 +92,7 @@ MG_INTERNAL void mg_apply_velocity_correction(mg_context *c) {
 }
 
 MG_INTERNAL int mg_project_drift(mg_context *c) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_ROWS), MG_NEEDS_WITH(c, MG_VALID_RATES, MG_VALID_TWISTS);
   const mg_real drift = c->settings->drift_tolerance * c->system->length,
                 violation = mg_largest_held_violation(c, c->rows.d);
   if (violation > drift) {
@@ -131,6 +132,7 @@ static void mg_project_joint_velocities(mg_context *c) {
 }
 
 MG_INTERNAL int mg_project_initial_joints(mg_context *c) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_ROWS);
   mg_run *run = c->run;
   if (!c->system->n_joint_row) return 1;
   run->failed_joint = mg_worst_joint(c, c->rows.d, &run->joint_error_max);

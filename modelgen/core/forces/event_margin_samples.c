@@ -12,6 +12,7 @@ static const mg_real mg_margin_time[MG_MARGIN_SAMPLES] = {
 static const int mg_margin_sample_of_stage[12] = {0, -1, -1, 1, -1, 3, 2, -1, -1, 4, 5, -1}; /* sample at a stage */
 
 MG_INTERNAL void mg_sample_event_margins(mg_context *c, int sample) {
+  MG_NEEDS_ANY(c, MG_VALID_FORCES);
   const mg_system *s = c->system;
   const mg_event_margin *now = mg_event_margins_of_sample(c, MG_MARGIN_SAMPLES);
   mg_event_margin *taken = mg_event_margins_of_sample(c, sample), *constraints = taken + s->n_contact;
@@ -35,6 +36,7 @@ static void mg_forget_patch_margins(mg_context *c) {
 }
 
 MG_INTERNAL void mg_sample_margins_at_start(mg_context *c) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_FORCES), MG_NEEDS_WITH(c, MG_VALID_RATES, MG_VALID_TWISTS);
   mg_forget_patch_margins(c);
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) mg_find_slot_event(c, slot);
   mg_note_returning_switches(c);

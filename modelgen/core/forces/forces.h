@@ -512,7 +512,7 @@ MG_INTERNAL int mg_first_friction_event(const mg_context *c);
 MG_INTERNAL int mg_use_kinetic_bounds(mg_context *c);
 
 /* Solve Coulomb's law for accelerations: which closed contacts carry force, and which friction sticks or slips.
-   Needs the rows at the run's state. */
+   Needs J and the twists at the run's state. */
 MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip);
 
 /* At the start of a step, set slip directions and friction modes and remember the modes. Needs the rows at the

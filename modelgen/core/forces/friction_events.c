@@ -48,6 +48,7 @@ static int mg_has_friction_event(const mg_context *c, int contact, int constrain
 }
 
 MG_INTERNAL int mg_mark_friction_events(mg_context *c) {
+  MG_NEEDS_ANY(c, MG_VALID_FORCES), MG_NEEDS_WITH(c, MG_VALID_SLIP, MG_VALID_TWISTS);
   int count = 0;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)

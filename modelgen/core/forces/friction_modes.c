@@ -320,8 +320,10 @@ static void mg_record_friction_report(mg_context *c, const mg_friction_problem *
 }
 
 MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_TWISTS);
   mg_friction_report report = {0};
   int yielding_count, redundant, dependent_joint_rows = 0;
+  mg_update_gap_rates(c); /* an impact may have changed the twists */
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
       mg_initialise_friction_mode(c, i, g), c->friction.is_yielding[g] = 0;
@@ -366,6 +368,7 @@ static int mg_update_slow_slip_direction(mg_context *c, int contact, int constra
 }
 
 MG_INTERNAL void mg_begin_step_friction(mg_context *c) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_ROWS);
   int turned = 0;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {

@@ -1,5 +1,6 @@
-/* Rank of the joints: which of the rows that they hold are independent, by Cholesky's factor of J M^-1 J^T in the order of the rows,
-   and the dead centres that a linkage passes. Writes the joint workspace and the joint statistics of the run. */
+/* Rank of the joints: which of the rows that they hold are independent, by Cholesky's factor of J M^-1 J^T in the order
+   of the rows, and the dead centres that a linkage passes. Writes the joint workspace and the joint statistics of the
+   run. */
 #include "forces/forces.h"
 #include "base/base.h"
 #include "model/model.h"
@@ -109,6 +110,7 @@ static int mg_least_independent_joint(mg_context *c, mg_real *least) {
 }
 
 MG_INTERNAL void mg_monitor_joint_rank(mg_context *c) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_TWISTS), MG_NEEDS_WITH(c, MG_VALID_JOINT_ROWS, MG_VALID_TWISTS);
   mg_run *run = c->run;
   mg_real off, least;
   const int rank = mg_rank_joints(c, 0), least_independent = mg_least_independent_joint(c, &least);

@@ -69,6 +69,7 @@ static int mg_is_island_motion_unique(mg_context *c, int first) {
 
 /* The same of all bodies. An island of one contact has unique forces. */
 static int mg_is_present_motion_unique(mg_context *c) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_ROWS), MG_NEEDS_AT_RUN(c, MG_VALID_FORCES);
   int n = 0;
   if (c->system->n_joint_row) return 0;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))

@@ -198,6 +198,7 @@ MG_INTERNAL void mg_find_patch_friction(mg_context *c, int slot, mg_patch_slip *
 }
 
 MG_INTERNAL void mg_find_patch_slip(mg_context *c, int slot, mg_patch_slip *slip) {
+  MG_NEEDS_WITH(c, MG_VALID_SLIP, MG_VALID_TWISTS);
   slip->turned = mg_patch_slip_twist(c, slot, slip->slip);
   mg_find_patch_friction(c, slot, slip);
 }
@@ -217,6 +218,7 @@ static void mg_set_patch_force_ratio(mg_context *c, int slot) {
 }
 
 MG_INTERNAL void mg_set_patch_force_ratios(mg_context *c) {
+  MG_NEEDS_WITH(c, MG_VALID_SLIP, MG_VALID_TWISTS);
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     mg_patch_friction *r = c->patches.friction + slot;
     r->slips = mg_is_slot_frictional(c, slot) && c->run->patch_mode[slot] >= MG_SLIP_ONSET;

@@ -74,6 +74,7 @@ static void mg_note_impact_chain(mg_context *c, int n) {
 }
 
 MG_INTERNAL int mg_resolve_impacts(mg_context *c, mg_events *events) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_ROWS);
   const mg_real floor = c->settings->rest_speed * c->system->mass * c->system->length / c->system->time;
   int n;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) c->patches.is_covered[i] = 0;

@@ -119,6 +119,7 @@ MG_INTERNAL mg_real mg_dop853_error(const mg_context *c, const mg_real *x, const
 }
 
 MG_INTERNAL mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+  MG_NEEDS(c, MG_VALID_SLOPE, t, x);
   const int is_composed = mg_is_in_mode_of_scene_rhs(c);
   mg_follower *follower = c->step.follower && c->step.follower->is_open ? c->step.follower : 0;
   if (follower) follower->stage(c, follower->of, is_composed, 0, t, h);
@@ -134,6 +135,7 @@ MG_INTERNAL mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_rea
 }
 
 MG_INTERNAL void mg_dop853_dense(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+  MG_NEEDS(c, MG_VALID_END_SLOPE, t + h, c->step.end);
   const int n = c->layout.n_states, is_composed = mg_is_in_mode_of_scene_rhs(c);
   for (int stage = 13; stage < 16; stage++) mg_dop853_stage(c, is_composed, stage, t, x, h);
   for (int range = 0; range < c->listed.n_range; range++)

@@ -29,6 +29,7 @@ static void mg_watch_scene_stages(mg_context *c) {
 }
 
 MG_INTERNAL void mg_rk4(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+  MG_NEEDS(c, MG_VALID_SLOPE, t, x);
   static const mg_real node[3] = {(mg_real)0.5, (mg_real)0.5, 1};
   const int n = c->layout.n_states, is_composed = mg_is_in_mode_of_scene_rhs(c);
   mg_real *K = c->step.slopes;

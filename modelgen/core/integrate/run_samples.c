@@ -104,6 +104,7 @@ static mg_real mg_energy_at(mg_context *c, mg_real *x) {
 }
 
 MG_INTERNAL void mg_record_sample(mg_context *c, mg_record *record, mg_real *x) {
+  MG_NEEDS_AT(c, MG_VALID_POSES, x), MG_NEEDS_AT(c, MG_VALID_ROWS, x);
   const mg_system *s = c->system;
   const long row = record->count++;
   const mg_real *eta = x + s->n_q + s->n_u;

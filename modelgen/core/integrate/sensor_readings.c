@@ -43,6 +43,7 @@ MG_INTERNAL void mg_joint_wrench(const mg_context *c, int joint, mg_real *wrench
 
 MG_INTERNAL void mg_read_sensors(mg_context *c, mg_real t, const mg_real *eta, const mg_real *force, int solved,
                                  mg_real *sensors) {
+  MG_NEEDS_ANY(c, MG_VALID_POSES);
   const mg_system *s = c->system;
   if (!c->kernels->n_sensor) return;
   if (c->kernels->sensors_need_forces) {

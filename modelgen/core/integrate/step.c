@@ -11,6 +11,7 @@ MG_INTERNAL int mg_is_collocated(const mg_context *c) {
 }
 
 MG_INTERNAL mg_real mg_take_step(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+  MG_NEEDS(c, MG_VALID_SLOPE, t, x);
   if (c->step.follower) c->step.follower->h = 0;
   if (mg_has_rolling_start(c)) return mg_take_rolling_start_step(c, t, c->run->x, h);
   if (c->system->n_friction && mg_has_slip_onset(c)) {
@@ -36,6 +37,7 @@ MG_INTERNAL void mg_finish_step(mg_context *c, mg_real t, mg_real h) {
   mg_normalise_quaternions(c, c->step.end);
   mg_right_hand_side(c, t + h, c->step.end, c->step.slopes + mg_end_slope_row(c) * c->layout.n_states);
   mg_update_gap_rates(c);
+  MG_NOTE(c, MG_VALID_END_SLOPE, t + h, c->step.end);
 }
 
 MG_INTERNAL void mg_make_cubic_interpolant(mg_context *c, const mg_real *x, mg_real h) {

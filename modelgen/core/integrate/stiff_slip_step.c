@@ -46,6 +46,7 @@ typedef struct {
 /* True if the slip of a friction constraint is steady and friction turns it more than an explicit step h can follow.
    Needs rows and forces at the run's state. */
 static int mg_is_slip_stiff(const mg_context *c, int contact, int constraint, mg_real h) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_ROWS), MG_NEEDS_AT_RUN(c, MG_VALID_FORCES);
   const mg_real *mu = c->system->friction_kinetic + 2 * constraint;
   if (!c->run->active[contact] || c->run->friction_mode[constraint] < MG_SLIP_STARTING ||
       mg_friction_row_count(c, constraint) != 2)
@@ -63,6 +64,7 @@ static int mg_is_slip_stiff(const mg_context *c, int contact, int constraint, mg
 }
 
 MG_INTERNAL void mg_mark_stiff_slip(mg_context *c, mg_real h) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_ROWS), MG_NEEDS_AT_RUN(c, MG_VALID_FORCES);
   int count = 0;
   for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)

@@ -141,6 +141,7 @@ MG_INTERNAL mg_real mg_relative_angular_acceleration(const mg_context *c, int co
 }
 
 MG_INTERNAL int mg_find_rolling_point(mg_context *c, mg_real t, int contact, const mg_contact_tilt *at, mg_real *x) {
+  MG_NEEDS_ANY(c, MG_VALID_POSES);
   const int body = mg_is_free_body(c, c->contacts.f[contact]) ? c->contacts.f[contact] : c->contacts.o[contact];
   mg_real kept[4], *turn = x + c->system->body_q[body] + 3;
   for (int k = 0; k < 4; k++) kept[k] = turn[k];

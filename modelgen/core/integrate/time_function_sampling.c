@@ -81,7 +81,7 @@ static void mg_sample_time_functions(mg_context *c, mg_real t, mg_real step_leng
                           c->bodies.twist + 6 * b, c->bodies.acceleration + 6 * b);
     for (int k = 0; k < 12; k++) *value++ = pose[k];
   }
-  if (c->layout.has_prescribed_joint) mg_update_joint_rows(c, t);
+  if (c->layout.has_prescribed_joint) MG_NOTE_TIME(c, t), mg_update_joint_rows(c, t);
   for (int j = 0; j < s->n_joint; j++) {
     const mg_joint_kind *kind = c->kernels->joint_kinds + s->joint_kind[j];
     for (int k = 0; k < kind->n_rows && kind->prescribed; k++)
@@ -168,10 +168,11 @@ static mg_real mg_unchecked_step_length(const mg_context *c) {
 }
 
 MG_INTERNAL mg_real mg_time_function_step_limit(mg_context *c, mg_real h) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_POSES);
   const mg_real least = mg_unchecked_step_length(c);
   if (c->layout.n_timed <= 12 * c->layout.n_steady_loads || h <= least) return h;
   while (h > least && !mg_is_step_resolved_in_time(c, h, 0)) h /= 2;
-  if (c->layout.n_driven) mg_update_poses(c, c->run->t, c->run->x);
+  if (c->layout.n_driven || c->layout.has_prescribed_joint) mg_update_poses(c, c->run->t, c->run->x);
   if (c->layout.has_prescribed_joint) mg_update_joint_rows(c, c->run->t);
   return h;
 }

@@ -3,9 +3,15 @@
    c->bodies.wrench. */
 #include "model/model.h"
 
-MG_INTERNAL int mg_body_kind_of(const mg_context *c, int body) { return c->system->body_kind[body]; }
+MG_INTERNAL int mg_body_kind_of(const mg_context *c, int body) {
+  MG_REQUIRE(body >= 0 && body < c->system->n_body);
+  return c->system->body_kind[body];
+}
 
-MG_INTERNAL int mg_is_moved_by_forces(const mg_context *c, int body) { return c->bodies.motion[body] >= MG_POINT; }
+MG_INTERNAL int mg_is_moved_by_forces(const mg_context *c, int body) {
+  MG_REQUIRE(body >= 0 && body < c->system->n_body);
+  return c->bodies.motion[body] >= MG_POINT;
+}
 
 MG_INTERNAL void mg_copy_velocity(const mg_context *c, int body, const mg_real *from, mg_real *to) {
   const int motion = c->bodies.motion[body];
@@ -36,6 +42,7 @@ MG_INTERNAL void mg_update_poses(mg_context *c, mg_real t, const mg_real *x) {
     if (c->bodies.motion[b] == MG_FREE && s->n_switch)
       mg_copy_reals(c->bodies.quaternion + 4 * b, x + s->body_q[b] + 3, 4);
   }
+  MG_NOTE_TIME(c, t), MG_NOTE(c, MG_VALID_POSES, t, x), MG_NOTE(c, MG_VALID_TWISTS, t, x);
 }
 
 MG_INTERNAL void mg_written_load_wrench(const mg_context *c, mg_real t, int load, mg_real *wrench) {
@@ -75,6 +82,7 @@ static void mg_add_load(mg_context *c, mg_real t, int load, mg_real *power) {
 MG_INTERNAL void mg_free_accelerations(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot) {
   const mg_system *s = c->system;
   mg_real power = 0;
+  MG_NEEDS(c, MG_VALID_POSES, t, x), MG_NEEDS(c, MG_VALID_TWISTS, t, x);
   if (s->n_load) {
     for (int i = 0; i < 6 * s->n_body; i++) c->bodies.wrench[i] = 0;
     for (int i = 0; i < s->n_load; i++)
@@ -86,6 +94,8 @@ MG_INTERNAL void mg_free_accelerations(mg_context *c, mg_real t, const mg_real *
                               c->bodies.wrench + 6 * b, s->gravity, s->parameters + s->body_parameters[b],
                               x_dot + s->body_q[b], c->bodies.acceleration + 6 * b);
   x_dot[c->layout.work_state] = power;
+  MG_NOTE_WITH(c, MG_VALID_FREE, MG_VALID_TWISTS);
+  if (x_dot == c->step.slopes) MG_FORGET(c, MG_VALID_SLOPE);
 }
 
 MG_INTERNAL void mg_normalise_quaternions(const mg_context *c, mg_real *x) {

@@ -140,6 +140,7 @@ static void mg_search_level(mg_context *c, int b, int level, int lowest) {
 }
 
 MG_INTERNAL void mg_find_overlapping_balls(mg_context *c) {
+  MG_NEEDS_ANY(c, MG_VALID_POSES);
   unsigned long long levels;
   const int lowest = mg_place_balls(c, &levels);
   mg_fill_grid(c, lowest);

@@ -14,6 +14,7 @@ MG_INTERNAL int mg_eta_capacity(const mg_context *c, int contact) {
 }
 
 MG_INTERNAL mg_real *mg_contact_eta(const mg_context *c, mg_real *x, int contact) {
+  MG_REQUIRE(contact >= 0 && contact < c->system->n_contact);
   return x + c->system->n_q + c->system->n_u + c->system->contact_eta[contact];
 }
 
@@ -27,6 +28,8 @@ MG_INTERNAL const mg_real *mg_contact_parameters(mg_context *c, int contact) {
 }
 
 MG_INTERNAL void mg_place_on_feature_pair(mg_context *c, int contact, int feature_pair) {
+  MG_REQUIRE(contact >= 0 && contact <= c->system->n_contact && feature_pair >= 0 &&
+             feature_pair < c->system->n_feature_pair);
   const mg_system *s = c->system;
   c->contacts.kind[contact] = s->feature_pair_kind[feature_pair],
   c->contacts.parameters[contact] = s->feature_pair_parameters[feature_pair];
@@ -34,7 +37,10 @@ MG_INTERNAL void mg_place_on_feature_pair(mg_context *c, int contact, int featur
   c->contacts.o[contact] = s->feature_pair_o[feature_pair], c->contacts.f[contact] = s->feature_pair_f[feature_pair];
 }
 
-MG_INTERNAL int mg_pair_first_contact(const mg_context *c, int pair) { return c->system->pair_contact[pair]; }
+MG_INTERNAL int mg_pair_first_contact(const mg_context *c, int pair) {
+  MG_REQUIRE(pair >= 0 && pair <= c->system->n_pair);
+  return c->system->pair_contact[pair];
+}
 
 MG_INTERNAL int mg_has_own_feature_pairs(const mg_context *c, int pair) {
   return c->system->contact_feature_pair[mg_pair_first_contact(c, pair)] >= 0;
@@ -69,6 +75,8 @@ MG_INTERNAL void mg_load_feature_pair(mg_context *c, int contact) {
 }
 
 MG_INTERNAL void mg_set_feature_pair(mg_context *c, int contact, int feature_pair, const mg_real *eta) {
+  MG_REQUIRE(contact >= 0 && contact < c->system->n_contact && feature_pair >= -1 &&
+             feature_pair < c->system->n_feature_pair);
   mg_real *kept = mg_contact_eta(c, c->run->x, contact);
   const int before = c->contacts.n_eta[contact];
   c->run->feature_pair[contact] = feature_pair;

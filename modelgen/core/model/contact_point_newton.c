@@ -6,6 +6,7 @@
 MG_INTERNAL int mg_place_contact(mg_context *c, int contact, const mg_real *eta, mg_real *eta_next) {
   const int kind = c->contacts.kind[contact];
   mg_real *p = c->search.placement;
+  MG_NEEDS_ANY(c, MG_VALID_POSES), MG_NOTE_PLACEMENT(c, contact, eta);
   c->kernels->contact_place(kind, c->bodies.pose + 12 * c->contacts.o[contact],
                             c->bodies.pose + 12 * c->contacts.f[contact], eta, mg_contact_parameters(c, contact),
                             eta_next, p, p + 1, p + 3, p + 5, p + 8, p + 11);

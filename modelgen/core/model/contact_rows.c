@@ -103,6 +103,7 @@ static void mg_scatter_contact_rows(mg_context *c, int contact) {
 
 MG_INTERNAL void mg_update_contact_rows(mg_context *c, const mg_real *x) {
   const mg_system *s = c->system;
+  MG_NEEDS_AT(c, MG_VALID_POSES, x), MG_NEEDS_AT(c, MG_VALID_TWISTS, x);
   for (int i = mg_next_row(c, -1); i < s->n_contact; i = mg_next_row(c, i)) {
     const int kind = c->contacts.kind[i], o = c->contacts.o[i], f = c->contacts.f[i],
               below = c->kernels->contact_kinds[kind].rows > 1;
@@ -116,9 +117,11 @@ MG_INTERNAL void mg_update_contact_rows(mg_context *c, const mg_real *x) {
     if (below) mg_scatter_contact_rows(c, i);
     if (!c->settings->use_gamma) c->rows.gamma[i] = 0;
   }
+  MG_NOTE(c, MG_VALID_ROWS, c->valid.t, x);
 }
 
 MG_INTERNAL mg_real mg_row_times(const mg_context *c, int contact, const mg_real *per_body) {
+  MG_REQUIRE(contact >= 0 && contact < c->layout.spring_row_end);
   const mg_real *J = c->rows.J + 12 * contact;
   const int o = c->contacts.o[contact], f = c->contacts.f[contact];
   mg_real sum = 0;
@@ -138,15 +141,17 @@ MG_INTERNAL mg_real mg_prescribed_gap_rate(const mg_context *c, int contact) {
 }
 
 MG_INTERNAL void mg_update_gap_rates(mg_context *c) {
+  MG_NEEDS_ANY(c, MG_VALID_ROWS);
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->run->feature_pair[i] >= 0) c->rows.d_dot[i] = mg_row_times(c, i, c->bodies.twist);
   for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
-    c->rows.d_dot[i] =
-        c->contacts.is_inertial[i] ? 0 : mg_row_times(c, i, c->bodies.twist) + c->rows.time_rate[i];
+    c->rows.d_dot[i] = c->contacts.is_inertial[i] ? 0 : mg_row_times(c, i, c->bodies.twist) + c->rows.time_rate[i];
   if (c->system->n_friction) mg_update_slip_velocities(c);
+  MG_NOTE_WITH(c, MG_VALID_RATES, MG_VALID_TWISTS);
 }
 
 MG_INTERNAL int mg_first_friction_row(const mg_context *c, int contact, int constraint) {
+  MG_REQUIRE(contact >= 0 && contact < c->system->n_contact && constraint >= 0 && constraint < c->system->n_friction);
   return c->layout.friction_row_begin + c->system->contact_friction_row[contact] + c->system->friction_row[constraint];
 }
 
@@ -158,4 +163,5 @@ MG_INTERNAL void mg_rotate_pair(mg_real cosine, mg_real sine, mg_real *a, mg_rea
 MG_INTERNAL void mg_update_slip_velocities(mg_context *c) {
   for (int i = mg_next_row(c, c->layout.friction_row_begin - 1); i < c->layout.friction_row_end; i = mg_next_row(c, i))
     c->rows.d_dot[i] = mg_row_times(c, i, c->bodies.twist);
+  MG_NOTE_WITH(c, MG_VALID_SLIP, MG_VALID_TWISTS);
 }

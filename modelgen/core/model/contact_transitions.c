@@ -38,6 +38,7 @@ MG_INTERNAL void mg_append_event(const mg_context *c, mg_events *events, mg_real
 
 MG_INTERNAL void mg_apply_contact_transition(mg_context *c, mg_events *events, int contact, int cause, mg_real t,
                                              mg_real speed) {
+  MG_REQUIRE(contact >= 0 && contact < c->system->n_contact);
   const int closed = mg_transitions[cause].closed, event = mg_transitions[cause].event;
   if (closed != MG_MODE_UNCHANGED && closed != c->run->closed[contact])
     c->run->closed[contact] = closed, c->run->active[contact] = c->run->rolling_start[contact] = 0;

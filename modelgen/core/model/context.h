@@ -426,6 +426,31 @@ typedef struct {
   mg_real *impulse; /* [per row] N s or N m s */
 } mg_row_solution;
 
+#ifdef MG_DEBUG
+/* Parts of the context whose states a debug core keeps: time, positions, velocities and modes at which they are valid.
+ */
+enum {
+  MG_VALID_POSES,      /* poses, at t and positions */
+  MG_VALID_TWISTS,     /* twists, at velocities as well */
+  MG_VALID_FREE,       /* accelerations, without those by forces of constraints or with them */
+  MG_VALID_JOINT_ROWS, /* rows of joints */
+  MG_VALID_ROWS,       /* rows of contacts */
+  MG_VALID_RATES,      /* d_dot */
+  MG_VALID_SLIP,       /* d_dot of friction rows */
+  MG_VALID_FORCES,     /* forces, at the modes as well */
+  MG_VALID_SLOPE,      /* row 0 of c->step.slopes */
+  MG_VALID_END_SLOPE,  /* its row at the end of a step */
+  MG_VALID_PLACEMENT,  /* c->search.placement (mg_placement_digest) */
+  MG_VALID_KINDS
+};
+
+/* The states at which they were evaluated: digests, 0: not at all. */
+typedef struct {
+  mg_real t; /* time of the poses */
+  mg_digest of[MG_VALID_KINDS];
+} mg_validity;
+#endif
+
 /* Kind and bodies of each contact, from its feature pair. */
 typedef struct {
   int *kind;                                     /* [per row] contact kind */
@@ -460,6 +485,9 @@ struct mg_context {
   mg_event_workspace events;
   mg_switch_workspace switches;
   mg_sensor_workspace sensors;
+#ifdef MG_DEBUG
+  mg_validity valid;
+#endif
 };
 
 /* Two shapes of a contact kind at given poses. */

@@ -15,6 +15,7 @@ static inline void mg_multiply_inverse_mass(const mg_real *w, const mg_real *J, 
 }
 
 MG_INTERNAL mg_real mg_update_inverse_mass_row(mg_context *c, int contact) {
+  MG_REQUIRE(contact >= 0 && contact < c->layout.spring_row_end);
   const mg_system *s = c->system;
   const int o = c->contacts.o[contact], f = c->contacts.f[contact];
   mg_real *J = c->rows.J + 12 * contact, *MJ = c->rows.MJ + 12 * contact, sum = 0;
@@ -25,6 +26,7 @@ MG_INTERNAL mg_real mg_update_inverse_mass_row(mg_context *c, int contact) {
 }
 
 MG_INTERNAL void mg_add_row_response(mg_context *c, int contact, mg_real amount, mg_real *per_body) {
+  MG_REQUIRE(contact >= 0 && contact < c->layout.spring_row_end);
   const int o = c->contacts.o[contact], f = c->contacts.f[contact];
   const mg_real *MJ = c->rows.MJ + 12 * contact;
   if (mg_is_moved_by_forces(c, o)) mg_add_multiple6(amount, MJ, per_body + 6 * o);
@@ -81,6 +83,7 @@ MG_INTERNAL void mg_assemble_delassus_of_pair(mg_context *c, const int *list, in
 }
 
 MG_INTERNAL mg_real mg_delassus_entry(const mg_context *c, int row, int column) {
+  MG_REQUIRE(row >= 0 && row < c->layout.spring_row_end && column >= 0 && column < c->layout.spring_row_end);
   mg_real sum = row == column ? mg_row_yield(c, row) : 0;
   for (int side = 0; side < 2; side++)
     for (int other = 0; other < 2; other++) {

@@ -22,22 +22,27 @@ MG_INTERNAL void mg_eta_scale(const mg_context *c, int feature_pair, mg_real len
 }
 
 MG_INTERNAL const mg_real *mg_feature_numbers(const mg_context *c, int feature_pair, int side) {
+  MG_REQUIRE(feature_pair >= 0 && feature_pair < c->system->n_feature_pair && mg_has_features(c, feature_pair));
   return c->system->numbers + c->system->feature_numbers[2 * feature_pair + side];
 }
 
 MG_INTERNAL int mg_has_features(const mg_context *c, int feature_pair) {
+  MG_REQUIRE(feature_pair >= 0 && feature_pair < c->system->n_feature_pair);
   return c->system->feature_shape[2 * feature_pair] >= 0;
 }
 
 MG_INTERNAL const mg_shape_kind *mg_shape_kind_of(const mg_context *c, int feature_pair, int side) {
+  MG_REQUIRE(feature_pair >= 0 && feature_pair < c->system->n_feature_pair && mg_has_features(c, feature_pair));
   return c->kernels->shape_kinds + c->system->feature_shape[2 * feature_pair + side];
 }
 
 MG_INTERNAL int mg_feature_body(const mg_context *c, int feature_pair, int side) {
+  MG_REQUIRE(feature_pair >= 0 && feature_pair < c->system->n_feature_pair);
   return side ? c->system->feature_pair_f[feature_pair] : c->system->feature_pair_o[feature_pair];
 }
 
 MG_INTERNAL int mg_parametrisation(const mg_context *c, int feature_pair, int side) {
+  MG_REQUIRE(feature_pair >= 0 && feature_pair < c->system->n_feature_pair);
   const mg_contact_kind *kind = c->kernels->contact_kinds + c->system->feature_pair_kind[feature_pair];
   return side ? kind->parametrisation_f : kind->parametrisation_o;
 }
@@ -276,6 +281,7 @@ static mg_real mg_condition_value(const mg_context *c, int feature_pair, int k, 
 }
 
 MG_INTERNAL mg_real mg_feature_pair_condition(const mg_context *c, int feature_pair, int k, const mg_real *eta) {
+  MG_NEEDS_PLACEMENT(c, feature_pair, eta);
   mg_feature_view view = {.side = -1};
   return mg_condition_value(c, feature_pair, k, eta, &view);
 }
@@ -298,6 +304,7 @@ static int mg_is_condition_of(const mg_context *c, int condition, int those) {
 
 MG_INTERNAL mg_real mg_least_feature_pair_condition(const mg_context *c, int feature_pair, const mg_real *eta,
                                                     int those, int *which) {
+  MG_NEEDS_PLACEMENT(c, feature_pair, eta);
   mg_feature_view view = {.side = -1};
   mg_real least = MG_MAX;
   *which = -1;
@@ -319,6 +326,7 @@ static int mg_bounds_normal_cone(const mg_context *c, int condition) {
 }
 
 MG_INTERNAL int mg_is_in_normal_cone(const mg_context *c, int feature_pair, int side, const mg_real *eta) {
+  MG_NEEDS_PLACEMENT(c, feature_pair, eta);
   const mg_system *s = c->system;
   mg_feature_view view = {.side = -1};
   for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++)
@@ -382,6 +390,7 @@ static int mg_is_out_of_cone(const mg_tangent_cone *cone, const mg_real *N, mg_r
 }
 
 MG_INTERNAL int mg_leaves_body_at_once(const mg_context *c, int feature_pair, int side, const mg_real *eta) {
+  MG_NEEDS_PLACEMENT(c, feature_pair, eta);
   const mg_real border = c->settings->feature_border;
   mg_feature_view view;
   mg_tangent_cone cone;
@@ -394,6 +403,7 @@ MG_INTERNAL int mg_leaves_body_at_once(const mg_context *c, int feature_pair, in
 
 MG_INTERNAL void mg_inward_direction(const mg_context *c, int feature_pair, int side, const mg_real *eta,
                                      mg_real *inward) {
+  MG_NEEDS_PLACEMENT(c, feature_pair, eta);
   mg_feature_view view;
   mg_tangent_cone cone;
   mg_real sum[3] = {0, 0, 0}, in_body[3];
@@ -423,6 +433,7 @@ MG_INTERNAL int mg_ends_line(const mg_context *c, int feature_pair, int line) {
 }
 
 MG_INTERNAL mg_real mg_least_line_end_condition(const mg_context *c, int feature_pair, int line, const mg_real *eta) {
+  MG_NEEDS_PLACEMENT(c, feature_pair, eta);
   mg_feature_view view = {.side = -1};
   mg_real least = MG_MAX;
   for (int k = c->system->feature_pair_condition[feature_pair]; k < c->system->feature_pair_condition[feature_pair + 1];

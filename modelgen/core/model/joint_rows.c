@@ -24,8 +24,8 @@ MG_INTERNAL mg_real mg_armature_energy(const mg_context *c, mg_real t, const mg_
   for (int j = 0; j < c->system->n_joint; j++) {
     const mg_joint_kind *kind = c->kernels->joint_kinds + c->system->joint_kind[j];
     const int side[2] = {c->system->joint_a[j], c->system->joint_b[j]};
-    mg_real pose[24], twist[12], accel[12], value[MG_JOINT_ROWS_MAX], J[12 * MG_JOINT_ROWS_MAX], gamma[MG_JOINT_ROWS_MAX],
-        bias[MG_JOINT_ROWS_MAX];
+    mg_real pose[24], twist[12], accel[12], value[MG_JOINT_ROWS_MAX], J[12 * MG_JOINT_ROWS_MAX],
+        gamma[MG_JOINT_ROWS_MAX], bias[MG_JOINT_ROWS_MAX];
     if (!kind->n_inertial) continue;
     for (int k = 0; k < 2; k++) {
       mg_copy_reals(pose + 12 * k, c->bodies.pose + 12 * side[k], 12);
@@ -63,6 +63,7 @@ MG_INTERNAL void mg_init_joint_rows(mg_context *c) {
 
 MG_INTERNAL void mg_update_joint_rows(mg_context *c, mg_real t) {
   const mg_system *s = c->system;
+  MG_NEEDS_TIME(c, t), MG_NEEDS_ANY(c, MG_VALID_TWISTS);
   for (int j = 0; j < s->n_joint; j++) {
     const int a = s->joint_a[j], b = s->joint_b[j], row = c->layout.joint_row_begin + s->joint_row[j];
     if (!c->kernels->joint_kinds[s->joint_kind[j]].n_rows) continue;
@@ -71,6 +72,7 @@ MG_INTERNAL void mg_update_joint_rows(mg_context *c, mg_real t) {
                            c->run->input, c->rows.d + row, c->rows.J + 12 * row, c->rows.gamma + row,
                            c->rows.time_rate + row);
   }
+  MG_NOTE_WITH(c, MG_VALID_JOINT_ROWS, MG_VALID_TWISTS);
 }
 
 MG_INTERNAL int mg_append_joint_rows(const mg_context *c, int *list, int n) {
@@ -79,6 +81,7 @@ MG_INTERNAL int mg_append_joint_rows(const mg_context *c, int *list, int n) {
 }
 
 MG_INTERNAL int mg_row_joint(const mg_context *c, int row) {
+  MG_REQUIRE(row >= c->layout.joint_row_begin && row < c->layout.joint_row_end);
   int joint = 0;
   while (joint + 1 < c->system->n_joint && c->system->joint_row[joint + 1] <= row - c->layout.joint_row_begin) joint++;
   return joint;

@@ -91,6 +91,7 @@ MG_INTERNAL int mg_load_of_switch(const mg_system *s, int which) {
 }
 
 MG_INTERNAL void mg_update_switches(mg_context *c, mg_real t) {
+  MG_NEEDS_TIME(c, t), MG_NEEDS_ANY(c, MG_VALID_FREE);
   const mg_system *s = c->system;
   for (int load = 0; load < s->n_load; load++) {
     const int first = mg_switch_begin(s, load), end = mg_switch_end(s, load), a = s->load_a[load], b = s->load_b[load],

@@ -29,6 +29,46 @@ enum {
   MG_TRIAL_TORN_OFF = 3 /* the same, of a patch that had rested */
 };
 
+/* preconditions.c */
+
+/* In a debug core: notes that a part of the context (MG_VALID_POSES ..) has been evaluated at (t, x), or with another
+   part; requires that it has been at (t, x), at the state of the run, with another part, or at all. */
+#ifdef MG_DEBUG
+MG_INTERNAL mg_digest mg_state_digest(const mg_context *c, int what, mg_real t, const mg_real *x);
+MG_INTERNAL mg_digest mg_placement_digest(const mg_context *c, int kind, int o, int f, const mg_real *eta);
+MG_INTERNAL void mg_require_tables(const mg_system *s);
+#define MG_NOTE(c, what, time, x) ((c)->valid.of[what] = mg_state_digest(c, what, time, x))
+#define MG_NOTE_TIME(c, time) ((c)->valid.t = (time))
+#define MG_NOTE_WITH(c, what, other) ((c)->valid.of[what] = (c)->valid.of[other])
+#define MG_NOTE_PLACEMENT(c, contact, eta) \
+  ((c)->valid.of[MG_VALID_PLACEMENT] =     \
+       mg_placement_digest(c, (c)->contacts.kind[contact], (c)->contacts.o[contact], (c)->contacts.f[contact], eta))
+#define MG_FORGET(c, what) ((c)->valid.of[what] = 0)
+#define MG_NEEDS(c, what, time, x) MG_REQUIRE((c)->valid.of[what] == mg_state_digest(c, what, time, x))
+#define MG_NEEDS_AT(c, what, x) MG_NEEDS(c, what, (c)->valid.t, x)
+#define MG_NEEDS_AT_RUN(c, what) MG_NEEDS(c, what, (c)->run->t, (c)->run->x)
+#define MG_NEEDS_WITH(c, what, other) MG_REQUIRE((c)->valid.of[what] == (c)->valid.of[other])
+#define MG_NEEDS_ANY(c, what) MG_REQUIRE((c)->valid.of[what] != 0)
+#define MG_NEEDS_TIME(c, time) MG_REQUIRE((c)->valid.t == (time))
+#define MG_NEEDS_PLACEMENT(c, feature_pair, eta)                                                                       \
+  MG_REQUIRE((c)->valid.of[MG_VALID_PLACEMENT] == mg_placement_digest(c, (c)->system->feature_pair_kind[feature_pair], \
+                                                                      (c)->system->feature_pair_o[feature_pair],       \
+                                                                      (c)->system->feature_pair_f[feature_pair], eta))
+#else
+#define MG_NOTE(c, what, time, x) ((void)0)
+#define MG_NOTE_TIME(c, time) ((void)0)
+#define MG_NOTE_WITH(c, what, other) ((void)0)
+#define MG_NOTE_PLACEMENT(c, contact, eta) ((void)0)
+#define MG_FORGET(c, what) ((void)0)
+#define MG_NEEDS(c, what, time, x) ((void)0)
+#define MG_NEEDS_AT(c, what, x) ((void)0)
+#define MG_NEEDS_AT_RUN(c, what) ((void)0)
+#define MG_NEEDS_WITH(c, what, other) ((void)0)
+#define MG_NEEDS_ANY(c, what) ((void)0)
+#define MG_NEEDS_TIME(c, time) ((void)0)
+#define MG_NEEDS_PLACEMENT(c, feature_pair, eta) ((void)0)
+#endif
+
 /* load_branches.c */
 
 #define MG_SWITCH_ROUNDING 64 /* roundings of what a switching function depends on that count as zero */
@@ -67,8 +107,8 @@ MG_INTERNAL int mg_is_moved_by_forces(const mg_context *c, int body);
 /* Copies the velocity coordinates of a body: 6 of a free body, 3 of a point mass, none of the others. */
 MG_INTERNAL void mg_copy_velocity(const mg_context *c, int body, const mg_real *from, mg_real *to);
 
-/* Writes pose and twist of one body at time t and state x, of a driven body also its acceleration; those of a fixed body
-   stay. */
+/* Writes pose and twist of one body at time t and state x, of a driven body also its acceleration; those of a fixed
+   body stay. */
 MG_INTERNAL void mg_place_body(const mg_context *c, mg_real t, const mg_real *x, int body, mg_real *pose,
                                mg_real *twist, mg_real *accel);
 

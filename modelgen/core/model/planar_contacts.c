@@ -8,6 +8,7 @@
 MG_INTERNAL int mg_first_support(const mg_context *c, int slot) { return c->layout.support_begin + 3 * slot; }
 
 MG_INTERNAL int mg_patch_of_slot(const mg_context *c, int slot) {
+  MG_REQUIRE(slot >= 0 && slot < c->system->n_patch_slot);
   const int feature_pair = c->run->feature_pair[mg_first_support(c, slot)];
   return feature_pair < 0 ? -1 : (feature_pair - c->layout.support_feature_pair_begin) / 3;
 }
@@ -169,6 +170,7 @@ MG_INTERNAL void mg_request_pair_searches(mg_context *c, int patch) {
 }
 
 MG_INTERNAL int mg_patch_body(const mg_context *c, int patch, int side) {
+  MG_REQUIRE(patch >= 0 && patch < c->system->n_patch);
   const int feature_pair = c->layout.support_feature_pair_begin + 3 * patch;
   return side ? c->system->feature_pair_f[feature_pair] : c->system->feature_pair_o[feature_pair];
 }
@@ -198,6 +200,7 @@ MG_INTERNAL void mg_release_patch(mg_context *c, int slot) {
 }
 
 MG_INTERNAL void mg_face_pose(const mg_context *c, int patch, int side, mg_real *out) {
+  MG_REQUIRE(patch >= 0 && patch < c->system->n_patch);
   const mg_real *place = c->system->numbers + c->system->patch_numbers[patch] + 12 * side;
   const mg_real *pose = c->bodies.pose + 12 * mg_patch_body(c, patch, side);
   mg_to_world(pose, place, 1, out);

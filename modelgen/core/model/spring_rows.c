@@ -35,6 +35,7 @@ MG_INTERNAL void mg_init_spring_rows(mg_context *c) {
 }
 
 MG_INTERNAL mg_real mg_update_spring_row(mg_context *c, int row) {
+  MG_NEEDS_ANY(c, MG_VALID_POSES);
   const mg_system *s = c->system;
   const int load = c->springs.load[row - c->layout.spring_row_begin];
   mg_real deflection;

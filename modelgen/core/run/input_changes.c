@@ -20,6 +20,7 @@ static int mg_has_path_jump(const mg_context *c, int body, const mg_real *from, 
 
 /* True if the prescribed rate of a joint differs between two settings of the inputs. Needs the poses. */
 static int mg_has_joint_motion_jump(const mg_context *c, int joint, const mg_real *from, const mg_real *to) {
+  MG_NEEDS_ANY(c, MG_VALID_POSES);
   const mg_system *s = c->system;
   const int kind = s->joint_kind[joint], a = s->joint_a[joint], b = s->joint_b[joint];
   const mg_real *parameters = s->parameters + s->joint_parameters[joint], *pose = c->bodies.pose,
@@ -58,6 +59,7 @@ MG_INTERNAL void mg_accept_inputs(const mg_context *c) {
 }
 
 MG_INTERNAL int mg_apply_inputs(mg_context *c, mg_events *events) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_POSES);
   if (!mg_has_new_inputs(c)) return MG_DONE;
   const int jumps = mg_has_prescribed_jump(c);
   mg_accept_inputs(c);

@@ -18,6 +18,7 @@ MG_INTERNAL int mg_place_step_end(mg_context *c, mg_real h) {
 }
 
 MG_INTERNAL int mg_has_contact_point_leapt(const mg_context *c, mg_real h) {
+  MG_NEEDS_WITH(c, MG_VALID_RATES, MG_VALID_TWISTS);
   const mg_real least = c->system->length / c->system->time,
                 part = c->settings->separation_speed_factor * c->settings->tolerance;
   if (c->settings->method == MG_RK4 || !c->settings->project || !c->settings->use_gamma) return 0;

@@ -1,5 +1,7 @@
 /* The context of one call, and the division of its scratch memory into the arrays of mg_context. The same function
    divides the memory and counts it. */
+#include <string.h>
+
 #include "run/run.h"
 #include "base/base.h"
 #include "solve/lcp/lcp_solvers.h"
@@ -310,8 +312,29 @@ static void mg_set_constant_poses(mg_context *c) {
   }
 }
 
+#ifdef MG_DEBUG
+/* Byte with which scratch memory is filled before use, by MG_DEBUG; that of 1 makes reals NaN and ints -1. */
+static const unsigned char mg_fill[] = {0, 0xff, 0x7f, 0xaa, 0x3f, 0};
+
+/* Fills the memory that no call leaves to the next one: all but the cells, which come first. */
+static void mg_fill_scratch(mg_context *c, const mg_system *s, mg_real *work, int *iwork) {
+  mg_context cells = {.system = s};
+  mg_memory kept = {0};
+  const mg_memory all = mg_count_memory(s);
+  mg_set_cell_arrays(&cells, &kept);
+  memset(c, mg_fill[MG_DEBUG], sizeof *c);
+  memset(work + kept.n_reals, mg_fill[MG_DEBUG], (size_t)(all.n_reals - kept.n_reals) * sizeof *work);
+  memset(iwork + kept.n_ints, mg_fill[MG_DEBUG], (size_t)(all.n_ints - kept.n_ints) * sizeof *iwork);
+  memset(&c->valid, 0, sizeof c->valid);
+  mg_require_tables(s);
+}
+#else
+#define mg_fill_scratch(c, s, work, iwork) ((void)0)
+#endif
+
 MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const mg_settings *settings, mg_run *run,
                                  mg_real *work, int *iwork) {
+  mg_fill_scratch(c, system, work, iwork);
   c->system = system, c->kernels = system->kernels, c->settings = settings, c->run = run;
   c->layout.n_states = (int)mg_state_count(system), c->layout.work_state = c->layout.n_states - 1,
   c->step.sign_changed = c->events.passage.is_paused = 0, c->patches.hull_patch = -1, c->step.follower = 0,

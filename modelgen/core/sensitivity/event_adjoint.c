@@ -5,6 +5,7 @@
 
 /* Adds `weight` times the gradient of a switching function to the cotangents. Needs the poses there. */
 static void mg_switch_adjoint(mg_context *c, mg_sensitivity *s, mg_real t, int which, mg_real weight) {
+  MG_NEEDS_TIME(c, t);
   const mg_system *system = c->system;
   const int load = mg_load_of_switch(system, which), n = c->kernels->load_kinds[system->load_kind[load]].n_parameters,
             bodies[2] = {system->load_a[load], system->load_b[load]};

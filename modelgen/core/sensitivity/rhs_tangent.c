@@ -226,6 +226,7 @@ static void mg_marked_rhs_tangent(mg_context *c, mg_sensitivity *s, int directio
 
 MG_INTERNAL void mg_rhs_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
                                 const mg_real *dx, mg_real *slope) {
+  MG_NEEDS(c, MG_VALID_FORCES, t, x);
   mg_marked_rhs_tangent(c, s, direction, t, x, dx, 0, slope);
 }
 

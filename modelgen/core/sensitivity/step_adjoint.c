@@ -60,6 +60,7 @@ static void mg_row_correction_adjoint(mg_context *c, mg_sensitivity *s, const in
 }
 
 MG_INTERNAL void mg_project_adjoint(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x, mg_real *x_bar) {
+  MG_NEEDS(c, MG_VALID_FORCES, t, x);
   if (!c->settings->project) return;
   mg_settle_eta_adjoint(c, s, t, x, x_bar);
   mg_zero_reals(s->stage, c->layout.n_states);

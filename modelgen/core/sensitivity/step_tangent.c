@@ -101,6 +101,7 @@ static int mg_uncertain_step(mg_context *c, mg_sensitivity *s, mg_real h) {
 }
 
 MG_INTERNAL mg_real mg_slip_of(const mg_context *c, int contact, int constraint) {
+  MG_NEEDS_WITH(c, MG_VALID_SLIP, MG_VALID_TWISTS);
   const mg_real *slip = c->rows.d_dot + mg_first_friction_row(c, contact, constraint);
   return sqrt(mg_dot2(slip, slip)) / mg_slip_velocity_tolerance(c, constraint);
 }
@@ -110,6 +111,7 @@ MG_INTERNAL mg_real mg_slip_of(const mg_context *c, int contact, int constraint)
 /* Notes slip that falls by more than this part in a step that does not end it: at its end, changes of its direction
    grow so fast that an explicit step of the derivatives is not stable. Needs the velocities of the rows there. */
 static void mg_note_falling_slip(const mg_context *c, mg_sensitivity *s, mg_real h) {
+  MG_NEEDS_WITH(c, MG_VALID_SLIP, MG_VALID_TWISTS);
   s->slip_end = 0, s->slip_falls = -1;
   for (int i = mg_next_row(c, -1); c->system->n_friction && i < c->layout.support_begin; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
@@ -122,6 +124,7 @@ static void mg_note_falling_slip(const mg_context *c, mg_sensitivity *s, mg_real
 /* Marks the constraints whose slip begins in this step, and has no direction of its own yet. Needs the state of the
    run. Returns whether there are any. */
 static int mg_mark_beginning_slip(mg_context *c, mg_sensitivity *s) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_POSES);
   int any = 0;
   if (!c->system->n_friction) return 0;
   mg_update_gap_rates(c);
@@ -359,6 +362,7 @@ static int mg_has_held_bodies(const mg_context *c) {
 }
 
 MG_INTERNAL void mg_project_tangents(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x) {
+  MG_NEEDS(c, MG_VALID_FORCES, t, x);
   if (!c->settings->project) return;
   const int n = mg_has_held_bodies(c) ? s->directions->n : 0;
   c->lcp.n_assembled = 0;

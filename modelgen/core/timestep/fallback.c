@@ -55,6 +55,7 @@ static int mg_first_closed_contact(const mg_context *c) {
 /* Releases all patches, which time-stepping does not know, and restores the contacts that they covered. Needs the
    poses at run->x. */
 static void mg_release_patches(mg_context *c) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_POSES);
   mg_minima found;
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     const int patch = mg_patch_of_slot(c, slot);
@@ -94,7 +95,7 @@ MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events)
   run->fallback_step =
       (outcome == MG_CHATTER ? c->settings->chatter_step : c->settings->fallback_step) * c->system->time;
   run->fallback_left = (mg_real)mg_fallback_steps(c, outcome) * run->fallback_step;
-  run->fallback_transitions = 0;
+  run->fallback_transitions = 0, run->friction_redundant = 0;
   mg_note_fallback(run, outcome);
   mg_append_event(c, events, run->t, MG_EVENT_FALLBACK_START, mg_first_closed_contact(c), 0);
   mg_update_poses(c, run->t, run->x);

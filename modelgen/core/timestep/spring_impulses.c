@@ -38,6 +38,7 @@ static mg_real mg_spring_rate(mg_context *c, int row) {
 }
 
 MG_INTERNAL void mg_predict_springs(mg_context *c, mg_real h) {
+  MG_NEEDS_ANY(c, MG_VALID_TWISTS);
   for (int i = c->layout.spring_row_begin; i < c->layout.spring_row_end; i++) {
     const mg_real *numbers = mg_spring_coefficients(c, i);
     c->rows.d[i] = mg_update_spring_row(c, i);
@@ -47,6 +48,7 @@ MG_INTERNAL void mg_predict_springs(mg_context *c, mg_real h) {
 }
 
 MG_INTERNAL void mg_update_spring_rows(mg_context *c) {
+  MG_NEEDS_ANY(c, MG_VALID_POSES);
   for (int i = c->layout.spring_row_begin; i < c->layout.spring_row_end; i++) mg_update_spring_row(c, i);
 }
 
@@ -57,6 +59,7 @@ static void mg_note_spring_rate(mg_context *c, int row, mg_real rate) {
 }
 
 MG_INTERNAL void mg_set_spring_impulses(mg_context *c, mg_real h) {
+  MG_NEEDS_ANY(c, MG_VALID_TWISTS);
   for (int i = c->layout.spring_row_begin; i < c->layout.spring_row_end; i++) {
     const mg_real *numbers = mg_spring_coefficients(c, i), mobility = mg_update_inverse_mass_row(c, i);
     const mg_real z = h * numbers[1] * mobility, theta = (3 + z) / (6 + z);

@@ -54,6 +54,7 @@ static void mg_update_contacts_after_step(mg_context *c, mg_events *events, mg_r
 
 /* Notes the fastest spin of a body. Needs the twists. */
 static void mg_note_spins(mg_context *c) {
+  MG_NEEDS_ANY(c, MG_VALID_TWISTS);
   for (int b = 0; b < c->system->n_body; b++) {
     const mg_real *w = c->bodies.twist + 6 * b + 3, square = mg_dot3(w, w);
     if (!(square > c->run->spin_max * c->run->spin_max) || !mg_is_free_body(c, b)) continue;
