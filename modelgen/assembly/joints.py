@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from modelgen.assembly.contact_kinds import find_body
+from modelgen.assembly.gears import check_gears
 from modelgen.assembly.inputs_of_expressions import inputs_of_expressions
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.masses import pose_numbers
@@ -53,6 +54,7 @@ def joined(
         if joint.is_sprung:
             spring = loads.index(LoadKind(f"{joint.kind}_spring", "joint_spring", (), joint=joint.kind))
             springs.append(LoadEntry(spring, (a, b), (*numbers, joint.stiffness, joint.damping, joint.rest)))
+    check_gears(scene, joints, kinds.kinds, centres)
     springs += _actuators(scene, joints, loads)
     return Joined(kinds.kinds, limit_kinds.kinds, tuple(joints), tuple(limits), tuple(springs))
 
