@@ -10,6 +10,7 @@ import numpy as np
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 Quaternion = tuple[float, float, float, float]
+ROUNDING = 1e-6  # of a rotation matrix written in decimals, per entry of R^T R
 # 4 q[i] q[j] for i != j is the sum or difference of two entries of a rotation matrix, given by their numbers:
 FIRST = np.array([0, 7, 2, 3, 7, 0, 1, 2, 2, 3, 0, 5, 3, 6, 7, 0])
 SECOND = np.array([0, 5, 6, 1, 5, 0, 3, 6, 6, 1, 0, 7, 1, 2, 5, 0])

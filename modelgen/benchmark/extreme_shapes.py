@@ -70,7 +70,7 @@ def _try_gap(gap: float, libraries: LibrariesByKinds) -> Trial:
     """Two ellipsoids placed so that a gap (m) and its normal are known: the error of both."""
     Q = _turned()
     p = _tip(LARGE_AXES, NORMAL) + gap * NORMAL - Q @ _tip(SMALL_AXES, -Q.T @ NORMAL)
-    here, there = np.append(np.zeros(3), np.eye(3).ravel()), np.append(p, Q.ravel(order="F"))
+    here, there = np.eye(3, 4), np.column_stack([Q, p])
     found = closest_points(libraries.library(_eggs()), "small-large", there, here)
     turned = float(np.linalg.norm(found.normal[0] + NORMAL))
     error = max(abs(float(found.d[0]) - gap) / max(float(np.abs(p).max()), 0.3), turned)

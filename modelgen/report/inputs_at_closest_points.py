@@ -20,6 +20,7 @@ from modelgen.report.kind_scenes import pair_scene
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.closest_points import ClosestPoints, closest_points
 from modelgen.runtime.core_session import Session
+from modelgen.runtime.poses import pose_matrices
 from modelgen.scene.scene_types import Scene
 from modelgen.verification.formula_inputs import Numbers
 from modelgen.verification.verify import OF_CONTACTS, OF_SEARCH, is_of_limit
@@ -107,7 +108,7 @@ def _searched(
     """Closest points of a feature pair, from its o to its f."""
     entry = library.manifest.instance["feature_pairs"][which]
     first, second = reversed(poses) if entry["swapped"] else poses
-    found = closest_points(library, which, first, second, parameters=parameters)
+    found = closest_points(library, which, pose_matrices(first), pose_matrices(second), parameters=parameters)
     if not np.isfinite(found.d[0]):
         where = "no closest points of the shapes at these poses"
         raise ModelgenError("--at: eta", where, "poses at which they exist", "move the bodies, or give eta")

@@ -21,8 +21,7 @@ minimum.
 ... contact = [{ between = ["a", "b"] }]
 ... '''
 >>> library = build(emit(derive(require(read_text(eggs, "eggs.toml")))))
->>> rotation = np.eye(3).ravel()
->>> here, above = np.append([0, 0, 0], rotation), np.append([0, 0, 2.25], rotation)
+>>> here, above = np.eye(3, 4), np.column_stack([np.eye(3), [0, 0, 2.25]])
 >>> found = closest_points(library, "a-b", here, above)
 >>> found.d, found.normal, found.certified
 (array([0.25]), array([[0., 0., 1.]]), array([ True]))
@@ -43,7 +42,13 @@ from modelgen.errors import SimulationError
 from modelgen.notation import ETA_SIZE
 from modelgen.runtime.accuracy import RESOLVED, Accuracy
 from modelgen.runtime.arguments import common_rows, rows_of
-from modelgen.runtime.distance_minima import Searched, eta_size, nearest_minima, searched_pair
+from modelgen.runtime.distance_minima import (
+    Searched,
+    eta_size,
+    given_poses,
+    nearest_minima,
+    searched_pair,
+)
 from modelgen.runtime.tables.ctypes_structures import QUERY_FOUND, QUERY_GIVEN, Array, address, tables_of
 
 SIGNS = (float("inf"),) * 2  # entries that jump
@@ -94,8 +99,8 @@ def closest_points(
         library: what `build` returned.
         contact: the names of its bodies, as "a-b"; or one pair of their features, as "a-b:rim", or its index
             among the feature pairs of the manifest.
-        pose_o: (n, 12) or (12,) of body o: centre of mass (m, world), then the rotation body -> world column
-            by column. Not read of a body fixed at the world frame, nor the rotation of a point mass.
+        pose_o: (n, 3, 4) or (3, 4) of body o, [R | p]: rotation body -> world and centre of mass, m. The
+            point x of the body is at R @ x + p. That of a body fixed at the world frame is `np.eye(3, 4)`.
         pose_f: the same of body f; a single pose goes with all of the other body.
         eta: (n, n_eta) contact parameters near those wanted, as a call at near poses returned them; for one
             pair of features.
@@ -103,7 +108,8 @@ def closest_points(
             the manifest's contact kind; for two convex shapes, or with `eta`.
 
     Raises:
-        SimulationError: no such contact, or arrays that do not fit.
+        SimulationError: no such contact; arrays that do not fit; rotations that are none; another pose of a
+            body that is fixed at the world frame.
     """
     searched = searched_pair(library, contact)
     where = f"contact {searched.name!r}"
@@ -148,9 +154,7 @@ def _followed(
     kind = library.manifest.kinds["contact"][entry["kind"]]
     own = parameters if parameters is not None else np.array(entry["parameters"], dtype=float)
     start = np.zeros(kind["n_eta"]) if eta is None else eta
-    pose_o, pose_f = (
-        rows_of(f"{where}: pose_{side}", pose, 12) for side, pose in zip("of", poses, strict=True)
-    )
+    pose_o, pose_f = given_poses(library, searched, *poses)
     given = [
         *((pose_f, pose_o) if entry["swapped"] else (pose_o, pose_f)),
         rows_of(f"{where}: parameters", own, len(kind["parameters"])),

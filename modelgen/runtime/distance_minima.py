@@ -19,7 +19,7 @@ two links: then -d is at least the width of both. A `depth` less than that leave
 ... '''
 >>> library = build(emit(derive(require(read_text(links, "links.toml")))))
 >>> upright = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
->>> here, across = np.append([0, 0, 0], np.eye(3).ravel()), np.append([2.2, 0, 0], upright.T.ravel())
+>>> here, across = np.eye(3, 4), np.column_stack([upright, [2.2, 0, 0]])
 >>> found = distance_minima(library, "a-b", here, across, depth=1.0)
 >>> found.d.round(12), found.complete
 (array([0.8]), array([ True]))
@@ -37,12 +37,15 @@ from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
 from modelgen.name_suggestions import nearest
 from modelgen.notation import ETA_SIZE
+from modelgen.rotations import ROUNDING
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.arguments import common_rows, is_number, rows_of, shown
+from modelgen.runtime.arguments import common_rows, is_number, shown
 from modelgen.runtime.core_session import Session
+from modelgen.runtime.poses import pose_rows
 from modelgen.runtime.tables.ctypes_structures import MINIMA, MINIMA_FOUND, MINIMA_GIVEN, Array, address
 
 EFFORT = 10_000_000  # pairs of cells looked at before a search is given up: about two seconds
+WORLD_FRAME = np.append(np.zeros(3), np.eye(3))
 WIDTHS = {"d": 1, "normal": 3, "point_o": 3, "point_f": 3, "eta": 6, "margin": 2}  # numbers of a minimum
 
 
@@ -90,14 +93,15 @@ def distance_minima(
     Args:
         library: what `build` returned.
         contact: the names of its bodies, as "a-b", or one pair of their features, as "a-b:rim".
-        pose_o: (n, 12) or (12,) of body o: centre of mass (m, world), then the rotation body -> world column
-            by column. Not read of a body fixed at the world frame.
+        pose_o: (n, 3, 4) or (3, 4) of body o, [R | p]: rotation body -> world and centre of mass, m. The
+            point x of the body is at R @ x + p. That of a body fixed at the world frame is `np.eye(3, 4)`.
         pose_f: the same of body f; a single pose goes with all of the other body.
         gap: m, 0 or more. The smaller, the cheaper the search.
         depth: m, 0 or more.
 
     Raises:
-        SimulationError: no such contact, or arrays or bounds that do not fit.
+        SimulationError: no such contact; arrays or bounds that do not fit; rotations that are none; another
+            pose of a body that is fixed at the world frame.
     """
     searched = searched_pair(library, contact)
     for name, bound in (("gap", gap), ("depth", depth)):
@@ -117,7 +121,7 @@ def _search(
 ) -> DistanceMinima:  # fmt: skip
     session = Session(library, Accuracy())
     where, real = f"contact {searched.name!r}", session.tables.dtype
-    given = [rows_of(f"{where}: pose_o", pose_o, 12), rows_of(f"{where}: pose_f", pose_f, 12)]
+    given = given_poses(library, searched, pose_o, pose_f)
     n = common_rows(where, given)
     poses = [np.array(np.broadcast_to(rows, (n, 12)), dtype=real, order="C") for rows in given]
     counts = {"count": n, "is_complete": n, "feature_pair": n * MINIMA}
@@ -136,6 +140,38 @@ def _search(
     found = {name: out[name][row * MINIMA + place] for name in ("feature_pair", *WIDTHS)}
     found["d"] = found["d"][:, 0]
     return DistanceMinima(complete=out["is_complete"].astype(bool), row=row, **found)
+
+
+def given_poses(library: Library, searched: Searched, pose_o: Array, pose_f: Array) -> list[Array]:
+    """The poses of o and f as rows of 12 numbers; raises SimulationError where they are none, or move a body
+    that is fixed at the world frame."""
+    bodies, fixed = library.manifest.instance["bodies"], _at_world_frame(library, searched)
+    given = []
+    for side, body, poses in (("o", searched.body_o, pose_o), ("f", searched.body_f, pose_f)):
+        where = f"contact {searched.name!r}: pose_{side}"
+        given.append(pose_rows(where, poses))
+        if body not in fixed:
+            continue
+        off = np.abs(given[-1] - WORLD_FRAME).max(axis=1)
+        if (moved := np.flatnonzero(~(off <= ROUNDING))).size:
+            found = (
+                f"row {moved[0]} moves or turns {bodies[body]['name']!r}, which is fixed at the world frame"
+            )
+            allowed = "its pose there, np.eye(3, 4)"
+            remedy = "give the other body the pose that it has seen from this one, or make this body dynamic"
+            raise SimulationError(where, found, allowed, remedy)
+    return given
+
+
+def _at_world_frame(library: Library, searched: Searched) -> set[int]:
+    """The bodies whose pose no formula of the feature pairs takes, as they are fixed at the world frame."""
+    entries, kinds = library.manifest.instance["feature_pairs"], library.manifest.kinds["contact"]
+    return {
+        entry[side]
+        for entry in entries[searched.first : searched.end]
+        for side, taken in zip("of", kinds[entry["kind"]]["sides"], strict=True)
+        if taken["pose"] == "identity"
+    }
 
 
 def searched_pair(library: Library, contact: str | int) -> Searched:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from math import cos, hypot, sin
 from typing import Any
 
+from modelgen.rotations import ROUNDING
 from modelgen.scene.plausibility_remarks import remark_on_orientation
 from modelgen.scene.scalar_types import NUMBER
 from modelgen.scene.scene_types import IDENTITY_QUATERNION, Matrix, Pose, Vector
@@ -17,7 +18,6 @@ Quaternion = tuple[float, float, float, float]
 VECTOR = Sequence(NUMBER, 3, "[x, y, z]")
 ORIENTATIONS = ("quaternion", "axis_angle", "rpy", "rotation")
 SHORTEST = 1e-9  # length of a quaternion or an axis that still has a direction
-ROUNDING = 1e-6  # of a rotation matrix written in decimals, per entry of R^T R
 
 _AXIS_ANGLE = Table(
     (

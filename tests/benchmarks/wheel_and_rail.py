@@ -20,6 +20,7 @@ from scipy.spatial.transform import Rotation
 from modelgen import build, derive, distance_minima, emit, require
 from modelgen.codegen.library import Library
 from modelgen.importing.profile_fit import fit_profile
+from modelgen.runtime.poses import pose_matrices as matrices
 from modelgen.scene import python_scenes as make
 from tests.benchmarks.measured_outlines import curve_distance
 from tests.importing.profiles import measured, rail_head, wheel_tread
@@ -71,7 +72,9 @@ def poses() -> Array:
 
 def compared(pair: Pair, at: Array) -> Iterator[tuple[Array, Array]]:
     """By pose, the minima of the distance within reach, m, sorted: of the core, and of the dense search."""
-    found = distance_minima(pair.library, "wheel-rail", at, UPRIGHT, gap=REACH, depth=REACH)
+    found = distance_minima(
+        pair.library, "wheel-rail", matrices(at), matrices(UPRIGHT), gap=REACH, depth=REACH
+    )
     assert found.complete.all()
     dense = Dense(pair)
     for k, pose in enumerate(at):
@@ -129,12 +132,12 @@ def main() -> None:
     built = time.process_time() - begun
     print(f"nodes {len(pair.rail)} and {len(pair.wheel)}; scene and library {built:.1f} s of CPU")
     begun = time.process_time()
-    distance_minima(pair.library, "wheel-rail", at, UPRIGHT, gap=REACH, depth=REACH)
+    distance_minima(pair.library, "wheel-rail", matrices(at), matrices(UPRIGHT), gap=REACH, depth=REACH)
     together = time.process_time() - begun
     alone, differences = [], []
     for pose, (own, dense) in zip(at, compared(pair, at), strict=True):
         begun = time.process_time()
-        distance_minima(pair.library, "wheel-rail", pose, UPRIGHT, gap=REACH, depth=REACH)
+        distance_minima(pair.library, "wheel-rail", matrices(pose), matrices(UPRIGHT), gap=REACH, depth=REACH)
         alone.append(time.process_time() - begun)
         same = len(own) == len(dense)
         differences.append(float(np.abs(own - dense).max(initial=0.0)) if same else np.inf)

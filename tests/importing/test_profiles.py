@@ -142,9 +142,8 @@ def test_a_wall_has_its_exterior_on_the_right_and_its_distance_is_that_of_its_pr
     ball = make.dynamic("ball", make.sphere(0.002), density=1.0, position=[0.0, 0.1, 0.0])
     scene = make.scene("wall", [wall, ball], contact=[{"between": ["ball", "wall"], "points": 1}])
     places = np.array([[0.02, 0.005, 0.1], [-0.037, -0.003, 0.0], [0.001, 0.003, -0.4]])
-    turn = np.tile(np.eye(3).ravel(), (3, 1))
-    still = np.append(np.zeros(3), np.eye(3).ravel())
-    found = closest_points(library_of(scene), "ball-wall", np.hstack([places, turn]), still)
+    balls = np.concatenate([np.tile(np.eye(3), (3, 1, 1)), places[:, :, None]], axis=2)
+    found = closest_points(library_of(scene), "ball-wall", balls, np.eye(3, 4))
     assert found.d == pytest.approx(off(nodes, places[:, :2]) - 0.002, abs=1e-11)
 
 

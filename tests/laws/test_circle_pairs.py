@@ -16,6 +16,7 @@ from scipy.spatial.transform import Rotation
 
 from modelgen import distance_minima
 from modelgen.codegen.library import Library
+from modelgen.runtime.poses import pose_matrices as matrices
 from modelgen.scene import python_scenes as make
 from tests.laws.circle_minima import CirclePair
 from tests.laws.exhaustive_minima import Array
@@ -62,7 +63,7 @@ def pose_of(x: Array, rotation: Rotation) -> Array:
 def judge(R: float, r: float, pose: Array) -> None:
     """What is found are minima; all regular ones are found; what is said to be complete is so."""
     pair = CirclePair(R, r, pose)
-    found = distance_minima(rings(R, r), "a-b", HERE, pose)
+    found = distance_minima(rings(R, r), "a-b", matrices(HERE), matrices(pose))
     points, exact = np.hstack([found.point_o, found.point_f]), 1e-12 * (1 + float(np.linalg.norm(pose[:3])))
     for k, d in enumerate(found.d):
         beside = pair.beside(points[k, 3:])
@@ -105,7 +106,7 @@ def test_tori_have_the_minima_of_their_centre_circles(gap: float) -> None:
     rng = np.random.default_rng(1)
     for _ in range(8):
         pose = pose_of(rng.normal(size=3) * R, Rotation.random(random_state=rng.integers(2**31)))
-        found = distance_minima(rings(R, r, tube), "a-b", HERE, pose, gap=gap, depth=0.0)
+        found = distance_minima(rings(R, r, tube), "a-b", matrices(HERE), matrices(pose), gap=gap, depth=0.0)
         true = [each.distance - 2 * tube for each in CirclePair(R, r, pose).minima]
         wanted = sorted(d for d in true if 0 <= d <= gap)
         np.testing.assert_allclose(np.sort(found.d), wanted, rtol=0, atol=1e-12)

@@ -13,6 +13,7 @@ import pytest
 
 from modelgen import ModelgenError, closest_points
 from modelgen.runtime.closest_points import ClosestPoints, Extremum
+from modelgen.runtime.poses import pose_matrices as matrices
 from modelgen.scene import python_scenes as make
 from tests.laws import minima_families as families
 from tests.laws.ellipsoid_pairs import (
@@ -41,7 +42,14 @@ EGG = '{ kind = "ellipsoid", semi_axes = [0.4, 0.3, 0.2] }'
 
 
 def found(pairs: Pairs, eta: Array | None = None) -> ClosestPoints:
-    return closest_points(library(), "a-b", pairs.pose_o, pairs.pose_f, eta, parameters=pairs.lengths)
+    return closest_points(
+        library(),
+        "a-b",
+        matrices(pairs.pose_o),
+        matrices(pairs.pose_f),
+        eta,
+        parameters=pairs.lengths,
+    )
 
 
 @cache
@@ -132,7 +140,7 @@ def test_no_plane_separates_superellipsoids_better(reach: float) -> None:
     rng = np.random.default_rng(3)
     R_o, R_f, p = rotations(rng, 300), rotations(rng, 300), reach * rng.normal(size=(300, 3))
     o, f = pose_of(np.zeros((300, 3)), R_o), pose_of(p, R_f)
-    points = closest_points(library(SUPERELLIPSOID, SUPERELLIPSOID), "a-b", o, f)
+    points = closest_points(library(SUPERELLIPSOID, SUPERELLIPSOID), "a-b", matrices(o), matrices(f))
     axes, grid = np.array([1.0, 0.6, 0.3]), sphere(4000)
     for i in range(300):
         heights = [support(axes, (4.0, 3.0), grid @ R[i].astype(float)) for R in (R_o, R_f)]
@@ -169,7 +177,7 @@ def test_other_real_types_reach_their_own_rounding(real: str, epsilon: float) ->
     o = pose_of(np.zeros((n, 3)), rotations(rng, n)).astype(dtype)
     f = pose_of(2.5 * unit(rng.normal(size=(n, 3))), rotations(rng, n)).astype(dtype)
     lengths = np.tile(np.array([1.0, 0.8, 0.5, 1.0, 0.8, 0.5]), (n, 1))
-    points = closest_points(library(real=real), "a-b", o, f, parameters=lengths)
+    points = closest_points(library(real=real), "a-b", matrices(o), matrices(f), parameters=lengths)
     pairs = Pairs(lengths, o, f, points.normal.astype(np.longdouble), points.d)
     normal, d, _ = true_normals(pairs)
     assert points.certified.all()
@@ -186,7 +194,7 @@ def test_inside_a_cavity_minima_are_told_from_other_extrema() -> None:
     ball = np.tile([*axes, 0.3, 0.3, 0.3], (n, 1))
     wall = axes * unit(rng.normal(size=(n, 3)))
     eta = np.concatenate([wall, 0.3 * unit(wall - 0.05)], 1)
-    points = closest_points(library(CAVITY, EGG), "a-b", o, f, eta, parameters=ball)
+    points = closest_points(library(CAVITY, EGG), "a-b", matrices(o), matrices(f), eta, parameters=ball)
     solved = np.flatnonzero(points.outcome > Extremum.NOWHERE)
     assert len(solved) > 0.9 * n
     assert {Extremum.STATIONARY, Extremum.MINIMUM} <= set(points.outcome.tolist())
@@ -197,14 +205,14 @@ def test_inside_a_cavity_minima_are_told_from_other_extrema() -> None:
 
 
 def test_what_has_no_answer_says_so() -> None:
-    here = np.eye(3, 4, 1).T.ravel()
+    here = np.eye(3, 4)
     nothing = closest_points(library(), 0, np.stack([here, here]), np.stack([here, here * np.nan]))
     assert not nothing.certified.any()
     assert nothing.outcome[1] == Extremum.NOWHERE
     for arguments, message in (
         (("c", here, here), "no contact 'c'"),
-        ((0, here[:3], here), r"\(n, 12\)"),
-        ((0, np.tile(here, (2, 1)), np.tile(here, (3, 1))), "2 and 3 rows"),
+        ((0, here[:3, :3], here), r"\(n, 3, 4\)"),
+        ((0, np.tile(here, (2, 1, 1)), np.tile(here, (3, 1, 1))), "2 and 3 rows"),
         ((0, here, here, np.zeros(5)), r"\(n, 6\)"),
     ):
         with pytest.raises(ModelgenError, match=message):
@@ -217,7 +225,7 @@ def test_what_has_no_answer_says_so() -> None:
 def test_the_nearest_of_several_minima_is_found_from_nothing() -> None:
     rng = np.random.default_rng(2)
     poses = np.array([random_pose("waist", rng) for _ in range(20)])
-    points = closest_points(families.library("waist", "torus"), "a-b", HERE, poses)
+    points = closest_points(families.library("waist", "torus"), "a-b", matrices(HERE), matrices(poses))
     waist, torus = (families.sides()[name].plain for name in ("waist", "torus"))
     apart = 0
     for pose, d, certified in zip(poses, points.d, points.certified, strict=True):
@@ -238,7 +246,7 @@ def test_bodies_of_several_features_are_searched_at_once() -> None:
     for other, is_round in ((make.ellipsoid(*map(float, axes)), True), (box, False)):
         bodies = [make.dynamic("a", box, density=1.0), make.dynamic("b", other, density=1.0)]
         library = library_of(make.scene("pair", bodies, contact=[{"between": ["a", "b"]}]))
-        points = closest_points(library, "a-b", HERE, poses)
+        points = closest_points(library, "a-b", matrices(HERE), matrices(poses))
         x, pose = ca.SX.sym("x", 6), ca.SX.sym("pose", 12)
         span = pose[:3] + ca.mtimes(ca.reshape(pose[3:], 3, 3), x[3:]) - x[:3]
         inside = ca.vertcat(x[:3] / half, ca.sumsqr(x[3:] / axes) if is_round else x[3:] / half)

@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from modelgen import ModelgenError, distance_minima
+from modelgen.runtime.poses import pose_matrices as matrices
 from modelgen.scene import python_scenes as make
 from tests.laws.exhaustive_minima import Array, exhaustive
 from tests.laws.minima_families import PAIRS, TURN, library, random_pose, sides
@@ -26,7 +27,7 @@ def missed_and_false(o: str, f: str, pose: Array, n: int) -> tuple[list[float], 
     """
     first, second = sides()[o].plain, sides()[f].plain
     depth = DEPTH * abs(first.outward)
-    found = distance_minima(library(o, f), "a-b", HERE, pose, gap=GAP, depth=depth)
+    found = distance_minima(library(o, f), "a-b", matrices(HERE), matrices(pose), gap=GAP, depth=depth)
     true = exhaustive(first, second, pose, near=(found.point_o, found.point_f), offset=1.5 * depth, n=n)
     ours, theirs = (np.hstack([each.point_o, each.point_f]) for each in (found, true))
     apart = np.linalg.norm(ours[:, None] - theirs, axis=2)
@@ -69,9 +70,9 @@ def test_no_minimum_is_lost_when_the_world_is_moved_or_the_bodies_are_swapped() 
     pose[:3] *= 2.5 / np.linalg.norm(pose[:3])
     R = moved[3:].reshape(3, 3, order="F")
     there = np.append(moved[:3] + R @ pose[:3], (R @ pose[3:].reshape(3, 3, order="F")).ravel(order="F"))
-    first = distance_minima(library("waist", "torus"), "a-b", HERE, pose, gap=5.0)
-    second = distance_minima(library("waist", "torus"), "a-b", moved, there, gap=5.0)
-    swapped = distance_minima(library("torus", "waist"), "a-b", pose, HERE, gap=5.0)
+    first = distance_minima(library("waist", "torus"), "a-b", matrices(HERE), matrices(pose), gap=5.0)
+    second = distance_minima(library("waist", "torus"), "a-b", matrices(moved), matrices(there), gap=5.0)
+    swapped = distance_minima(library("torus", "waist"), "a-b", matrices(pose), matrices(HERE), gap=5.0)
     assert len(first.d) > 0
     np.testing.assert_allclose(second.d, first.d, atol=1e-12)
     np.testing.assert_allclose(swapped.d, first.d, atol=1e-12)
@@ -86,7 +87,7 @@ def test_bounds_and_names_are_checked() -> None:
         ("a-b", {"depth": float("nan")}, "a length of 0 m or more"),
     ):
         with pytest.raises(ModelgenError, match=message):
-            distance_minima(library("torus", "torus"), contact, HERE, HERE, **keys)  # type: ignore[arg-type]
+            distance_minima(library("torus", "torus"), contact, matrices(HERE), matrices(HERE), **keys)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("decade", range(1, 10))
@@ -96,7 +97,7 @@ def test_a_ring_that_is_almost_coaxial_with_a_bore_is_nearest_at_one_or_two_plac
     away, lean, way = 10.0**-decade * rng.uniform(0.5, 1, 2), 10.0 ** -rng.uniform(1, 5), rng.uniform(0, TURN)
     lean_by = Rotation.from_rotvec(lean * np.array([np.cos(way), np.sin(way), 0])).as_matrix()
     pose = np.append([*away, 0.3], lean_by.ravel(order="F"))
-    found = distance_minima(library("bore", "ring"), "a-b", HERE, pose)
+    found = distance_minima(library("bore", "ring"), "a-b", matrices(HERE), matrices(pose))
     angle = np.linspace(0, TURN, 20_000, endpoint=False)
     x = pose[:3] + 0.8 * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1) @ lean_by.T
     gap = 1.6 - np.hypot(x[:, 0], x[:, 1])
@@ -125,4 +126,4 @@ def test_a_search_on_a_spline_is_complete_after_few_pairs_of_cells(monkeypatch: 
             Rotation.random(6, random_state=rng).as_matrix().transpose(0, 2, 1).reshape(6, 9),
         ]
     )
-    assert distance_minima(built, "b-a", HERE, poses, gap=0.4, depth=0.1).complete.all()
+    assert distance_minima(built, "b-a", matrices(HERE), matrices(poses), gap=0.4, depth=0.1).complete.all()

@@ -13,6 +13,7 @@ from modelgen.assembly import require
 from modelgen.codegen.library import Library
 from modelgen.codegen.manifest_unlisted_shapes import unlisted_of
 from modelgen.rotations import rotation_of
+from modelgen.runtime.poses import pose_matrices as matrices
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.runtime.undeclared.undeclared_overlaps import passages
 from modelgen.scene.read import read_text
@@ -225,7 +226,7 @@ def test_ellipsoids_are_named_where_their_certified_distance_is_negative() -> No
         bodies = f"{fixed('a', shapes[0])}, {body('b', shapes[1], start, '[2.0, 0.1, 0.2]', turning)}"
         path = run(scene(bodies), 1000)
         listed = scene(bodies, 'contact = [{ between = ["a", "b"] }]')
-        d = closest_points(listed, "a-b", poses(path, 0), poses(path, 1)).d.min()
+        d = closest_points(listed, "a-b", matrices(poses(path, 0)), matrices(poses(path, 1))).d.min()
         coarse = run(scene(bodies), 25)
         outcomes.append((float(d), bool(coarse.undeclared)))
     assert not [d for d, is_named in outcomes if is_named and d > 0]
