@@ -68,17 +68,12 @@ class ComplementarityProgram(Generic[Symbol]):
 
 @dataclass(frozen=True)
 class Answer:
-    """What IPOPT gave.
-
-    Attributes:
-        multipliers: of the entries of G and H, (n + m,), negative where a lower bound pushes.
-    """
+    """What IPOPT gave."""
 
     x: Array
     success: bool
     iterations: int
     value: float
-    multipliers: Array
 
 
 class RelaxedProgram(Generic[Symbol]):
@@ -123,14 +118,11 @@ class RelaxedProgram(Generic[Symbol]):
             ubg=np.concatenate(upper),
         )
         stats = self._solver.stats()
-        rows = len(program.lbg)
-        multipliers = np.array(answer["lam_g"]).ravel()[rows : rows + self._sided]
         return Answer(
             np.array(answer["x"]).ravel(),
             bool(stats["success"]),
             int(stats["iter_count"]),
             float(answer["f"]),
-            multipliers,
         )
 
     def measured(self, x: Array, p: Sequence[float]) -> tuple[float, float, Array]:

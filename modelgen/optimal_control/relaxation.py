@@ -4,9 +4,8 @@ The homotopy solves 0 <= G, 0 <= H, G H <= tau with tau falling, each from the s
 Scholtes, SIAM J. Optim. 11 (2001), 918-936). Its end is off by about tau, and may be C-stationary only. So,
 once tau is small, one entry of each pair is set to zero, that which is nearer, and the program without
 products is solved from there; where that fails, tau falls further. Where both entries of a pair are zero in
-its solution, the multiplier of the one that was set to zero says whether the other branch leads to a smaller
-value; if so, it is solved too. An end at which no multiplier says so is strongly stationary (H. Scheel, S.
-Scholtes, Math. Oper. Res. 25 (2000), 1-22).
+its solution, another branch may lead to a smaller value: the best first-order change of the solution
+(`stationarity`) says which, and it is solved too, until there is no first-order descent.
 """
 
 from __future__ import annotations
@@ -24,12 +23,13 @@ from modelgen.optimal_control.complementarity_program import (
     RelaxedProgram,
     Symbol,
 )
+from modelgen.optimal_control.stationarity import StationarityTest
 
 RELAXATIONS = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 BRANCH_FROM = 1e-5  # a relaxation from which on branches are tried
 ENOUGH = 1e-6  # a relaxation up to which the homotopy has to come
-ZERO = 1e-6  # an entry of a pair up to which it counts as zero
 BRANCHES = 20  # that are solved at most
+DESCENT = 1e-4  # of the value, or of 1 if that is larger: a rate of descent up to which a point is stationary
 GAIN = 1e-9  # of the value, relative, that is worth another branch
 OPTIONS: dict[str, Any] = {
     "print_time": False,
@@ -55,10 +55,14 @@ class RelaxedSolution:
 
     Attributes:
         relaxation: that one; zero where a branch was solved, infinite where none converged.
-        strong: a branch was solved, and no multiplier says that another leads to a smaller value.
+        descent: the best first-order decrease of the value, for a change of each unknown by its own size, or
+            by 1 if that is larger, along which the linearised constraints and complementarity hold: proved by
+            a mixed-integer linear program. Infinite where nothing converged or the proof took too long.
         complementarity: the largest of the smaller entries of each pair.
         violation: largest violation of bounds and constraints.
-        success: the relaxation is small enough, 1e-6.
+        converged: a branch was solved, or a relaxation of at most 1e-6.
+        success: converged, and there is no first-order descent: `descent` is at most 1e-4 times the value or
+            1, whichever is larger (B-stationary). Other motions may still cost less.
     """
 
     x: Array
@@ -67,11 +71,20 @@ class RelaxedSolution:
     violation: float
     iterations: int
     relaxation: float
-    strong: bool
+    descent: float
+
+    @property
+    def converged(self) -> bool:
+        return self.relaxation <= ENOUGH
 
     @property
     def success(self) -> bool:
-        return self.relaxation <= ENOUGH
+        return self.converged and is_stationary(self.descent, self.value)
+
+
+def is_stationary(descent: float, value: float) -> bool:
+    """Whether a rate of descent counts as none."""
+    return bool(descent <= DESCENT * max(1.0, abs(value)))
 
 
 class RelaxedSolver(Generic[Symbol]):
@@ -94,11 +107,12 @@ class RelaxedSolver(Generic[Symbol]):
         self._first = program.paired[:, 0]  # places of the pairs among G and H, one behind the other
         self._second = program.paired[:, 1] + int(program.first.numel())
         self._relaxed: RelaxedProgram[Symbol] = RelaxedProgram(program, OPTIONS | (options or {}))
+        self._test: StationarityTest[Symbol] = StationarityTest(program)
 
     def solve(self, start: Array, p: Sequence[float] = ()) -> RelaxedSolution:
         """The solution from a start: relaxation by relaxation, until a branch is solved."""
         at = best = np.asarray(start, dtype=float)
-        iterations, relaxation, strong = 0, np.inf, False
+        iterations, relaxation, descent = 0, np.inf, np.inf
         paired = len(self._first) > 0
         for tau in self._relaxations if paired else self._relaxations[-1:]:
             answer = self._relaxed.relaxed(at, p, tau)
@@ -108,34 +122,35 @@ class RelaxedSolver(Generic[Symbol]):
             if answer.success:
                 best, relaxation = answer.x, tau
             if self._branches and paired and (tau <= BRANCH_FROM or tau == self._relaxations[-1]):
-                found, strong, more = self._best_branch(at, p)
+                found, descent, more = self._best_branch(at, p)
                 iterations += more
                 if found is not None:
                     best, relaxation = found.x, 0.0
                     break
         x = best if np.isfinite(relaxation) else at
+        if relaxation > 0 and np.isfinite(relaxation):
+            descent = self._test.descent(x, p).rate
         value, violation, sides = self._relaxed.measured(x, p)
-        return RelaxedSolution(x, value, self._apart(sides), violation, iterations, relaxation, strong)
+        return RelaxedSolution(x, value, self._apart(sides), violation, iterations, relaxation, descent)
 
-    def _best_branch(self, at: Array, p: Sequence[float]) -> tuple[Answer | None, bool, int]:
+    def _best_branch(self, at: Array, p: Sequence[float]) -> tuple[Answer | None, float, int]:
         """The branch on which the homotopy ended, or one that is reached from it and better: its solution,
-        whether it is strongly stationary, and iterations."""
+        the rate of its best first-order descent, and iterations."""
         zero = self._zero(self._relaxed.measured(at, p)[2])
         best: Answer | None = None
-        strong, iterations = False, 0
+        rate, iterations = np.inf, 0
         for _ in range(BRANCHES):
-            answer = self._relaxed.branch(at if best is None else best.x, p, zero)
+            answer = self._relaxed.branch(at, p, zero)
             iterations += answer.iterations
             gain = np.inf if best is None else best.value - answer.value
             if not answer.success or gain < GAIN * max(1.0, abs(answer.value)):
                 break
             best = answer
-            other = self._other_branch(answer, p, zero)
-            strong = other is None
-            if other is None:
+            descent = self._test.descent(answer.x, p)
+            rate, at, zero = descent.rate, descent.x, descent.zero
+            if is_stationary(rate, answer.value):
                 break
-            zero = other
-        return best, strong, iterations
+        return best, rate, iterations
 
     def _zero(self, sides: Array) -> Array:
         """(n + m,) the entries that are set to zero, so that each pair has one: first those whose partner
@@ -148,18 +163,6 @@ class RelaxedSolver(Generic[Symbol]):
             if not zero[first[k]] and not zero[second[k]]:
                 zero[nearer[k]] = True
         return zero
-
-    def _other_branch(self, answer: Answer, p: Sequence[float], zero: Array) -> Array | None:
-        """With the entries released whose multipliers say so, and their partners zero in place of them."""
-        sides = self._relaxed.measured(answer.x, p)[2]
-        small = answer.multipliers > ZERO * max(1.0, np.abs(answer.multipliers).max(initial=0.0))
-        found = zero.copy()
-        for one, other in ((self._first, self._second), (self._second, self._first)):
-            for entry in np.unique(one[zero[one] & small[one]]):
-                partners = other[one == entry]
-                if (sides[partners] <= ZERO).all():
-                    found[entry], found[partners] = False, True
-        return None if (found == zero).all() else found
 
     def _apart(self, sides: Array) -> float:
         return float(np.abs(np.minimum(sides[self._first], sides[self._second])).max(initial=0.0))

@@ -96,8 +96,8 @@ def solved(problem: AmplProgram) -> dict[str, Any]:
     return {
         "value": problem.sign * found.value,
         "iterations": found.iterations,
-        "success": bool(found.success),
-        "strong": found.strong,
+        "success": found.converged,
+        "stationary": found.success,
         "complementarity": found.complementarity,
         "violation": found.violation,
         "seconds": time.process_time() - began,
@@ -149,7 +149,7 @@ def line(row: dict[str, Any]) -> str:
     text = f"{row['name']:14s} {row['variables']:9d} {row['pairs']:5d} "
     return text + (
         f"{row['value']:14.7g} {row['published']:12.6g} {row['iterations']:6d}  {row['verdict']:6s}"
-        f" {'strong' if row['strong'] else '':6s} complementarity {row['complementarity']:.0e},"
+        f" {'stationary' if row['stationary'] else '':10s} complementarity {row['complementarity']:.0e},"
         f" violation {row['violation']:.0e}"
     )
 

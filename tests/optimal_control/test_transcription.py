@@ -107,7 +107,7 @@ def test_a_plan_whose_contact_changes_at_ends_of_elements_is_followed_to_a_milli
     """The ball slides, then rolls; the ends of the elements move to that instant."""
     example = masse_shot.problem()
     found = example.plan.solve(example.guess, solver=example.solver())
-    assert found.solution.strong
+    assert found.solution.success
     assert example.reproduced(found)[0] < 1e-6
     assert example.missed(example.simulated(found)[-1]) < 1e-6
 
