@@ -65,15 +65,15 @@ MG_INTERNAL void mg_point_in_shape_axes(const mg_context *c, int feature_pair, i
   mg_rotate_back(place + 3, arm, local);
 }
 
-/* Parameter of a curve at one of its points, if eta does not hold it: of a straight edge the first coordinate, of
-   a circle or ellipse the angle. */
+/* Parameter of a curve at one of its points, if eta does not hold it: of a straight one how far the point is along it,
+   by the rate at which its points move with the parameter, of a circle or ellipse the angle. */
 static mg_real mg_curve_parameter_at(const mg_context *c, int feature_pair, int side, const mg_real *point) {
   const mg_real turns[2][2] = {{0, 0}, {2 * mg_atan((mg_real)1), 0}};
   const int shape = c->system->feature_shape[2 * feature_pair + side];
   const mg_real *parameters = c->system->parameters + c->system->feature_parameters[2 * feature_pair + side];
   mg_real x[3], y[3], T[3];
   c->kernels->shape_point(shape, turns[0], parameters, x, T);
-  if (!(x[0] > 0)) return point[0];
+  if (!(x[0] > 0)) return mg_dot3(T, point) / mg_dot3(T, T);
   c->kernels->shape_point(shape, turns[1], parameters, y, T);
   return mg_atan2(point[1] / y[1], point[0] / x[0]);
 }
@@ -84,12 +84,15 @@ static int mg_has_coordinates_in_eta(const mg_context *c, int feature_pair, int 
   return parametrisation == MG_CHART || parametrisation == MG_CURVE || parametrisation == MG_SIGNED_CURVE;
 }
 
-/* Chart coordinates of a contact point on a feature. Where eta does not hold them, as for planes, they are the
-   first coordinates of the point. */
+/* Chart coordinates of a contact point on a feature. Where eta does not hold them, they are the first coordinates of
+   the point, as for planes, or the parameter of the curve. */
 static void mg_feature_coordinates(const mg_context *c, int feature_pair, int side, const mg_real *eta,
                                    const mg_real *point, mg_real *uv) {
   const mg_real *own = eta + (side ? mg_parametrisation_size[mg_parametrisation(c, feature_pair, 0)] : 0);
-  uv[0] = mg_has_coordinates_in_eta(c, feature_pair, side) ? own[0] : point[0];
+  uv[0] = mg_has_coordinates_in_eta(c, feature_pair, side) ? own[0]
+          : mg_shape_kind_of(c, feature_pair, side)->dimension == 1
+              ? mg_curve_parameter_at(c, feature_pair, side, point)
+              : point[0];
   uv[1] = mg_parametrisation(c, feature_pair, side) == MG_CHART ? own[1] : point[1];
 }
 
@@ -106,15 +109,12 @@ MG_INTERNAL mg_real mg_quadric_condition(const mg_real *a, const mg_real *x) {
          a[8] * x[0] * x[2] + a[9] * x[1] * x[2];
 }
 
-/* The vector of an MG_CONDITION_WING, along a face at a point x of its edge with coordinates uv. */
-static void mg_wing(const mg_context *c, int feature_pair, int side, const mg_real *a, const mg_real *x,
-                    const mg_real *uv, mg_real *wing) {
+/* The vector of an MG_CONDITION_WING, along a face at a point of its edge with coordinates uv. */
+static void mg_wing(const mg_context *c, int feature_pair, int side, const mg_real *a, const mg_real *uv,
+                    mg_real *wing) {
   const mg_system *s = c->system;
-  const mg_real at[2] = {
-      mg_has_coordinates_in_eta(c, feature_pair, side) ? uv[0] : mg_curve_parameter_at(c, feature_pair, side, x),
-      uv[1]};
   mg_real point[3], T[3];
-  c->kernels->shape_point(s->feature_shape[2 * feature_pair + side], at,
+  c->kernels->shape_point(s->feature_shape[2 * feature_pair + side], uv,
                           s->parameters + s->feature_parameters[2 * feature_pair + side], point, T);
   const mg_real size = sqrt(mg_dot3(T, T));
   wing[0] = a[0] * T[1] / size, wing[1] = -a[0] * T[0] / size, wing[2] = a[1];
@@ -267,7 +267,7 @@ static mg_real mg_condition_value(const mg_context *c, int feature_pair, int k, 
     case MG_CONDITION_DISC:
       return a[0] - (view->uv[0] * view->uv[0] + view->uv[1] * view->uv[1]) / a[0];
     case MG_CONDITION_WING:
-      mg_wing(c, feature_pair, side, a, view->x, view->uv, wing);
+      mg_wing(c, feature_pair, side, a, view->uv, wing);
       return -mg_dot3(wing, view->N);
     case MG_CONDITION_TILT:
       return a[3] * (mg_tilt(a, view->N) - c->settings->flat_angle);
@@ -360,7 +360,7 @@ static void mg_read_tangent_cone(const mg_context *c, int feature_pair, const mg
     }
     mg_real *vector = cone->along[cone->count++];
     if (s->condition_kind[k] == MG_CONDITION_WING) {
-      mg_wing(c, feature_pair, view->side, a, view->x, view->uv, vector), cone->is_edge = 1;
+      mg_wing(c, feature_pair, view->side, a, view->uv, vector), cone->is_edge = 1;
     } else {
       const mg_real size = sqrt(mg_dot3(a, a));
       for (int i = 0; i < 3; i++) vector[i] = a[i] / size;
