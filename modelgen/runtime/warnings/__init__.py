@@ -56,7 +56,7 @@ def warnings(session: Session, accuracy: Accuracy, events: Sequence[Event]) -> t
             f"{int(session.run.singular_passages)} times where curvature vanishes or points of a pair become "
             "one: forces there are peaks whose impulses count, but that samples do not show"
         )
-    if (patch := int(session.run.overlapping_patch)) >= 0:
+    if (patch := int(session.run.overlapping_patch)) >= 0 and _is_share_measured(session, patch):
         found.append(
             f"the faces of several pairs in the planar contact {session.shared.patch_names[patch]} overlap: "
             "the force of each pair is not unique, and its share is given in proportion to what presses on "
@@ -76,6 +76,12 @@ def warnings(session: Session, accuracy: Accuracy, events: Sequence[Event]) -> t
     found += impact_warnings(session, accuracy)
     found += stepping_warnings(session)
     return (*found, *joint_warnings(session, accuracy))
+
+
+def _is_share_measured(session: Session, patch: int) -> bool:
+    """Whether a sensor measures a pair of a patch of several."""
+    shares = session.instance["patches"][patch]["shares"]
+    return bool({share[0] for share in shares} & set(session.instance["sensors"].get("pairs", ())))
 
 
 def _redundancy(redundant: int, has_friction: bool) -> str:
