@@ -72,7 +72,7 @@ def simulate(
         until: end time, s; the scene's own when None.
         accuracy: every tolerance and choice, or "fast", "balanced", "tight"; the scene's own when None.
         samples: output intervals, at least 1; the scene's own when None.
-        estimate: whether a companion run, of 1.2 to 1.4 times the cost as a rule, follows, from which the
+        estimate: whether a companion run, of 1.2 to 1.6 times the cost as a rule, follows, from which the
             error is estimated; the scene's own, or True, when None.
         parameters: values of parameters of the scene by name, in SI units; others keep the scene's own.
         inputs: values of inputs of the scene by name, for the whole run; the scene's defaults for the others.
@@ -188,15 +188,17 @@ def _estimate(
 
 
 def _followed(schedule: Schedule, path: Trajectory, accuracy: Accuracy) -> Schedule:
-    """The schedule of the companion of a run: up to where the run came, with the end of a step at each sample
-    where samples are no denser than steps and the steps adapt.
+    """The schedule of the companion of a run: up to where the run came and, if its steps adapt, with the end
+    of a step at each sample, or at as many, evenly spread, as the run took steps where samples are denser.
 
     The error of states between the ends of a step changes its sign there. A sample that has a step to itself
-    may lie near such a zero of the run, where an interpolated companion errs as much.
+    may lie near such a zero of the run, where an interpolated companion errs as much. At samples denser than
+    steps the interpolants err, and those of a companion with steps as long err alike; shorter ones err less.
     """
     ends = {min(until, path.t_end) for until, _ in schedule}
-    if len(path.t) - 1 <= path.steps and accuracy.method not in ORDERS:
-        ends |= set(path.t[1:].tolist())
+    if accuracy.method not in ORDERS:
+        every = max((len(path.t) - 1) // max(path.steps, 1), 1)
+        ends |= set(path.t[every::every].tolist())
     untils = [until for until, _ in schedule]
     return [(end, schedule[bisect_left(untils, end)][1]) for end in sorted(ends)]
 
