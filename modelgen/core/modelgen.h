@@ -536,6 +536,7 @@ typedef struct {
   mg_real painleve_t;          /* time at which forces were first indeterminate (Painleve's paradox), s */
   mg_real unfollowed_t;        /* time of the first of unfollowed_minima, s */
   mg_real spin_max;            /* time-stepping: largest angular speed of a body at the starts of steps, rad/s */
+  mg_real force_rounding;   /* largest relative error that rounding may have made in the forces of an evaluation */
   mg_real spring_rate_max;     /* time-stepping: fastest rate of a spring or damper alone on its bodies, 1/s */
   mg_real incomplete_t;        /* time of the first of incomplete_searches, s */
   mg_real indeterminate_t;     /* time of indeterminate, s */

@@ -193,7 +193,7 @@ def _other(
         worst = events_between(told[0], told[1], min(path.t_end, twin.t_end))["events"]
     return {
         "gap": None if gap is None else safe * gap,
-        "force": None if force is None else safe * force,
+        "force": None if force is None else safe * force + path.force_rounding,
         "events": None if worst is None else safe * worst + resolution,
         "events_unmatched": times["events_unmatched"],
     }

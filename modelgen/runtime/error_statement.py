@@ -22,7 +22,7 @@ class Estimate:
         spin: (n,) rad/s, of a body's angular velocity.
         gap: m, up to the last sample that is predicted, as `force` and `events`; None where the run has none,
             as they are.
-        force: root mean square, relative.
+        force: of the normal forces of contacts, root mean square, relative; with what rounding may change.
         events: s, of the times of events; of later ones where none comes before that sample. How many events
             have no like in the companion is `events_unmatched`.
         predicted: how many samples are predicted, at least one.

@@ -205,6 +205,7 @@ class Trajectory:
     flush_contact: str = ""  # its contact, "" where there was none
     energy_rounding: float = 0.0  # energy drift that rounding may explain
     correction_energy: float = 0.0  # sum of |changes of energy| by corrections of positions, as energy_drift
+    force_rounding: float = 0.0  # error of the forces of contacts that rounding may explain, relative
     penetration_t: float = 0.0  # s, of `penetration_max`
     penetration_pair: str = ""  # the pair that penetrates so deep, "" where none does
     undeclared: tuple[Passage, ...] = ()  # pairs that no contact lists and that overlapped, by time

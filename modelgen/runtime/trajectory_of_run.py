@@ -71,6 +71,7 @@ def trajectory_of(
         energy_drift=session.energy_drift(run),
         energy_rounding=session.energy_rounding(run),
         correction_energy=session.correction_energy(run),
+        force_rounding=float(run.force_rounding),
         gap_max=float(run.gap_max),
         penetration_max=float(run.penetration_max),
         penetration_t=float(run.penetration_t),

@@ -179,9 +179,9 @@ MG_INTERNAL int mg_cholesky_pivoted(int k, mg_real *L, int *order, mg_real toler
 MG_INTERNAL int mg_minimum_norm_two(mg_real s, const mg_real *c, mg_real *y);
 
 /* Least-norm solution y (k) of S y = -c, refined once. The diagonal of S is 1, or not positive. Returns the rank
-   of S, the number of pivots above `floor`. work: 3 k^2 + 3 k; order: k. */
+   of S, the number of pivots above `floor`, and the least pivot of S. work: 3 k^2 + 3 k; order: k. */
 MG_INTERNAL int mg_minimum_norm(int k, const mg_real *S, const mg_real *c, mg_real floor, mg_real *y, mg_real *work,
-                                int *order);
+                                int *order, mg_real *pivot);
 
 /* lu.c */
 

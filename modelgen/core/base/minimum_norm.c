@@ -101,11 +101,13 @@ static void mg_linear_residual(int k, const mg_real *S, const mg_real *c, const 
     for (int i = 0; i < k; ++i) residual[i] += S[i + j * k] * y[j];
 }
 
-/* Solves S y = -c by the plain factor with one step of iterative refinement. Returns 0 if S is too near to
-   singular for that. */
-static int mg_solve_regular(int k, const mg_real *S, const mg_real *c, mg_real *y, mg_real *L, mg_real *residual) {
+/* Solves S y = -c by the plain factor, of the given least pivot, with one step of iterative refinement. Returns 0 if S
+   is too near to singular for that. */
+static int mg_solve_regular(int k, const mg_real *S, const mg_real *c, mg_real *y, mg_real *L, mg_real *residual,
+                            mg_real *pivot) {
   for (int i = 0; i < k * k; ++i) L[i] = S[i];
-  if (!(mg_cholesky(k, L) > MG_LCP_REGULAR)) return 0;
+  *pivot = mg_cholesky(k, L);
+  if (!(*pivot > MG_LCP_REGULAR)) return 0;
   for (int i = 0; i < k; ++i) y[i] = -c[i];
   mg_cholesky_solve(k, L, y);
   mg_linear_residual(k, S, c, y, residual);
@@ -115,11 +117,12 @@ static int mg_solve_regular(int k, const mg_real *S, const mg_real *c, mg_real *
 }
 
 MG_INTERNAL int mg_minimum_norm(int k, const mg_real *S, const mg_real *c, mg_real floor, mg_real *y, mg_real *work,
-                                int *order) {
+                                int *order, mg_real *pivot) {
   mg_factor f = {k, k, work, work + k * k, work + 2 * k * k, order};
   mg_real *residual = work + 3 * k * k, *t = residual + k, *s = t + k;
+  *pivot = (1 - S[1]) * (1 + S[1]);
   if (k == 2 && S[0] > 0 && S[3] > 0) return mg_minimum_norm_two(S[1], c, y);
-  if (mg_solve_regular(k, S, c, y, f.L, residual)) return k;
+  if (mg_solve_regular(k, S, c, y, f.L, residual, pivot)) return k;
   for (int i = 0; i < k * k; ++i) f.L[i] = S[i];
   f.rank = mg_cholesky_pivoted(k, f.L, order, floor);
   if (f.rank < k) mg_orthonormalise(&f);

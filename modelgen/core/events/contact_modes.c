@@ -20,8 +20,9 @@ static int mg_is_contact_redundant(mg_context *c, int contact) {
   const mg_real *column = c->lcp.A + (long)n * (n - 1);
   mg_real own = column[n - 1];
   for (int r = 0; r < n; r++) c->lcp.b[r] = column[r], c->lcp.mask[r] = r < n - 1;
+  mg_real pivot;
   mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask, c->system->n_joint_row ? c->settings->joint_rank_tolerance : 0,
-                  c->lcp.z, c->lcp.work, c->lcp.iwork);
+                  c->lcp.z, c->lcp.work, c->lcp.iwork, &pivot);
   for (int r = 0; r < n - 1; r++) own += column[r] * c->lcp.z[r];
   return own <= c->settings->contact_rank_tolerance * column[n - 1];
 }

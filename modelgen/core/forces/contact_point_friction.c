@@ -125,7 +125,9 @@ static int mg_has_slip_coupling(const mg_context *c, const int *list, int n) {
   return 0;
 }
 
-MG_INTERNAL void mg_solve_island_with_friction(mg_context *c, int n, mg_real *amount) {
+MG_INTERNAL void mg_solve_island_with_friction(mg_context *c, int n, const mg_real *rate, mg_real *amount) {
+  mg_real pivot = 1;
+  int rank = 0;
   const int unsymmetric = mg_has_slip_coupling(c, c->islands.rows, n);
   if (unsymmetric) {
     mg_keep_symmetric_rows(c, n);
@@ -135,11 +137,13 @@ MG_INTERNAL void mg_solve_island_with_friction(mg_context *c, int n, mg_real *am
     for (int r = 0; r < n; r++) c->lcp.b[r] += c->lcp.A[r + n * j] * c->run->reference_force[c->islands.rows[j]];
   if (unsymmetric) mg_solve_unsymmetric_rows(c, c->islands.rows, n, c->lcp.z);
   else
-    mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask, c->system->n_joint_row ? c->settings->joint_rank_tolerance : 0,
-                    c->lcp.z, c->lcp.work, c->lcp.iwork);
+    rank = mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask,
+                           c->system->n_joint_row ? c->settings->joint_rank_tolerance : 0, c->lcp.z, c->lcp.work,
+                           c->lcp.iwork, &pivot);
   for (int r = 0; r < n; r++)
     amount[c->islands.rows[r]] =
         c->lcp.z[r] + (c->run->forces_redundant ? c->run->reference_force[c->islands.rows[r]] : 0);
+  if (rank == n) mg_refine_rows(c, n, rank, rate, pivot, amount);
 }
 
 MG_INTERNAL void mg_apply_slip_forces(mg_context *c) {

@@ -254,6 +254,13 @@ MG_INTERNAL int mg_hold_rows(mg_context *c, const int *marked, int sticks, const
    of the stage slopes, and the contact forces of the run. */
 MG_INTERNAL void mg_evaluate_run_state(mg_context *c);
 
+/* row_refinement.c */
+
+/* Corrects the amounts of the n rows of c->islands.rows, which J M^-1 J^T amount = -rate gave, to rounding if the least
+   pivot of the scaled matrix is small; notes how uncertain rounding leaves them. `rank`: of the rows as they were
+   solved; amounts of rows that depend on each other are left as they are. Needs M^-1 J^T of the rows. */
+MG_INTERNAL void mg_refine_rows(mg_context *c, int n, int rank, const mg_real *rate, mg_real pivot, mg_real *amount);
+
 /* joint_elimination.c */
 
 /* Append the supports of all flat patches, the rows of all joints, and those of springs while they act through them, to
@@ -354,7 +361,7 @@ MG_INTERNAL void mg_couple_slip_to_normal_columns(mg_context *c, const int *list
 
 /* Solve the forces of one island of n assembled rows; where they are not unique, those nearest to the reference
    forces. */
-MG_INTERNAL void mg_solve_island_with_friction(mg_context *c, int n, mg_real *amount);
+MG_INTERNAL void mg_solve_island_with_friction(mg_context *c, int n, const mg_real *rate, mg_real *amount);
 
 /* Compute the friction forces of slipping contacts and patches from their normal forces and add them to the
    accelerations. */

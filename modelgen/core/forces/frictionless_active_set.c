@@ -4,6 +4,16 @@
 #include "model/model.h"
 #include "solve/lcp/lcp_solvers.h"
 
+/* Whether all of the first n rows of c->lcp.rows may be active: none pulls. Where masses differ so much that the
+   complementarity problem is solved to fewer digits than its certificate asks for, its matrix is not the way to tell. */
+static int mg_may_all_be_active(mg_context *c, int n) {
+  for (int r = 0; r < n; r++) c->run->active[c->lcp.rows[r]] = 1;
+  mg_evaluate_run_state(c);
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
+    if (c->run->active[i] && !(c->solution.force[i] > 0)) return 0;
+  return 1;
+}
+
 MG_INTERNAL int mg_solve_active_set(mg_context *c, const int *skip) {
   const int m = c->system->n_contact;
   if (c->system->n_friction) return mg_solve_patch_friction_modes(c, skip);
@@ -22,7 +32,8 @@ MG_INTERNAL int mg_solve_active_set(mg_context *c, const int *skip) {
     c->rows.row_rate[i] = mg_row_acceleration(c, i);
   for (int r = 0; r < n; r++)
     c->rows.row_rate[c->lcp.rows[r]] = mg_row_acceleration(c, c->lcp.rows[r]), c->lcp.mask[r] = 1;
-  if (mg_solve_contact_lcp(c, n, c->rows.row_rate, &report) != MG_LCP_SOLVED) return MG_COMPLEMENTARITY;
+  if (mg_solve_contact_lcp(c, n, c->rows.row_rate, &report) != MG_LCP_SOLVED)
+    return mg_may_all_be_active(c, n) ? MG_DONE : MG_COMPLEMENTARITY;
   if (report.residual > c->run->lcp_residual_max) c->run->lcp_residual_max = report.residual;
   for (int r = 0; r < n; r++) c->run->active[c->lcp.rows[r]] = c->lcp.mask[r] != 0, carrying += c->lcp.mask[r] != 0;
   if (carrying - report.rank > c->run->redundant_max) c->run->redundant_max = carrying - report.rank;

@@ -7,8 +7,9 @@
 
 /* Solve y = -A_jj^+ right over the joint rows, of minimum norm; the first n entries of y are 0. */
 static void mg_solve_joint_forces(mg_context *c, int size, const mg_real *right) {
+  mg_real pivot;
   mg_active_above(size, c->lcp.A, right, c->lcp.joint_mask, c->settings->joint_rank_tolerance, c->lcp.reduced_z,
-                  c->lcp.work, c->lcp.iwork);
+                  c->lcp.work, c->lcp.iwork, &pivot);
 }
 
 /* Contribution of the joint forces y to one contact row: sum over the joints of A_cj y_j. */

@@ -13,12 +13,15 @@ static void mg_solve_island(mg_context *c, int n, const mg_real *rate, mg_real *
             has_reference = c->friction.couples_normal && c->run->forces_redundant;
   for (int r = 0; r < n; r++) c->lcp.b[r] = rate[c->islands.rows[r]], c->lcp.mask[r] = 1;
   if (has_slip || has_reference) {
-    mg_solve_island_with_friction(c, n, amount);
+    mg_solve_island_with_friction(c, n, rate, amount);
     return;
   }
-  mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask, c->system->n_joint_row ? c->settings->joint_rank_tolerance : 0,
-                  c->lcp.z, c->lcp.work, c->lcp.iwork);
+  mg_real pivot;
+  const int rank = mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask,
+                                   c->system->n_joint_row ? c->settings->joint_rank_tolerance : 0, c->lcp.z,
+                                   c->lcp.work, c->lcp.iwork, &pivot);
   for (int r = 0; r < n; r++) amount[c->islands.rows[r]] = c->lcp.z[r];
+  mg_refine_rows(c, n, rank, rate, pivot, amount);
 }
 
 static void mg_hold_island(mg_context *c, int first, const mg_real *rate, mg_real *amount) {
@@ -83,7 +86,7 @@ static void mg_solve_listed_rows(mg_context *c, int n, const mg_real *rate, mg_r
 static void mg_solve_contact_forces(mg_context *c) {
   c->friction.couples_normal = c->system->n_friction > 0;
   if (c->friction.couples_normal) mg_set_slip_force_ratios(c);
-  c->patches.pressure_rounds = c->lcp.n_assembled = 0;
+  c->patches.pressure_rounds = c->lcp.n_assembled = 0, c->lcp.rounding = 0;
   const int n = mg_list_marked_rows(c, c->run->active, 1, c->solution.force);
   for (int r = 0; r < n; r++) c->rows.row_rate[c->lcp.rows[r]] = mg_row_acceleration(c, c->lcp.rows[r]);
   mg_solve_listed_rows(c, n, c->rows.row_rate, c->solution.force);
@@ -93,6 +96,7 @@ static void mg_solve_contact_forces(mg_context *c) {
     mg_add_row_response(c, c->lcp.rows[r], c->solution.force[c->lcp.rows[r]], c->bodies.acceleration);
   if (c->friction.couples_normal) mg_apply_slip_forces(c);
   c->friction.couples_normal = 0;
+  c->run->force_rounding = mg_max(c->run->force_rounding, c->lcp.rounding);
 }
 
 /* True if pose, twist and acceleration of the body are finite. */

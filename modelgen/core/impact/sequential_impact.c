@@ -50,8 +50,9 @@ static void mg_solve_joint_reactions(mg_context *c, int n, int contact_rows) {
     for (int j = 0; j < contact_rows; j++) c->lcp.b[r] += c->lcp.A[r + (long)n * j] * c->lcp.z[j];
   }
   mg_real *reactions = c->rows.row_rate;
+  mg_real pivot;
   mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask, c->settings->joint_rank_tolerance, reactions, c->lcp.work,
-                  c->lcp.iwork);
+                  c->lcp.iwork, &pivot);
   for (int r = contact_rows; r < n; r++) c->lcp.z[r] = reactions[r];
 }
 

@@ -172,6 +172,7 @@ typedef struct {
   int *iwork;         /* [mg_lcp_iwork_size(n)] memory of the solvers */
   int *joint_mask;    /* [n] bilateral rows; of joint rows alone: the independent ones */
   int *column;        /* [per row] its column in A, else -1 */
+  mg_real rounding;   /* largest relative error that rounding may have made in the forces of the contacts sought */
   int n_assembled;    /* matrices assembled since the last right-hand side began */
   int keeps_matrix;   /* 1: A is that of all rows, which are not assembled again */
 } mg_lcp_workspace;

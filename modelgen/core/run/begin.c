@@ -69,6 +69,7 @@ static void mg_reset_report(mg_run *run) {
   run->indeterminate_switch = run->shared_switch = -1;
   run->incomplete_searches = 0, run->search_effort = 0, run->incomplete_t = 0, run->incomplete_pair = -1;
   run->penetration_t = run->t, run->penetration_contact = -1;
+  run->force_rounding = 0;
   run->spring_rate_max = run->spin_max = 0, run->spring_rate_load = run->spin_body = -1;
   run->overlapping_patch = -1;
 }

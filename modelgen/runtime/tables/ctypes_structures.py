@@ -207,6 +207,7 @@ RUN_REALS = (
         "painleve_t",
         "unfollowed_t",
         "spin_max",
+        "force_rounding",
         "spring_rate_max",
         "incomplete_t",
         "indeterminate_t",

@@ -99,6 +99,7 @@ static void mg_move_to_least_norm(mg_scaled_friction *s, int k, const mg_real *D
 MG_INTERNAL int mg_friction_least_norm(mg_scaled_friction *s, const int *marks, mg_friction_report *report) {
   const int m = s->m, room = m + 3;
   mg_real *D = s->work, *G = D + m * m, *g = G + room * room, *image = g + room, *a = image + room, *rest = a + room;
+  mg_real pivot;
   int k, strict, size;
   for (int i = 0; i < m; ++i) s->y[i] = s->best[i];
   mg_friction_update_motion(s);
@@ -106,7 +107,7 @@ MG_INTERNAL int mg_friction_least_norm(mg_scaled_friction *s, const int *marks, 
   strict = mg_is_strictly_inside_cones(s, marks);
   size = k < 3 ? 3 : k;
   mg_assemble_least_norm(s, k, size, D, G, g, image);
-  report->rank = mg_minimum_norm(size, G, g, MG_LCP_RANK(size), a, rest, s->iwork);
+  report->rank = mg_minimum_norm(size, G, g, MG_LCP_RANK(size), a, rest, s->iwork, &pivot);
   if (report->rank < k) mg_move_to_least_norm(s, k, D, a, image);
   for (int i = 0; i < m; ++i) s->y[i] = s->best[i];
   strict |= mg_is_strictly_inside_cones(s, marks);

@@ -221,7 +221,7 @@ MG_INTERNAL void mg_friction_scale_guess(mg_scaled_friction *s, const mg_real *z
 MG_INTERNAL void mg_friction_unscale(const mg_scaled_friction *s, const mg_real *y, mg_real *z) {
   const mg_friction_problem *p = s->given;
   const int k = s->n_bilateral;
-  mg_real *B = s->work, *r = B + k * k, *x = r + k, *rest = x + k;
+  mg_real *B = s->work, *r = B + k * k, *x = r + k, *rest = x + k, pivot;
   for (int i = 0; i < p->n; ++i) z[i] = 0;
   for (int i = 0; i < s->m; ++i) z[s->row[i]] = y[i] * s->e[i] * s->scale;
   for (int i = 0; i < k; ++i) {
@@ -231,6 +231,6 @@ MG_INTERNAL void mg_friction_unscale(const mg_scaled_friction *s, const mg_real 
     r[i] *= s->e_b[i];
     for (int j = 0; j < k; ++j) B[i + j * k] = mg_friction_entry(s, row, s->bilateral[j]) * s->e_b[i] * s->e_b[j];
   }
-  if (k > 0) mg_minimum_norm(k, B, r, MG_LCP_RANK(k), x, rest, s->iwork);
+  if (k > 0) mg_minimum_norm(k, B, r, MG_LCP_RANK(k), x, rest, s->iwork, &pivot);
   for (int i = 0; i < k; ++i) z[s->bilateral[i]] = x[i] * s->e_b[i];
 }

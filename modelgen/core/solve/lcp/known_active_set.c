@@ -21,12 +21,13 @@ static int mg_are_all_active(int n, const int *active) {
 }
 
 /* The same for two unknowns with positive diagonal. */
-static int mg_active_two(const mg_real *A, const mg_real *b, mg_real *z) {
+static int mg_active_two(const mg_real *A, const mg_real *b, mg_real *z, mg_real *pivot) {
   mg_real d0 = (mg_real)sqrt(A[0]), d1 = (mg_real)sqrt(A[3]), c[2];
   int rank;
   c[0] = b[0] / d0;
   c[1] = b[1] / d1;
   rank = mg_minimum_norm_two(A[1] / d0 / d1, c, z);
+  *pivot = (A[0] * A[3] - A[1] * A[1]) / A[0] / A[3];
   z[0] /= d0;
   z[1] /= d1;
   return rank;
@@ -34,7 +35,7 @@ static int mg_active_two(const mg_real *A, const mg_real *b, mg_real *z) {
 
 /* The same for the k unknowns of `index`, scaled to unit diagonal. */
 static int mg_active_gather(int n, const mg_real *A, const mg_real *b, const int *index, int k, mg_real floor,
-                            mg_real *z, mg_real *work, int *order) {
+                            mg_real *z, mg_real *work, int *order, mg_real *pivot) {
   mg_real *S = work, *c = S + k * k, *reciprocal = c + k, *y = reciprocal + k;
   int rank;
   for (int i = 0; i < k; ++i) {
@@ -46,27 +47,32 @@ static int mg_active_gather(int n, const mg_real *A, const mg_real *b, const int
     for (int i = 0; i < k; ++i) S[i + j * k] = column[index[i]] * reciprocal[i] * reciprocal[j];
     if (A[index[j] + index[j] * n] > 0) S[j + j * k] = 1;
   }
-  rank = mg_minimum_norm(k, S, c, floor, y, y + k, order);
+  rank = mg_minimum_norm(k, S, c, floor, y, y + k, order, pivot);
   for (int i = 0; i < k; ++i) z[index[i]] = y[i] * reciprocal[i];
   return rank;
 }
 
 MG_INTERNAL int mg_active_above(int n, const mg_real *A, const mg_real *b, const int *active, mg_real floor, mg_real *z,
-                                mg_real *work, int *iwork) {
+                                mg_real *work, int *iwork, mg_real *pivot) {
   int k = 0;
+  *pivot = 1;
   if (n == 1 && active[0]) return mg_active_one(A[0], b[0], z);
-  if (n <= MG_DEFINITE_MAX && mg_are_all_active(n, active) && mg_solve_definite(n, A, b, z)) return n;
-  if (n == 2 && active[0] && active[1] && A[0] > 0 && A[3] > 0) return mg_active_two(A, b, z);
+  if (n <= MG_DEFINITE_MAX && mg_are_all_active(n, active) && mg_solve_definite(n, A, b, z)) {
+    *pivot = MG_LCP_DEFINITE;
+    return n;
+  }
+  if (n == 2 && active[0] && active[1] && A[0] > 0 && A[3] > 0) return mg_active_two(A, b, z, pivot);
   for (int i = 0; i < n; ++i) {
     z[i] = 0;
     if (active[i]) iwork[k++] = i;
   }
   if (k == 0) return 0;
   if (k == 1) return mg_active_one(A[iwork[0] + iwork[0] * n], b[iwork[0]], z + iwork[0]);
-  return mg_active_gather(n, A, b, iwork, k, floor > 0 ? floor : MG_LCP_RANK(k), z, work, iwork + n);
+  return mg_active_gather(n, A, b, iwork, k, floor > 0 ? floor : MG_LCP_RANK(k), z, work, iwork + n, pivot);
 }
 
 MG_API int mg_active_solve(int n, const mg_real *A, const mg_real *b, const int *active, mg_real *z, mg_real *work,
                            int *iwork) {
-  return mg_active_above(n, A, b, active, 0, z, work, iwork);
+  mg_real pivot;
+  return mg_active_above(n, A, b, active, 0, z, work, iwork, &pivot);
 }

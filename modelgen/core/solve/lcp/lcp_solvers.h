@@ -47,8 +47,9 @@ MG_INTERNAL int mg_lcp_report_failure(int n, const mg_real *A, const mg_real *b,
 
 /* known_active_set.c */
 
-/* mg_active_solve with pivots of the scaled A_BB up to `floor` counted as zero; floor = 0: rounding. */
+/* mg_active_solve with pivots of the scaled A_BB up to `floor` counted as zero; floor = 0: rounding. `pivot` receives
+   the least of them, or a lower bound that is not small. */
 MG_INTERNAL int mg_active_above(int n, const mg_real *A, const mg_real *b, const int *active, mg_real floor, mg_real *z,
-                                mg_real *work, int *iwork);
+                                mg_real *work, int *iwork, mg_real *pivot);
 
 #endif

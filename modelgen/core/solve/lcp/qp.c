@@ -76,13 +76,13 @@ static void mg_refine_regular(mg_qp_state *s) {
 /* Least-norm solution on the active set by the pivoted factor; returns the rank. */
 static int mg_refine_deficient(mg_qp_state *s) {
   int n = s->n, k = s->k, rank;
-  mg_real *S = s->work, *c = S + k * k;
+  mg_real *S = s->work, *c = S + k * k, pivot;
   for (int j = 0; j < k; ++j) {
     const mg_real *column = s->S + s->index[j] * n;
     for (int i = 0; i < k; ++i) S[i + j * k] = column[s->index[i]];
     c[j] = s->c[s->index[j]];
   }
-  rank = mg_minimum_norm(k, S, c, MG_LCP_RANK(k), s->gathered, c + k, s->order);
+  rank = mg_minimum_norm(k, S, c, MG_LCP_RANK(k), s->gathered, c + k, s->order, &pivot);
   for (int i = 0; i < k; ++i) s->trial[s->index[i]] = s->gathered[i];
   return rank;
 }
