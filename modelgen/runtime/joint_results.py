@@ -76,8 +76,8 @@ def redundancy(session: Session) -> list[str]:
         if rank < rows:
             found.append(
                 f"joint {joint['name']!r} is redundant: {rows - rank} of its {rows} rows follow from the "
-                "joints listed before it; the motion is unique, the joint forces given are those of minimum "
-                "norm"
+                "joints listed before it; the motion is unique, the joint forces given are those of least "
+                "weighted norm"
             )
     return found
 

@@ -185,7 +185,7 @@ class Trajectory:
     joint_error_max: float  # m, largest deviation from the joints' equations at an accepted step
     complementarity_max: float
     margin_min: float
-    redundant_max: int  # most active contacts beyond the rank of their rows; their forces have minimum norm
+    redundant_max: int  # most active contacts beyond the rank of their rows, of least weighted norm
     unfollowed_minima: (
         int  # how often a search found closest points within reach that no contact could follow
     )

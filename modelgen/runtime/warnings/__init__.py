@@ -92,7 +92,7 @@ def _redundancy(redundant: int, has_friction: bool) -> str:
         )
     return (
         f"contact forces are not unique: {redundant} more contacts carried force than have independent "
-        "rows; the motion is unique, the forces given are those of minimum norm"
+        "rows; the motion is unique, the forces given are those of least weighted norm"
     )
 
 

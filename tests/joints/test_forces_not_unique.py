@@ -1,0 +1,55 @@
+"""Forces that are not unique: those of the least sum of A_ii f_i^2, A = J M^-1 J^T, as the manual says."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from modelgen import simulate
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Scene
+from tests.running import library_of
+
+G = 9.81
+ROD = 0.5  # m
+
+
+def plate(rng: np.random.Generator, at: np.ndarray, hanging: bool) -> tuple[Scene, float, np.ndarray]:
+    """A plate on four balls, or on four vertical rods, with its mass and inertia."""
+    mass, inertia = float(rng.uniform(0.5, 5)), rng.uniform(0.05, 0.1, 3)
+    feet = [make.sphere(0.05, name=f"foot{k}", position=[x, y, 0]) for k, (x, y) in enumerate(at.tolist())]
+    body = make.dynamic("plate", *feet, mass=mass, inertia=inertia.tolist(), position=[0, 0, 0.05])
+    if not hanging:
+        contact = [{"between": [f"plate/foot{k}", "floor"]} for k in range(4)]
+        return make.scene("plate", [make.fixed("floor", make.plane()), body], contact=contact), mass, inertia
+    joint = [
+        {
+            "name": f"rod{k}", "kind": "distance", "between": ["world", "plate"], "distance": ROD,
+            "frames": [{"position": [x, y, 0.05 + ROD]}, {"position": [x, y, 0]}],
+        }
+        for k, (x, y) in enumerate(at.tolist())
+    ]  # fmt: skip
+    return make.scene("plate", [body], joint=joint), mass, inertia
+
+
+def least(at: np.ndarray, mass: float, inertia: np.ndarray) -> np.ndarray:
+    """The forces f of the least sum of A_ii f_i^2 that carry the weight; A_ii by the motion of each point."""
+    carried = np.array([np.ones(4), at[:, 1], -at[:, 0]])  # force, and moments about x and y
+    weight = np.sqrt(1 / mass + at[:, 1] ** 2 / inertia[0] + at[:, 0] ** 2 / inertia[1])
+    return np.asarray(np.linalg.pinv(carried / weight) @ [mass * G, 0, 0]) / weight
+
+
+@pytest.mark.cases(4)
+@pytest.mark.parametrize("hanging", [False, True])
+@pytest.mark.parametrize("seed", range(25))
+def test_forces_that_are_not_unique_have_the_least_weighted_norm(seed: int, hanging: bool) -> None:
+    rng = np.random.default_rng(seed)
+    at = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * 0.3 + rng.uniform(-0.1, 0.1, (4, 2))
+    scene, mass, inertia = plate(rng, at, hanging)
+    path = simulate(library_of(scene), until=1e-3, samples=1, estimate=False)
+    shown = path.joint_force[0, :, 2] if hanging else path.force[0]
+    right = least(at, mass, inertia)
+    assert right.min() > 0
+    assert shown == pytest.approx(right, rel=1e-9)
+    plain = np.linalg.pinv(np.array([np.ones(4), at[:, 1], -at[:, 0]])) @ [mass * G, 0, 0]
+    assert np.abs(plain - right).max() > 1e-4 * right.max()  # the plain norm is another one
