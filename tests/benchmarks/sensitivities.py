@@ -18,7 +18,7 @@ import numpy as np
 from modelgen import build, derive, emit, read, require
 from modelgen.codegen.library import Library
 from modelgen.runtime.core_session import CONTINUE, FULL, Session
-from modelgen.runtime.gradient import SLOPES, TapedRun
+from modelgen.runtime.gradient import MARKS, SLOPES, TapedRun
 from modelgen.runtime.sensitivity import Outputs, TangentRun
 from modelgen.runtime.sensitivity_directions import QUANTITIES, direction_arrays, directions_of
 from modelgen.runtime.settings import accuracy_of
@@ -61,7 +61,7 @@ class Measured:
 
     def along(self, n: int) -> float:
         """Derivatives along n directions."""
-        arrays = direction_arrays(self.library, self._directions[:n], {})
+        arrays = direction_arrays(self.library, self._directions[:n])
         run = TangentRun(self.session(), arrays, n)
         begun = time.process_time()
         run.go_on(self._until)
@@ -69,9 +69,11 @@ class Measured:
 
     def gradient(self) -> tuple[float, float]:
         """A gradient by all directions, and the part of it that goes back."""
-        rows = direction_arrays(self.library, self._directions, {})
-        combined = {name: np.ascontiguousarray(np.sum(array, axis=0)[None]) for name, array in rows.items()}
-        combined["moves_borders"] = np.ascontiguousarray(rows["moves_borders"][:1])
+        rows = direction_arrays(self.library, self._directions)
+        combined = {
+            name: np.ascontiguousarray(array[:1] if name in MARKS else np.sum(array, axis=0)[None])
+            for name, array in rows.items()
+        }
         run = TapedRun(self.session(), combined)
         outputs = Outputs(run.session, self._of)
         begun = time.process_time()

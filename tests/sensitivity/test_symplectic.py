@@ -94,7 +94,7 @@ def test_the_symplectic_form_is_kept(text: str, t: float, blows: int) -> None:
     names = [f"{body}.{quantity}" for body in bodies for quantity in QUANTITIES]
     directions = directions_of(library.manifest.instance, names)
     session = Session(library, accuracy_of(library.manifest.instance, "tight", {}))
-    run = TangentRun(session, direction_arrays(library, directions, {}), len(directions))
+    run = TangentRun(session, direction_arrays(library, directions), len(directions))
     before, form = canonical(session, run.state_derivatives())
     assert np.linalg.matrix_rank(before) == len(directions)
     start = before @ form @ before.T
