@@ -23,7 +23,21 @@ def soundness(scene: Scene) -> tuple[str, ...]:
             if (body.name, shape.name) in touching:
                 where = f"{scene.source}: body[{i}].shape{f'[{k}]' if len(body.shapes) > 1 else ''}"
                 found += [f"{body.name}/{shape.name}: {text}" for text in _remarks(shape, where)]
+    found += [
+        f"{name}: contacts are with this shape, which stands for {what}" for name, what in stand_ins(scene)
+    ]
     return (*found, *_standing(scene))
+
+
+def stand_ins(scene: Scene) -> list[tuple[str, str]]:
+    """The shapes that may touch and stand for another surface: `body/shape`, and the latter in words."""
+    touching = {partner for pair in scene.contacts for partner in pair.between}
+    return [
+        (f"{body.name}/{shape.name}", shape.stands_for)
+        for body in scene.bodies
+        for shape in body.shapes
+        if shape.stands_for and (body.name, shape.name) in touching
+    ]
 
 
 def _standing(scene: Scene) -> Iterator[str]:

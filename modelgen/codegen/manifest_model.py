@@ -8,6 +8,7 @@ from typing import Any
 
 from modelgen.assembly import Q_SIZE, U_SIZE
 from modelgen.assembly.contact_reuse import models_have_same_contacts
+from modelgen.assembly.contact_warnings import stand_ins
 from modelgen.assembly.masses import pose_numbers
 from modelgen.codegen.load_branches import switch_count
 from modelgen.codegen.manifest_open_edges import open_edges_of
@@ -235,6 +236,7 @@ def instance_of(model: Model, known: tuple[Model, dict[str, Any]] | None = None)
         "observe": list(scene.observe),
         "left_out": list(model.left_out),
         "warnings": list(model.warnings),
+        **({"stand_ins": [list(each) for each in replaced]} if (replaced := stand_ins(model.scene)) else {}),
         "run": scene.run.said(),
     }
 

@@ -115,6 +115,7 @@ typedef struct {
   int closed_capacity;       /* most contacts closed at a time; scratch memory grows with its square */
   int n_joint;               /* joints */
   int n_joint_row;           /* rows (scalar equations) of all joints */
+  int n_stand_in;            /* shapes that may touch and stand for another surface (mg_doubts) */
   int n_patch;               /* patches; each has three feature pairs, the last 3 n_patch of all */
   int n_patch_slot;          /* slots; each has three contacts, the last 3 n_patch_slot of all */
   int n_cell_tree;           /* trees of cells of features, by which closest points are searched */
@@ -826,7 +827,8 @@ enum {
   MG_DOUBT_INDETERMINATE = 1024,   /* the motion is one of several, or is not proved to be the only one */
   MG_DOUBT_FLUSH = 2048,           /* a blow on an edge in the plane of a face: rounding decides whether it is struck */
   MG_DOUBT_UNFOLLOWED = 4096,      /* closest points were found that no contact was free to follow */
-  MG_DOUBT_INCOMPLETE = 8192       /* a search for closest points was given up */
+  MG_DOUBT_INCOMPLETE = 8192,      /* a search for closest points was given up */
+  MG_DOUBT_STAND_IN = 16384        /* contacts are with a shape that stands for another surface, as a hull for a mesh */
 };
 
 /* The reasons not to trust a run that has come to `outcome` (mg_begin, mg_advance), MG_DOUBT_ENDED .. as bits; 0: none.

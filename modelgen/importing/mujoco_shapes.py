@@ -17,6 +17,7 @@ from modelgen.scene.scene_types import Pose
 
 CORNERS = 12  # of a polyhedron, unless more are asked for: features, and their pairs, grow with its square
 UNITY = 1e4  # weight of the condition that weights have the sum 1
+FILLED = 1e-4  # a mesh that leaves less of its hull free is convex but for its decimals
 THIN = 1e-9  # least extent of a hull, against its largest
 
 Shapes = Mapping[int, tuple[RigidBody, dict[str, Any]]]  # by geom, the body and the table of its shape
@@ -117,12 +118,34 @@ def _polyhedron(source: Compiled, geom: int, corners: int, notes: Notes) -> dict
         notes.refuse("meshes", f"{told} has a mesh that spans no volume")
         return None
     hull, missed = hull_corners(points, corners)
-    notes.approximate(f"{told} is the convex hull of its mesh, as in MuJoCo")
+    shape = {"kind": "polyhedron", "vertices": [vector(point) for point in hull]}
+    first = int(model.mesh_faceadr[number])
+    faces = np.array(model.mesh_face[first : first + int(model.mesh_facenum[number])])
+    replaced = unlike_its_hull(points, faces)
+    if replaced:
+        notes.approximate(f"{told} is the convex hull of its mesh, as in MuJoCo: {replaced}")
     if missed:
-        notes.approximate(
-            f"{told} has {len(hull)} corners of its hull: what is cut off reaches {missed:.2g} m beyond them"
-        )
-    return {"kind": "polyhedron", "vertices": [vector(point) for point in hull]}
+        cut = f"{len(hull)} corners of its hull: what is cut off reaches {missed:.2g} m beyond them"
+        notes.approximate(f"{told} has {cut}")
+        replaced = "; ".join([*([replaced] if replaced else []), f"a mesh, by {cut}"])
+    return shape | ({"stands_for": replaced} if replaced else {})
+
+
+def unlike_its_hull(points: Array, faces: Array) -> str:
+    """What a mesh of points (n, 3) and triangles (k, 3) is, where its convex hull is something else; empty
+    where it fills its hull."""
+    from scipy.spatial import ConvexHull  # slow to import, and needed by meshes alone
+
+    corners, number = np.unique(points, axis=0, return_inverse=True)
+    faces = number.ravel()[faces]
+    edges = np.concatenate([faces[:, [k, (k + 1) % 3]] for k in range(3)])
+    one_way, other_way = ({tuple(edge) for edge in each.tolist()} for each in (edges, edges[:, ::-1]))
+    if len(one_way) < len(edges) or one_way != other_way:
+        return "a mesh that is not closed"
+    a, b, c = (corners[faces[:, k]] - corners.mean(axis=0) for k in range(3))
+    volume = abs(float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum())) / 6
+    share = volume / ConvexHull(points).volume
+    return "" if share >= 1 - FILLED else f"a mesh that fills {100 * share:.3g} % of its hull"
 
 
 def hull_corners(points: Array, most: int) -> tuple[Array, float]:

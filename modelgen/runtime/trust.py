@@ -72,10 +72,20 @@ def _figures(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) 
         "impact-gain": f"an impact at {path.impact_gain_contact} (t = {path.impact_gain_t:.6g} s) added "
         f"{path.impact_gain:.2g} J, above {accuracy.energy_error_max:g} of the largest kinetic energy: its "
         'law of restitution does not exclude that with friction, and law = "stronge" does',
+        "stand-in": "contacts are with shapes that stand for other surfaces: "
+        + "; ".join(f"{name} for {what}" for name, what in instance.get("stand_ins", ())),
     }
 
 
-FIGURES = ("gap", "penetration", "joint", "energy", "complementarity", "impact-gain")  # of DOUBT_KINDS
+FIGURES = (
+    "gap",
+    "penetration",
+    "joint",
+    "energy",
+    "complementarity",
+    "impact-gain",
+    "stand-in",
+)  # of DOUBT_KINDS
 
 
 def uncertified(path: Trajectory) -> Iterator[str]:

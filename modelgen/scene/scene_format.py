@@ -49,6 +49,13 @@ _CAVITY = Field("cavity", Switch(), "the material is on the other side of the su
 _SHAPE_FIELDS = (
     Field("name", NAME, "name of the shape within its body; its kind if absent"),
     *POSE_FIELDS,
+    Field(
+        "stands_for",
+        Text(r"^[^\n]{1,200}$", "words on one line, up to 200 characters, are allowed"),
+        "the other surface that the shape stands for, in words, as a mesh that is not convex; contacts are "
+        "with the shape, and a run in which there may be some is not trusted",
+        default="",
+    ),
 )
 
 

@@ -76,6 +76,7 @@ class Shape:
     outline: Outline | None = None  # of pieces
     repeated: bool = False  # one of several copies, which differ in numbers alone
     placed: bool = False  # its place about the centre of mass follows from a parameter
+    stands_for: str = ""  # in words, where it is another than the surface that it stands for
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,6 +32,7 @@ def read_shape(values: Mapping[str, Any], place: Place) -> Shape:
         "pose": read_pose(values, place),
         "name": values["name"] or kind,
         "placed": place.follows(*POSE_KEYS),
+        "stands_for": values["stands_for"],
     }
     if kind == "chart":
         return Shape(parameters=values["parameters"], chart=read_chart(values, place), **common)

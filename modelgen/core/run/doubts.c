@@ -19,6 +19,7 @@ static const struct {
     {MG_DOUBT_FLUSH, "rounding decided whether an edge in the plane of a face was struck"},
     {MG_DOUBT_UNFOLLOWED, "closest points were found that no contact was free to follow"},
     {MG_DOUBT_INCOMPLETE, "a search for closest points was given up"},
+    {MG_DOUBT_STAND_IN, "contacts are with a shape that stands for another surface"},
 };
 
 MG_API const char *mg_doubt_text(int doubt) {
@@ -58,5 +59,6 @@ MG_API int mg_doubts(const mg_system *system, const mg_settings *settings, const
   if (run->flush_contact >= 0) found |= MG_DOUBT_FLUSH;
   if (run->unfollowed_minima) found |= MG_DOUBT_UNFOLLOWED;
   if (run->incomplete_searches) found |= MG_DOUBT_INCOMPLETE;
+  if (system->n_stand_in) found |= MG_DOUBT_STAND_IN;
   return found;
 }

@@ -30,7 +30,7 @@ INTEGER = np.dtype(np.intc)  # C's int
 KERNELS = "kernels"  # the table of the scene's library, first field of what the core is given
 SYSTEM_INTEGERS = (
     *("n_body", "n_contact", "n_load", "n_pair", "n_feature_pair"),
-    *("n_q", "n_u", "n_eta", "closed_capacity", "n_joint", "n_joint_row"),
+    *("n_q", "n_u", "n_eta", "closed_capacity", "n_joint", "n_joint_row", "n_stand_in"),
     *("n_patch", "n_patch_slot", "n_cell_tree", "n_cell", "n_friction", "n_friction_row"),
     "n_ball",
     *("n_input", "n_switch", "sensor_parameters"),
@@ -421,7 +421,7 @@ def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) 
     arrays |= real_arrays | {"scale": scale}
     at |= real_at | {"scale": address(scale)}
     states = (instance["n_q"], instance["n_u"], instance["n_eta"])
-    rows = _room(manifest), len(instance["joints"]), _row_count(manifest)
+    rows = _room(manifest), len(instance["joints"]), _row_count(manifest), len(instance.get("stand_ins", ()))
     patches = len(instance["patches"]), slot_count(instance)
     trees = max(integers["feature_tree"], default=-1) + 1
     of_searches = trees, cell_capacity(trees)
