@@ -409,6 +409,7 @@ enum {
   MG_TOO_MANY_CLOSED = 25, /* more than closed_capacity contacts are closed */
   MG_NO_FRICTION = 26,     /* no forces satisfy Coulomb's law, or none were found */
   MG_PENETRATED = 27,      /* bodies penetrate deeper than penetration_limit, at failed_contact */
+  MG_TOO_COSTLY = 29,      /* more than steps_max steps */
   MG_CHATTER = 28          /* ends no run: events cost too much, and the run goes on by time-stepping */
 };
 
@@ -484,6 +485,8 @@ typedef struct {
   long steps;                /* accepted steps */
   long rejected;             /* rejected steps */
   long rhs_evals;            /* evaluations of the right-hand side */
+  long steps_max;            /* the run ends where steps + rejected exceed this; 0: it does not. mg_begin sets it to 0, and
+                                the caller may write it after that */
   long lcp_solves;           /* complementarity and friction problems solved */
   long since_projection;     /* accepted steps since drift was projected away */
   long events_at_t;          /* transitions within one event tolerance of t_event */

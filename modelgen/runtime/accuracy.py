@@ -176,6 +176,8 @@ class Accuracy:
         step_fraction: bound on the step, as a fraction of the longest step in which no event can be missed.
         flush_height: a run is not trusted if a body struck another from the side at a point in the plane of a
             face of each: within this times L, whether they meet is decided by rounding.
+        companion_cost: the companion stops, and the run is not trusted, where its steps, with those that were
+            rejected, exceed this times those of the run, and 100.
         prediction_error_max: rad, or in L: above this estimated error nothing is predicted.
         gap_error_max: a run is not trusted if the gap of a closed contact, or a penetration, exceeded this
             times L.
@@ -253,6 +255,7 @@ class Accuracy:
     time_resolution: float = 0.05
     step_fraction: float = 1.0
     flush_height: float = 1e-8
+    companion_cost: float = 10.0
     prediction_error_max: float = 1e-2
     gap_error_max: float = 1e-9
     energy_error_max: float = 1e-6

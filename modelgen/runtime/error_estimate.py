@@ -34,6 +34,7 @@ ROUNDED = 8.0  # roundings of lengths, and of 1: no error below is claimed
 BOUNCE = 10.0  # times the bound of rest: slower bounces end in one run and not in the other
 MOTION = ("p", "quaternion", "v", "w")  # columns
 TimesByKind = Mapping[tuple[str, str], Sequence[float]]
+LEAST_STEPS = 100  # that every companion may take
 NUDGE = 2.0  # roundings by which each number of the start differs, at most
 
 
@@ -42,6 +43,12 @@ def nudge(x: Array, instance: Mapping[str, Any]) -> None:
     epsilon = float(np.finfo(x.dtype).eps)
     n = instance["n_q"] + instance["n_u"]
     x[..., :n] *= 1 + NUDGE * epsilon * np.cos(2.4 * np.arange(n) + 1)
+
+
+def steps_max(accuracy: Accuracy, steps: int, rejected: int) -> int:
+    """Steps, with rejected ones, after which the companion of a run stops that took so many: where they
+    explode, as where its thresholds let contacts chatter, it costs far more than it tells."""
+    return LEAST_STEPS + int(accuracy.companion_cost * (steps + rejected))
 
 
 def estimate_of(
@@ -205,6 +212,9 @@ def _reasons(path: Trajectory, twin: Trajectory | None, missing: str) -> Iterato
         yield missing
     elif twin.outcome is Outcome.INTERRUPTED:
         yield f"the companion run was interrupted at {twin.t_end:.6g} s"
+    elif twin.outcome is Outcome.TOO_COSTLY:
+        taken, own = (each.steps + each.rejected for each in (twin, path))
+        yield f"the companion run was stopped at {twin.t_end:.6g} s: {taken} steps, for {own} of the run"
     elif twin.t_end < path.t_end:
         yield f"the companion run came to {twin.t_end:.6g} s only: {twin.outcome.name.lower()}"
     yield from uncertified(path)

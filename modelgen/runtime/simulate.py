@@ -23,7 +23,7 @@ from modelgen.runtime.arguments import (
     with_parameters,
 )
 from modelgen.runtime.core_session import CONTINUE, FULL, Session
-from modelgen.runtime.error_estimate import ORDERS, estimate_of, nudge
+from modelgen.runtime.error_estimate import ORDERS, estimate_of, nudge, steps_max
 from modelgen.runtime.error_statement import Estimate
 from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.recording import Recording
@@ -142,11 +142,12 @@ def repeated(library: Library, accuracy: Accuracy, schedule: Schedule) -> Trajec
     return with_trust(path, _estimate(library, accuracy, schedule, path, None), accuracy, instance)
 
 
-def _path(session: Session, schedule: Schedule, times: Array, report: Report) -> Trajectory:
-    """One run, with samples at `times`."""
+def _path(session: Session, schedule: Schedule, times: Array, report: Report, most: int = 0) -> Trajectory:
+    """One run, with samples at `times`, of at most `most` steps, if that is not 0."""
     started = time.perf_counter()
     session.input[:] = schedule[0][1]
     begin(session)
+    session.run.steps_max = most
     recording = Recording(session, times)
     ending = _run(session, schedule, recording, report)
     recording.end()
@@ -178,7 +179,8 @@ def _estimate(
         twin = Session(library, accuracy.companion(float(np.finfo(library.dtype).eps)))
         nudge(twin.x, twin.instance)
         followed = _followed(schedule, path, accuracy)
-        return estimate_of(path, _path(twin, followed, path.t, report), accuracy, instance)
+        most = steps_max(accuracy, path.steps, path.rejected)
+        return estimate_of(path, _path(twin, followed, path.t, report, most), accuracy, instance)
     except SimulationError as refused:
         why = f"the companion run did not start: {refused}"
         return estimate_of(path, None, accuracy, instance, why)

@@ -17,7 +17,7 @@ from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError
 from modelgen.notation import SETTING_SIZE
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.error_estimate import MOTION, estimate_of, nudge
+from modelgen.runtime.error_estimate import MOTION, estimate_of, nudge, steps_max
 from modelgen.runtime.error_statement import Estimate
 from modelgen.runtime.inputs_by_lane import InputsByLane
 from modelgen.runtime.lane_arrays import each_once
@@ -98,6 +98,8 @@ class LaneRuns:
         self._advance(own, ends)
         if len(twins):
             ends[:] = np.tile(self._group.t[own], 2)
+            for accuracy, run, twin in zip(self._accuracies, self._group.runs, twins.tolist(), strict=False):
+                self._group.runs[twin].steps_max = steps_max(accuracy, run.steps, run.rejected)
             self._advance(twins, ends)
 
     def results(self) -> list[Ended]:

@@ -40,6 +40,7 @@ class Outcome(Enum):
         "bodies penetrate there: a contact was found too late or not at all; what was computed before is "
         "kept; try a tighter accuracy, more `points` in the [[contact]] of the pair, and report the scene"
     )
+    TOO_COSTLY = "it took many times as many steps as the run, and was stopped (Accuracy.companion_cost)"
     TOO_MANY_EVENTS = "contacts change without end at one time; raise rest_speed or lower the restitution"
 
     @property
@@ -57,6 +58,7 @@ OUTCOME_OF_CODE = {
     25: Outcome.TOO_MANY_CLOSED,
     26: Outcome.NO_FRICTION,
     27: Outcome.PENETRATED,
+    29: Outcome.TOO_COSTLY,
 }
 EventKind = Literal[
     "impact",

@@ -220,6 +220,7 @@ MG_INTERNAL int mg_advance_followed(const mg_system *system, const mg_settings *
   if (mg_is_time_stepping(&c)) mg_recall_time_step(&c);
   for (long step = 0; run->t < t_stop; step++) {
     if (step >= max_steps) return MG_CONTINUE;
+    if (run->steps_max > 0 && run->steps + run->rejected > run->steps_max) return MG_TOO_COSTLY;
     if (!mg_has_event_room(&c, events)) return MG_LIST_FULL;
     if (follower) follower->begin(&c, follower->of);
     if (!step && !mg_is_time_stepping(&c)) { /* a passage in which the call before this one stopped */

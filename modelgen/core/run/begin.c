@@ -46,6 +46,7 @@ static void mg_report_touch_downs(mg_context *c, mg_events *events) {
 
 /* Resets what the run reports. */
 static void mg_reset_report(mg_run *run) {
+  run->steps_max = 0;
   run->steps = run->rejected = run->rhs_evals = run->lcp_solves = run->since_projection = run->events_at_t = 0;
   run->redundant_max = run->fallbacks = run->loose_solutions = run->relaxed_solutions = 0;
   run->progress_tries = run->progress_rejected = 0, run->progress_t = run->t;

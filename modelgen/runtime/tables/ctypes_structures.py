@@ -174,6 +174,7 @@ RUN_COUNTS = (
     "steps",
     "rejected",
     "rhs_evals",
+    "steps_max",
     "lcp_solves",
     "since_projection",
     "events_at_t",
