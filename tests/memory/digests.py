@@ -2,7 +2,7 @@
 
 Each scene is run for at most SECONDS of its time, in calls of a few steps, with samples, sensors, and a state
 that is saved and loaded after each call. Processes that print the same lines have made the same runs to the
-last bit. Libraries go to FOLDER.
+last bit. Libraries go to FOLDER; with SECONDS 0 they are only built.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def main(folder: str, seconds: str, *scenes: str) -> None:
         try:
             package = emit(derive(require(read(Path(scene)))))
             library = build.build(package, folder=Path(folder) / name, level=LEVEL)
-            told = run_digest(library, float(seconds))
+            told = run_digest(library, float(seconds)) if float(seconds) > 0 else "built"
         except ModelgenError as error:
             told = f"refused: {type(error).__name__}"
         print(name, told, flush=True)
