@@ -257,7 +257,7 @@ static int mg_step_to_centre(mg_context *c, int slot, const mg_real *centre) {
     for (int k = 0; k < 2; k++) r->centre[k] -= r->part * r->step[k];
     return 0;
   }
-  r->part = !r->centre_known || r->force_outside || agrees ? 1 : mg_inner_part_of_step(c, slot, step);
+  r->part = r->force_outside || agrees ? 1 : mg_inner_part_of_step(c, slot, step);
   for (int k = 0; k < 2; k++) r->step[k] = step[k], r->centre[k] += r->part * step[k];
   r->centre_known = 1;
   if (was_cut || r->part < 1) return agrees;
