@@ -433,6 +433,19 @@ enum {
   MG_EVENT_LOAD_SWITCH = 20     /* a load jumps or has a kink: `contact` is the switching function */
 };
 
+/* Capacities of the core that a run may exceed. */
+enum {
+  MG_CAPACITY_CLOSED = 0,     /* closed contacts: closed_capacity */
+  MG_CAPACITY_CRITICAL = 1,   /* critical points that a search of a feature pair keeps in mind */
+  MG_CAPACITY_STATIONARY = 2, /* stationary places of two circles */
+  MG_CAPACITY_LEFT = 3,       /* closest points that contacts leave in one step */
+  MG_CAPACITY_SEGMENT = 4,    /* cells along the segment between two points of bodies */
+  MG_CAPACITY_SLOT = 5,       /* planar contacts of two bodies at a time */
+  MG_CAPACITY_REGION = 6,     /* intersections of the outlines of two faces, and parts of their boundary */
+  MG_CAPACITY_EVENTS = 7,     /* events between two calls of the caller */
+  MG_CAPACITIES = 8
+};
+
 /* One run: its state, its active set and what it reports. Before mg_begin the caller sets t, h (0: chosen by the
    program), x (eta: 0 or a guess), feature_pair (-1), input and the pointers; it fills the other arrays with zeros. */
 typedef struct {
@@ -503,6 +516,7 @@ typedef struct {
   long unfollowed_minima;   /* how often a search found closest points within search_gap that no contact could follow */
   long incomplete_searches; /* searches of feature pairs that were given up before all closest points were found */
   long search_effort;       /* pairs of cells looked at in searches for closest points */
+  long exceeded[8];         /* how often each capacity was exceeded, MG_CAPACITY_CLOSED .. */
 
   mg_real t_event;          /* time of the last transition, s */
   mg_real t_roundoff;       /* rounding error of t so far, s: the exact time is t + t_roundoff */
@@ -545,6 +559,7 @@ typedef struct {
   mg_real incomplete_t;        /* time of the first of incomplete_searches, s */
   mg_real indeterminate_t;     /* time of indeterminate, s */
   mg_real flush_t;             /* time of flush_contact, s */
+  mg_real exceeded_t[8];       /* when each capacity was exceeded first, s */
 
   int failed_contact;       /* contact of the outcome, or -1 */
   int failed_joint;         /* joint with the largest error at the start, or -1 */
@@ -571,8 +586,8 @@ typedef struct {
   int friction_redundant;   /* 1: friction forces of the present modes are not unique */
   int indeterminate;        /* 1: friction forces or a load left the motion open, or were not proved not to */
   int indeterminate_switch; /* switching function of that load, or -1: friction forces */
-  int flush_contact;        /* contact of the first blow from the side within the plane of faces of both bodies, or -1 */
-  int shared_switch;        /* switching function of the first load at a jump that contacts or joints hold too, or -1 */
+  int flush_contact; /* contact of the first blow from the side within the plane of faces of both bodies, or -1 */
+  int shared_switch; /* switching function of the first load at a jump that contacts or joints hold too, or -1 */
 } mg_run;
 
 /* Samples at times that the caller gives. Row k of an array belongs to t[k]; shapes are those of one row. The caller's
@@ -831,7 +846,8 @@ enum {
   MG_DOUBT_FLUSH = 2048,           /* a blow on an edge in the plane of a face: rounding decides whether it is struck */
   MG_DOUBT_UNFOLLOWED = 4096,      /* closest points were found that no contact was free to follow */
   MG_DOUBT_INCOMPLETE = 8192,      /* a search for closest points was given up */
-  MG_DOUBT_STAND_IN = 16384        /* contacts are with a shape that stands for another surface, as a hull for a mesh */
+  MG_DOUBT_STAND_IN = 16384,       /* contacts are with a shape that stands for another surface, as a hull for a mesh */
+  MG_DOUBT_CAPACITY = 32768        /* a capacity was exceeded, and something left out (run->exceeded) */
 };
 
 /* The reasons not to trust a run that has come to `outcome` (mg_begin, mg_advance), MG_DOUBT_ENDED .. as bits; 0: none.

@@ -134,7 +134,11 @@ def values_text(record: ctypes.Structure, names: Mapping[int, str], kernels: str
         elif kind is ctypes.c_ulonglong:
             values.append(f"{value}ULL")
         elif isinstance(value, ctypes.Array):
-            values.append("{" + ", ".join(float(each).hex() for each in value) + "}")
+            values.append("{" + ", ".join(map(_value_text, value)) + "}")
         else:
-            values.append(float(value).hex() if isinstance(value, float) else str(value))
+            values.append(_value_text(value))
     return f"{{{', '.join(values)}}}"
+
+
+def _value_text(value: float) -> str:
+    return float(value).hex() if isinstance(value, float) else str(value)

@@ -87,6 +87,7 @@ DOUBT_KINDS = (  # by the bits MG_DOUBT_ENDED ..
     *("ended", "gap", "penetration", "joint", "energy", "complementarity", "impact-gain", "no-gamma"),
     *("time-stepping", "slip-stop", "indeterminate", "flush", "unfollowed", "incomplete"),
     "stand-in",
+    "capacity",
 )
 
 

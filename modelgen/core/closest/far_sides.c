@@ -16,7 +16,6 @@
 #define MG_LINE_CHORDS 16           /* parts of a line on a feature, which are followed as if they were straight */
 #define MG_SURFACE_LINES 8          /* lines of each coordinate that are followed on a surface */
 #define MG_CLEAR_GAPS 16            /* start_gap from a point on a body, within which that may touch another */
-#define MG_SURFACES_AT_POINT 16     /* surfaces of two bodies through a point, at most */
 #define MG_OUTWARD ((mg_real)0.2)   /* least cosine to the normal where it starts of a segment that leaves at once */
 
 /* A segment in the axes of a shape: a point and the vector to its end, m; it leaves nothing within `least` of the
@@ -205,7 +204,10 @@ static mg_real mg_part_in_cells(mg_context *c, int feature_pair, int side, const
       continue;
     }
     const int half = count + 2 <= MG_SEGMENT_STACK ? mg_divide_cell(c, feature_pair, side, at) : 0;
-    if (!half) return 0;
+    if (!half) {
+      mg_note_exceeded(c, MG_CAPACITY_SEGMENT);
+      return 0;
+    }
     stack[count++] = half, stack[count++] = half + 1;
   }
   return first;
@@ -343,7 +345,7 @@ static mg_real mg_part_in_body(mg_context *c, int feature_pair, int side, const 
 /* Exterior normals of surfaces through a point. */
 typedef struct {
   int count;
-  mg_real list[MG_SURFACES_AT_POINT][3];
+  mg_real *list; /* [3 count] */
 } mg_normals;
 
 /* Adds the exterior normals, in world axes, of the surfaces of the body of one side that a point is on. */
@@ -356,9 +358,9 @@ static void mg_add_normals(mg_context *c, int feature_pair, int side, const mg_r
     const int own = mg_feature_body(c, each, 1) == body;
     if (!mg_is_surface(c, each, own) || !s->feature_is_listed[2 * each + own]) continue;
     mg_point_in_shape_axes(c, each, own, point, x);
-    if (normals->count == MG_SURFACES_AT_POINT || !mg_normal_at(c, each, own, x, slack, normal)) continue;
+    if (!mg_normal_at(c, each, own, x, slack, normal)) continue;
     mg_to_world(mg_feature_numbers(c, each, own) + MG_FEATURE_PLACEMENT, normal, 0, in_body);
-    mg_to_world(c->bodies.pose + 12 * body, in_body, 0, normals->list[normals->count++]);
+    mg_to_world(c->bodies.pose + 12 * body, in_body, 0, normals->list + 3 * normals->count++);
   }
 }
 
@@ -366,7 +368,7 @@ static void mg_add_normals(mg_context *c, int feature_pair, int side, const mg_r
 static int mg_is_against(const mg_normals *normals, mg_real *w, mg_real angle) {
   if (!mg_normalise3(w)) return 0;
   for (int k = 0; k < normals->count; k++)
-    if (!(mg_dot3(w, normals->list[k]) < -angle)) return 0;
+    if (!(mg_dot3(w, normals->list + 3 * k) < -angle)) return 0;
   return 1;
 }
 
@@ -375,11 +377,11 @@ static int mg_is_against(const mg_normals *normals, mg_real *w, mg_real angle) {
 static int mg_is_some_way_inward(const mg_normals *normals, mg_real angle) {
   for (int a = 0; a < normals->count; a++)
     for (int b = a; b < normals->count; b++) {
-      const mg_real *A = normals->list[a], *B = normals->list[b];
+      const mg_real *A = normals->list + 3 * a, *B = normals->list + 3 * b;
       mg_real w[3] = {-A[0] - B[0], -A[1] - B[1], -A[2] - B[2]};
       if (mg_is_against(normals, w, angle)) return 1;
       for (int k = b + 1; k < normals->count && a < b; k++) {
-        const mg_real *C = normals->list[k], side[3] = {B[0] - A[0], B[1] - A[1], B[2] - A[2]},
+        const mg_real *C = normals->list + 3 * k, side[3] = {B[0] - A[0], B[1] - A[1], B[2] - A[2]},
                       other[3] = {C[0] - A[0], C[1] - A[1], C[2] - A[2]};
         mg_cross_product(side, other, w);
         const mg_real sign = mg_dot3(w, A) > 0 ? -1 : 1;
@@ -394,7 +396,7 @@ static int mg_is_some_way_inward(const mg_normals *normals, mg_real angle) {
    from there is into both, past all of their surfaces there. */
 static int mg_touch_at(mg_context *c, int feature_pair, const mg_real *start, const mg_real *end, mg_real part) {
   mg_real point[3];
-  mg_normals normals = {0};
+  mg_normals normals = {0, c->search.normals};
   for (int k = 0; k < 3; k++) point[k] = start[k] + part * (end[k] - start[k]);
   for (int side = 0; side < 2; side++) mg_add_normals(c, feature_pair, side, point, &normals);
   return !mg_is_some_way_inward(&normals, MG_TOUCH_ANGLE * sqrt(c->settings->start_gap));

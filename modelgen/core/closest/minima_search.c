@@ -29,7 +29,7 @@ MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair) {
   int groups = 0;
   for (int feature_pair = s->pair_feature_pair[pair]; feature_pair < s->pair_feature_pair[pair + 1]; feature_pair++) {
     const int group = s->feature_pair_group[feature_pair];
-    if (group < 0 || group >= MG_SAMPLES) continue;
+    if (group < 0) continue;
     while (groups <= group) c->search.face_gap[groups++] = MG_MAX;
     mg_place_contact(c, mg_use_probe_contact(c, feature_pair), eta, next);
     if (c->search.placement[0] < c->search.face_gap[group]) c->search.face_gap[group] = c->search.placement[0];

@@ -21,7 +21,7 @@ static int mg_has_too_many_events(mg_context *c) {
 MG_INTERNAL int mg_has_closed_contact_capacity(const mg_context *c) {
   int n = 0;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) n += c->run->closed[i] != 0;
-  return n <= c->system->closed_capacity;
+  return mg_is_room_for_closed(c, n);
 }
 
 MG_INTERNAL void mg_open_separated_contacts(mg_context *c, mg_events *events) {

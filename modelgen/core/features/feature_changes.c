@@ -109,7 +109,7 @@ MG_INTERNAL void mg_release_contact(mg_context *c, mg_events *events, int contac
     mg_place_contact(c, contact, mg_contact_eta(c, c->run->x, contact), next);
     left->feature_pair = c->run->feature_pair[contact];
     mg_record_minimum(c, left);
-  }
+  } else mg_note_exceeded(c, MG_CAPACITY_LEFT);
   const int unreported = mg_is_feature_pair_unreported(c, c->run->feature_pair[contact], c->rows.d[contact]);
   mg_set_feature_pair(c, contact, -1, none);
   c->run->is_search_due[c->system->contact_pair[contact]] = 1;

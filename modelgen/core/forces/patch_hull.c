@@ -82,7 +82,9 @@ MG_INTERNAL int mg_overlay_patch_regions(mg_context *c, int patch) {
   if (known && mg_is_whole_plane(c, patch)) return c->patches.hull.n_edge;
   if (!known) mg_load_patch_regions(c, patch);
   mg_face_pose_in_hull(c, patch, between);
-  return mg_overlay_regions(&c->patches.hull, between);
+  const int edges = mg_overlay_regions(&c->patches.hull, between);
+  if (c->patches.hull.overflow) mg_note_exceeded(c, MG_CAPACITY_REGION);
+  return edges;
 }
 
 MG_INTERNAL mg_real mg_patch_hull_margin(mg_context *c, int patch, const mg_real *world, mg_nearest_boundary *nearest) {

@@ -30,7 +30,10 @@ MG_INTERNAL void mg_append_event(const mg_context *c, mg_events *events, mg_real
                                  mg_real speed) {
   c->run->slip_stops += kind == MG_EVENT_SLIP_STOP || kind == MG_EVENT_SLIP_STOP + MG_EVENTS_PER_FRICTION ||
                         kind == MG_EVENT_SLIP_STOP + 2 * MG_EVENTS_PER_FRICTION;
-  if (events->count >= events->capacity) return;
+  if (events->count >= events->capacity) {
+    mg_note_exceeded(c, MG_CAPACITY_EVENTS);
+    return;
+  }
   const int k = events->count++;
   events->t[k] = t, events->kind[k] = kind, events->contact[k] = contact, events->speed[k] = speed;
   events->feature_pair[k] = kind == MG_EVENT_LOAD_SWITCH ? -1 : c->run->feature_pair[contact];

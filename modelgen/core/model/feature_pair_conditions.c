@@ -3,8 +3,6 @@
 #include "model/model.h"
 #include "base/base.h"
 
-#define MG_CONE_VECTORS 32 /* most vectors of a tangent cone; more are left out */
-
 MG_INTERNAL int mg_is_unconditional_feature_pair(const mg_context *c, int feature_pair) {
   return c->system->feature_pair_condition[feature_pair] == c->system->feature_pair_condition[feature_pair + 1];
 }
@@ -341,7 +339,7 @@ MG_INTERNAL int mg_is_in_normal_cone(const mg_context *c, int feature_pair, int 
    MG_CONDITION_TIP in place of them. */
 typedef struct {
   int count, is_edge;
-  mg_real along[MG_CONE_VECTORS][3];
+  mg_real *along;     /* [3 count] */
   const mg_real *tip; /* or 0 */
 } mg_tangent_cone;
 
@@ -349,16 +347,15 @@ typedef struct {
 static void mg_read_tangent_cone(const mg_context *c, int feature_pair, const mg_feature_view *view,
                                  mg_tangent_cone *cone) {
   const mg_system *s = c->system;
-  cone->count = cone->is_edge = 0, cone->tip = 0;
+  cone->count = cone->is_edge = 0, cone->along = c->search.cone_vectors, cone->tip = 0;
   for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++) {
     const mg_real *a = s->numbers + s->condition_numbers[k];
-    if (s->condition_feature[k] != view->side || !mg_bounds_normal_cone(c, k) || cone->count == MG_CONE_VECTORS)
-      continue;
+    if (s->condition_feature[k] != view->side || !mg_bounds_normal_cone(c, k)) continue;
     if (s->condition_kind[k] == MG_CONDITION_TIP) {
       cone->tip = a;
       continue;
     }
-    mg_real *vector = cone->along[cone->count++];
+    mg_real *vector = cone->along + 3 * cone->count++;
     if (s->condition_kind[k] == MG_CONDITION_WING) {
       mg_wing(c, feature_pair, view->side, a, view->uv, vector), cone->is_edge = 1;
     } else {
@@ -370,8 +367,8 @@ static void mg_read_tangent_cone(const mg_context *c, int feature_pair, const mg
 
 /* A vector that is normal to two of the vectors of a cone, or of an edge's to one of them within the plane of N. */
 static void mg_side_of_cone(const mg_tangent_cone *cone, int i, int j, const mg_real *N, mg_real *normal) {
-  const mg_real *v = cone->along[i];
-  if (!cone->is_edge) mg_cross_product(v, cone->along[j], normal);
+  const mg_real *v = cone->along + 3 * i;
+  if (!cone->is_edge) mg_cross_product(v, cone->along + 3 * j, normal);
   for (int k = 0; k < 3 && cone->is_edge; k++) normal[k] = mg_dot3(N, v) * v[k] - N[k];
 }
 
@@ -383,7 +380,7 @@ static int mg_is_out_of_cone(const mg_tangent_cone *cone, const mg_real *N, mg_r
       if (j == i) continue;
       mg_side_of_cone(cone, i, j, N, normal);
       for (int k = 0; k < cone->count; k++)
-        if (k != i && (cone->is_edge || k != j)) most = mg_max(most, mg_dot3(normal, cone->along[k]));
+        if (k != i && (cone->is_edge || k != j)) most = mg_max(most, mg_dot3(normal, cone->along + 3 * k));
       if (-mg_dot3(normal, N) > border && most < -border) return 1;
     }
   return 0;
@@ -410,7 +407,7 @@ MG_INTERNAL void mg_inward_direction(const mg_context *c, int feature_pair, int 
   mg_view_feature(c, feature_pair, side, eta, &view);
   mg_read_tangent_cone(c, feature_pair, &view, &cone);
   for (int k = 0; k < 3; k++) {
-    for (int i = 0; i < cone.count; i++) sum[k] += cone.along[i][k];
+    for (int i = 0; i < cone.count; i++) sum[k] += cone.along[3 * i + k];
     if (cone.tip) sum[k] = -cone.tip[k];
   }
   mg_normalise3(sum);

@@ -69,6 +69,14 @@ MG_INTERNAL void mg_require_tables(const mg_system *s);
 #define MG_NEEDS_PLACEMENT(c, feature_pair, eta) ((void)0)
 #endif
 
+/* exceeded_capacities.c */
+
+/* Counts that a capacity, MG_CAPACITY_CLOSED .., was exceeded and something left out. */
+MG_INTERNAL void mg_note_exceeded(const mg_context *c, int capacity);
+
+/* True if n contacts may be closed at a time; else that is counted. */
+MG_INTERNAL int mg_is_room_for_closed(const mg_context *c, int n);
+
 /* load_branches.c */
 
 #define MG_SWITCH_ROUNDING 64 /* roundings of what a switching function depends on that count as zero */

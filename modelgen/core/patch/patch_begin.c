@@ -39,9 +39,13 @@ MG_INTERNAL int mg_hold_flat_patches_on_trial(mg_context *c, mg_real touching, i
   for (int patch = 0; patch < c->system->n_patch && c->settings->planar_contacts; patch++) {
     if (mg_slot_of_patch(c, patch) >= 0) continue;
     const int slot = mg_find_free_slot(c, patch);
-    if (slot < 0 || c->patches.barred[slot] == patch || (moving && mg_has_patch_friction(c, patch)) ||
+    if ((slot >= 0 && c->patches.barred[slot] == patch) || (moving && mg_has_patch_friction(c, patch)) ||
         !mg_is_patch_flat(c, patch, touching, moving))
       continue;
+    if (slot < 0) {
+      mg_note_exceeded(c, MG_CAPACITY_SLOT);
+      continue;
+    }
     mg_attach_patch(c, slot, patch);
     c->patches.trial[slot] = 1;
     count++;

@@ -195,9 +195,9 @@ static void mg_intersect_spans(mg_hull *h, const mg_arc_span *first, const mg_ar
     const mg_real sine = fabs(mg_cross2(u, v)) / (along * across);
     const mg_real middle[2] = {(x.t_begin + x.t_end) / 2, (y.t_begin + y.t_end) / 2};
     if (sine > 2 * (x.turn + y.turn)) mg_newton_intersection(h, &x, &y, middle);
-    else if (stack.count + 2 <= MG_PENDING_SPAN_PAIRS &&
-             !(sine + x.turn + y.turn < MG_NEARLY_PARALLEL && mg_intersect_nearly_parallel(h, &x, &y)))
-      mg_split_longer_span(h, &stack, &x, &y);
+    else if (sine + x.turn + y.turn < MG_NEARLY_PARALLEL && mg_intersect_nearly_parallel(h, &x, &y)) continue;
+    else if (stack.count + 2 <= MG_PENDING_SPAN_PAIRS) mg_split_longer_span(h, &stack, &x, &y);
+    else h->overflow = 1;
   }
 }
 

@@ -169,6 +169,7 @@ typedef struct {
 typedef struct {
   const mg_hull *hull;        /* overlap of the faces */
   int partly_unloaded;        /* 1: the pressure vanishes in a part of the overlap */
+  int overflow;               /* 1: there was no room for all strips */
   long n, capacity;           /* strips, and room for strips */
   mg_boundary_strip *strips;  /* boundary of the loaded region */
   mg_real centre[2];          /* point to which coefficients and moments refer, m */

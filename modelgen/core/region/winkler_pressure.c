@@ -17,7 +17,7 @@
 
 MG_INTERNAL void mg_open_pressure(mg_winkler_pressure_field *p, const mg_hull *h, long capacity,
                                   mg_boundary_strip *strips) {
-  p->hull = h, p->capacity = capacity, p->strips = strips, p->n = p->partly_unloaded = 0;
+  p->hull = h, p->capacity = capacity, p->strips = strips, p->n = p->partly_unloaded = p->overflow = 0;
 }
 
 /* a + b.(x - centre). */
@@ -27,6 +27,7 @@ static mg_real mg_pressure_at(const mg_winkler_pressure_field *p, const mg_real 
 
 /* Adds a strip, or its reverse. */
 static void mg_add_strip(mg_winkler_pressure_field *p, const mg_boundary_strip *strip, int back) {
+  p->overflow |= p->n == p->capacity;
   if (p->n == p->capacity) return;
   mg_boundary_strip *s = p->strips + p->n++;
   *s = *strip;

@@ -68,6 +68,7 @@ static void mg_reset_report(mg_run *run) {
   run->unfollowed_minima = 0, run->unfollowed_t = 0, run->unfollowed_pair = -1;
   run->friction_redundant = run->indeterminate = 0, run->indeterminate_t = 0,
   run->indeterminate_switch = run->shared_switch = -1;
+  for (int k = 0; k < MG_CAPACITIES; k++) run->exceeded[k] = 0, run->exceeded_t[k] = 0;
   run->incomplete_searches = 0, run->search_effort = 0, run->incomplete_t = 0, run->incomplete_pair = -1;
   run->penetration_t = run->t, run->penetration_contact = -1;
   run->force_rounding = 0;

@@ -20,6 +20,7 @@ static const struct {
     {MG_DOUBT_UNFOLLOWED, "closest points were found that no contact was free to follow"},
     {MG_DOUBT_INCOMPLETE, "a search for closest points was given up"},
     {MG_DOUBT_STAND_IN, "contacts are with a shape that stands for another surface"},
+    {MG_DOUBT_CAPACITY, "a capacity was exceeded"},
 };
 
 MG_API const char *mg_doubt_text(int doubt) {
@@ -60,5 +61,7 @@ MG_API int mg_doubts(const mg_system *system, const mg_settings *settings, const
   if (run->unfollowed_minima) found |= MG_DOUBT_UNFOLLOWED;
   if (run->incomplete_searches) found |= MG_DOUBT_INCOMPLETE;
   if (system->n_stand_in) found |= MG_DOUBT_STAND_IN;
+  for (int k = 0; k < MG_CAPACITIES; k++)
+    if (run->exceeded[k]) found |= MG_DOUBT_CAPACITY;
   return found;
 }

@@ -60,7 +60,7 @@ static int mg_solve_frictionless_step(mg_context *c, mg_real h, int *size) {
   mg_lcp_report report;
   const int n = mg_list_near_contacts(c);
   *size = n + c->system->n_joint_row + c->layout.spring_row_end - c->layout.spring_row_begin;
-  if (n > c->system->closed_capacity) return MG_TOO_MANY_CLOSED;
+  if (!mg_is_room_for_closed(c, n)) return MG_TOO_MANY_CLOSED;
   for (int r = 0; r < n; r++) {
     const int i = c->lcp.rows[r];
     c->rows.row_rate[i] = mg_free_end_rate(c, i, h) - mg_scheme_gap_rate(c, i, h), c->lcp.mask[r] = 1;
@@ -154,7 +154,7 @@ static int mg_solve_friction_law(mg_context *c, mg_friction_problem *p) {
 static int mg_solve_friction_step(mg_context *c, mg_real h, int *size) {
   int count = 0, outcome;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) count += c->events.is_near[i] != 0;
-  if (count > c->system->closed_capacity) return MG_TOO_MANY_CLOSED;
+  if (!mg_is_room_for_closed(c, count)) return MG_TOO_MANY_CLOSED;
   mg_set_step_bound_kinds(c);
   mg_friction_problem p = mg_make_friction_problem(c, h);
   *size = p.n;

@@ -174,8 +174,10 @@ static int mg_correct_positions(mg_context *c, mg_real worst) {
   mg_lcp_report report;
   int n = 0;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
-    if (mg_is_on_feature_pair(c, i) && c->rows.d[i] <= worst && n < c->system->closed_capacity)
-      c->lcp.rows[n] = i, c->lcp.mask[n++] = 1;
+    if (mg_is_on_feature_pair(c, i) && c->rows.d[i] <= worst) {
+      if (n < c->system->closed_capacity) c->lcp.rows[n] = i, c->lcp.mask[n++] = 1;
+      else mg_note_exceeded(c, MG_CAPACITY_CLOSED);
+    }
   if (mg_solve_step_lcp(c, n, c->rows.d, 0, &report) != MG_LCP_SOLVED) return 0;
   for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
   for (int r = 0; r < n + c->system->n_joint_row; r++)

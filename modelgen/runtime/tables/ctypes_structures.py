@@ -194,6 +194,16 @@ RUN_COUNTS = (
     "incomplete_searches",
     "search_effort",
 )
+CAPACITIES = (
+    "closed",
+    "critical",
+    "stationary",
+    "left",
+    "segment",
+    "slot",
+    "region",
+    "events",
+)  # MG_CAPACITY_
 RUN_REALS = (
     *("t_event", "t_roundoff", "energy_0", "energy_error_max"),
     *("correction_work", "correction_energy", "kinetic_max"),
@@ -296,7 +306,9 @@ class Tables:
             [("t", real), ("h", real)]
             + [(n, pointer) for n in RUN_ARRAYS]
             + [(n, ctypes.c_long) for n in RUN_COUNTS]
+            + [("exceeded", ctypes.c_long * len(CAPACITIES))]
             + [(n, real) for n in RUN_REALS]
+            + [("exceeded_t", real * len(CAPACITIES))]
             + [(n, integer) for n in RUN_INTEGERS],
         )
         self.Record = structure(
