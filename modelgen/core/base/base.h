@@ -170,8 +170,9 @@ MG_INTERNAL void mg_cholesky_solve(int k, const mg_real *L, mg_real *x);
 MG_INTERNAL int mg_solve_definite(int n, const mg_real *A, const mg_real *b, mg_real *z);
 
 /* Replaces L, full and symmetric, by the lower trapezoid of P' S P, k by rank. Returns the rank, the number of
-   pivots above `tolerance`. Row i of the factor belongs to row order[i] of S. */
-MG_INTERNAL int mg_cholesky_pivoted(int k, mg_real *L, int *order, mg_real tolerance);
+   pivots above `floor`, or above floors [k] of their rows unless that is 0. Row i of the factor belongs to row
+   order[i] of S. */
+MG_INTERNAL int mg_cholesky_pivoted(int k, mg_real *L, int *order, mg_real floor, const mg_real *floors);
 
 /* minimum_norm.c */
 
@@ -182,6 +183,10 @@ MG_INTERNAL int mg_minimum_norm_two(mg_real s, const mg_real *c, mg_real *y);
    of S, the number of pivots above `floor`, and the least pivot of S. work: 3 k^2 + 3 k; order: k. */
 MG_INTERNAL int mg_minimum_norm(int k, const mg_real *S, const mg_real *c, mg_real floor, mg_real *y, mg_real *work,
                                 int *order, mg_real *pivot);
+
+/* The same with a floor for each row, floors [k], in place of `floor` unless that is 0. */
+MG_INTERNAL int mg_minimum_norm_above(int k, const mg_real *S, const mg_real *c, mg_real floor, const mg_real *floors,
+                                      mg_real *y, mg_real *work, int *order, mg_real *pivot);
 
 /* lu.c */
 

@@ -95,14 +95,21 @@ static void mg_swap_rows_and_columns(int k, mg_real *L, int *order, int from, in
   }
 }
 
-MG_INTERNAL int mg_cholesky_pivoted(int k, mg_real *L, int *order, mg_real tolerance) {
+/* Row from j on with the largest pivot of those whose pivot does not count as zero, or -1. */
+static int mg_largest_pivot(int k, const mg_real *L, const int *order, int j, mg_real floor, const mg_real *floors) {
+  int largest = -1;
+  for (int i = j; i < k; ++i)
+    if (L[i + i * k] > (floors ? floors[order[i]] : floor) && (largest < 0 || L[i + i * k] > L[largest + largest * k]))
+      largest = i;
+  return largest;
+}
+
+MG_INTERNAL int mg_cholesky_pivoted(int k, mg_real *L, int *order, mg_real floor, const mg_real *floors) {
   for (int j = 0; j < k; ++j) order[j] = j;
   for (int j = 0; j < k; ++j) {
     mg_real *column = L + j * k, reciprocal;
-    int largest = j;
-    for (int i = j + 1; i < k; ++i)
-      if (L[i + i * k] > L[largest + largest * k]) largest = i;
-    if (!(L[largest + largest * k] > tolerance)) return j;
+    const int largest = mg_largest_pivot(k, L, order, j, floor, floors);
+    if (largest < 0) return j;
     mg_swap_rows_and_columns(k, L, order, j, j, largest);
     reciprocal = 1 / (mg_real)sqrt(column[j]);
     for (int i = j; i < k; ++i) column[i] *= reciprocal;

@@ -118,13 +118,18 @@ static int mg_solve_regular(int k, const mg_real *S, const mg_real *c, mg_real *
 
 MG_INTERNAL int mg_minimum_norm(int k, const mg_real *S, const mg_real *c, mg_real floor, mg_real *y, mg_real *work,
                                 int *order, mg_real *pivot) {
+  return mg_minimum_norm_above(k, S, c, floor, 0, y, work, order, pivot);
+}
+
+MG_INTERNAL int mg_minimum_norm_above(int k, const mg_real *S, const mg_real *c, mg_real floor, const mg_real *floors,
+                                      mg_real *y, mg_real *work, int *order, mg_real *pivot) {
   mg_factor f = {k, k, work, work + k * k, work + 2 * k * k, order};
   mg_real *residual = work + 3 * k * k, *t = residual + k, *s = t + k;
   *pivot = (1 - S[1]) * (1 + S[1]);
   if (k == 2 && S[0] > 0 && S[3] > 0) return mg_minimum_norm_two(S[1], c, y);
   if (mg_solve_regular(k, S, c, y, f.L, residual, pivot)) return k;
   for (int i = 0; i < k * k; ++i) f.L[i] = S[i];
-  f.rank = mg_cholesky_pivoted(k, f.L, order, floor);
+  f.rank = mg_cholesky_pivoted(k, f.L, order, floor, floors);
   if (f.rank < k) mg_orthonormalise(&f);
   for (int i = 0; i < k; ++i) y[i] = 0;
   mg_subtract_pseudoinverse(&f, c, y, t, s);

@@ -19,7 +19,8 @@ static int mg_is_contact_redundant(mg_context *c, int contact) {
   mg_assemble_delassus(c, c->lcp.rows, n);
   const mg_real *column = c->lcp.A + (long)n * (n - 1);
   mg_real own = column[n - 1];
-  for (int r = 0; r < n; r++) c->lcp.b[r] = column[r], c->lcp.mask[r] = r < n - 1;
+  for (int r = 0; r < n; r++)
+    c->lcp.b[r] = column[r], c->lcp.mask[r] = r < n - 1 ? mg_held_row_mask(c, c->lcp.rows[r]) : 0;
   mg_real pivot;
   mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask, c->system->n_joint_row ? c->settings->joint_rank_tolerance : 0,
                   c->lcp.z, c->lcp.work, c->lcp.iwork, &pivot);

@@ -263,6 +263,10 @@ MG_INTERNAL void mg_refine_rows(mg_context *c, int n, int rank, const mg_real *r
 
 /* joint_elimination.c */
 
+/* Entry of c->lcp.mask of a row that is held: of joints, whose dependence joint_rank_tolerance decides, 1; of others,
+   which depend where rounding leaves nothing else of them, MG_ACTIVE_ABOVE_ROUNDING. */
+MG_INTERNAL int mg_held_row_mask(const mg_context *c, int row);
+
 /* Append the supports of all flat patches, the rows of all joints, and those of springs while they act through them, to
    a list of n rows; returns its length. */
 MG_INTERNAL int mg_append_bilateral_rows(const mg_context *c, int *list, int n);

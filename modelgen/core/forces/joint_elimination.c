@@ -30,6 +30,10 @@ static void mg_eliminate_joints(mg_context *c, int n, int size) {
   for (int i = 0; i < n; i++) c->lcp.reduced_b[i] = c->lcp.b[i] + mg_joint_elimination_term(c, i, n, size);
 }
 
+MG_INTERNAL int mg_held_row_mask(const mg_context *c, int row) {
+  return row >= c->layout.joint_row_begin && row < c->layout.joint_row_end ? 1 : MG_ACTIVE_ABOVE_ROUNDING;
+}
+
 MG_INTERNAL int mg_append_bilateral_rows(const mg_context *c, int *list, int n) {
   for (int i = c->layout.support_begin; i < c->system->n_contact; i++)
     if (c->run->closed[i] && !mg_is_support_on_edge(c, i)) list[n++] = i;

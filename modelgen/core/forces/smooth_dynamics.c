@@ -11,7 +11,8 @@
 static void mg_solve_island(mg_context *c, int n, const mg_real *rate, mg_real *amount) {
   const int has_slip = c->friction.couples_normal && c->friction.slips,
             has_reference = c->friction.couples_normal && c->run->forces_redundant;
-  for (int r = 0; r < n; r++) c->lcp.b[r] = rate[c->islands.rows[r]], c->lcp.mask[r] = 1;
+  for (int r = 0; r < n; r++)
+    c->lcp.b[r] = rate[c->islands.rows[r]], c->lcp.mask[r] = mg_held_row_mask(c, c->islands.rows[r]);
   if (has_slip || has_reference) {
     mg_solve_island_with_friction(c, n, rate, amount);
     return;

@@ -70,8 +70,8 @@ static int mg_friction_certify_best(mg_scaled_friction *s, mg_real *z, int *mark
   for (int c = 0; c < s->n; ++c) marks[c] = mg_friction_contact_marks(s, c);
   mg_friction_unscale(s, s->best, z);
   report->residual = mg_friction_certify(s->given, z, &growth);
-  report->outcome =
-      report->residual <= mg_max(s->given->accepted, MG_LCP_CAP) ? MG_FRICTION_SOLVED : MG_FRICTION_NOT_FOUND;
+  report->outcome = report->residual <= mg_max(s->given->accepted, mg_friction_cap(growth)) ? MG_FRICTION_SOLVED
+                                                                                            : MG_FRICTION_NOT_FOUND;
   return report->outcome == MG_FRICTION_SOLVED;
 }
 

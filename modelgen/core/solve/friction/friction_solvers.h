@@ -59,8 +59,13 @@ MG_INTERNAL mg_real mg_friction_error(const mg_scaled_friction *s);
 /* v = S y + c. */
 MG_INTERNAL void mg_friction_update_motion(mg_scaled_friction *s);
 
-/* Largest residual of a solution y, which rounding determines: that of S y grows with y. A quarter of MG_LCP_CAP
-   is kept in reserve for the return to the given problem. */
+/* Largest residual of a solution whose forces are `growth` times the right-hand side, in units of the residual:
+   MG_LCP_CAP, or four roundings of the terms of S y, which forces of that size cannot undercut; at most
+   MG_LCP_ROUNDED. */
+MG_INTERNAL mg_real mg_friction_cap(mg_real growth);
+
+/* The same of a solution y, or less, because a thousand roundings are the rule: that of S y grows with y. A quarter of
+   the cap is kept in reserve for the return to the given problem. */
 MG_INTERNAL mg_real mg_friction_tolerance(const mg_scaled_friction *s, const mg_real *y);
 
 /* Copies y to best if its residual is the least so far. Returns whether best is a solution. */

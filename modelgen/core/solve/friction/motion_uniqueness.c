@@ -457,7 +457,7 @@ static int mg_factorise_held_matrix(const mg_friction_problem *p, const mg_real 
       if (!(fabs(odd) * scale[i] * scale[j] <= MG_HELD_MARGIN)) return 0;
     }
   for (int i = 0; i < n; ++i) rest[i] = L[i * (n + 1)];
-  s->rank = mg_cholesky_pivoted(n, L, order, MG_HELD_CLEAR);
+  s->rank = mg_cholesky_pivoted(n, L, order, MG_HELD_CLEAR, 0);
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < s->rank; ++j) {
       const mg_real entry = j > i ? 0 : L[i + j * n];

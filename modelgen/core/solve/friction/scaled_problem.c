@@ -123,7 +123,7 @@ static void mg_friction_factor_bilateral(mg_scaled_friction *s) {
   for (int j = 0; j < k; ++j)
     for (int i = 0; i < k; ++i)
       s->L[i + j * k] = mg_friction_entry(s, s->bilateral[i], s->bilateral[j]) * s->e_b[i] * s->e_b[j];
-  s->rank = mg_cholesky_pivoted(k, s->L, s->order, MG_LCP_RANK(k));
+  s->rank = mg_cholesky_pivoted(k, s->L, s->order, MG_LCP_RANK(k), 0);
 }
 
 /* Clears row and column i, of which only rounding is left because bilateral rows determine them. */

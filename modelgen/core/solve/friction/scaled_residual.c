@@ -49,9 +49,16 @@ MG_INTERNAL void mg_friction_update_motion(mg_scaled_friction *s) {
   }
 }
 
+#define MG_LCP_ROUNDED (10000 * MG_LCP_CAP) /* above this, rounding leaves nothing of the motion to rely on */
+
+MG_INTERNAL mg_real mg_friction_cap(mg_real growth) {
+  return mg_max(MG_LCP_CAP, mg_min(4 * MG_EPS * growth, MG_LCP_ROUNDED));
+}
+
 MG_INTERNAL mg_real mg_friction_tolerance(const mg_scaled_friction *s, const mg_real *y) {
-  const mg_real tolerance = mg_lcp_tolerance(s->m, mg_max_abs(s->m, y));
-  return tolerance < MG_LCP_CAP / 4 ? tolerance : MG_LCP_CAP / 4;
+  const mg_real growth = mg_max_abs(s->m, y), tolerance = mg_lcp_tolerance(s->m, growth),
+                cap = mg_friction_cap(growth) / 4;
+  return tolerance < MG_LCP_CAP ? mg_min(tolerance, cap) : cap;
 }
 
 MG_INTERNAL int mg_friction_is_accepted(const mg_scaled_friction *s) {

@@ -34,11 +34,12 @@ static int mg_active_two(const mg_real *A, const mg_real *b, mg_real *z, mg_real
 }
 
 /* The same for the k unknowns of `index`, scaled to unit diagonal. */
-static int mg_active_gather(int n, const mg_real *A, const mg_real *b, const int *index, int k, mg_real floor,
-                            mg_real *z, mg_real *work, int *order, mg_real *pivot) {
-  mg_real *S = work, *c = S + k * k, *reciprocal = c + k, *y = reciprocal + k;
+static int mg_active_gather(int n, const mg_real *A, const mg_real *b, const int *active, const int *index, int k,
+                            mg_real floor, mg_real *z, mg_real *work, int *order, mg_real *pivot) {
+  mg_real *S = work, *c = S + k * k, *reciprocal = c + k, *y = reciprocal + k, *floors = y + k;
   int rank;
   for (int i = 0; i < k; ++i) {
+    floors[i] = floor > 0 && active[index[i]] != MG_ACTIVE_ABOVE_ROUNDING ? floor : MG_LCP_RANK(k);
     reciprocal[i] = 1 / mg_diagonal_scale(A[index[i] + index[i] * n]);
     c[i] = b[index[i]] * reciprocal[i];
   }
@@ -47,7 +48,7 @@ static int mg_active_gather(int n, const mg_real *A, const mg_real *b, const int
     for (int i = 0; i < k; ++i) S[i + j * k] = column[index[i]] * reciprocal[i] * reciprocal[j];
     if (A[index[j] + index[j] * n] > 0) S[j + j * k] = 1;
   }
-  rank = mg_minimum_norm(k, S, c, floor, y, y + k, order, pivot);
+  rank = mg_minimum_norm_above(k, S, c, 0, floors, y, floors + k, order, pivot);
   for (int i = 0; i < k; ++i) z[index[i]] = y[i] * reciprocal[i];
   return rank;
 }
@@ -68,7 +69,7 @@ MG_INTERNAL int mg_active_above(int n, const mg_real *A, const mg_real *b, const
   }
   if (k == 0) return 0;
   if (k == 1) return mg_active_one(A[iwork[0] + iwork[0] * n], b[iwork[0]], z + iwork[0]);
-  return mg_active_gather(n, A, b, iwork, k, floor > 0 ? floor : MG_LCP_RANK(k), z, work, iwork + n, pivot);
+  return mg_active_gather(n, A, b, active, iwork, k, floor, z, work, iwork + n, pivot);
 }
 
 MG_API int mg_active_solve(int n, const mg_real *A, const mg_real *b, const int *active, mg_real *z, mg_real *work,

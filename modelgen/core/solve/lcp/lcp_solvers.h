@@ -47,8 +47,10 @@ MG_INTERNAL int mg_lcp_report_failure(int n, const mg_real *A, const mg_real *b,
 
 /* known_active_set.c */
 
-/* mg_active_solve with pivots of the scaled A_BB up to `floor` counted as zero; floor = 0: rounding. `pivot` receives
-   the least of them, or a lower bound that is not small. */
+enum { MG_ACTIVE_ABOVE_ROUNDING = 2 }; /* entry of `active`: in B, and its pivot is zero only to rounding */
+
+/* mg_active_solve with pivots of the scaled A_BB up to `floor` counted as zero; floor = 0: rounding, as for entries
+   MG_ACTIVE_ABOVE_ROUNDING of `active`. `pivot` receives the least of them, or a lower bound that is not small. */
 MG_INTERNAL int mg_active_above(int n, const mg_real *A, const mg_real *b, const int *active, mg_real floor, mg_real *z,
                                 mg_real *work, int *iwork, mg_real *pivot);
 
