@@ -374,12 +374,14 @@ static int mg_follow_minimum(mg_context *c, mg_events *events, int pair, const m
   return MG_FOLLOWED_NOW;
 }
 
-/* Penetration of minima is noted where it stays: in time-stepping that of contacts is removed first. */
+/* Penetration of minima is noted where it stays: in time-stepping that of contacts is removed first. There a contact
+   may appear as deep as the pair has moved since its last search: no step is refused for it. */
 MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pair, mg_real moved) {
   const mg_system *s = c->system;
   if (mg_pair_clearance(c, pair) > mg_search_reach(c, pair)) return 0;
   const mg_real least = mg_separating_plane_gap(c, pair) - c->settings->start_gap * s->length;
-  const mg_search_limits seen = mg_penetration_limits(c, pair, moved), appearing = mg_appearance_limits(c, pair);
+  const mg_search_limits seen = mg_penetration_limits(c, pair, moved);
+  const mg_real appearing = mg_is_time_stepping(c) ? seen.depth : mg_appearance_limits(c, pair).depth;
   mg_search_limits limits = seen;
   mg_minima found;
   if (mg_has_own_feature_pairs(c, pair)) limits.gap = limits.depth = MG_MAX;
@@ -391,7 +393,7 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
     const mg_minimum *each = found.list + k;
     if (mg_is_minimum_ignored(c, each)) continue;
     if (!mg_is_minimum_within_reach(c, each, seen.depth)) continue;
-    const int followed = mg_follow_minimum(c, events, pair, each, seen.depth, appearing.depth);
+    const int followed = mg_follow_minimum(c, events, pair, each, seen.depth, appearing);
     count += followed == MG_FOLLOWED_NOW;
     if (!followed || !mg_is_time_stepping(c))
       mg_note_penetration(c, mg_pair_first_contact(c, pair), each->feature_pair, -each->d, MG_PENETRATED);
