@@ -28,7 +28,14 @@ SUFFICIENT = {  # by the method: orders, stages, blocks, rows of one kind, bound
     *("MG_HELD_ROWS", "MG_HELD_VIEWS", "MG_JOINT_ROWS_MAX", "MG_LCP_BLOCK", "MG_LEMKE_COVERS"),
     *("MG_LINE_SEARCH_MEMORY", "MG_LORENTZ_SIZE", "MG_MARGIN_SAMPLES", "MG_MAX_ETA", "MG_MOTION_CONTACTS"),
     *("MG_NODES", "MG_PATCH_ROWS", "MG_POINT_PARAMETERS", "MG_PRODUCT", "MG_PROOF_CELLS"),
-    *("MG_RADAU_STAGES", "MG_ROWS_OF_ONE", "MG_SAMPLE_SIZE", "MG_SLIP_UNKNOWNS", "MG_SURFACE_BOUNDS"),
+    *(
+        "MG_RADAU_STAGES",
+        "MG_ROWS_OF_ONE",
+        "MG_SAMPLE_SIZE",
+        "MG_SENSOR_GROUPS",
+        "MG_SLIP_UNKNOWNS",
+        "MG_SURFACE_BOUNDS",
+    ),
     *("MG_SWITCH_COLUMNS", "MG_TIME_PARTS", "MG_UNKNOWNS"),
 }
 LENGTH = re.compile(
