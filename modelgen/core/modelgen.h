@@ -193,10 +193,10 @@ typedef struct {
                                body f (12) */
   const int *patch_covered; /* [n_patch + 1] range of covered_feature_pair */
   const int *covered_feature_pair; /* [all covered] feature pairs that lie in the patch, to be replaced by it */
-  const int *patch_share; /* [n_patch + 1] range of shares; none of a patch of one pair */
-  const int *share_pair;  /* [all shares] pair of shapes to which the force on a part of the patch belongs */
-  const int *share_arc;   /* [4 all shares] its two faces, whose overlap the part is: first arc of o's and the one after
-                             its last, the same of f's */
+  const int *patch_share;          /* [n_patch + 1] range of shares; none of a patch of one pair */
+  const int *share_pair;           /* [all shares] pair of shapes to which the force on a part of the patch belongs */
+  const int *share_arc; /* [4 all shares] its two faces, whose overlap the part is: first arc of o's and the one after
+                           its last, the same of f's */
 
   const int *arc_shape;      /* [all arcs] shape kind of the curve */
   const int *arc_parameters; /* [all arcs] offset into parameters of the curve */
@@ -463,6 +463,7 @@ typedef struct {
   mg_real *last_effort;        /* [n_pair] pairs of cells that the last search of the pair looked at */
   mg_real *withheld_effort;    /* [n_pair] pairs of cells by which its searches look at fewer than usual */
   int *is_far;                 /* [n_pair] 1: left out, because its shapes are far apart */
+  int *stop;                   /* [1] or null; 1: another thread or a signal handler asks that a call end soon */
   mg_real *ball_at;            /* [4 n_ball] centre when near pairs were last looked for, m, world axes, and how far it
                                   may move before that is due again, m */
   int *closed;                 /* [n_contact] 1: the gap is held at zero */
@@ -518,15 +519,15 @@ typedef struct {
   long search_effort;       /* pairs of cells looked at in searches for closest points */
   long exceeded[8];         /* how often each capacity was exceeded, MG_CAPACITY_CLOSED .. */
 
-  mg_real t_event;          /* time of the last transition, s */
-  mg_real t_roundoff;       /* rounding error of t so far, s: the exact time is t + t_roundoff */
-  mg_real energy_0;         /* energy at the start, J */
+  mg_real t_event;           /* time of the last transition, s */
+  mg_real t_roundoff;        /* rounding error of t so far, s: the exact time is t + t_roundoff */
+  mg_real energy_0;          /* energy at the start, J */
   mg_real energy_error_max;  /* largest |energy - energy_0 - work - correction_work|, J */
   mg_real correction_work;   /* time-stepping: change of the energy by all corrections of positions, J; no part of the
                                 work */
   mg_real correction_energy; /* sum of the amounts of these changes, J */
-  mg_real kinetic_max;      /* largest kinetic energy, J */
-  mg_real gap_max;          /* largest |d| of a closed contact, m */
+  mg_real kinetic_max;       /* largest kinetic energy, J */
+  mg_real gap_max;           /* largest |d| of a closed contact, m */
   mg_real
       penetration_max;   /* deepest penetration of a pair, m: of a contact, or of closest points that a search found */
   mg_real penetration_t; /* time of penetration_max, s */
@@ -608,13 +609,13 @@ typedef struct {
   int *patch;        /* [n_patch_slot] patch that the slot holds, or -1 */
   mg_real *pressure; /* [4 n_patch_slot] resultant normal force, N, and centre of pressure, m */
   mg_real
-      *patch_friction;   /* [8 n_patch_slot] friction force on f, N; its torque about N through the centre of pressure,
-                            N m; velocity of f relative to o there, m/s; spin of f relative to o about N, rad/s */
-  mg_real *patch_share;  /* [all shares] force of each share by the pressure between the faces, N; 0 where its patch does
-                            not rest. Shares that overlap count their common part twice. */
-  mg_real *friction;     /* [3 n_contact] friction force on f, N */
-  mg_real *torque;       /* [3 n_contact] torque of spinning and rolling resistance on f, N m, world axes */
-  mg_real *slip;         /* [3 n_contact] slip velocity of f relative to o, m/s */
+      *patch_friction;  /* [8 n_patch_slot] friction force on f, N; its torque about N through the centre of pressure,
+                           N m; velocity of f relative to o there, m/s; spin of f relative to o about N, rad/s */
+  mg_real *patch_share; /* [all shares] force of each share by the pressure between the faces, N; 0 where its patch does
+                           not rest. Shares that overlap count their common part twice. */
+  mg_real *friction;    /* [3 n_contact] friction force on f, N */
+  mg_real *torque;      /* [3 n_contact] torque of spinning and rolling resistance on f, N m, world axes */
+  mg_real *slip;        /* [3 n_contact] slip velocity of f relative to o, m/s */
   mg_real *joint_wrench; /* [6 n_joint] on the second body: force, N, and torque about its centre of mass, N m */
   mg_real *coordinate;   /* [3 n_joint] joint coordinates: angles within half a turn, rad, displacements, m; NAN
                             where a joint has fewer than three */

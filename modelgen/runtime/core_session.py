@@ -59,6 +59,7 @@ class Session:
         self.tilt_direction, self.rolling_start = reals["tilt_direction"], integers["rolling_start"]
         self.closed, self.active = integers["closed"], integers["active"]
         self.friction_mode, self.feature_pair = integers["friction_mode"], integers["feature_pair"]
+        self.stop = integers["stop"]
         self.input, self.applied_input = reals["input"], reals["applied_input"]
         self.x[:], self.feature_pair[:] = shared.start, -1
         self.input[:-1:SETTING_SIZE] = [each["default"] for each in self.instance["inputs"]]

@@ -26,6 +26,7 @@ from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.error_estimate import ORDERS, estimate_of, nudge, steps_max
 from modelgen.runtime.error_statement import Estimate
 from modelgen.runtime.inputs import Inputs
+from modelgen.runtime.interruptible_advance import interruptible
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.start import begin
@@ -221,20 +222,21 @@ def _run(session: Session, schedule: Schedule, recording: Recording, report: Rep
     events: list[Event] = []
     chunk, end, code = 1, schedule[-1][0], CONTINUE
     try:
-        for until, settings in schedule:
-            session.input[:] = settings
-            code = CONTINUE
-            while code in (CONTINUE, FULL):
-                before = time.perf_counter()
-                code = session.advance(until, chunk, recording.record)
-                events += session.drain_events()
-                if code == CONTINUE:
-                    elapsed = max(time.perf_counter() - before, 1e-6)
-                    chunk = int(min(max(chunk * CHUNK_S / elapsed, 1), 10 * chunk))
-                if report and code in (CONTINUE, FULL):
-                    report(float(session.run.t) / end)
-            if code:
-                break
+        with interruptible(session) as advance:
+            for until, settings in schedule:
+                session.input[:] = settings
+                code = CONTINUE
+                while code in (CONTINUE, FULL):
+                    before = time.perf_counter()
+                    code = advance(until, chunk, recording.record)
+                    events += session.drain_events()
+                    if code == CONTINUE:
+                        elapsed = max(time.perf_counter() - before, 1e-6)
+                        chunk = int(min(max(chunk * CHUNK_S / elapsed, 1), 10 * chunk))
+                    if report and code in (CONTINUE, FULL):
+                        report(float(session.run.t) / end)
+                if code:
+                    break
         return Ending(OUTCOME_OF_CODE[code], events)
     except KeyboardInterrupt:
         outcome = Outcome.DONE if session.run.t >= end else Outcome.INTERRUPTED

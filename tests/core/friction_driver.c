@@ -33,7 +33,7 @@ static int driver_solve(int contacts, int rows, int extra, int rank, int law)
   int first[DRIVER_CONTACTS], each[DRIVER_CONTACTS], marks[DRIVER_CONTACTS];
   mg_real *work = malloc(sizeof(mg_real) * (size_t)mg_friction_work_size(n, contacts));
   int *iwork = malloc(sizeof(int) * (size_t)mg_friction_iwork_size(n, contacts));
-  mg_friction_problem problem = {n, contacts, law, 1, first, each, cone, A, b, law, 0};
+  mg_friction_problem problem = {n, contacts, law, 1, first, each, cone, A, b, law, 0, 0};
   mg_friction_report report;
   driver_matrix(n, rank, A, b);
   for (int c = 0; c < contacts; ++c) {

@@ -69,6 +69,11 @@ MG_INTERNAL void mg_require_tables(const mg_system *s);
 #define MG_NEEDS_PLACEMENT(c, feature_pair, eta) ((void)0)
 #endif
 
+/* stop_request.c */
+
+/* True if the caller asks that the present call end soon. */
+MG_INTERNAL int mg_is_stopped(const mg_context *c);
+
 /* exceeded_capacities.c */
 
 /* Counts that a capacity, MG_CAPACITY_CLOSED .., was exceeded and something left out. */

@@ -180,6 +180,7 @@ static int mg_advance_step(mg_context *c, mg_real h, mg_record *record, mg_event
     outcome = mg_cross_infinite_load(c, mg_event_driven_step(c, h, record, events), events);
     if (!outcome && mg_has_costly_events(c, events, first_event, c->run->rhs_evals - evaluations)) outcome = MG_CHATTER;
   }
+  if (outcome && mg_is_stopped(c)) return outcome;
   outcome = mg_explain_failed_outcome(c, outcome);
   return mg_start_fallback(c, outcome, events) ? MG_DONE : outcome;
 }
@@ -219,7 +220,7 @@ MG_INTERNAL int mg_advance_followed(const mg_system *system, const mg_settings *
   mg_record_now(&c, record);
   if (mg_is_time_stepping(&c)) mg_recall_time_step(&c);
   for (long step = 0; run->t < t_stop; step++) {
-    if (step >= max_steps) return MG_CONTINUE;
+    if (step >= max_steps || mg_is_stopped(&c)) return MG_CONTINUE;
     if (run->steps_max > 0 && run->steps + run->rejected > run->steps_max) return MG_TOO_COSTLY;
     if (!mg_has_event_room(&c, events)) return MG_LIST_FULL;
     if (follower) follower->begin(&c, follower->of);
@@ -231,7 +232,7 @@ MG_INTERNAL int mg_advance_followed(const mg_system *system, const mg_settings *
     const mg_real h = mg_next_step(&c);
     const int last = mg_ends_at_stop(&c, h, left);
     const int outcome = mg_advance_step(&c, last ? left : h, record, events);
-    if (outcome) return outcome;
+    if (outcome) return mg_is_stopped(&c) ? MG_CONTINUE : outcome;
     run->progress_tries += last && left < h; /* a step that t_stop has cut does not count as slow progress */
     if (last && t_stop - run->t - run->t_roundoff <= 8 * MG_EPS * left) run->t = t_stop, run->t_roundoff = 0;
     mg_record_now(&c, record);

@@ -96,7 +96,8 @@ static mg_friction_problem mg_make_friction_problem(mg_context *c, mg_real h) {
                            c->lcp.A,
                            c->lcp.b,
                            1,
-                           c->settings->stepping_tolerance};
+                           c->settings->stepping_tolerance,
+                           c->run->stop};
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->events.is_near[i]) p.n = mg_append_friction_contact(c, i, p.n_contact++, p.n);
   p.n = mg_append_spring_rows(c, c->lcp.rows, mg_append_joint_rows(c, c->lcp.rows, p.n));
@@ -139,7 +140,7 @@ static int mg_solve_friction_law(mg_context *c, mg_friction_problem *p) {
   for (int k = 0; k < p->n_contact; k++)
     mg_set_friction_cone(c, c->friction.cone_contact[k], 1, c->friction.cone + MG_CONE * k);
   int outcome = mg_try_friction_law(c, p, &report);
-  if (outcome == MG_FRICTION_NOT_FOUND && p->law == MG_COULOMB) {
+  if (outcome == MG_FRICTION_NOT_FOUND && p->law == MG_COULOMB && !mg_is_stopped(c)) {
     p->law = MG_RELAXED, c->run->relaxed_solutions++;
     for (int r = 0; r < p->n; r++) c->lcp.z[r] = 0;
     outcome = mg_try_friction_law(c, p, &report);

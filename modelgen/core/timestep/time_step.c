@@ -101,6 +101,9 @@ MG_INTERNAL void mg_record_next_forces(mg_context *c, const mg_record *record) {
   const mg_real h = mg_next_step(c);
   mg_set_step_geometry(c, h);
   if (!mg_step_impulses(c, h)) mg_impulses_to_forces(c, h);
+  else
+    for (int i = mg_next_row(c, -1); i < c->layout.friction_row_end; i = mg_next_row(c, i))
+      c->solution.force[i] = i < c->system->n_contact ? c->run->force[i] : 0;
   for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
   mg_update_rows_at(c, c->run->t, c->run->x);
 }

@@ -177,6 +177,7 @@ def _problem(dtype: np.dtype[Any]) -> Any:
         *((name, ctypes.c_void_p) for name in ("first", "rows", "cone", "A", "b")),
         ("starts", ctypes.c_int),
         ("accepted", C_REALS[dtype.char]),
+        ("stop", ctypes.c_void_p),
     ]
     return type("FrictionProblem", (ctypes.Structure,), {"_fields_": fields})
 

@@ -156,6 +156,7 @@ RUN_ARRAYS = (
         "last_effort",
         "withheld_effort",
         "is_far",
+        "stop",
         "ball_at",
         "closed",
         "active",

@@ -152,6 +152,7 @@ def _sizes_of_run(
     integers = {
         **dict.fromkeys(("feature_pair", "closed", "active", "rolling_start"), m),
         **dict.fromkeys(("is_search_due", "is_far"), pairs),
+        "stop": 1,
         "friction_mode": groups + 1,
         **dict.fromkeys(("switch_mode", "switch_leader"), int(system.n_switch) + 1),
         "patch_mode": slots + 1,

@@ -38,6 +38,7 @@ typedef struct {
   mg_real accepted;    /* a residual within it, or within a quarter of MG_LCP_CAP, is a solution once Newton steps no
                           longer halve the merit, and Newton's method is tried again only after progress; 0: only a
                           thousand roundings are, and Newton steps go on while they reduce them */
+  const int *stop;     /* [1] or null; 1, also set by another thread during the solve: it ends soon, NOT_FOUND */
 } mg_friction_problem;
 
 /* Outcome of mg_friction. */

@@ -99,12 +99,13 @@ static void mg_friction_solve(mg_scaled_friction *s, mg_real *z, int *marks, mg_
   report->starts = 1;
   if (!mg_friction_warm_start(s, z)) mg_friction_sweep_and_newton(s, MG_FRICTION_ROUNDS);
   mg_friction_refine(s);
-  if (mg_friction_certify_best(s, z, marks, report)) return;
+  if (mg_friction_certify_best(s, z, marks, report) || mg_friction_is_stopped(s)) return;
   if (mg_friction_is_infeasible(s)) {
     report->outcome = MG_FRICTION_INFEASIBLE;
     return;
   }
-  for (int path = 0; path < MG_FRICTION_STARTS && report->starts != s->given->max_starts; ++path) {
+  for (int path = 0; path < MG_FRICTION_STARTS && report->starts != s->given->max_starts && !mg_friction_is_stopped(s);
+       ++path) {
     ++report->starts;
     mg_friction_try_start(s, path);
     mg_friction_refine(s);

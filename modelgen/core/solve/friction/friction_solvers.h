@@ -71,6 +71,9 @@ MG_INTERNAL mg_real mg_friction_tolerance(const mg_scaled_friction *s, const mg_
 /* Copies y to best if its residual is the least so far. Returns whether best is a solution. */
 MG_INTERNAL int mg_friction_update_best(mg_scaled_friction *s);
 
+/* True if the caller asks that the solve end. */
+MG_INTERNAL int mg_friction_is_stopped(const mg_scaled_friction *s);
+
 /* True if `best` is a solution by the problem's `accepted`. */
 MG_INTERNAL int mg_friction_is_accepted(const mg_scaled_friction *s);
 

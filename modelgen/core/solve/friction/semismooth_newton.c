@@ -274,7 +274,7 @@ static int mg_semismooth_step(mg_semismooth *n, int iteration) {
     if (mg_semismooth_is_stationary(n) && mg_semismooth_change_mode(n, iteration)) return 1;
     mg_semismooth_assemble(n, MG_LCP_TIKHONOV);
   }
-  for (mg_real damping = (mg_real)1e-6; damping < 10; damping *= 100) {
+  for (mg_real damping = (mg_real)1e-6; damping < 10 && !mg_friction_is_stopped(n->s); damping *= 100) {
     mg_semismooth_damped_step(n, damping, x);
     mg_semismooth_expand_step(n, x);
     if (mg_semismooth_line_search(n, iteration, 3)) return 1;
@@ -302,7 +302,8 @@ MG_INTERNAL int mg_friction_newton(mg_scaled_friction *s, int limit, int augment
   n.augmented = augmented;
   mg_friction_update_motion(s);
   n.before[0] = mg_semismooth_merit(&n);
-  for (int iteration = 0; steps.left > 0 && steps.slow <= (mg_friction_is_accepted(s) ? 0 : MG_NEWTON_PATIENCE);
+  for (int iteration = 0; !mg_friction_is_stopped(s) && steps.left > 0 &&
+                          steps.slow <= (mg_friction_is_accepted(s) ? 0 : MG_NEWTON_PATIENCE);
        ++iteration) {
     const mg_real merit = n.before[iteration % MG_LINE_SEARCH_MEMORY];
     ++s->newton;
