@@ -240,20 +240,6 @@ def _some_point(solid: Solid, rng: np.random.Generator) -> Array:
     return found
 
 
-def _probes(placed: Placed, n: int = 14) -> Array:
-    g = np.linspace(0, 1, n)
-    u, v = (each.ravel() for each in np.meshgrid(g, g, indexing="ij"))
-    points = [face(u, v) for face in placed.solid.faces]
-    points += [edge(np.linspace(0, 1, n * n)) for edge in placed.solid.edges]
-    return placed.points(np.concatenate(points)) if points else np.zeros((0, 3))
-
-
-def _are_apart(a: Placed, b: Placed, by: float) -> bool:
-    """Whether points of both show a distance of more than that."""
-    least = [float(one.distance(_probes(two)).min(initial=np.inf)) for one, two in ((a, b), (b, a))]
-    return min(least) > by
-
-
 def draw(first: str, second: str, seed: int) -> Member | None:
     """A member; None where the two cannot be set up: both endless or hollow, or too long for the hollow."""
     names = list(KINDS)
@@ -283,11 +269,13 @@ def _set_up(one: Solid, two: Solid, size: float, rng: np.random.Generator) -> Me
             off *= max(two.inner - 1.05 * one.size, 0.0) * rng.uniform(0, 0.9) / np.linalg.norm(off)
             moving, limit = replace(moving, p=off), 40 * two.inner + min(two.size, 10 * size)
         else:
-            reach = one.size + (two.size if two.size < np.inf else size)
+            is_bounded = two.size < np.inf
+            reach = one.size + (two.size if is_bounded else size)
+            lift = 2.1 * reach if is_bounded else 10 * reach
             target = fixed.points(_some_point(two, rng)) - moving.points(_some_point(one, rng))
             target += 0.2 * small * rng.normal(size=3)
-            moving, limit = replace(moving, p=target - 2.1 * reach * DOWN), 10 * reach
-            if not _are_apart(moving, fixed, 1e-3 * reach):
+            moving, limit = replace(moving, p=target - lift * DOWN), 5 * lift
+            if not is_bounded and not float(fixed.distance(moving.p)) > one.size:
                 continue
         way = travel(moving, fixed, limit)
         if way < limit:
@@ -349,7 +337,8 @@ def _judged(member: Member) -> tuple[str, float, str]:
     told = f"{path.outcome.name} {list(path.events)[:2]} {path.doubts}"
     error = G * touches[0].t ** 2 / 2 - member.way if touches else np.inf
     if error > member.tolerance:
-        return ("doubted" if path.doubts else "missed"), error, told
+        outcome = "doubted" if path.doubts else "not set up" if _do_overlap(member) else "missed"
+        return outcome, error, told
     if error < -member.tolerance:
         again = travel(member.moving, member.fixed, member.limit, parts=4, most=100)
         error = G * touches[0].t ** 2 / 2 - min(again, member.way)
