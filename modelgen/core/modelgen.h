@@ -496,17 +496,17 @@ typedef struct {
   int *joint_row_independent;      /* [n_joint_row] 1: independent of the rows before it at the last accepted step */
   int *joint_row_ever_independent; /* [n_joint_row] 1: the same at any accepted step so far */
 
-  long steps;                /* accepted steps */
-  long rejected;             /* rejected steps */
-  long rhs_evals;            /* evaluations of the right-hand side */
-  long steps_max;            /* the run ends where steps + rejected exceed this; 0: it does not. mg_begin sets it to 0, and
-                                the caller may write it after that */
-  long lcp_solves;           /* complementarity and friction problems solved */
-  long since_projection;     /* accepted steps since drift was projected away */
-  long events_at_t;          /* transitions within one event tolerance of t_event */
-  long progress_tries;       /* steps and rejected when progress was last checked */
-  long progress_rejected;    /* rejected when progress was last checked */
-  long fallbacks;            /* how often the run has fallen back on time-stepping */
+  long steps;             /* accepted steps */
+  long rejected;          /* rejected steps */
+  long rhs_evals;         /* evaluations of the right-hand side */
+  long steps_max;         /* the run ends where steps + rejected exceed this; 0: it does not. mg_begin sets it to 0, and
+                             the caller may write it after that */
+  long lcp_solves;        /* complementarity and friction problems solved */
+  long since_projection;  /* accepted steps since drift was projected away */
+  long events_at_t;       /* transitions within one event tolerance of t_event */
+  long progress_tries;    /* steps and rejected when progress was last checked */
+  long progress_rejected; /* rejected when progress was last checked */
+  long fallbacks;         /* how often the run has fallen back on time-stepping */
   long fallback_transitions; /* contacts closed and opened in the present fallback, since its last prolongation */
   long chatters;             /* how often the run went on by time-stepping because its events cost too much */
   long loose_solutions;      /* time-stepping: problems solved to stepping_residual only */
@@ -555,7 +555,7 @@ typedef struct {
   mg_real painleve_t;          /* time at which forces were first indeterminate (Painleve's paradox), s */
   mg_real unfollowed_t;        /* time of the first of unfollowed_minima, s */
   mg_real spin_max;            /* time-stepping: largest angular speed of a body at the starts of steps, rad/s */
-  mg_real force_rounding;   /* largest relative error that rounding may have made in the forces of an evaluation */
+  mg_real force_rounding;      /* largest relative error that rounding may have made in the forces of an evaluation */
   mg_real spring_rate_max;     /* time-stepping: fastest rate of a spring or damper alone on its bodies, 1/s */
   mg_real incomplete_t;        /* time of the first of incomplete_searches, s */
   mg_real indeterminate_t;     /* time of indeterminate, s */
@@ -833,22 +833,22 @@ MG_API void mg_go_back_to_start(const mg_system *system, const mg_settings *sett
 
 /* Reasons not to trust a run, as bits: what the figures of the run show without a second run. */
 enum {
-  MG_DOUBT_ENDED = 1,              /* the run ended early */
-  MG_DOUBT_GAP = 2,                /* a closed contact was open by more than gap_error_max */
-  MG_DOUBT_PENETRATION = 4,        /* bodies penetrated deeper than gap_error_max */
-  MG_DOUBT_JOINT = 8,              /* a joint was apart by more than start_joint_gap */
-  MG_DOUBT_ENERGY = 16,            /* energy that work does not explain, and of corrections, above energy_error_max */
-  MG_DOUBT_COMPLEMENTARITY = 32,   /* forces pull, or act across gaps, by more than complementarity_error_max */
-  MG_DOUBT_IMPACT_GAIN = 64,       /* an impact added more energy than energy_error_max */
-  MG_DOUBT_NO_GAMMA = 128,         /* Gamma2 is left out */
-  MG_DOUBT_TIME_STEPPING = 256,    /* the run, or a part of it, was time-stepping, which locates no events */
-  MG_DOUBT_SLIP_STOP = 512,        /* slip died within fixed steps, which then lose their order */
-  MG_DOUBT_INDETERMINATE = 1024,   /* the motion is one of several, or is not proved to be the only one */
-  MG_DOUBT_FLUSH = 2048,           /* a blow on an edge in the plane of a face: rounding decides whether it is struck */
-  MG_DOUBT_UNFOLLOWED = 4096,      /* closest points were found that no contact was free to follow */
-  MG_DOUBT_INCOMPLETE = 8192,      /* a search for closest points was given up */
-  MG_DOUBT_STAND_IN = 16384,       /* contacts are with a shape that stands for another surface, as a hull for a mesh */
-  MG_DOUBT_CAPACITY = 32768        /* a capacity was exceeded, and something left out (run->exceeded) */
+  MG_DOUBT_ENDED = 1,            /* the run ended early */
+  MG_DOUBT_GAP = 2,              /* a closed contact was open by more than gap_error_max */
+  MG_DOUBT_PENETRATION = 4,      /* bodies penetrated deeper than gap_error_max */
+  MG_DOUBT_JOINT = 8,            /* a joint was apart by more than start_joint_gap */
+  MG_DOUBT_ENERGY = 16,          /* energy that work does not explain, and of corrections, above energy_error_max */
+  MG_DOUBT_COMPLEMENTARITY = 32, /* forces pull, or act across gaps, by more than complementarity_error_max */
+  MG_DOUBT_IMPACT_GAIN = 64,     /* an impact added more energy than energy_error_max */
+  MG_DOUBT_NO_GAMMA = 128,       /* Gamma2 is left out */
+  MG_DOUBT_TIME_STEPPING = 256,  /* the run, or a part of it, was time-stepping, which locates no events */
+  MG_DOUBT_SLIP_STOP = 512,      /* slip died within fixed steps, which then lose their order */
+  MG_DOUBT_INDETERMINATE = 1024, /* the motion is one of several, or is not proved to be the only one */
+  MG_DOUBT_FLUSH = 2048,         /* a blow on an edge in the plane of a face: rounding decides whether it is struck */
+  MG_DOUBT_UNFOLLOWED = 4096,    /* closest points were found that no contact was free to follow */
+  MG_DOUBT_INCOMPLETE = 8192,    /* a search for closest points was given up */
+  MG_DOUBT_STAND_IN = 16384,     /* contacts are with a shape that stands for another surface, as a hull for a mesh */
+  MG_DOUBT_CAPACITY = 32768      /* a capacity was exceeded, and something left out (run->exceeded) */
 };
 
 /* The reasons not to trust a run that has come to `outcome` (mg_begin, mg_advance), MG_DOUBT_ENDED .. as bits; 0: none.

@@ -135,8 +135,8 @@ MG_INTERNAL mg_share_room mg_find_share_room(const mg_system *s);
 
 /* What mg_find_patch_shares found. */
 enum {
-  MG_SHARES_FIXED, /* the weights do not change while the bodies and forces change a little, to first order */
-  MG_SHARES_VARY,  /* they do */
+  MG_SHARES_FIXED,  /* the weights do not change while the bodies and forces change a little, to first order */
+  MG_SHARES_VARY,   /* they do */
   MG_SHARES_OVERLAP /* they do, and parts of several shares overlap, whose sum is then scaled to the resultant */
 };
 
@@ -439,8 +439,8 @@ MG_INTERNAL void mg_complete_orthonormal_basis(const mg_real *e, mg_real across[
 /* That direction and two directions across it. */
 MG_INTERNAL void mg_patch_slip_basis(const mg_context *c, int slot, mg_real e[3][3]);
 
-/* Forget the centres of pressure from which the pressures of patches are sought, so that the forces found next depend on
-   the state alone. */
+/* Forget the centres of pressure from which the pressures of patches are sought, so that the forces found next depend
+   on the state alone. */
 MG_INTERNAL void mg_forget_patch_pressures(mg_context *c);
 
 /* Compute the pressure in a slot for a unit resultant at its centre of pressure; over the whole face while that
@@ -575,8 +575,9 @@ MG_INTERNAL int mg_set_body_corrections(mg_context *c, int n);
 /* Rotate a quaternion by a small rotation vector in body axes, to first order. */
 MG_INTERNAL void mg_rotate_quaternion(mg_real *e, const mg_real *angle);
 
-/* Add the corrections to positions and orientations of the run's state and normalise. Returns 0, and changes nothing, where they move the mass of a body farther, in the root mean
-   square, than correction_ratio times the violation that they remove, m, and contact_gap. */
+/* Add the corrections to positions and orientations of the run's state and normalise. Returns 0, and changes nothing,
+   where they move the mass of a body farther, in the root mean square, than correction_ratio times the violation that
+   they remove, m, and contact_gap. */
 MG_INTERNAL int mg_apply_pose_correction(mg_context *c, mg_real violation);
 
 /* Add the corrections to the velocities of the run's state. */

@@ -5,7 +5,8 @@
 #include "solve/lcp/lcp_solvers.h"
 
 /* Whether all of the first n rows of c->lcp.rows may be active: none pulls. Where masses differ so much that the
-   complementarity problem is solved to fewer digits than its certificate asks for, its matrix is not the way to tell. */
+   complementarity problem is solved to fewer digits than its certificate asks for, its matrix is not the way to tell.
+ */
 static int mg_may_all_be_active(mg_context *c, int n) {
   for (int r = 0; r < n; r++) c->run->active[c->lcp.rows[r]] = 1;
   mg_evaluate_run_state(c);

@@ -17,14 +17,14 @@ enum { MG_REFINEMENTS = 8 }; /* most corrections */
 
 /* Factored rows. */
 typedef struct {
-  int n, n_body;   /* rows; bodies that forces move */
-  int *body;       /* [n_body] these */
-  int *local[2];   /* [n] number among them of o and f of each row, or -1 */
+  int n, n_body;    /* rows; bodies that forces move */
+  int *body;        /* [n_body] these */
+  int *local[2];    /* [n] number among them of o and f of each row, or -1 */
   int *begin, *end; /* [n] range of the entries of each column of Q that may not be zero */
-  mg_real *G, *R;  /* [6 n_body n] G, then Q; [n n] */
-  mg_real *d;      /* [n] norm of each column of G */
-  mg_real *x;      /* [n] right-hand side, then solution */
-  mg_real *wrench; /* [6 n_body] sum over the rows */
+  mg_real *G, *R;   /* [6 n_body n] G, then Q; [n n] */
+  mg_real *d;       /* [n] norm of each column of G */
+  mg_real *x;       /* [n] right-hand side, then solution */
+  mg_real *wrench;  /* [6 n_body] sum over the rows */
 } mg_row_factors;
 
 /* Number of a body among those of the rows; -1 if forces do not move it. */
@@ -40,8 +40,8 @@ static int mg_local_body(const mg_context *c, mg_row_factors *s, int body) {
    own. */
 static int mg_open_row_factors(mg_context *c, int n, mg_row_factors *s) {
   s->n = n, s->n_body = 0;
-  s->local[0] = c->lcp.iwork, s->local[1] = s->local[0] + n, s->begin = s->local[1] + n,
-  s->end = s->begin + n, s->body = s->end + n;
+  s->local[0] = c->lcp.iwork, s->local[1] = s->local[0] + n, s->begin = s->local[1] + n, s->end = s->begin + n,
+  s->body = s->end + n;
   for (int r = 0; r < n; r++) {
     s->local[0][r] = mg_local_body(c, s, c->contacts.o[c->islands.rows[r]]);
     s->local[1][r] = mg_local_body(c, s, c->contacts.f[c->islands.rows[r]]);

@@ -39,8 +39,8 @@ static int mg_does_feature_reach_beyond(mg_context *c, int feature_pair, int sid
   return 0;
 }
 
-/* True if the contact placed last lies in the plane of the faces of a patch of its pair, which is across its normal, and
-   neither of its features reaches beyond that plane. */
+/* True if the contact placed last lies in the plane of the faces of a patch of its pair, which is across its normal,
+   and neither of its features reaches beyond that plane. */
 static int mg_is_flush_with(mg_context *c, int patch, int feature_pair) {
   const mg_real *placed = c->search.placement, height = c->settings->flush_height * c->system->length;
   mg_real face[2][12];

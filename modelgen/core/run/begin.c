@@ -79,7 +79,8 @@ static void mg_reset_report(mg_run *run) {
 /* Start of time-stepping, which needs no modes: its first step takes the first impacts. */
 static int mg_begin_time_stepping(mg_context *c) {
   mg_update_rows_at(c, c->run->t, c->run->x);
-  for (int i = mg_next_row(c, -1); i < c->layout.friction_row_end; i = mg_next_row(c, i)) c->solution.force[i] = c->run->reference_force[i] = 0;
+  for (int i = mg_next_row(c, -1); i < c->layout.friction_row_end; i = mg_next_row(c, i))
+    c->solution.force[i] = c->run->reference_force[i] = 0;
   mg_update_diagnostics(c);
   return MG_DONE;
 }

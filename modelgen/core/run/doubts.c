@@ -36,8 +36,7 @@ static mg_real mg_moved_energy(const mg_run *run, mg_real resting) {
 
 /* True if the energy error is above its bound, and above what rounding in each step may add up to. */
 static int mg_is_energy_lost(const mg_run *run, mg_real resting, mg_real bound) {
-  const mg_real rounding =
-      ((mg_real)run->steps + 1) * MG_EPS * (resting + fabs(run->energy_0) + run->kinetic_max);
+  const mg_real rounding = ((mg_real)run->steps + 1) * MG_EPS * (resting + fabs(run->energy_0) + run->kinetic_max);
   return !(run->energy_error_max + run->correction_energy <= mg_max(bound * mg_moved_energy(run, resting), rounding));
 }
 

@@ -44,7 +44,6 @@ MG_INTERNAL int mg_advance_followed(const mg_system *system, const mg_settings *
 
 /* input_changes.c */
 
-
 /* Notes that the inputs of the run have taken effect. */
 MG_INTERNAL void mg_accept_inputs(const mg_context *c);
 

@@ -44,8 +44,8 @@ void scene_sense(scene_instance *scene, mg_real *sensors);
 /* Writes position and rotation matrix, by columns, of each body, [12 SCENE_N_BODY]. */
 void scene_poses(scene_instance *scene, mg_real *pose);
 
-/* The reasons not to trust a run that has come to `code`, as scene_begin or an advance returned it: MG_DOUBT_ENDED .. as
-   bits, 0: none that its own figures show. mg_doubt_text has words for each. */
+/* The reasons not to trust a run that has come to `code`, as scene_begin or an advance returned it: MG_DOUBT_ENDED ..
+   as bits, 0: none that its own figures show. mg_doubt_text has words for each. */
 int scene_doubts(const scene_instance *scene, int code);
 
 /* Saves the state into SCENE_SAVE_SIZE bytes. */
