@@ -17,7 +17,7 @@ from modelgen.report.html_parts import STYLE, badge, document, sections_of, tabl
 from modelgen.report.printed_rounding import NOISE, largest, noise_of_joints, vector_text
 from modelgen.report.run_plot import picture
 from modelgen.report.run_record import Record
-from modelgen.report.verdict import horizon_of, verdict_line, verdict_title
+from modelgen.report.summary import horizon_of, verdict_line, verdict_title
 
 EVENTS = 400  # in the table; more are counted
 MORE_STYLE = "img{max-width:100%}.kind{white-space:nowrap}ul{margin:.3rem 0}"

@@ -15,7 +15,7 @@ from modelgen.errors import ModelgenError, expect, path_of
 from modelgen.report.run_files import check_suffix
 from modelgen.report.run_record import Array, Record
 from modelgen.report.snapshots import draw_frames, frame_samples
-from modelgen.report.verdict import horizon_of, verdict_title
+from modelgen.report.summary import horizon_of, verdict_title
 
 if TYPE_CHECKING:
     from modelgen.report.displayed_bodies import Stage

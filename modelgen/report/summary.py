@@ -1,13 +1,12 @@
-"""The summary of a run as a person reads it."""
+"""The summary of a run as a person reads it, and the verdict on it as every output states it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from math import hypot, isnan
 from typing import Any
 
 from modelgen.report.printed_rounding import NOISE, largest, noise_of_joints, vector_text
-from modelgen.report.verdict import verdict_line
 
 FIRST, LAST = 15, 5  # events printed from the start and the end; those between are counted
 
@@ -49,6 +48,26 @@ def summary_lines(summary: dict[str, Any]) -> Iterator[str]:
         if summary[key] is not None:
             yield written_line(summary[key])
     yield verdict_line(summary)
+
+
+def verdict_line(summary: Mapping[str, Any]) -> str:
+    """`trusted`, or `not trusted` with all reasons, and that the error was not estimated where it was not."""
+    doubts, unknown = summary["doubts"], "" if summary["estimate"] else "; its error was not estimated"
+    return (f"not trusted: {'; '.join(doubts)}" if doubts else "trusted") + unknown
+
+
+def verdict_title(summary: Mapping[str, Any]) -> str:
+    """For a heading: `not trusted` without an error, or `trusted` with it where it was estimated."""
+    if summary["doubts"]:
+        return "not trusted"
+    estimate = summary["estimate"]
+    return f"trusted, error {estimate['position']:.1g} m" if estimate else "trusted, error not estimated"
+
+
+def horizon_of(summary: Mapping[str, Any]) -> float | None:
+    """The time beyond which nothing is predicted, s; None where all is, or nothing is estimated."""
+    estimate = summary["estimate"]
+    return estimate["horizon"] if estimate else None
 
 
 def written_line(file: object) -> str:

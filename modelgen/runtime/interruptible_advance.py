@@ -9,8 +9,6 @@ from typing import Any, Protocol
 
 from modelgen.runtime.core_session import Session
 
-MANY_CONTACTS = 64  # from here on one step may take long
-
 
 class Advance(Protocol):
     def __call__(self, t_stop: float, max_steps: int, record: Any) -> int: ...
@@ -18,13 +16,10 @@ class Advance(Protocol):
 
 @contextmanager
 def interruptible(session: Session) -> Iterator[Advance]:
-    """`session.advance`; in scenes of many contacts by a thread, so that KeyboardInterrupt ends a call soon.
+    """`session.advance` in a thread of its own, so that KeyboardInterrupt ends a call soon.
 
     The interrupted session keeps its `stop` set: it takes no more steps.
     """
-    if session.n_contact < MANY_CONTACTS:
-        yield session.advance
-        return
     with ThreadPoolExecutor(max_workers=1) as worker:
 
         def advance(t_stop: float, max_steps: int, record: Any) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from bisect import bisect_left
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from typing import Any, Unpack
 
@@ -26,7 +27,6 @@ from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.error_estimate import ORDERS, estimate_of, nudge, steps_max
 from modelgen.runtime.error_statement import Estimate
 from modelgen.runtime.inputs import Inputs
-from modelgen.runtime.interruptible_advance import interruptible
 from modelgen.runtime.recording import Recording
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.start import begin
@@ -36,8 +36,8 @@ from modelgen.runtime.trajectory_of_run import Ending, trajectory_of
 from modelgen.runtime.trust import with_trust
 from modelgen.runtime.warnings import warnings
 from modelgen.runtime.warnings.nonfinite import unbounded
-from modelgen.runtime.warnings.overlap_warnings import edge_warning, passage_warnings
 
+MANY_CONTACTS = 64  # from here on one step may take long
 KEYWORDS = (
     "until",
     "accuracy",
@@ -113,10 +113,11 @@ def _with_passages(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, 
     edge."""
     if not (instance["unlisted"]["shapes"] or instance["open_edges"]["pairs"]):
         return path
-    from modelgen.runtime.undeclared.undeclared_overlaps import (  # many scenes do not need it
+    from modelgen.runtime.undeclared.undeclared_overlaps import (  # many scenes do not need these two
         passages,
         passages_over_edges,
     )
+    from modelgen.runtime.warnings.overlap_warnings import edge_warning, passage_warnings
 
     found = passages(path, instance, accuracy.overlap_depth)
     told = passage_warnings(found, path.t[0]) if found else ()
@@ -216,13 +217,22 @@ def _extent(instance: Mapping[str, Any], until: float | None, samples: int | Non
     return float(end), check_whole(where, intervals, "give the number of output intervals")
 
 
+def _interruptible(session: Session) -> AbstractContextManager[Callable[[float, int, Any], int]]:
+    """`session.advance`, of which Ctrl-C ends a call soon also where one step may take long."""
+    if session.n_contact < MANY_CONTACTS:
+        return nullcontext(session.advance)
+    from modelgen.runtime.interruptible_advance import interruptible  # few scenes need it
+
+    return interruptible(session)
+
+
 def _run(session: Session, schedule: Schedule, recording: Recording, report: Report) -> Ending:
     if session.start_code:
         return Ending(OUTCOME_OF_CODE[session.start_code], session.drain_events())
     events: list[Event] = []
     chunk, end, code = 1, schedule[-1][0], CONTINUE
     try:
-        with interruptible(session) as advance:
+        with _interruptible(session) as advance:
             for until, settings in schedule:
                 session.input[:] = settings
                 code = CONTINUE

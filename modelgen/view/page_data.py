@@ -11,7 +11,7 @@ from modelgen.geometry.body_meshes import Mesh
 from modelgen.model import Model
 from modelgen.report.displayed_bodies import Actor, Stage, stage_of
 from modelgen.report.run_record import Array, Record, rotate_inverse
-from modelgen.report.verdict import verdict_line, verdict_title
+from modelgen.report.summary import verdict_line, verdict_title
 from modelgen.rotations import rotation_of
 from modelgen.scene.scene_types import Body
 from modelgen.view.packing import packed, packed_bytes, packed_indices

@@ -12,8 +12,9 @@ import numpy as np
 from modelgen import Accuracy, simulate
 from modelgen.codegen.library import Library
 from modelgen.runtime.core_session import CONTINUE, Session
-from modelgen.runtime.interruptible_advance import MANY_CONTACTS, interruptible
+from modelgen.runtime.interruptible_advance import interruptible
 from modelgen.runtime.recording import Recording
+from modelgen.runtime.simulate import MANY_CONTACTS
 from modelgen.runtime.start import begin
 from modelgen.runtime.trajectory import Outcome
 from tests.benchmarks.many_contacts import heap

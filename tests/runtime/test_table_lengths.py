@@ -18,6 +18,7 @@ ENDS = {  # lengths that a range array gives, by what the header calls them
     "all covered": ("patch_covered", "n_patch"),
     "all arcs": ("patch_arc", "n_patch"),
     "all partners": ("ball_partner_begin", "n_ball"),
+    "all shares": ("patch_share", "n_patch"),
 }
 
 
@@ -40,10 +41,11 @@ def test_arrays_are_as_long_as_the_header_says(name: str) -> None:
     for field, said in declared.items():
         owner = system if hasattr(system, field) else session.run
         array = arrays[getattr(owner, field)]
-        if said in ENDS:
-            table, last = ENDS[said]
+        times, counted = re.fullmatch(r"(?:(\d+) )?(.*)", said).groups()  # type: ignore[union-attr]
+        if counted in ENDS:
+            table, last = ENDS[counted]
             ends = arrays[getattr(system, table)]
-            length = int(ends[sizes[last]]) if sizes[last] else 0
+            length = int(times or 1) * int(ends[sizes[last]]) if sizes[last] else 0
         else:
             text = said.replace("length of x", "x")
             length = eval(re.sub(r"(\d) (\w)", r"\1 * \2", text), {}, sizes)

@@ -159,5 +159,10 @@ MG_INTERNAL void mg_open_separating(mg_context *c) {
 MG_INTERNAL int mg_change_mode(mg_context *c, mg_events *events) {
   const int outcome = mg_process_contact_events(c, events);
   if (outcome || !c->settings->project) return outcome;
-  return mg_project_drift(c) ? MG_DONE : MG_NOT_FINITE;
+  const int lifts = mg_largest_held_violation(c, c->rows.d) > c->settings->feature_border * c->system->length;
+  mg_real kinetic;
+  const mg_real before = lifts ? mg_energy(c, &kinetic) : 0;
+  if (!mg_project_drift(c)) return MG_NOT_FINITE;
+  if (lifts) c->run->x[c->layout.work_state] += mg_energy(c, &kinetic) - before;
+  return MG_DONE;
 }

@@ -5,8 +5,7 @@
 #include "forces/forces.h"
 #include "model/model.h"
 
-/* Largest magnitude of a row value over closed contacts, joints and sticking friction. */
-static mg_real mg_largest_held_violation(const mg_context *c, const mg_real *value) {
+MG_INTERNAL mg_real mg_largest_held_violation(const mg_context *c, const mg_real *value) {
   mg_real largest = 0;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->run->closed[i] && fabs(value[i]) > largest) largest = fabs(value[i]);

@@ -565,6 +565,9 @@ MG_INTERNAL void mg_report_patch_friction_events(mg_context *c, mg_events *event
 
 /* drift_projection.c */
 
+/* Largest magnitude of a row value over closed contacts, joints and sticking friction. */
+MG_INTERNAL mg_real mg_largest_held_violation(const mg_context *c, const mg_real *value);
+
 /* Compute the correction M^-1 J^T z of all bodies with A z = -value over the marked contacts and all joints.
    Returns the number of those rows, which it lists; their z are left as impulses. */
 MG_INTERNAL int mg_solve_row_correction(mg_context *c, const int *marked, const mg_real *value);

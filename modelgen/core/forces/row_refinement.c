@@ -189,15 +189,22 @@ static int mg_are_rows_independent(const mg_context *c, mg_row_factors *s) {
   return mg_factor_weighted_rows(c, s, 1, sqrt(MG_LCP_RANK(s->n)));
 }
 
+/* True if a row yields: G does not hold what it adds to the diagonal of A. */
+static int mg_does_row_yield(const mg_context *c, int n) {
+  for (int r = 0; r < n; r++)
+    if (mg_row_yield(c, c->islands.rows[r]) > 0) return 1;
+  return 0;
+}
+
 MG_INTERNAL void mg_refine_rows(mg_context *c, int n, int rank, const mg_real *rate, mg_real pivot, mg_real *amount) {
   mg_row_factors s;
   const int *rows = c->islands.rows;
   mg_real change = 0, last = MG_MAX;
-  if (rank == n && pivot > (mg_real)MG_BADLY_CONDITIONED) {
+  if (rank == n && (pivot > (mg_real)MG_BADLY_CONDITIONED || mg_does_row_yield(c, n))) {
     c->lcp.rounding = mg_max(c->lcp.rounding, MG_ROUNDING_FACTOR * (mg_real)n * (mg_real)n * MG_EPS / pivot);
     return;
   }
-  if (rank < n && c->system->n_joint_row) return;
+  if (rank < n && (c->system->n_joint_row || mg_does_row_yield(c, n))) return;
   if (!mg_open_row_factors(c, n, &s) || (rank < n && !mg_are_rows_independent(c, &s)) ||
       !mg_factor_weighted_rows(c, &s, 0, MG_LCP_RANK(n)))
     return;

@@ -116,19 +116,25 @@ static mg_real mg_gap_change_bound(const mg_context *c, int contact) {
          c->settings->start_gap * c->system->length;
 }
 
+/* True if the contact placed last is at another critical point than that which had the gap `gap`: Newton's method leads
+   there from near a fold. A gap that is no number is not one: it ends the run. */
+static int mg_has_leapt(const mg_context *c, mg_real gap, mg_real change) {
+  return fabs(c->search.placement[0] - gap) > change;
+}
+
 /* Converges eta of a contact from where the step has led it, else from where it began. Returns 0 if both fail, or lead
-   to other critical points, as Newton's method does from near a fold. */
+   to other critical points. */
 static int mg_converge_contact(mg_context *c, int contact) {
   mg_real *eta = mg_contact_eta(c, c->run->x, contact), found[MG_MAX_ETA];
   const mg_real *before = mg_contact_eta(c, c->step.settled, contact);
   const mg_real gap = c->rows.d[contact], change = mg_gap_change_bound(c, contact);
   const int n = c->contacts.n_eta[contact];
   for (int k = 0; k < n; k++) found[k] = eta[k];
-  int is_found = mg_newton_on_feature_pair(c, contact, found) >= 0 && fabs(c->search.placement[0] - gap) <= change;
+  int is_found = mg_newton_on_feature_pair(c, contact, found) >= 0 && !mg_has_leapt(c, gap, change);
   if (!is_found) {
     for (int k = 0; k < n; k++) found[k] = before[k];
-    is_found = mg_converge_from_any_start(c, c->run->feature_pair[contact], found) >= 0 &&
-               fabs(c->search.placement[0] - gap) <= change;
+    is_found =
+        mg_converge_from_any_start(c, c->run->feature_pair[contact], found) >= 0 && !mg_has_leapt(c, gap, change);
   }
   for (int k = 0; k < n; k++) eta[k] = is_found ? found[k] : before[k];
   return is_found;

@@ -11,7 +11,6 @@ from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.core_session import Session
 from modelgen.runtime.joint_results import joint_warnings
 from modelgen.runtime.trajectory import Event
-from modelgen.runtime.warnings.capacities import capacity_warnings
 from modelgen.runtime.warnings.impacts import impact_warnings
 from modelgen.runtime.warnings.slip_changes import slip_change_warnings
 from modelgen.runtime.warnings.time_stepping import stepping_warnings
@@ -71,7 +70,7 @@ def warnings(session: Session, accuracy: Accuracy, events: Sequence[Event]) -> t
         found.append(_unfollowed(session))
     if session.run.incomplete_searches:
         found.append(_incomplete(session))
-    found += capacity_warnings(session)
+    found += _capacities(session)
     found += _far(session, accuracy)
     found += _short_steps(session, accuracy)
     found += slip_change_warnings(events, session.instance["scales"]["time"])
@@ -175,3 +174,11 @@ def _far(session: Session, accuracy: Accuracy) -> list[str]:
         f"bodies are {far:.1e} m from the origin, where positions are rounded to {known:.1e} of the "
         f"characteristic length {length:.3g} m: put the origin near them"
     ]
+
+
+def _capacities(session: Session) -> list[str]:
+    if not any(session.run.exceeded):
+        return []
+    from modelgen.runtime.warnings.capacities import capacity_warnings  # few runs need it
+
+    return capacity_warnings(session)
