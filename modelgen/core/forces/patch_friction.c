@@ -121,8 +121,8 @@ MG_INTERNAL void mg_patch_slip_basis(const mg_context *c, int slot, mg_real e[3]
 static int mg_patch_slip_twist(const mg_context *c, int slot, mg_real *twist) {
   const mg_real *slip = c->rows.d_dot + mg_first_patch_friction_row(c, slot),
                 *steer = c->patches.friction[slot].slip_direction;
-  const mg_real least =
-      c->run->patch_mode[slot] == MG_SLIPPING ? MG_SLIP_ROUNDING * MG_EPS : 2 * c->settings->slip_speed;
+  const mg_real least = (c->run->patch_mode[slot] == MG_SLIPPING ? (mg_real)0.5 : 2) *
+                        c->settings->slip_speed; /* it ends at slip_speed */
   const int is_solved_for = c->friction.follows_angle && c->run->patch_mode[slot] == MG_SLIP_ONSET;
   mg_real e[3][3], in_middle[3];
   mg_patch_slip_basis(c, slot, e);

@@ -154,6 +154,17 @@ static mg_real mg_patch_slip_stop_time(const mg_context *c, int slot, mg_real *l
   return time;
 }
 
+/* Time in s until the slip of a patch along its stored direction reverses at its present deceleration; slip across it
+   goes on. 0 if it has reversed. */
+static mg_real mg_patch_reversal_time(const mg_context *c, int slot) {
+  const mg_real along = mg_patch_slip_along_direction(c, slot, c->rows.d_dot);
+  mg_real e[3], rate[3];
+  mg_patch_slip_direction(c, slot, e);
+  mg_patch_slip_acceleration(c, slot, rate);
+  const mg_real braking = -mg_dot3(rate, e);
+  return along > 0 && braking > 0 ? along / braking : 0;
+}
+
 MG_INTERNAL mg_real mg_patch_slip_step_limit(const mg_context *c) {
   mg_real limit = MG_MAX, left;
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
@@ -181,7 +192,9 @@ static void mg_initialise_patch_modes(mg_context *c) {
     if (patch < 0 || !mg_has_patch_friction(c, patch)) continue;
     const int slips = *mode != MG_STICKING && mg_update_patch_slip_direction(c, slot);
     r->slip_stopped = *mode >= MG_SLIP_ONSET && r->triggered && !slips;
-    if (r->slip_stopped) r->slip_time_left = mg_patch_slip_stop_time(c, slot, &left);
+    if (r->slip_stopped)
+      r->slip_time_left = mg_patch_slip_stop_time(c, slot, &left),
+      r->reversal_time_left = mg_patch_reversal_time(c, slot);
     *mode = slips ? MG_SLIPPING : MG_STICKING;
   }
 }
@@ -297,7 +310,8 @@ MG_INTERNAL void mg_report_patch_friction_events(mg_context *c, mg_events *event
       if (before >= MG_SLIP_ONSET && now == MG_STICKING)
         mg_append_event(c, events, over, MG_EVENT_SLIP_STOP, support, 0);
       if (c->patches.friction[slot].slip_stopped && now == MG_SLIP_STARTING)
-        mg_append_event(c, events, over, MG_EVENT_SLIP_REVERSAL, support, 0);
+        mg_append_event(c, events, c->run->t + c->patches.friction[slot].reversal_time_left, MG_EVENT_SLIP_REVERSAL,
+                        support, 0);
     }
     c->patches.friction[slot].slip_time_left = 0, c->patches.friction[slot].mode_before = now,
     c->patches.friction[slot].slip_stopped = 0;
