@@ -145,12 +145,10 @@ static void mg_point_of_view(const mg_critical_search *s, int which, const mg_re
   if (which) mg_turn_to_first_axes(s, x, s->origin, x);
 }
 
-/* Keeps the points of the placement evaluated last, at eta, as known. */
+/* Keeps the points of the placement evaluated last, at eta, as known. One for which there is no room is found again in
+   each cell about it, at the cost of effort. */
 static void mg_add_known_point(mg_critical_search *s, const mg_real *eta) {
-  if (s->n_known == MG_CRITICAL) {
-    mg_note_exceeded(s->c, MG_CAPACITY_CRITICAL);
-    return;
-  }
+  if (s->n_known == MG_CRITICAL) return;
   const mg_real *placed = s->c->search.placement, *at = eta;
   for (int side = 0; side < 2; side++)
     at = mg_coordinates_in_eta(s->c, s->feature_pair, side, at, s->known_uv[s->n_known] + (side == s->first ? 0 : 2));

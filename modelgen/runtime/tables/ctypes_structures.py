@@ -197,7 +197,6 @@ RUN_COUNTS = (
 )
 CAPACITIES = (
     "closed",
-    "critical",
     "stationary",
     "left",
     "segment",

@@ -14,7 +14,6 @@ EXCEEDED: Mapping[str, tuple[str, str]] = {  # by CAPACITIES: what had no room, 
         "contacts closed at a time",
         "list fewer pairs in [[contact]], divide the scene, or use a machine with more memory",
     ),
-    "critical": ("critical points of the distance of two features", LARGE),
     "stationary": (
         "stationary points of the distance of two circles",
         "move one of the shapes off the axis of the other by more than rounding, or make them coaxial",
