@@ -99,17 +99,21 @@ def check(of: Member, t: float, place: np.ndarray, accuracy: str) -> None:
 
 
 def area_and_distance(piece: Disc | Polygon) -> np.ndarray:
-    """Area of a disc or a rectangle, and the integral of the distance from the middle over it."""
+    """Area of a disc, a rectangle or a regular polygon; the integral of the distance from the middle over it."""
     if isinstance(piece, Disc):
         return np.array([np.pi * piece.radius**2, 2 * np.pi * piece.radius**3 / 3])
-    a, b = piece.vertices[0]
+    n = len(piece.vertices)
+    if n != 4:
+        inner, half = np.hypot(*piece.vertices[0]) * np.cos(np.pi / n), np.tan(np.pi / n)
+        return n * np.array([inner**2 * half, inner**3 / 3 * (half * np.hypot(1, half) + np.arcsinh(half))])
+    a, b = np.hypot(*(piece.vertices[1:3] - piece.vertices[:2]).T) / 2
     mean = (2 * np.hypot(a, b) + a**2 / b * np.arcsinh(b / a) + b**2 / a * np.arcsinh(a / b)) / 6
     return 4 * a * b * np.array([1.0, mean])
 
 
 @pytest.mark.cases(3)
 @pytest.mark.parametrize("accuracy", ALLOWED)
-@pytest.mark.parametrize("seed", [seed for seed in range(60) if KINDS[seed % 5] != "column"])
+@pytest.mark.parametrize("seed", range(50))
 def test_bodies_that_spin_in_place_stop_in_closed_form(seed: int, accuracy: str) -> None:
     """The pressure stays uniform, so that the torque is mu m g times the mean distance from the axis: a can
     stops at 3 R w/(4 mu g). This is so too far above the height from which it would tip while it slides."""
@@ -120,11 +124,10 @@ def test_bodies_that_spin_in_place_stop_in_closed_form(seed: int, accuracy: str)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("slides", [False, True])
 @pytest.mark.parametrize("seed", range(50))
-def test_slip_that_ends_while_spinning_is_that_of_an_independent_integration(seed: int, slides: bool) -> None:
+def test_slip_that_ends_while_spinning_is_that_of_an_independent_integration(seed: int) -> None:
     """Up to 0.99 of the height at which it tips."""
-    of = member(seed, (0.02, 0.99), slides)
+    of = member(seed, (0.02, 0.99), slides=True)
     end = ending(of.body, of.v, of.w)
     assert end.margin > 2 * NEARLY_TIPPING
     for accuracy in ALLOWED:

@@ -117,7 +117,9 @@ MG_INTERNAL void mg_patch_slip_basis(const mg_context *c, int slot, mg_real e[3]
 
 /* Slip from which the friction of a patch is computed: its own, reversed where it points against the stored direction;
    that direction where the slip is too small to tell one; the direction that is being solved for where slip starts.
-   Returns 1, -1 and 0 in turn. */
+   Returns 1, -1 and 0 in turn. Slip that stops keeps, beside what friction takes, a little across its direction
+   (mg_patch_slip_step_limit): near zero that alone would be the slip, and friction along it would turn the last
+   step. */
 static int mg_patch_slip_twist(const mg_context *c, int slot, mg_real *twist) {
   const mg_real *slip = c->rows.d_dot + mg_first_patch_friction_row(c, slot),
                 *steer = c->patches.friction[slot].slip_direction;

@@ -135,9 +135,9 @@ static void mg_patch_slip_acceleration(const mg_context *c, int slot, mg_real *r
   mg_patch_slip_in_middle(c, slot, of_rows, rate);
 }
 
-/* Time in s until the slip of a patch stops at its present deceleration; 0 if it does not, or has stopped. Then `left`
-   is the slip across it that the present acceleration leaves. */
-static mg_real mg_patch_slip_stop_time(const mg_context *c, int slot, mg_real *left) {
+/* Time in s until the slip of a patch is used up at its present deceleration; 0 if it is not, or has stopped. Then
+   `left` is the slip across it that the present acceleration leaves. */
+static mg_real mg_patch_slip_decay_time(const mg_context *c, int slot, mg_real *left) {
   const int support = mg_first_support(c, slot);
   const mg_real *d_dot = c->rows.d_dot + mg_first_patch_friction_row(c, slot), *t = c->rows.tangents + 6 * support;
   mg_real slip[3], rate[3], local[3], arm[3];
@@ -154,9 +154,9 @@ static mg_real mg_patch_slip_stop_time(const mg_context *c, int slot, mg_real *l
   return time;
 }
 
-/* Time in s until the slip of a patch along its stored direction reverses at its present deceleration; slip across it
-   goes on. 0 if it has reversed. */
-static mg_real mg_patch_reversal_time(const mg_context *c, int slot) {
+/* Time in s until the slip of a patch along its stored direction stops, or reverses, at its present deceleration; 0 if
+   it has. Slip across it, of which rounding and the turning of the direction leave a little, says nothing of it. */
+static mg_real mg_patch_slip_stop_time(const mg_context *c, int slot) {
   const mg_real along = mg_patch_slip_along_direction(c, slot, c->rows.d_dot);
   mg_real e[3], rate[3];
   mg_patch_slip_direction(c, slot, e);
@@ -173,7 +173,7 @@ MG_INTERNAL mg_real mg_patch_slip_step_limit(const mg_context *c) {
     if (mode == MG_SLIP_STARTING &&
         !(mg_patch_slip_along_direction(c, slot, c->rows.d_dot) > 2 * mg_patch_slip_tolerance(c)))
       continue;
-    const mg_real time = mg_patch_slip_stop_time(c, slot, &left);
+    const mg_real time = mg_patch_slip_decay_time(c, slot, &left);
     const int turns = c->step.follower || left > mg_patch_slip_tolerance(c) / MG_SLIP_KEPT_PART;
     if (time > 0 && turns) limit = mg_min(limit, time / 2);
   }
@@ -183,7 +183,6 @@ MG_INTERNAL mg_real mg_patch_slip_step_limit(const mg_context *c) {
 /* Set the modes of all patches from their slip before the mode problem is solved; one that hardly slips is taken
    as sticking. */
 static void mg_initialise_patch_modes(mg_context *c) {
-  mg_real left;
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     int *mode = c->run->patch_mode + slot;
     mg_patch_friction *r = c->patches.friction + slot;
@@ -192,9 +191,7 @@ static void mg_initialise_patch_modes(mg_context *c) {
     if (patch < 0 || !mg_has_patch_friction(c, patch)) continue;
     const int slips = *mode != MG_STICKING && mg_update_patch_slip_direction(c, slot);
     r->slip_stopped = *mode >= MG_SLIP_ONSET && r->triggered && !slips;
-    if (r->slip_stopped)
-      r->slip_time_left = mg_patch_slip_stop_time(c, slot, &left),
-      r->reversal_time_left = mg_patch_reversal_time(c, slot);
+    if (r->slip_stopped) r->slip_time_left = mg_patch_slip_stop_time(c, slot);
     *mode = slips ? MG_SLIPPING : MG_STICKING;
   }
 }
@@ -310,8 +307,7 @@ MG_INTERNAL void mg_report_patch_friction_events(mg_context *c, mg_events *event
       if (before >= MG_SLIP_ONSET && now == MG_STICKING)
         mg_append_event(c, events, over, MG_EVENT_SLIP_STOP, support, 0);
       if (c->patches.friction[slot].slip_stopped && now == MG_SLIP_STARTING)
-        mg_append_event(c, events, c->run->t + c->patches.friction[slot].reversal_time_left, MG_EVENT_SLIP_REVERSAL,
-                        support, 0);
+        mg_append_event(c, events, over, MG_EVENT_SLIP_REVERSAL, support, 0);
     }
     c->patches.friction[slot].slip_time_left = 0, c->patches.friction[slot].mode_before = now,
     c->patches.friction[slot].slip_stopped = 0;
