@@ -99,7 +99,7 @@ def check(of: Member, t: float, place: np.ndarray, accuracy: str) -> None:
 
 
 def area_and_distance(piece: Disc | Polygon) -> np.ndarray:
-    """Area of a disc, a rectangle or a regular polygon; the integral of the distance from the middle over it."""
+    """Area of a disc, a rectangle or a regular polygon; the distance from the middle, integrated over it."""
     if isinstance(piece, Disc):
         return np.array([np.pi * piece.radius**2, 2 * np.pi * piece.radius**3 / 3])
     n = len(piece.vertices)
