@@ -13,6 +13,7 @@ from modelgen import read
 from modelgen.codegen.compiler import DEBUG, FILLS
 from modelgen.errors import LibraryError
 from tests.running import FILES, folder, library_of
+from tests.sensitivity.families import FAMILIES, member
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
@@ -44,10 +45,10 @@ def process(fill: str, *words: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-def digests(fill: str, scenes: tuple[Path, ...], seconds: float) -> list[str]:
+def digests(fill: str, scenes: tuple[Path, ...], seconds: float, *words: str) -> list[str]:
     """The lines of `tests.memory.digests`, of a process of its own."""
-    place = str(folder() / f"digests{fill}")
-    done = process(fill, "-m", "tests.memory.digests", place, str(seconds), *map(str, scenes))
+    place = str(folder() / f"digests{''.join(words)}{fill}")
+    done = process(fill, "-m", "tests.memory.digests", *words, place, str(seconds), *map(str, scenes))
     assert done.returncode == 0, done.stderr[-2000:]
     return done.stdout.splitlines()
 
@@ -57,6 +58,18 @@ def test_runs_keep_their_preconditions_and_are_those_of_the_release_core() -> No
     asserted = digests("1", scenes, 0.3)
     assert len(asserted) == len(QUICK)
     assert asserted == digests("", scenes, 0.3)
+
+
+@pytest.mark.cases(1)
+@pytest.mark.parametrize("family", FAMILIES)
+def test_derivatives_keep_their_preconditions_too(family: str, tmp_path: Path) -> None:
+    """Forward and backward, with rows that stick, slip, begin to slip, or are let bear on a kink."""
+    scenes = tuple(tmp_path / f"{family}{seed}.toml" for seed in range(3))
+    for seed, scene in enumerate(scenes):
+        scene.write_text(member(family, seed).text, encoding="utf-8")
+    asserted = digests("1", scenes, 0.3, "--derivatives")
+    assert not any("refused" in line for line in asserted)
+    assert asserted == digests("", scenes, 0.3, "--derivatives")
 
 
 def test_an_assertion_names_file_line_and_condition(tmp_path: Path) -> None:

@@ -168,7 +168,7 @@ MG_INTERNAL void mg_keep_cells_of_same_shapes(mg_context *c) {
   const mg_system *s = c->system;
   mg_digest digest = MG_DIGEST_START;
   if (s->n_cell_tree) digest = s->shapes_digest ? s->shapes_digest : mg_digest_searched_shapes(s);
-  if (*c->search.cells_digest != digest || *c->search.n_cells < 1) mg_forget_cells(c);
+  if (*c->search.n_cells < 1 || *c->search.cells_digest != digest) mg_forget_cells(c);
   *c->search.cells_digest = digest;
 }
 

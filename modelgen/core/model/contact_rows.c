@@ -146,7 +146,7 @@ MG_INTERNAL void mg_update_gap_rates(mg_context *c) {
     if (c->run->feature_pair[i] >= 0) c->rows.d_dot[i] = mg_row_times(c, i, c->bodies.twist);
   for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
     c->rows.d_dot[i] = c->contacts.is_inertial[i] ? 0 : mg_row_times(c, i, c->bodies.twist) + c->rows.time_rate[i];
-  if (c->system->n_friction) mg_update_slip_velocities(c);
+  mg_update_slip_velocities(c);
   MG_NOTE_WITH(c, MG_VALID_RATES, MG_VALID_TWISTS);
 }
 

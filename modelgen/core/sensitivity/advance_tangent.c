@@ -219,7 +219,7 @@ static int mg_carry_over_step(const mg_system *system, const mg_settings *settin
                               mg_real *work, int *iwork) {
   const mg_followed_step *step = &s->step;
   mg_context c;
-  const mg_real end = run->t, h = mg_length_of_step(run, step);
+  const mg_real h = mg_length_of_step(run, step), end = step->t + h; /* where the step that is taken again ends */
   int reason = run->singular_passages != step->passages ? MG_BY_SINGULAR_CONTACT : MG_NO_REASON;
   const int falls_back = run->fallbacks + run->chatters != step->fallbacks;
   mg_restore_run(system, run, step->before);

@@ -22,9 +22,9 @@ static void mg_go_back_over_step(const mg_system *system, const mg_settings *set
   s->crossing = crossing;
   const unsigned char *after = bytes + mg_save_size(system);
   mg_restore_run(system, run, after);
-  const mg_real end = run->t, roundoff = run->t_roundoff;
+  const mg_real t = run->t, roundoff = run->t_roundoff;
   mg_restore_run(system, run, bytes);
-  const mg_real h = end - run->t + (roundoff - run->t_roundoff);
+  const mg_real h = t - run->t + (roundoff - run->t_roundoff), end = run->t + h; /* of the step that is taken again */
   mg_open_context(&c, system, settings, run, work, iwork);
   mg_restore_step(&c, s, h, slopes);
   if (crossing.kind == MG_CROSSES_NOTHING && !crossing.blow) mg_project_adjoint(&c, s, end, c.step.end, s->adjoint->x);

@@ -121,14 +121,24 @@ static void mg_note_falling_slip(const mg_context *c, mg_sensitivity *s, mg_real
     }
 }
 
-/* Marks the constraints whose slip begins in this step, and has no direction of its own yet. Needs the state of the
-   run. Returns whether there are any. */
+/* True if a friction constraint or patch slips, or begins to. */
+static int mg_has_slip_mode(const mg_context *c) {
+  for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
+    if (c->run->friction_mode[g] >= MG_SLIP_ONSET) return 1;
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++)
+    if (c->run->patch_mode[slot] >= MG_SLIP_ONSET) return 1;
+  return 0;
+}
+
+/* Marks the constraints whose slip begins in this step, and has no direction of its own yet. Needs the rows at the
+   run's state where anything slips. Returns whether there are any. */
 static int mg_mark_beginning_slip(mg_context *c, mg_sensitivity *s) {
-  MG_NEEDS_AT_RUN(c, MG_VALID_POSES);
+  const int n = c->system->n_friction + c->system->n_patch_slot;
   int any = 0;
-  if (!c->system->n_friction) return 0;
+  for (int g = 0; g < n; g++) s->slip[g] = 0, s->slip_begins[g] = 0;
+  if (!mg_has_slip_mode(c)) return 0;
+  MG_NEEDS_AT_RUN(c, MG_VALID_ROWS);
   mg_update_gap_rates(c);
-  mg_zero_reals(s->slip, c->system->n_friction + c->system->n_patch_slot);
   for (int i = mg_next_row(c, -1); c->system->n_friction && i < c->layout.support_begin; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
       const int mode = c->run->friction_mode[g];
@@ -280,15 +290,6 @@ static void mg_step_tangent_again(mg_context *c, mg_sensitivity *s, const mg_exp
   }
   mg_end_step_again(c, method, h);
   mg_end_stages(c, s, method, h);
-}
-
-/* True if a friction constraint or patch slips, or begins to. */
-static int mg_has_slip_mode(const mg_context *c) {
-  for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
-    if (c->run->friction_mode[g] >= MG_SLIP_ONSET) return 1;
-  for (int slot = 0; slot < c->system->n_patch_slot; slot++)
-    if (c->run->patch_mode[slot] >= MG_SLIP_ONSET) return 1;
-  return 0;
 }
 
 /* True if the stages of the step of length h up to or from t have been followed. */
