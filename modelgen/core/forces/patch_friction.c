@@ -115,22 +115,22 @@ MG_INTERNAL void mg_patch_slip_basis(const mg_context *c, int slot, mg_real e[3]
   mg_complete_orthonormal_basis(e[0], e + 1);
 }
 
+MG_INTERNAL int mg_is_patch_slip_small(const mg_context *c, int slot, const mg_real *in_middle) {
+  const mg_real least = (c->run->patch_mode[slot] == MG_SLIPPING ? (mg_real)0.5 : 2) * c->settings->slip_speed;
+  return sqrt(mg_dot3(in_middle, in_middle)) <= least * c->system->length / c->system->time;
+}
+
 /* Slip from which the friction of a patch is computed: its own, reversed where it points against the stored direction;
    that direction where the slip is too small to tell one; the direction that is being solved for where slip starts.
-   Returns 1, -1 and 0 in turn. Slip that stops keeps, beside what friction takes, a little across its direction
-   (mg_patch_slip_step_limit): near zero that alone would be the slip, and friction along it would turn the last
-   step. */
+   Returns 1, -1 and 0 in turn. */
 static int mg_patch_slip_twist(const mg_context *c, int slot, mg_real *twist) {
   const mg_real *slip = c->rows.d_dot + mg_first_patch_friction_row(c, slot),
                 *steer = c->patches.friction[slot].slip_direction;
-  const mg_real least = (c->run->patch_mode[slot] == MG_SLIPPING ? (mg_real)0.5 : 2) *
-                        c->settings->slip_speed; /* it ends at slip_speed */
   const int is_solved_for = c->friction.follows_angle && c->run->patch_mode[slot] == MG_SLIP_ONSET;
   mg_real e[3][3], in_middle[3];
   mg_patch_slip_basis(c, slot, e);
   mg_patch_slip_in_middle(c, slot, slip, in_middle);
-  const int is_small = sqrt(mg_dot3(in_middle, in_middle)) <= least * c->system->length / c->system->time;
-  if (!is_small && !is_solved_for) {
+  if (!is_solved_for && !mg_is_patch_slip_small(c, slot, in_middle)) {
     const int sign = mg_dot3(in_middle, e[0]) < 0 ? -1 : 1;
     for (int k = 0; k < 3; k++) twist[k] = sign * slip[k];
     return sign;

@@ -135,34 +135,27 @@ static void mg_patch_slip_acceleration(const mg_context *c, int slot, mg_real *r
   mg_patch_slip_in_middle(c, slot, of_rows, rate);
 }
 
-/* Time in s until the slip of a patch is used up at its present deceleration; 0 if it is not, or has stopped. Then
-   `left` is the slip across it that the present acceleration leaves. */
-static mg_real mg_patch_slip_decay_time(const mg_context *c, int slot, mg_real *left) {
+/* Time in s until the slip of a patch stops at its present deceleration, along the direction for which friction is
+   computed: its own, which may turn until the end, or the stored one where the slip is small and what is left across
+   that says nothing. 0 if it does not stop, or has. Then `left` is the slip that the present acceleration leaves. */
+static mg_real mg_patch_slip_stop_time(const mg_context *c, int slot, mg_real *left) {
   const int support = mg_first_support(c, slot);
   const mg_real *d_dot = c->rows.d_dot + mg_first_patch_friction_row(c, slot), *t = c->rows.tangents + 6 * support;
-  mg_real slip[3], rate[3], local[3], arm[3];
+  mg_real slip[3], rate[3], local[3], arm[3], e[3];
   mg_patch_slip_in_middle(c, slot, d_dot, slip);
   mg_patch_slip_acceleration(c, slot, rate);
   mg_middle_of_supports(c, slot, local);
   mg_to_world(c->bodies.pose + 12 * c->contacts.f[support], local, 0, arm);
   for (int k = 0; k < 2; k++) rate[k] -= d_dot[2] * d_dot[2] * mg_dot3(arm, t + 3 * k);
-  const mg_real size = sqrt(mg_dot3(slip, slip)), braking = -mg_dot3(slip, rate),
-                rounding = MG_SLIP_ROUNDING * MG_EPS * c->system->length / c->system->time,
-                time = size > rounding && braking > 0 ? size * (size / braking) : 0;
+  const mg_real size = sqrt(mg_dot3(slip, slip));
+  if (mg_is_patch_slip_small(c, slot, slip)) mg_patch_slip_direction(c, slot, e);
+  else
+    for (int k = 0; k < 3; k++) e[k] = slip[k] / size;
+  const mg_real along = mg_dot3(slip, e), braking = -mg_dot3(rate, e),
+                time = along > 0 && braking > 0 ? along / braking : 0;
   for (int k = 0; k < 3; k++) slip[k] += time * rate[k];
   *left = sqrt(mg_dot3(slip, slip));
   return time;
-}
-
-/* Time in s until the slip of a patch along its stored direction stops, or reverses, at its present deceleration; 0 if
-   it has. Slip across it, of which rounding and the turning of the direction leave a little, says nothing of it. */
-static mg_real mg_patch_slip_stop_time(const mg_context *c, int slot) {
-  const mg_real along = mg_patch_slip_along_direction(c, slot, c->rows.d_dot);
-  mg_real e[3], rate[3];
-  mg_patch_slip_direction(c, slot, e);
-  mg_patch_slip_acceleration(c, slot, rate);
-  const mg_real braking = -mg_dot3(rate, e);
-  return along > 0 && braking > 0 ? along / braking : 0;
 }
 
 MG_INTERNAL mg_real mg_patch_slip_step_limit(const mg_context *c) {
@@ -173,7 +166,7 @@ MG_INTERNAL mg_real mg_patch_slip_step_limit(const mg_context *c) {
     if (mode == MG_SLIP_STARTING &&
         !(mg_patch_slip_along_direction(c, slot, c->rows.d_dot) > 2 * mg_patch_slip_tolerance(c)))
       continue;
-    const mg_real time = mg_patch_slip_decay_time(c, slot, &left);
+    const mg_real time = mg_patch_slip_stop_time(c, slot, &left);
     const int turns = c->step.follower || left > mg_patch_slip_tolerance(c) / MG_SLIP_KEPT_PART;
     if (time > 0 && turns) limit = mg_min(limit, time / 2);
   }
@@ -183,6 +176,7 @@ MG_INTERNAL mg_real mg_patch_slip_step_limit(const mg_context *c) {
 /* Set the modes of all patches from their slip before the mode problem is solved; one that hardly slips is taken
    as sticking. */
 static void mg_initialise_patch_modes(mg_context *c) {
+  mg_real left;
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     int *mode = c->run->patch_mode + slot;
     mg_patch_friction *r = c->patches.friction + slot;
@@ -191,7 +185,7 @@ static void mg_initialise_patch_modes(mg_context *c) {
     if (patch < 0 || !mg_has_patch_friction(c, patch)) continue;
     const int slips = *mode != MG_STICKING && mg_update_patch_slip_direction(c, slot);
     r->slip_stopped = *mode >= MG_SLIP_ONSET && r->triggered && !slips;
-    if (r->slip_stopped) r->slip_time_left = mg_patch_slip_stop_time(c, slot);
+    if (r->slip_stopped) r->slip_time_left = mg_patch_slip_stop_time(c, slot, &left);
     *mode = slips ? MG_SLIPPING : MG_STICKING;
   }
 }
