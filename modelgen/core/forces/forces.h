@@ -37,6 +37,7 @@ struct mg_patch_friction {
   int mode_before;                       /* its mode at the start of the step */
   int slip_stopped;                      /* 1: its slip has ended in this step */
   mg_real slip_time_left;                /* time that slip which was stopped would have lasted, s */
+  mg_real reversal_time_left;            /* the same along the stored direction, where slip goes on across it, s */
   mg_real slip_direction[2];             /* while slip begins: components of its direction across the stored one */
 };
 

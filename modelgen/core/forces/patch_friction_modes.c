@@ -135,22 +135,29 @@ static void mg_patch_slip_acceleration(const mg_context *c, int slot, mg_real *r
   mg_patch_slip_in_middle(c, slot, of_rows, rate);
 }
 
-/* Time in s until the slip of a patch stops at its present deceleration, along the direction for which friction is
-   computed: its own, which may turn until the end, or the stored one where the slip is small and what is left across
-   that says nothing. 0 if it does not stop, or has. Then `left` is the slip that the present acceleration leaves. */
-static mg_real mg_patch_slip_stop_time(const mg_context *c, int slot, mg_real *left) {
+/* Direction of slip for which the friction of a patch is computed: its own, which may turn until slip ends, or the stored
+   one where the slip is too small to tell. */
+static void mg_patch_friction_direction(const mg_context *c, int slot, mg_real *e) {
+  mg_real slip[3];
+  mg_patch_slip_in_middle(c, slot, c->rows.d_dot + mg_first_patch_friction_row(c, slot), slip);
+  if (mg_is_patch_slip_small(c, slot, slip)) mg_patch_slip_direction(c, slot, e);
+  else {
+    const mg_real size = sqrt(mg_dot3(slip, slip));
+    for (int k = 0; k < 3; k++) e[k] = slip[k] / size;
+  }
+}
+
+/* Time in s until the slip of a patch along the direction e stops at its present deceleration; 0 if it does not, or
+   has. Then `left` is the slip that the present acceleration leaves. */
+static mg_real mg_patch_slip_stop_time(const mg_context *c, int slot, const mg_real *e, mg_real *left) {
   const int support = mg_first_support(c, slot);
   const mg_real *d_dot = c->rows.d_dot + mg_first_patch_friction_row(c, slot), *t = c->rows.tangents + 6 * support;
-  mg_real slip[3], rate[3], local[3], arm[3], e[3];
+  mg_real slip[3], rate[3], local[3], arm[3];
   mg_patch_slip_in_middle(c, slot, d_dot, slip);
   mg_patch_slip_acceleration(c, slot, rate);
   mg_middle_of_supports(c, slot, local);
   mg_to_world(c->bodies.pose + 12 * c->contacts.f[support], local, 0, arm);
   for (int k = 0; k < 2; k++) rate[k] -= d_dot[2] * d_dot[2] * mg_dot3(arm, t + 3 * k);
-  const mg_real size = sqrt(mg_dot3(slip, slip));
-  if (mg_is_patch_slip_small(c, slot, slip)) mg_patch_slip_direction(c, slot, e);
-  else
-    for (int k = 0; k < 3; k++) e[k] = slip[k] / size;
   const mg_real along = mg_dot3(slip, e), braking = -mg_dot3(rate, e),
                 time = along > 0 && braking > 0 ? along / braking : 0;
   for (int k = 0; k < 3; k++) slip[k] += time * rate[k];
@@ -159,14 +166,15 @@ static mg_real mg_patch_slip_stop_time(const mg_context *c, int slot, mg_real *l
 }
 
 MG_INTERNAL mg_real mg_patch_slip_step_limit(const mg_context *c) {
-  mg_real limit = MG_MAX, left;
+  mg_real limit = MG_MAX, left, e[3];
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     const int mode = c->run->patch_mode[slot];
     if (!mg_is_slot_frictional(c, slot) || mode < MG_SLIP_STARTING) continue;
     if (mode == MG_SLIP_STARTING &&
         !(mg_patch_slip_along_direction(c, slot, c->rows.d_dot) > 2 * mg_patch_slip_tolerance(c)))
       continue;
-    const mg_real time = mg_patch_slip_stop_time(c, slot, &left);
+    mg_patch_friction_direction(c, slot, e);
+    const mg_real time = mg_patch_slip_stop_time(c, slot, e, &left);
     const int turns = c->step.follower || left > mg_patch_slip_tolerance(c) / MG_SLIP_KEPT_PART;
     if (time > 0 && turns) limit = mg_min(limit, time / 2);
   }
@@ -176,7 +184,7 @@ MG_INTERNAL mg_real mg_patch_slip_step_limit(const mg_context *c) {
 /* Set the modes of all patches from their slip before the mode problem is solved; one that hardly slips is taken
    as sticking. */
 static void mg_initialise_patch_modes(mg_context *c) {
-  mg_real left;
+  mg_real left, e[3];
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     int *mode = c->run->patch_mode + slot;
     mg_patch_friction *r = c->patches.friction + slot;
@@ -185,7 +193,12 @@ static void mg_initialise_patch_modes(mg_context *c) {
     if (patch < 0 || !mg_has_patch_friction(c, patch)) continue;
     const int slips = *mode != MG_STICKING && mg_update_patch_slip_direction(c, slot);
     r->slip_stopped = *mode >= MG_SLIP_ONSET && r->triggered && !slips;
-    if (r->slip_stopped) r->slip_time_left = mg_patch_slip_stop_time(c, slot, &left);
+    if (r->slip_stopped) {
+      mg_patch_friction_direction(c, slot, e);
+      r->slip_time_left = mg_patch_slip_stop_time(c, slot, e, &left);
+      mg_patch_slip_direction(c, slot, e);
+      r->reversal_time_left = mg_patch_slip_stop_time(c, slot, e, &left);
+    }
     *mode = slips ? MG_SLIPPING : MG_STICKING;
   }
 }
@@ -301,7 +314,8 @@ MG_INTERNAL void mg_report_patch_friction_events(mg_context *c, mg_events *event
       if (before >= MG_SLIP_ONSET && now == MG_STICKING)
         mg_append_event(c, events, over, MG_EVENT_SLIP_STOP, support, 0);
       if (c->patches.friction[slot].slip_stopped && now == MG_SLIP_STARTING)
-        mg_append_event(c, events, over, MG_EVENT_SLIP_REVERSAL, support, 0);
+        mg_append_event(c, events, c->run->t + c->patches.friction[slot].reversal_time_left, MG_EVENT_SLIP_REVERSAL,
+                        support, 0);
     }
     c->patches.friction[slot].slip_time_left = 0, c->patches.friction[slot].mode_before = now,
     c->patches.friction[slot].slip_stopped = 0;
