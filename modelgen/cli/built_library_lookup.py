@@ -1,26 +1,26 @@
 """The library of a scene file that was built before, found without reading the scene or deriving anything.
 
-`remember` leaves in the folder of a library what it was built from, as one hash: text and name of the scene
-file, the files of this package and of CasADi, Python, compiler and processor. `recall` loads the library if
-all this is as it was, and manifest, instance and record are the files that were written then.
+`remember` leaves in the folder of a library what it was built from, as one signature: text and name of the
+scene file, the files of this package and of CasADi, Python, compiler and processor; manifest, instance and
+record. `recall` loads the library if all this is as it was.
 """
 
 from __future__ import annotations
 
 import hashlib
 import importlib.util
-import json
 import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from modelgen.codegen.built_files import put, signature
 from modelgen.codegen.compiler import compiler_words, cpu_target
-from modelgen.codegen.library import Library
+from modelgen.codegen.library import REAL_FLAGS, Library
 from modelgen.codegen.manifest import INSTANCE, STRUCTURE, record_name
 from modelgen.errors import LibraryError
 
-NAME = "scene.json"  # beside the library
+NAME = "scene.signature"  # beside the library
 PACKAGE = Path(__file__).parents[1]
 
 
@@ -40,30 +40,24 @@ def scene_key(scene: Path, *choices: str) -> str | None:
 def recall(folder: Path, key: str) -> Library | None:
     """The library in a folder, if it was remembered under this key and its files are those of then."""
     try:
-        known = json.loads((folder / NAME).read_text(encoding="utf-8"))
-        real = known["real"]
-        if known != {"key": key, "real": real, "files": _hash_of_files(folder, real)}:
-            return None
-        return Library.load(folder, real)
-    except (OSError, ValueError, TypeError, KeyError, LibraryError):
-        return None
+        found = (folder / NAME).read_bytes()
+        for real in REAL_FLAGS:
+            if (folder / record_name(real)).is_file() and found == _signature(folder, real, key):
+                return Library.load(folder, real)
+    except (OSError, LibraryError):
+        pass
+    return None
 
 
 def remember(library: Library, key: str) -> None:
     """Leave the key in the folder of a library that was just built."""
     folder = library.path.parent
-    known = {"key": key, "real": library.real, "files": _hash_of_files(folder, library.real)}
-    scratch = folder / f".{NAME}.{os.getpid()}"
-    scratch.write_text(json.dumps(known, sort_keys=True, indent=1) + "\n", encoding="utf-8")
-    os.replace(scratch, folder / NAME)
+    put(folder / NAME, _signature(folder, library.real, key))
 
 
-def _hash_of_files(folder: Path, real: str) -> str:
-    digest = hashlib.sha256()
-    for name in (STRUCTURE, INSTANCE, record_name(real)):
-        text = (folder / name).read_bytes()
-        digest.update(f"{len(text)}:".encode() + text)
-    return digest.hexdigest()
+def _signature(folder: Path, real: str, key: str) -> bytes:
+    files = (STRUCTURE, INSTANCE, record_name(real))
+    return signature(key.encode(), *((folder / name).read_bytes() for name in files))
 
 
 def _tools() -> Iterator[str]:

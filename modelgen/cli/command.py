@@ -7,7 +7,7 @@ dataclass of such parameters, which the command has in its place.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import is_dataclass
 from pathlib import Path
 from types import NoneType, UnionType
@@ -15,7 +15,6 @@ from typing import Any, NamedTuple, get_args, get_origin, get_type_hints
 
 import click
 
-from modelgen.cli.input_files import check_inputs
 from modelgen.cli.output import REFUSED
 from modelgen.errors import ModelgenError
 
@@ -32,6 +31,29 @@ class Option:
 
     def __init__(self, *names: str, help: str = "", metavar: str | None = None, hidden: bool = False) -> None:
         self.names, self.help, self.metavar, self.hidden = names, help, metavar, hidden
+
+
+def check_inputs(values: Iterable[object]) -> None:
+    """Raise ModelgenError for a path of a file to read, or one in a list of paths, where no file is."""
+    for value in values:
+        for path in value if isinstance(value, list) else [value]:
+            if isinstance(path, Path) and _is_missing(path):
+                raise _missing(path)
+
+
+def _is_missing(path: Path) -> bool:
+    """Whether nothing has this path; False of what is no path."""
+    try:
+        return not path.exists()
+    except (OSError, ValueError):
+        return False
+
+
+def _missing(path: Path) -> ModelgenError:
+    from modelgen.report.run_files import missing_run
+    from modelgen.scene.read import no_such_file
+
+    return missing_run(path) if path.suffix == ".npz" else no_such_file(path)
 
 
 class Command(click.Command):

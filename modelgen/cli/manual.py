@@ -19,7 +19,7 @@ TOPICS = (
     *("planar_contact", "accuracy", "time_stepping", "forms_and_formulas", "python_api", "driven_runs"),
     *("view", "sensitivities", "fit", "sweep", "casadi", "optimisation", "c", "export", "import"),
     *("example_cam", "example_rattleback", "example_grip", "example_throw", "example_sliding_ball"),
-    *("command_line", "limits", "troubleshooting"),
+    *("scenes_of_others", "command_line", "limits", "troubleshooting"),
     *("development", "design_notes"),
     *("measurements", "glossary", "changelog"),
 )

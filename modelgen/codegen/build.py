@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import sys
-import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -13,6 +11,7 @@ import casadi as ca
 
 from modelgen import __version__
 from modelgen.codegen.amalgamation import runtime_text
+from modelgen.codegen.built_files import made_once, put
 from modelgen.codegen.compiler import (
     LEVEL,
     LEVELS,
@@ -28,6 +27,7 @@ from modelgen.codegen.manifest import INSTANCE, STRUCTURE, BuildRecord, record_n
 from modelgen.errors import CompilerMissing, LibraryError, expect
 from modelgen.name_suggestions import nearest
 
+NAME = 100  # letters of the name of a scene in the name of its library
 MANY = 300_000  # pairs of features of which the cost is told before
 PAIR_S, PAIR_BYTES = 1.6e-5, 4000  # s of CPU time before the first step, and memory, for each
 
@@ -40,7 +40,8 @@ def build(
     level: str | None = None,
     tell: Callable[[str], None] | None = None,
 ) -> Library:
-    """The library of a package, compiled if no library of the same content lies in `folder`.
+    """The library of a package, compiled if no library of the same content, built by this user and whole,
+    lies in `folder`.
 
     The scene's kernels are compiled and linked with the core, which is compiled once and kept in the user's
     cache folder (`runtime_object`).
@@ -78,11 +79,15 @@ def build(
     if feature_pairs > MANY:
         (tell or announce)(_cost(feature_pairs))
     key = content_hash(package, flags, compiler)
-    path = folder / f"lib{package.name}-{key[:16]}.so"
-    folder.mkdir(parents=True, exist_ok=True)
-    if not path.exists():
+    path = folder / f"lib{package.name[:NAME]}-{key[:16]}.so"
+
+    def compile_kernels(scratch: Path) -> None:
         runtime = runtime_object(compiler, flags, tell, package.derivatives)
-        _compile(package.files, compiler, (*flags, f'-DMG_HASH="{key}"'), runtime, path)
+        named = (*flags, f'-DMG_HASH="{key}"')
+        target, log = scratch / path.name, path.with_suffix(".log")
+        compile_library(compiler, named, scratch / "model.c", runtime, target, log)
+
+    made_once(path, package.files, compile_kernels)
     record = BuildRecord(
         key, source, cpu_target(), real, path.name, package.manifest.kinds_hash, _versions(compiler)
     )
@@ -145,25 +150,9 @@ def _versions(compiler: Compiler) -> dict[str, str]:
     }
 
 
-def _compile(
-    files: Mapping[str, str], compiler: Compiler, flags: tuple[str, ...], runtime: Path, path: Path
-) -> None:
-    """Compile in a temporary folder, then move the library into place, so that no other process sees it
-    incomplete."""
-    with tempfile.TemporaryDirectory(prefix=".build-", dir=path.parent) as name:
-        scratch = Path(name)
-        for file, text in files.items():
-            (scratch / file).write_text(text, encoding="utf-8")
-        target = scratch / path.name
-        compile_library(compiler, flags, scratch / "model.c", runtime, target, path.with_suffix(".log"))
-        os.replace(target, path)
-
-
 def _write(folder: Path, files: Mapping[str, str]) -> None:
-    """Each text to its file, by rename, and only if the file holds something else."""
+    """Each text to its file, if the file holds something else."""
     for name, text in files.items():
         path = folder / name
-        if not path.exists() or path.read_text(encoding="utf-8") != text:
-            scratch = folder / f".{name}.{os.getpid()}"
-            scratch.write_text(text, encoding="utf-8")
-            os.replace(scratch, path)
+        if path.is_symlink() or not path.is_file() or path.read_bytes() != text.encode():
+            put(path, text)

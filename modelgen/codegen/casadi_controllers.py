@@ -7,8 +7,9 @@ from pathlib import Path
 
 import casadi as ca
 
+from modelgen.codegen.built_files import cache_folder, made_once
 from modelgen.codegen.compiler import LIBRARIES, SHARED, find_compiler, run_compiler
-from modelgen.codegen.core_cache import cache_folder, compiled_once, content_hash
+from modelgen.codegen.core_cache import content_hash
 from modelgen.codegen.sensor_expressions_function import expressions_function
 from modelgen.errors import SimulationError
 from modelgen.name_suggestions import nearest
@@ -56,7 +57,7 @@ def compiled_controller(
         words = [*compiler.command, *flags, *SHARED, "-o", path.name, SOURCE, *LIBRARIES]
         run_compiler(words, scratch, path.with_suffix(".log"))
 
-    return compiled_once(path, {SOURCE: text}, compile_text)
+    return made_once(path, {SOURCE: text}, compile_text)
 
 
 def _text(function: ca.Function, sensors: Slots, inputs: Slots, real: str) -> str:

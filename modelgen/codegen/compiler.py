@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from modelgen.codegen.built_files import put
 from modelgen.codegen.library import REAL_FLAGS
 from modelgen.errors import CompilerMissing, LibraryError
 
@@ -98,7 +99,12 @@ def compiler_words() -> tuple[str, ...]:
 
 
 def _command() -> tuple[str, ...]:
-    return tuple(shlex.split(os.environ.get("CC", ""))) or _first_installed()
+    try:
+        named = tuple(shlex.split(os.environ.get("CC", "")))
+    except ValueError as error:
+        found = f"{os.environ['CC']!r} is no command: {error}"
+        raise CompilerMissing("CC", found, "", "correct CC, or unset it to use cc, gcc or clang") from None
+    return named or _first_installed()
 
 
 def _first_installed() -> tuple[str, ...]:
@@ -118,11 +124,15 @@ def _first_installed() -> tuple[str, ...]:
 @cache
 def compiler_version(command: tuple[str, ...]) -> str:
     """What a compiler prints for --version; raises CompilerMissing where it does not run."""
+    asked = f"`{shlex.join(command)} --version`"
     try:
-        answer = subprocess.run([*command, "--version"], capture_output=True, text=True, check=True)
+        answer = subprocess.run(
+            [*command, "--version"], capture_output=True, text=True, errors="replace", check=True
+        )
     except (OSError, subprocess.CalledProcessError) as error:
-        found = f"`{shlex.join(command)} --version` fails: {error}"
-        raise CompilerMissing("CC", found, "", "name a C compiler that works") from None
+        raise CompilerMissing("CC", f"{asked} fails: {error}", "", "name a C compiler that works") from None
+    if not answer.stdout.strip():
+        raise CompilerMissing("CC", f"{asked} tells nothing", "", "name a C compiler that works")
     return answer.stdout.strip()
 
 
@@ -156,12 +166,16 @@ def compile_library(
 
 
 def run_compiler(command: list[str], folder: Path, log: Path) -> None:
-    """Run a compiler's command in a folder; a failure raises LibraryError, with the output in `log`."""
-    answer = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    if answer.returncode == 0:
+    """Run a compiler's command in a folder; a failure, or no file, raises LibraryError, with the output in
+    `log`."""
+    answer = subprocess.run(
+        command, cwd=folder, capture_output=True, text=True, errors="replace", check=False
+    )
+    made = folder / command[command.index("-o") + 1]
+    if answer.returncode == 0 and made.is_file():
         return
-    log.write_text(f"$ {shlex.join(command)}\n{answer.stdout}{answer.stderr}", encoding="utf-8")
-    first = next((line for line in answer.stderr.splitlines() if "error" in line), "no message")
+    put(log, f"$ {shlex.join(command)}\n{answer.stdout}{answer.stderr}")
+    first = next((line for line in answer.stderr.splitlines() if "error" in line), f"no file {made.name!r}")
     raise LibraryError(
         shlex.join(command),
         f"the compiler ended with {answer.returncode}: {first}",

@@ -2,22 +2,14 @@
 
 from __future__ import annotations
 
-import fcntl
 import hashlib
-import os
 import sys
-import tempfile
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from platformdirs import user_cache_path
-
 from modelgen.codegen.amalgamation import HEADER, SOURCE, header_text, runtime_text
+from modelgen.codegen.built_files import cache_folder, made_once
 from modelgen.codegen.compiler import Compiler, compile_object, cpu_target
-from modelgen.errors import LibraryError
-
-CACHE = "MODELGEN_CACHE"  # environment variable that names another folder
 
 
 def runtime_object(
@@ -27,9 +19,6 @@ def runtime_object(
     derivatives: bool = False,
 ) -> Path:
     """The core as an object file, compiled if the cache has none of the same content.
-
-    Two processes may ask at once: the second waits for the first. One that is killed leaves nothing that
-    another would take for an object.
 
     Args:
         compiler: what compiles it.
@@ -50,47 +39,7 @@ def runtime_object(
         )
         compile_object(compiler, flags, scratch / SOURCE, scratch / path.name, path.with_suffix(".log"))
 
-    return compiled_once(path, texts, compile_core)
-
-
-def compiled_once(path: Path, texts: Mapping[str, str], compile_texts: Callable[[Path], None]) -> Path:
-    """The file `path` of the cache, made if it is not there.
-
-    Two processes may ask at once: the second waits for the first. One that is killed leaves nothing that
-    another would take for the file.
-
-    Args:
-        path: the file, whose name holds a digest of all that decides its content.
-        texts: sources by file name.
-        compile_texts: makes a file of that name in the folder that it is given, which holds the sources.
-    """
-    if path.exists():
-        return path
-    with _locked(path.with_suffix(".lock")):
-        if not path.exists():
-            with tempfile.TemporaryDirectory(prefix=".build-", dir=path.parent) as name:
-                scratch = Path(name)
-                for file, text in texts.items():
-                    (scratch / file).write_text(text, encoding="utf-8")
-                compile_texts(scratch)
-                os.replace(scratch / path.name, path)
-    return path
-
-
-def cache_folder() -> Path:
-    """Where compiled cores are kept: MODELGEN_CACHE, else the user's cache folder."""
-    named = os.environ.get(CACHE)
-    folder = Path(named) if named else user_cache_path("modelgen", appauthor=False)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise LibraryError(
-            str(folder),
-            f"the cache folder cannot be made: {error.strerror}",
-            "",
-            f"name another in {CACHE}",
-        ) from None
-    return folder.absolute()
+    return made_once(path, texts, compile_core)
 
 
 def runtime_hash(compiler: Compiler, flags: tuple[str, ...], derivatives: bool = False) -> str:
@@ -104,20 +53,6 @@ def content_hash(texts: Iterable[str], compiler: Compiler, flags: tuple[str, ...
     for part in (*texts, *flags, *compiler.command, compiler.version, cpu_target()):
         digest.update(f"{len(part)}:{part}".encode())
     return digest.hexdigest()
-
-
-@contextmanager
-def _locked(path: Path) -> Iterator[None]:
-    """Hold a file lock, which the operating system releases when the process ends for any reason."""
-    try:
-        file = path.open("a")
-    except OSError as error:
-        raise LibraryError(
-            str(path), f"cannot be written: {error.strerror}", "", f"name another folder in {CACHE}"
-        ) from None
-    with file:
-        fcntl.flock(file, fcntl.LOCK_EX)
-        yield
 
 
 def announce(line: str) -> None:

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from modelgen.codegen.built_files import is_sealed
 from modelgen.codegen.manifest import INSTANCE, STRUCTURE, BuildRecord, Json, Manifest, record_name
 from modelgen.errors import LibraryError, path_of
 from modelgen.name_suggestions import nearest
@@ -38,7 +39,8 @@ def kernel_table(cdll: ctypes.CDLL) -> int:
 class Library:
     """The functions of one built scene: what the manifest lists, in the file that the record names.
 
-    Raises LibraryError when the file is missing, foreign, stale, or not what manifest and record say.
+    Raises LibraryError when the file is missing, damaged, built by another user, stale, or not what manifest
+    and record say. What this user did not build is not loaded.
     """
 
     def __init__(self, manifest: Manifest, record: BuildRecord, folder: Path) -> None:
@@ -53,10 +55,14 @@ class Library:
         self.dtype = np.dtype(DTYPES[self.real])
         if not path.is_file():
             raise LibraryError(str(path), "there is no such file", "", "build again")
+        if not is_sealed(path):
+            found = "it is damaged, or no build of yours wrote it, and is not loaded"
+            raise LibraryError(str(path), found, "", "build again")
         try:
             self.cdll = ctypes.CDLL(str(path))
         except OSError as error:
-            raise LibraryError(str(path), f"it cannot be loaded: {error}", "", "build again") from None
+            remedy = "build in a folder from which programs may run"
+            raise LibraryError(str(path), f"it cannot be loaded: {error}", "", remedy) from None
         self.check()
 
     @classmethod
@@ -67,11 +73,16 @@ class Library:
             allowed = ", ".join(DTYPES)
             raise LibraryError("Library.load: real", repr(real), allowed, nearest(real, DTYPES))
         manifest, record = folder / STRUCTURE, folder / record_name(real)
-        return cls(
-            Manifest.from_json(_text(manifest), _text(folder / INSTANCE), str(manifest)),
-            BuildRecord.from_json(_text(record), str(record)),
-            folder,
-        )
+        texts = _text(manifest), _text(folder / INSTANCE), _text(record)
+        try:
+            values = (
+                Manifest.from_json(*texts[:2], str(manifest)),
+                BuildRecord.from_json(texts[2], str(record)),
+            )
+            return cls(*values, folder)
+        except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+            found = f"manifest or record are damaged: {error!r}"
+            raise LibraryError(str(folder), found, "", "build again") from None
 
     def check(self) -> None:
         """Raises LibraryError unless manifest, record and library agree."""
@@ -157,6 +168,8 @@ def _text(path: Path) -> str:
         return path.read_text(encoding="utf-8")
     except OSError as error:
         raise LibraryError(str(path), f"it cannot be read: {error.strerror}", "", "build first") from None
+    except UnicodeDecodeError:
+        raise LibraryError(str(path), "it is damaged: no text in UTF-8", "", "build again") from None
 
 
 def _pointers(arrays: tuple[Array, ...]) -> ctypes.Array[ctypes.c_void_p]:

@@ -10,10 +10,12 @@ from pathlib import Path
 from tests.architecture.sources import PYTHON, ROOT, C, imports, short, tree
 
 IO_PLACES = (
+    "file_writing.py",
     "scene/read.py",
     "codegen/build.py",
     "codegen/compiler.py",
     "codegen/library.py",
+    "codegen/built_files.py",
     "codegen/core_cache.py",
     "identification/recording_files.py",
     "casadi_functions/compiled_function.py",

@@ -15,6 +15,8 @@ from resource import RUSAGE_CHILDREN, getrusage
 from tempfile import TemporaryDirectory
 from time import perf_counter
 
+from modelgen.cli.built_library_lookup import NAME
+
 SCENE = Path(__file__).parents[2] / "scenes" / "ellipsoid_on_plane.toml"
 REPEATS = 9
 COMMAND = (
@@ -52,7 +54,7 @@ def spent(code: str, folder: Path) -> tuple[float, float]:
 def main() -> None:
     with TemporaryDirectory() as name:
         folder = Path(name)
-        known = folder / "generated" / SCENE.stem / "scene.json"
+        known = folder / "generated" / SCENE.stem / NAME
         spent(COMMAND, folder)
         found: dict[str, list[tuple[float, float]]] = {each: [] for each in CODES}
         for _ in range(REPEATS):

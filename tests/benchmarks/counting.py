@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+from modelgen.codegen.built_files import seal
 from modelgen.codegen.compiler import compile_library, find_compiler
 from modelgen.codegen.core_cache import runtime_object
 from modelgen.codegen.library import Library
@@ -38,3 +39,4 @@ def countable(library: Library, folder: Path) -> None:
     define = f'-DMG_HASH="{library.record.hash}"'
     runtime = runtime_object(compiler, tuple(flags))
     compile_library(compiler, (*flags, define), source, runtime, target, folder / "compiler.log")
+    seal(target)

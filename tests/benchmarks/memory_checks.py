@@ -20,8 +20,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from modelgen.codegen.built_files import CACHE
 from modelgen.codegen.compiler import DEBUG, FILLS
-from modelgen.codegen.core_cache import CACHE
 from tests.benchmarks.random_scenes import random_scene
 from tests.running import FILES
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import random
 import shutil
 import stat
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,6 +18,7 @@ import pytest
 from modelgen import build, derive, emit, require
 from modelgen.codegen import compiler
 from modelgen.codegen.amalgamation import SOURCE
+from modelgen.codegen.built_files import _key, made_once, seal
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import Library
 from modelgen.codegen.manifest import INSTANCE, STRUCTURE
@@ -111,7 +114,8 @@ def test_the_default_folder_is_generated_scene(
     monkeypatch.chdir(tmp_path)
     library = build(package())
     assert library.path.parent == tmp_path / "generated" / "test"
-    expected = {*package().files, STRUCTURE, INSTANCE, "library.json", library.path.name}
+    sealed = library.path.name, f"{library.path.name}.seal"
+    expected = {*package().files, STRUCTURE, INSTANCE, "library.json", *sealed}
     assert {path.name for path in library.path.parent.iterdir()} == expected
 
 
@@ -181,11 +185,21 @@ def test_without_a_compiler_what_was_built_for_this_processor_is_taken(
         build(package(), folder=tmp_path / "out")
 
 
-@pytest.mark.parametrize("command", ["no-such-compiler", "false"])
+@pytest.mark.parametrize("command", ["no-such-compiler", "false", "'", '"cc'])
 def test_a_wrong_cc_is_named(command: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("CC", command)
-    with pytest.raises(CompilerMissing, match=command):
+    with pytest.raises(CompilerMissing, match=f"^CC: .*{command}"):
         build(package(), folder=tmp_path / "out")
+
+
+@pytest.mark.parametrize("command", ["echo", "true"])
+def test_a_compiler_that_makes_nothing_is_told(
+    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("CC", command)
+    monkeypatch.setenv("MODELGEN_CACHE", str(tmp_path / "cache"))
+    with pytest.raises(LibraryError, match=r"the compiler ended with 0: no file 'runtime-.*its output is in"):
+        build(package(), folder=tmp_path / "out", tell=lambda line: None)
 
 
 def test_zig_is_the_last_resort(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -232,11 +246,15 @@ def test_a_renamed_foreign_or_missing_library_is_refused(calls: Path, tmp_path: 
     (tmp_path / "text.so").write_text("not a library")
     (tmp_path / "empty.c").write_text("int nothing;\n")
     os.system(f"{CC} -shared -fPIC -o {tmp_path}/foreign.so {tmp_path}/empty.c")
+    (tmp_path / "planted.so").write_bytes((tmp_path / "foreign.so").read_bytes())
+    for name in (renamed.name, "text.so", "foreign.so"):
+        seal(tmp_path / name)
     for file, message in (
         (renamed.name, "hash in the file name"),
         ("text.so", "cannot be loaded"),
         ("none.so", "no such file"),
         ("foreign.so", "not a library of modelgen"),
+        ("planted.so", "no build of yours wrote it"),
     ):
         with pytest.raises(LibraryError, match=message):
             Library(library.manifest, replace(library.record, file=file), tmp_path)
@@ -278,6 +296,97 @@ def test_processes_that_build_at_once_compile_one_core(
     assert len(paths) == 1
     assert Path(paths.pop()).is_file()
     assert count(calls, SOURCE) == 2
+
+
+def damages(content: bytes) -> dict[str, bytes]:
+    """What is left of a file after a crash, an error of a disk or a careless hand."""
+    draw = random.Random(1)
+    flipped = bytearray(content)
+    for _ in range(20):
+        flipped[draw.randrange(len(content))] ^= 1 << draw.randrange(8)
+    at = draw.randrange(len(content))
+    return {
+        "empty": b"",
+        "half": content[: len(content) // 2],
+        "less by a byte": content[:-1],
+        "more by a byte": content + b"\0",
+        "zeros at the end": content[:at] + bytes(len(content) - at),
+        "random": draw.randbytes(len(content)),
+        "flipped": bytes(flipped),
+        "text": "dlopen me".encode("utf-16"),
+    }
+
+
+DAMAGES = tuple(damages(b"x" * 99))
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_library_is_built_again(damage: str, calls: Path, tmp_path: Path) -> None:
+    """It is refused where nothing may be compiled, and the next build replaces it."""
+    path = build(package(), folder=tmp_path).path
+    whole = path.read_bytes()
+    path.unlink()  # this process has mapped it
+    path.write_bytes(damages(whole)[damage])
+    with pytest.raises(LibraryError, match=r"damaged.*build again"):
+        Library.load(tmp_path)
+    assert build(package(), folder=tmp_path).path.read_bytes() == whole
+    assert Library.load(tmp_path).path == path
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_file_of_the_cache_is_made_again(
+    damage: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of the file itself, its seal, and the key, with which all seals go."""
+    monkeypatch.setenv("MODELGEN_CACHE", str(tmp_path))
+    made = []
+
+    def make(scratch: Path) -> None:
+        made.append((scratch / "in").read_text())
+        (scratch / "out.o").write_bytes(bytes(range(256)))
+
+    path = made_once(tmp_path / "out.o", {"in": "text"}, make)
+    for name in ("out.o", "out.o.seal", "key"):
+        _key.cache_clear()
+        (tmp_path / name).write_bytes(damages((tmp_path / name).read_bytes())[damage])
+        assert made_once(path, {"in": "text"}, make).read_bytes() == bytes(range(256))
+        made_once(path, {"in": "text"}, make)
+    assert made == ["text"] * 4
+    assert not list(tmp_path.glob(".build-*"))
+
+
+def test_damaged_texts_of_a_folder_are_written_again(calls: Path, tmp_path: Path) -> None:
+    library = build(package(), folder=tmp_path)
+    names = (*package().files, STRUCTURE, INSTANCE, "library.json")
+    texts = {tmp_path / name: (tmp_path / name).read_bytes() for name in names}
+    for path, whole in texts.items():
+        for damaged in damages(whole).values():
+            path.write_bytes(damaged)
+            with suppress(LibraryError):  # C text is not read
+                Library.load(tmp_path)
+            build(package(), folder=tmp_path)
+            assert path.read_bytes() == whole
+    assert library.path.is_file()
+
+
+def test_a_link_in_the_way_of_a_built_file_is_not_followed(calls: Path, tmp_path: Path) -> None:
+    library = build(package(), folder=tmp_path / "out")
+    kept = tmp_path / "kept"
+    for path in list((tmp_path / "out").iterdir()):
+        kept.write_text("mine")
+        path.unlink()
+        path.symlink_to(kept)
+        build(package(), folder=tmp_path / "out")
+        assert kept.read_text() == "mine", path
+    assert build(package(), folder=tmp_path / "out").path == library.path
+
+
+def test_a_folder_that_a_killed_build_left_is_removed(calls: Path, tmp_path: Path) -> None:
+    for name in (".build-libtest-0123456789abcdef.so", ".build-x1y2"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "model.c").touch()
+    build(package(), folder=tmp_path)
+    assert not list(tmp_path.glob(".build-*"))
 
 
 def test_a_cache_that_cannot_be_made_is_named(

@@ -17,6 +17,7 @@ from click.testing import CliRunner
 from modelgen.cli import built_library_lookup
 from modelgen.cli.built_library_lookup import NAME, recall, scene_key
 from modelgen.cli.command_group import MODULES, app
+from modelgen.codegen.built_files import seal
 
 Modelgen = Callable[..., Any]
 ROOT = Path(__file__).parents[2]
@@ -143,7 +144,12 @@ def remove_the_library(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def spoil_what_is_remembered(monkeypatch: pytest.MonkeyPatch) -> None:
-    (FOLDER / NAME).write_text("[1, 2")
+    (FOLDER / NAME).write_bytes(b"0" * 64)
+
+
+def damage_the_library(monkeypatch: pytest.MonkeyPatch) -> None:
+    path = next(FOLDER.glob("*.so"))
+    path.write_bytes(path.read_bytes()[:4096])
 
 
 CHANGES = (
@@ -155,6 +161,7 @@ CHANGES = (
     change_the_instance,
     remove_the_record,
     remove_the_library,
+    damage_the_library,
     spoil_what_is_remembered,
 )
 
@@ -168,7 +175,9 @@ def test_after_a_change_the_scene_is_derived_again(
     assert recall(FOLDER, key()) is None
 
 
-@pytest.mark.parametrize("change", [change_the_instance, remove_the_library, spoil_what_is_remembered])
+@pytest.mark.parametrize(
+    "change", [change_the_instance, remove_the_library, damage_the_library, spoil_what_is_remembered]
+)
 def test_files_that_were_changed_are_made_anew(
     change: Callable[[pytest.MonkeyPatch], None],
     ran: dict[str, Any],
@@ -184,3 +193,23 @@ def test_a_forced_form_is_remembered_by_itself(ran: dict[str, Any], modelgen: Mo
     modelgen("simulate", EGG, "--form", "implicit", "--json")
     assert recall(FOLDER, key()) is not None
     assert recall(FOLDER.with_name("ellipsoid_on_plane.implicit"), key()) is None
+
+
+def test_a_library_beside_the_scene_of_another_user_is_not_loaded(
+    ran: dict[str, Any], modelgen: Modelgen, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It has the right name and hash, and the seal of the user who planted it; its constructor would leave a
+    file."""
+    path, mark = next(FOLDER.glob("*.so")).resolve(), tmp_path / "mark"
+    source = tmp_path / "planted.c"
+    source.write_text(
+        "#include <stdio.h>\n__attribute__((constructor)) static void run(void)"
+        f'{{ FILE *f = fopen("{mark}", "w"); if (f) fclose(f); }}\n'
+    )
+    subprocess.run([shutil.which("cc") or "gcc", "-shared", "-fPIC", "-o", path, source], check=True)
+    with monkeypatch.context() as other:
+        other.setenv("MODELGEN_CACHE", str(tmp_path / "other user"))
+        seal(path)
+        (FOLDER / NAME).write_bytes(built_library_lookup._signature(FOLDER, "double", key()))
+    assert without_time(modelgen("simulate", EGG, "--json").json) == ran
+    assert not mark.exists()
