@@ -36,10 +36,11 @@ def replaced(path: Path, mode: int | None = None) -> Iterator[Path]:
             yield place
             return
         place.parent.mkdir(parents=True, exist_ok=True)
-        scratch = place.parent / f"{SCRATCH}{os.getpid()}-{next(_NUMBERS)}{place.suffix}"
+        scratch = _beside(place)
         try:
             scratch.touch(0o666 if mode is None else mode)
             if mode is None and place.exists():
+                place.open("ab").close()  # one that may not be written is not replaced either
                 scratch.chmod(place.stat().st_mode & 0o7777)
             yield scratch
             _flush(scratch)
@@ -68,12 +69,29 @@ def write_files(contents: Mapping[Path, str | bytes]) -> None:
             _flush(scratch)
 
 
+def check_writable(path: Path) -> None:
+    """Raise ModelgenError if `replaced` could not begin; leaves no file behind."""
+    place = Path(os.path.realpath(path))
+    try:
+        if place.exists():
+            place.open("ab").close()
+        scratch = _beside(place)
+        scratch.touch()
+        scratch.unlink()
+    except OSError as cause:
+        raise unwritable(path, cause) from cause
+
+
 def unwritable(path: Path, cause: OSError) -> ModelgenError:
     """The error of a file that cannot be written."""
     remedy = "make room there, or name" if cause.errno in (errno.ENOSPC, errno.EDQUOT) else "name"
     return ModelgenError(
         str(path), f"cannot be written: {cause.strerror or cause}", "", f"{remedy} another file"
     )
+
+
+def _beside(place: Path) -> Path:
+    return place.with_name(f"{SCRATCH}{os.getpid()}-{next(_NUMBERS)}{place.suffix}")
 
 
 def _flush(path: Path) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 from modelgen.benchmark.measurement import Measurement
 from modelgen.benchmark.work_precision_front import Point, is_measured, place
 from modelgen.report.run_files import check_suffix
-from modelgen.report.run_plot import FORMATS, require_matplotlib
+from modelgen.report.run_plot import FORMATS, require_matplotlib, save_figure
 
 
 def draw_measurement(found: Measurement, path: Path) -> None:
@@ -31,7 +31,7 @@ def draw_measurement(found: Measurement, path: Path) -> None:
     axes.set_title(f"{found.subject.scene.name}, up to {span}")
     axes.grid(alpha=0.3)
     axes.legend(fontsize="small")
-    figure.savefig(path, dpi=130, metadata={"Date": None} if path.suffix == ".svg" else None)
+    save_figure(figure, path)
 
 
 def _series(found: Measurement) -> list[tuple[str, Sequence[Point], Sequence[Point]]]:

@@ -6,6 +6,8 @@ import json
 from pathlib import Path
 from typing import Any
 
+from modelgen.file_writing import unwritable
+
 NAME = "measured.jsonl"
 
 
@@ -15,8 +17,9 @@ class Store:
     def __init__(self, folder: Path) -> None:
         self.path = folder / NAME
         self.known: dict[str, Any] = {}
-        lines = self.path.read_text(encoding="utf-8").splitlines() if self.path.is_file() else []
-        for line in lines:
+        text = self.path.read_text(encoding="utf-8", errors="replace") if self.path.is_file() else ""
+        self._start = "" if text.endswith("\n") or not text else "\n"  # after a line that was cut
+        for line in text.splitlines():
             entry = _entry(line)
             if entry:
                 self.known[entry["key"]] = entry["value"]
@@ -26,9 +29,13 @@ class Store:
 
     def put(self, key: str, value: Any) -> None:
         self.known[key] = value
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        with self.path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps({"key": key, "value": value}) + "\n")
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            with self.path.open("a", encoding="utf-8") as file:
+                file.write(self._start + json.dumps({"key": key, "value": value}) + "\n")
+        except OSError as cause:
+            raise unwritable(self.path, cause) from cause
+        self._start = ""
 
 
 def _entry(line: str) -> dict[str, Any] | None:

@@ -8,6 +8,7 @@ import casadi as ca
 
 from modelgen.codegen.compiler import LEVEL, LIBRARIES, SHARED, find_compiler, run_compiler
 from modelgen.errors import ModelgenError
+from modelgen.file_writing import replaced, write_file
 
 EXPORT = "-DGCC_HASCLASSVISIBILITY"  # lets CasADi's text mark the functions that others may call
 
@@ -43,8 +44,9 @@ def save_external(
     for each in (function, function.forward(1), reverse, *([reverse.forward(1)] if second else [])):
         generator.add(each)
     source, target = place / f"{name}.c", place / f"{name}.so"
-    source.write_text(generator.dump(), encoding="utf-8")
+    write_file(source, generator.dump())
     flags = (*compiler.flags("double", level), "-Wno-unused-parameter", EXPORT)
-    words = [*compiler.command, *flags, *SHARED, "-o", target.name, source.name, *LIBRARIES]
-    run_compiler(words, place.absolute(), place.absolute() / f"{name}.log")
+    with replaced(target.absolute()) as scratch:
+        words = [*compiler.command, *flags, *SHARED, "-o", str(scratch), source.name, *LIBRARIES]
+        run_compiler(words, place.absolute(), place.absolute() / f"{name}.log")
     return target

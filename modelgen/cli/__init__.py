@@ -4,6 +4,7 @@ Exit codes: 0 done; 1 the run ended early (what it computed is written); 2 bad i
 130 interrupted (what was computed is written; nothing where nothing was); 141 nobody reads the output.
 """
 
+import signal
 import sys
 
 from modelgen.cli.standard_streams import guard_streams
@@ -12,8 +13,9 @@ INTERRUPTED = 130  # 128 and the number of the signal, as shells have it
 
 
 def main() -> None:
-    """Run the command line. Ctrl-C ends it without a traceback, also while modules are imported."""
+    """Run the command line. Ctrl-C and SIGTERM end it without a traceback, also in the imports."""
     guard_streams()
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         from modelgen.cli.command_group import app
 

@@ -7,6 +7,8 @@ dataclass of such parameters, which the command has in its place.
 from __future__ import annotations
 
 import inspect
+import os
+import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import is_dataclass
 from pathlib import Path
@@ -17,6 +19,8 @@ import click
 
 from modelgen.cli.output import REFUSED
 from modelgen.errors import ModelgenError
+
+LONG = re.compile(r"(\S{60})\S{300,}(\S{60})")  # a word that is printed in part
 
 
 class Argument(NamedTuple):
@@ -31,6 +35,15 @@ class Option:
 
     def __init__(self, *names: str, help: str = "", metavar: str | None = None, hidden: bool = False) -> None:
         self.names, self.help, self.metavar, self.hidden = names, help, metavar, hidden
+
+
+def _check_current_folder() -> None:
+    try:
+        os.getcwd()
+    except OSError as cause:
+        raise ModelgenError(
+            "the current folder", cause.strerror or "", "", "go to one that is there"
+        ) from None
 
 
 def check_inputs(values: Iterable[object]) -> None:
@@ -62,13 +75,14 @@ class Command(click.Command):
     def invoke(self, ctx: click.Context) -> Any:
         """Call the function, once all files that it reads are there."""
         try:
+            _check_current_folder()
             check_inputs(ctx.params[each.name] for each in self.params if isinstance(each, click.Argument))
             return super().invoke(ctx)
         except ModelgenError as error:
             message = str(error)
         except OSError as error:
-            message = f"{error.filename or 'standard output'}: {error.strerror}"
-        click.echo(message, err=True)
+            message = f"{error.filename or 'a temporary file'}: {error.strerror or error}"
+        click.echo(LONG.sub(lambda word: f"{word[1]}..{word[2]}", message), err=True)
         raise click.exceptions.Exit(REFUSED)
 
 

@@ -15,7 +15,6 @@ from modelgen.cli.output import print_facts
 from modelgen.cli.pipeline import check_folder, derive_scene, read_scene
 from modelgen.cli.progress import progress
 from modelgen.cli.view import check_page
-from modelgen.errors import ModelgenError
 
 To = Annotated[
     str | None,
@@ -67,11 +66,7 @@ def export(
         check_folder(target, "a folder for the files of the export", "name another: --out FOLDER")
     derivation = derive_scene(what)
     with progress("exporting"), tempfile.TemporaryDirectory(prefix="modelgen-") as scratch:
-        try:
-            written = export(derivation, name, target, Path(scratch), choices)
-        except OSError as cause:
-            remedy = "name another folder with --out"
-            raise ModelgenError(str(target), f"it cannot be written: {cause.strerror}", "", remedy) from cause
+        written = export(derivation, name, target, Path(scratch), choices)
     facts = {
         "scene": what.name,
         "to": name,

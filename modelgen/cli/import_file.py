@@ -11,7 +11,7 @@ from modelgen.cli.command import Argument, Option
 from modelgen.cli.option_reading import read_option
 from modelgen.cli.options import AsJson
 from modelgen.cli.output import check_file, print_facts
-from modelgen.errors import ModelgenError
+from modelgen.file_writing import write_file
 
 Source = Annotated[Path, Argument(metavar="FILE", help="MJCF or URDF, or the CSV of a profile")]
 Out = Annotated[
@@ -93,12 +93,7 @@ def import_file(
     }
     found = import_scene(file, format, **{key: value for key, value in given.items() if value is not None})
     if out is not None:
-        try:
-            out.write_text(found.text, encoding="utf-8")
-        except OSError as cause:
-            raise ModelgenError(
-                str(out), f"it cannot be written: {cause.strerror}", "", "name another file"
-            ) from cause
+        write_file(out, found.text)
     facts = {
         "scene": found.scene.name,
         "file": None if out is None else str(out),

@@ -19,6 +19,7 @@ from modelgen.cli.output import FAILED, check_file, check_outputs, print_facts, 
 from modelgen.cli.pipeline import check_folder, folder_of
 from modelgen.cli.progress import activity
 from modelgen.errors import ModelgenError
+from modelgen.file_writing import write_file
 
 if TYPE_CHECKING:
     from modelgen.benchmark import Measurement
@@ -167,7 +168,7 @@ def tune(
             parameters=read_values(values, "--set"),
             on_progress=report,
         )
-    target.write_text(with_run_table(text, found.point.settings, str(scene)), encoding="utf-8")
+    write_file(target, with_run_table(text, found.point.settings, str(scene)))
     facts = found.as_json() | {"file": str(target)}
     print_facts(facts, as_json, lambda: print_tuned(found, Console()))
     if not as_json:

@@ -9,8 +9,9 @@ import click
 
 from modelgen.cli.command import Argument, Option
 from modelgen.cli.options import AsJson
-from modelgen.cli.output import check_file, print_facts, write_text
+from modelgen.cli.output import check_file, print_facts
 from modelgen.errors import ModelgenError
+from modelgen.file_writing import write_file
 from modelgen.name_suggestions import nearest
 
 FOLDER = Path(__file__).parents[1] / "scene" / "templates"
@@ -36,7 +37,7 @@ def new(kind: Kind = None, out: SceneOut = None, as_json: AsJson = False) -> Non
     if path.exists():
         raise ModelgenError(str(path), "the file is there already", "", "name another one with --out")
     check_file(path)
-    write_text(text, path)
+    write_file(path, text)
     facts: dict[str, Any] = {"kind": kind, "file": str(path)}
     print_facts(facts, as_json, lambda: click.echo(f"written: {path}\nrun it: modelgen simulate {path}"))
 

@@ -53,25 +53,9 @@ def check_file(path: Path) -> None:
         raise ModelgenError(str(path), f"no folder {str(path.parent)!r}", "", "make it first")
     if path.exists() and not path.is_file():
         return
-    is_new = not path.exists()
-    try:
-        path.open("ab").close()
-        if is_new:
-            path.unlink()
-    except OSError as cause:
-        raise _unwritable(path, cause) from cause
+    from modelgen.file_writing import check_writable
 
-
-def write_text(text: str, path: Path) -> None:
-    """Write a text file; raises ModelgenError where that fails."""
-    try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as cause:
-        raise _unwritable(path, cause) from cause
-
-
-def _unwritable(path: Path, cause: OSError) -> ModelgenError:
-    return ModelgenError(str(path), f"cannot be written: {cause.strerror}", "", "name another file")
+    check_writable(path)
 
 
 def write_run(
@@ -120,7 +104,9 @@ def print_text(text: str, out: Path | None) -> None:
     if out is None:
         click.echo(text)
         return
-    write_text(text, out)
+    from modelgen.file_writing import write_file
+
+    write_file(out, text)
     click.echo(f"written: {out}")
 
 

@@ -57,14 +57,15 @@ def _show() -> None:
 
 def _install() -> None:
     """Write the script where the shell looks for it, and one line, once, into the file of its start."""
+    from modelgen.file_writing import write_file
+
     shell = _shell()
     home, files = Path.home(), SHELLS[shell]
     script = home / files.script
-    script.parent.mkdir(parents=True, exist_ok=True)
-    script.write_text(_script(shell), encoding="utf-8")
+    write_file(script, _script(shell))
     if files.start:
         start, line = home / files.start, files.line.format(home=home)
         text = start.read_text(encoding="utf-8") if start.exists() else ""
         if line not in text:
-            start.write_text(f"{text.rstrip()}\n{line}\n".lstrip(), encoding="utf-8")
+            write_file(start, f"{text.rstrip()}\n{line}\n".lstrip())
     click.echo(f"written: {script}; completion works in a new shell")

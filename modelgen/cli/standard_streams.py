@@ -1,39 +1,53 @@
-"""Standard streams that end the command quietly once nobody reads them, as `head` does when it has enough."""
+"""Standard streams that end the command once nobody takes what it prints: quietly where nobody reads it any
+more, as `head` when it has enough, and with a message where it cannot be written."""
 
 from __future__ import annotations
 
 import io
 import os
 import sys
-from typing import NoReturn
 
 CLOSED = 141  # 128 and the number of SIGPIPE, as shells have it
+FAILED = 2  # as of every file that cannot be written
 
 
 class Output(io.TextIOWrapper):
-    """A stream whose closed pipe raises SystemExit, and which loses what is written from then on."""
+    """A stream that raises SystemExit when it cannot be written, and loses what is written from then on.
+
+    Standard error that is full or closed ends nothing.
+    """
 
     def write(self, text: str) -> int:
         try:
             return super().write(text)
-        except BrokenPipeError:
-            self._end()
+        except OSError as error:
+            self._end(error)
+            return len(text)
 
     def flush(self) -> None:
         try:
             super().flush()
-        except BrokenPipeError:
-            self._end()
+        except OSError as error:
+            self._end(error)
 
-    def _end(self) -> NoReturn:
+    def _end(self, error: OSError) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), self.fileno())
-        raise SystemExit(CLOSED)
+        if isinstance(error, BrokenPipeError):
+            raise SystemExit(CLOSED)
+        if self.fileno() != 2:
+            print(f"standard output: {error.strerror}; write it to another place", file=sys.stderr)
+            raise SystemExit(FAILED)
 
 
 def guard_streams() -> None:
-    """Let standard output and standard error be such streams."""
-    for name in ("stdout", "stderr"):
-        stream = getattr(sys, name)
+    """Let standard output and standard error be such streams; one that is closed cannot be written."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:  # or the next file that is opened would be that stream
+            os.open(os.devnull, os.O_RDONLY)
+    for number, name in ((1, "stdout"), (2, "stderr")):
+        stream = getattr(sys, name) or io.TextIOWrapper(io.FileIO(number, "w"), "utf-8", write_through=True)
         if isinstance(stream, io.TextIOWrapper):
             encoding, errors, by_line = stream.encoding, stream.errors, stream.line_buffering
             at_once, raw = stream.write_through, stream.detach()

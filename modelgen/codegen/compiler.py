@@ -172,7 +172,7 @@ def run_compiler(command: list[str], folder: Path, log: Path) -> None:
         command, cwd=folder, capture_output=True, text=True, errors="replace", check=False
     )
     made = folder / command[command.index("-o") + 1]
-    if answer.returncode == 0 and made.is_file():
+    if answer.returncode == 0 and made.is_file() and made.stat().st_size:
         return
     put(log, f"$ {shlex.join(command)}\n{answer.stdout}{answer.stderr}")
     first = next((line for line in answer.stderr.splitlines() if "error" in line), f"no file {made.name!r}")

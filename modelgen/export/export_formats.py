@@ -19,6 +19,7 @@ from modelgen.export.fmu import fmu_files
 from modelgen.export.jax_folder import jax_files
 from modelgen.export.mjcf_file import check_mjcf, mjcf_files, setup_of
 from modelgen.export.urdf_file import check_urdf, left_out, urdf_files
+from modelgen.file_writing import write_files
 from modelgen.name_suggestions import nearest
 from modelgen.runtime.arguments import with_parameters
 
@@ -163,21 +164,16 @@ def export(derivation: Derivation, to: str, out: Path, scratch: Path, choices: C
     Raises:
         ModelgenError: the format is unknown, or has no like of something in the scene.
         CompilerMissing, LibraryError: the library of the scene cannot be built.
-        OSError: the folder cannot be written.
+        ModelgenError: a file cannot be written; then all are as they were.
     """
     name = check_format(to, choices)
     folder = out.parent if name in PAGES else out
     contents = FORMATS[name](_Given(derivation, choices, scratch, out.name))
-    folder.mkdir(parents=True, exist_ok=True)
-    written = []
-    for file, content in contents.items():
-        path = folder / file
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content.encode("utf-8") if isinstance(content, str) else content)
-        written.append(path)
+    files = {folder / file: content for file, content in contents.items()}
+    write_files(files)
     scene = derivation.model.scene
     return Exported(
-        written,
+        list(files),
         different(scene) if name == "mjcf" else (),
         left_out(scene) if name == "urdf" else (),
     )

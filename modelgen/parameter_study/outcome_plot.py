@@ -16,7 +16,7 @@ from modelgen.errors import ModelgenError, expect, path_of
 from modelgen.parameter_study.outcome_table import DONE, Sweep, check_column
 from modelgen.parameter_study.rows import TEXT
 from modelgen.report.run_files import check_suffix
-from modelgen.report.run_plot import require_matplotlib
+from modelgen.report.run_plot import require_matplotlib, save_figure
 from modelgen.runtime.trajectory import Array
 
 PICTURES = (".png", ".svg")
@@ -61,7 +61,7 @@ def draw_sweep(found: Sweep, path: str | Path, of: Sequence[str] | None = None) 
             _map(found, name, x, y, axes)
         else:
             _curve(found, name, x, axes)
-    figure.savefig(path, dpi=130, metadata={"Date": None} if path.suffix == ".svg" else None)
+    save_figure(figure, path)
 
 
 def _drawn(found: Sweep, of: Sequence[str] | None, most: int) -> list[str]:

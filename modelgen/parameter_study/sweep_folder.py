@@ -16,11 +16,11 @@ from pathlib import Path
 from typing import Any
 
 from modelgen.errors import ModelgenError
+from modelgen.file_writing import SCRATCH, replaced, write_file
 from modelgen.parameter_study.rows import Row
 from modelgen.parameter_study.run_queue import Span
 
 PLAN, TABLE, PARTS, RUNS = "sweep.json", "runs.parquet", "parts", "runs"
-SCRATCH = ".new"  # end of the names of files that are being written
 PART = re.compile(r"(\d+)-(\d+)\.parquet")
 FILES = (".csv", ".json", ".npz", ".parquet", ".xlsx")
 REMEDY = "name another folder, or remove it"
@@ -87,8 +87,7 @@ class SweepFolder:
         """Keep a chunk: files of whole runs, then its rows."""
         for row, content in zip(rows, files, strict=True):
             if content is not None:
-                (self.path / RUNS).mkdir(exist_ok=True)
-                _write(self.path / RUNS / f"{row['run']:07d}.npz", content)
+                write_file(self.path / RUNS / f"{row['run']:07d}.npz", content)
         self._write_table(
             self.path / PARTS / f"{first:07d}-{first + len(rows) - 1:07d}.parquet", self._table(rows)
         )
@@ -121,13 +120,13 @@ class SweepFolder:
         """Write the plan, or compare it with that of the folder; remove what was being written."""
         if (self.path / PLAN).exists():
             _compare(self.path, self.plan(), plan)
-        elif [name for name in os.listdir(self.path) if not name.endswith(SCRATCH)]:
+        elif [name for name in os.listdir(self.path) if not name.startswith(SCRATCH)]:
             raise ModelgenError(str(self.path), "it holds files that are no sweep", "an empty folder", REMEDY)
         else:
-            _write(self.path / PLAN, (json.dumps(plan, indent=1) + "\n").encode())
+            write_file(self.path / PLAN, json.dumps(plan, indent=1) + "\n")
         (self.path / PARTS).mkdir(exist_ok=True)
         for folder in (self.path, self.path / PARTS, self.path / RUNS):
-            for left in folder.glob(f"*{SCRATCH}"):
+            for left in folder.glob(f"{SCRATCH}*"):
                 left.unlink()
         if (self.path / TABLE).exists():
             self._remove_parts()
@@ -167,9 +166,8 @@ class SweepFolder:
             raise ModelgenError(str(self.path), f"its table cannot be read: {error}", "", REMEDY) from None
 
     def _write_table(self, path: Path, table: Any) -> None:
-        scratch = path.with_name(path.name + SCRATCH)
-        self._parquet.write_table(table, scratch)
-        _put(scratch, path)
+        with replaced(path) as scratch:
+            self._parquet.write_table(table, scratch)
 
 
 def _compare(path: Path, own: Mapping[str, Any], plan: Mapping[str, Any]) -> None:
@@ -191,19 +189,6 @@ def _difference(own: Any, given: Any) -> str:
     else:
         told = f"{own}, now {given}"
     return f" ({told})" if len(told) <= 200 else ""
-
-
-def _write(path: Path, content: bytes) -> None:
-    scratch = path.with_name(path.name + SCRATCH)
-    scratch.write_bytes(content)
-    _put(scratch, path)
-
-
-def _put(scratch: Path, path: Path) -> None:
-    """Move a file into place once it is on the disk."""
-    with scratch.open("rb") as file:
-        os.fsync(file.fileno())
-    os.replace(scratch, path)
 
 
 def _unwritable(path: Path, error: OSError) -> ModelgenError:

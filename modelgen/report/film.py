@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from subprocess import CalledProcessError
 from typing import Any
 
 import numpy as np
 
 from modelgen.errors import ModelgenError
+from modelgen.file_writing import replaced
 from modelgen.report.body_pictures import draw_bodies
 from modelgen.report.displayed_bodies import Stage
 from modelgen.report.run_record import Record
@@ -29,11 +31,15 @@ def draw_film(record: Record, stage: Stage, path: Path, figure: Any) -> None:
     samples = [int(np.abs(t - t[0] - time).argmin()) for time in times] if len(t) else []
     writer = _writer(path)
     axes = figure.add_axes((0.02, 0.02, 0.96, 0.9))
-    with writer.saving(figure, str(path), DOTS):
-        for sample in samples:
-            axes.clear()
-            draw_bodies(axes, record, stage, sample)
-            writer.grab_frame()
+    try:
+        with replaced(path) as scratch, writer.saving(figure, str(scratch), DOTS):
+            for sample in samples:
+                axes.clear()
+                draw_bodies(axes, record, stage, sample)
+                writer.grab_frame()
+    except CalledProcessError as cause:
+        found = f"ffmpeg cannot write it (exit code {cause.returncode})"
+        raise ModelgenError(str(path), found, "", "make room there, or name another file") from None
 
 
 def _writer(path: Path) -> Any:

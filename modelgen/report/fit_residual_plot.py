@@ -11,7 +11,7 @@ from modelgen.errors import expect, path_of
 from modelgen.identification.fit import Fit
 from modelgen.identification.recordings import Array
 from modelgen.report.run_files import check_suffix
-from modelgen.report.run_plot import ENTRIES, FORMATS, require_matplotlib
+from modelgen.report.run_plot import ENTRIES, FORMATS, require_matplotlib, save_figure
 
 WIDE = 1.96  # standard deviations on each side, which 95 % of normal deviations do not exceed
 COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:red", "tab:purple", "tab:brown")
@@ -33,7 +33,7 @@ def draw_fit(found: Fit, path: str | Path) -> None:
         axes = figure.add_subplot(len(groups), 1, k + 1)
         axes.set_title(group)
         _panel(found, group, axes)
-    figure.savefig(path, dpi=130, metadata={"Date": None} if path.suffix == ".svg" else None)
+    save_figure(figure, path)
 
 
 def _panel(found: Fit, group: str, axes: Any) -> None:

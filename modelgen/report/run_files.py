@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from modelgen.errors import ModelgenError, expect, path_of
+from modelgen.file_writing import replaced
 from modelgen.report.run_record import COLUMNS, Array, Record
 from modelgen.runtime.by_name import ByName
 
@@ -27,7 +28,8 @@ def check_suffix(path: Path, formats: Sequence[str]) -> None:
 def save(record: Record, path: str | Path) -> None:
     """Write a run, what `record_of` returned; the suffix says how (.npz or .csv).
 
-    Raises ModelgenError for another suffix, or what is no such run.
+    Raises ModelgenError for another suffix, what is no such run, or a file that cannot be written: an older
+    one is then as it was.
     """
     expect("save", record, Record)
     path = path_of("save", path)
@@ -98,13 +100,13 @@ def _save_npz(record: Record, path: Path) -> None:
     texts = {"names": json.dumps(names), "summary": json.dumps(record.summary)}
     texts |= {} if record.scene is None else {"scene": json.dumps(record.scene)}
     arrays: dict[str, Array] = {**record.columns, **meshes, **faces, "pairs": record.pairs}
-    with path.open("wb") as file:
+    with replaced(path) as scratch, scratch.open("wb") as file:
         np.savez_compressed(file, allow_pickle=False, **arrays, **{k: np.array(v) for k, v in texts.items()})
 
 
 def _save_csv(record: Record, path: Path) -> None:
     header, table = _table(record)
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with replaced(path) as scratch, scratch.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(header)
         writer.writerows([repr(float(value)) for value in row] for row in table)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from modelgen.errors import ModelgenError, expect, path_of
+from modelgen.file_writing import replaced, write_file
 from modelgen.report.run_files import check_suffix
 from modelgen.report.run_record import Array, Record
 from modelgen.report.snapshots import draw_frames, frame_samples
@@ -67,7 +68,14 @@ def draw(record: Record, path: str | Path, frames: int | None = None) -> None:
         stage = _stage(record, "a film")
         draw_film(record, stage, path, require_matplotlib()(figsize=SIZE))
         return
-    path.write_bytes(picture(record, path.suffix[1:], frames))
+    write_file(path, picture(record, path.suffix[1:], frames))
+
+
+def save_figure(figure: Any, path: Path) -> None:
+    """Write a figure of matplotlib; the suffix says how."""
+    kind, metadata = path.suffix[1:], {"Date": None} if path.suffix == ".svg" else None
+    with replaced(path) as scratch:
+        figure.savefig(scratch, format=kind, dpi=130, metadata=metadata)
 
 
 def picture(record: Record, kind: str, frames: int | None = None) -> bytes:

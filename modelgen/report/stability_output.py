@@ -11,7 +11,7 @@ from rich.console import Console
 from modelgen.linearisation.stability import Stability
 from modelgen.linearisation.touching_contact import Array
 from modelgen.report.run_files import check_suffix
-from modelgen.report.run_plot import FORMATS, require_matplotlib
+from modelgen.report.run_plot import FORMATS, require_matplotlib, save_figure
 
 
 def stability_facts(found: Stability) -> dict[str, Any]:
@@ -68,7 +68,7 @@ def draw_stability(found: Stability, path: Path) -> None:
     axes.set_title(f"{found.scene}: small motions about the steady motion")
     axes.grid(alpha=0.3)
     axes.legend(fontsize="small")
-    figure.savefig(path, dpi=130, metadata={"Date": None} if path.suffix == ".svg" else None)
+    save_figure(figure, path)
 
 
 def _branches(found: Stability) -> list[Array]:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from modelgen.assembly import require
+from modelgen.file_writing import write_file
 from modelgen.model import Model
 from modelgen.report.run_record import Record
 from modelgen.view.page_data import page_data
@@ -67,4 +68,4 @@ def write_page(
     plots: tuple[str, ...] | None = None,
 ) -> None:
     """Write the page of a run; arguments and errors as of `page_text`."""
-    path.write_text(page_text(record, model, tolerance, plots), encoding="utf-8")
+    write_file(path, page_text(record, model, tolerance, plots))

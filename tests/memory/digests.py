@@ -69,7 +69,7 @@ def numbers_of(instance: Mapping[str, Any]) -> list[str]:
 
 def derivative_digest(library: Library, seconds: float) -> str:
     """Verdict and digest of derivatives, forward and, where the run does not end early, backward."""
-    from casadi import Function, MX, sumsqr  # of derivatives only
+    from casadi import MX, Function, sumsqr  # of derivatives only
 
     instance = library.manifest.instance
     times = np.linspace(0.0, until_of(library, seconds), TIMES + 1)[1:]

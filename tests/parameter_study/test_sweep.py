@@ -17,6 +17,7 @@ import pytest
 from modelgen import load, load_sweep, simulate, sweep
 from modelgen.codegen.library_with_parameters import library_with
 from modelgen.errors import ModelgenError
+from modelgen.file_writing import SCRATCH
 from modelgen.parameter_study import chunk_runs, run_queue, sweep_folder
 from modelgen.parameter_study.outcome_plot import draw_sweep
 from modelgen.parameter_study.outcome_table import Sweep
@@ -105,7 +106,7 @@ def test_an_interrupted_sweep_goes_on(tmp_path: Path, monkeypatch: pytest.Monkey
             swept(tmp_path / "b", on_progress=stopped_after(count))
     partial = load_sweep(tmp_path / "b")
     assert 10 <= len(partial) < 16
-    (tmp_path / "b" / "parts" / "0000014-0000015.parquet.new").write_bytes(b"half of a par")
+    (tmp_path / "b" / "parts" / f"{SCRATCH}7-0.parquet").write_bytes(b"half of a par")
     runs: list[int] = []
     monkeypatch.setattr("modelgen.parameter_study.sweep.run_chunk", _noting(runs))
     found = swept(tmp_path / "b")
