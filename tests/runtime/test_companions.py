@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from modelgen import Accuracy, simulate
+from modelgen.codegen.library import Library
 from modelgen.runtime.simulate_lanes import run_lanes
+from modelgen.scene import python_scenes as make
 from tests.benchmarks.companions import KINDS, toss
-from tests.running import scene_of
+from tests.running import library_of, scene_of, with_velocity
 
 CHEAP = replace(Accuracy.balanced(), companion_cost=0.5)
 
@@ -22,6 +26,31 @@ def test_the_companion_of_a_tossed_solid_does_not_end_before_its_run(kind: str, 
     each = toss(kind, seed)
     assert each.path.outcome.succeeded
     assert not each.stopped
+    assert each.cost < 2.2
+
+
+@cache
+def spinning_ball() -> Library:
+    ball = make.dynamic("ball", make.sphere(0.1), density=500.0, position=[0.0, 0.0, 0.1005])
+    bodies = [make.fixed("floor", make.plane()), ball]
+    return library_of(
+        make.scene("spinning_ball", bodies, contacts={"between": "all", "friction": 0.3, "restitution": 1.0})
+    )
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_error_of_steps_from_bounce_to_bounce_shows(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    spin = [0.0, 0.0, rng.uniform(15.0, 25.0)]  # about the normal, where a point has no friction
+    library = with_velocity(spinning_ball(), "ball", [0.0, 0.0, -rng.uniform(0.2, 0.4), *spin])
+    path = simulate(library, until=1.0, samples=6, accuracy="fast")
+    assert sum(event.kind == "impact" for event in path.events) > 0.8 * path.steps
+    turns = Rotation.from_rotvec(np.outer(path.t, spin)).as_quat(scalar_first=True)
+    sign = np.sign((path.quaternion[:, 1] * turns).sum(axis=1, keepdims=True))
+    off = 4 * np.arcsin(np.linalg.norm(path.quaternion[:, 1] - sign * turns, axis=1) / 2)
+    assert off.max() > 1e-9
+    assert (off < path.rotation_error).all()
+    assert (path.rotation_error < 10 * np.maximum.accumulate(off) + 1e-14).all()
 
 
 def test_a_companion_that_costs_too_much_stops_and_the_run_is_not_trusted() -> None:

@@ -236,9 +236,24 @@ static int mg_is_event_nearly_linear(mg_context *c, mg_located_event *event, int
   return 1;
 }
 
-MG_INTERNAL mg_real mg_locate_first_event(mg_context *c, mg_real h, int passed) {
-  mg_real low = 0, high = passed ? mg_scan_step_for_events(c, h, &low) : mg_first_gap_minimum_event(c, h, 0, 1);
-  if (high == 0) return 0;
+MG_INTERNAL int mg_bracket_first_event(mg_context *c, mg_real h, int passed, mg_real *low, mg_real *high) {
+  *low = 0;
+  *high = passed ? mg_scan_step_for_events(c, h, low) : mg_first_gap_minimum_event(c, h, 0, 1);
+  return *high > 0;
+}
+
+MG_INTERNAL mg_real mg_share_before_event(mg_context *c, mg_real h, mg_real low, mg_real high) {
+  const mg_real resolution = c->settings->event_tolerance * c->system->time / h;
+  while (low < high / 2) {
+    const mg_real middle = (low + high) / 2;
+    if (!mg_mark_triggered_events_at(c, h, middle)) low = middle;
+    else if (middle > resolution) high = middle;
+    else return 0;
+  }
+  return mg_min(low, c->settings->step_fraction * high);
+}
+
+MG_INTERNAL mg_real mg_locate_bracketed_event(mg_context *c, mg_real h, mg_real low, mg_real high) {
   const mg_real width = c->settings->event_tolerance * c->system->time / h,
                 coarse_width = (mg_real)MG_EVENT_COARSE_PART;
   mg_located_event event, finer;

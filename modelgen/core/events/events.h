@@ -48,10 +48,17 @@ MG_INTERNAL int mg_mark_triggered_events_at(mg_context *c, mg_real h, mg_real th
 
 /* event_location.c */
 
-/* Locate the first event within the step h just tried; returns the step to it with its end state and its marks, 0
-   if there is none. `passed`: one was seen at a stage or at the end, or a gap may turn more than once. Needs the
-   interpolant and the marked gap minima. */
-MG_INTERNAL mg_real mg_locate_first_event(mg_context *c, mg_real h, int passed);
+/* Shares *low and *high of the step h just tried between which the first event in it is; returns 0 if there is none.
+   `passed`: one was seen at a stage or at the end, or a gap may turn more than once. Needs the interpolant and the
+   marked gap minima. */
+MG_INTERNAL int mg_bracket_first_event(mg_context *c, mg_real h, int passed, mg_real *low, mg_real *high);
+
+/* Share of the step at which the event in that bracket has not triggered yet, at least half of that at which it has
+   and step_fraction of it at most; 0 if there is none within the resolution of time. */
+MG_INTERNAL mg_real mg_share_before_event(mg_context *c, mg_real h, mg_real low, mg_real high);
+
+/* Locate the event in that bracket; returns the step to it with its end state and its marks, 0 if there is none. */
+MG_INTERNAL mg_real mg_locate_bracketed_event(mg_context *c, mg_real h, mg_real low, mg_real high);
 
 /* hidden_events.c */
 

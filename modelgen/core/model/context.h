@@ -329,6 +329,7 @@ typedef struct {
                             angles of slip; none in a scene without friction */
   mg_real slip_limit;    /* longest explicit step after the start of slip, s */
   mg_real stop_time;     /* t_stop of mg_advance, s */
+  mg_real error;         /* error of the step tried last, over the tolerance */
   int stiff_failures;    /* collocations of stiff slip that have failed at this state */
   int sign_changed;      /* 1: an event function had changed sign at a stage */
   int beyond_margin;     /* 1: a pair of shapes that is left out could have met at a stage */

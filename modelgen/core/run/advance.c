@@ -21,6 +21,7 @@ static int mg_take_accurate_step(mg_context *c, mg_real *h) {
     const mg_real error = mg_try_step(c, run->t, run->x, *h);
     const int finite = mg_are_states_finite(c, c->step.end) && error <= MG_MAX;
     if (finite && error <= 1) {
+      c->step.error = error;
       const mg_real next = *h * mg_step_growth(error, most);
       if (c->settings->method == MG_RK4) return MG_DONE;
       if (mg_has_slip_onset(c)) run->h = next < c->step.slip_limit ? next : c->step.slip_limit;
@@ -55,19 +56,31 @@ static int mg_control_drift(mg_context *c) {
   return mg_project_drift(c) ? MG_DONE : MG_NOT_FINITE;
 }
 
-/* True if a step of length h must be taken in part: in a companion run (step_fraction < 1) the first step after an
-   event, because a step from one event to the next would be the same at any tolerance. A step that another event
-   ends at once is left as it is. */
-static int mg_is_companion_step_after_event(const mg_context *c, mg_real h) {
-  return c->settings->step_fraction < 1 && c->run->t == c->run->t_event &&
-         h > c->settings->event_tolerance * c->system->time;
+/* Largest error of a step, over the size of the states, that may be common to run and companion: those of 256 steps
+   are no larger than the roundings of these. */
+#define MG_COMMON_ERROR (MG_EPS / 16)
+
+/* True if the first share of the step h just tried is one that a companion (step_fraction < 1) must not take, because it
+   may have it in common with its run, whose error it so would not show: it begins at an event, and a step from one
+   event to the next is the same at any tolerance. Not so a step that another event ends at once, nor one of DOP853,
+   whose error is of order 8, where that is below rounding. */
+static int mg_is_common_step(const mg_context *c, mg_real h, mg_real share) {
+  if (!(c->settings->step_fraction < 1) || c->run->t != c->run->t_event) return 0;
+  if (share * h <= c->settings->event_tolerance * c->system->time) return 0;
+  if (c->settings->method != MG_DOP853 || mg_is_collocated(c)) return 1;
+  const mg_real square = share * share, fourth = square * square;
+  return fourth * fourth * c->step.error * c->settings->tolerance > MG_COMMON_ERROR;
 }
 
-/* Replaces the step by its first part step_fraction. Returns an outcome. */
-static int mg_take_step_part(mg_context *c, mg_real *h) {
-  *h *= c->settings->step_fraction;
+/* True if slip is collocated in the present step, so that its length depends on the tolerance unless an event ends it. */
+static int mg_has_collocated_slip(const mg_context *c) { return mg_is_collocated(c) && !mg_has_rolling_start(c); }
+
+/* Replaces the step h by its first part, of the length `part`, s. Returns an outcome. */
+static int mg_take_step_part(mg_context *c, mg_real *h, mg_real part) {
+  const mg_real share = part / *h;
+  *h = part;
   int outcome = MG_DONE;
-  if (mg_has_rolling_start(c)) mg_restrict_step(c, c->run->x, c->settings->step_fraction);
+  if (mg_has_rolling_start(c)) mg_restrict_step(c, c->run->x, share);
   else {
     mg_evaluate_run_state(c);
     outcome = mg_take_accurate_step(c, h);
@@ -83,19 +96,24 @@ static mg_real mg_longest_step(const mg_context *c) {
                 opening_limit = mg_patch_opening_step_limit(c),
                 slip_limit = c->system->n_friction ? mg_patch_slip_step_limit(c) : MG_MAX;
   const mg_real seen = mg_min(mg_min(search_limit, reach), mg_near_pair_step_limit(c));
-  return (mg_is_companion_step_after_event(c, MG_MAX) ? 1 : c->settings->step_fraction) *
-         mg_min(mg_min(seen, opening_limit), slip_limit);
+  return c->settings->step_fraction * mg_min(mg_min(seen, opening_limit), slip_limit);
 }
 
 /* Length of the step to the first event within the step h just tried, or 0; leaves the interpolant where there may
-   be one. */
-static mg_real mg_first_event_in_step(mg_context *c, mg_real h) {
+   be one. Where run and companion have that step in common, *in_part is 1, and the length that of a step which ends
+   before the event. */
+static mg_real mg_first_event_in_step(mg_context *c, mg_real h, int *in_part) {
+  mg_real low, high;
   const int dips = mg_mark_gap_minima(c, h), triggered = mg_mark_triggered_events(c, c->step.end),
             hidden = !triggered && !c->step.sign_changed && mg_has_possible_hidden_event(c);
   const int passed = triggered || c->step.sign_changed || hidden || dips == MG_GAP_OSCILLATES;
+  *in_part = 0;
   if (!passed && !dips) return 0;
   mg_make_interpolant(c, c->run->t, c->run->x, h);
-  return mg_locate_first_event(c, h, passed);
+  if (!mg_bracket_first_event(c, h, passed, &low, &high)) return 0;
+  const mg_real before = mg_is_common_step(c, h, high) ? mg_share_before_event(c, h, low, high) : 0;
+  *in_part = before > 0;
+  return *in_part ? h * before : mg_locate_bracketed_event(c, h, low, high);
 }
 
 /* Ends a collocated step that is longer than `end`; returns whether it was. */
@@ -153,14 +171,15 @@ static int mg_event_driven_step(mg_context *c, mg_real h, mg_record *record, mg_
   mg_finish_step(c, run->t, h);
   if (c->step.beyond_margin || mg_has_moved_beyond_margins(c)) mg_forget_margins(c), c->step.beyond_margin = 1;
   if (c->step.beyond_margin || mg_has_unresolved_state_load(c, h)) return mg_reject_step(c, h);
-  const mg_real shorter = mg_first_event_in_step(c, h);
-  int event = shorter > 0;
+  int in_part;
+  mg_real shorter = mg_first_event_in_step(c, h, &in_part);
+  if (!(shorter > 0) && mg_has_missed_event(c, h)) return mg_reject_step(c, h);
+  if (!(shorter > 0) && !mg_has_collocated_slip(c) && mg_is_common_step(c, h, 1))
+    in_part = 1, shorter = c->settings->step_fraction * mg_min(h, end);
+  int event = shorter > 0 && !in_part;
   if (event) h = shorter;
-  else if (mg_has_missed_event(c, h)) return mg_reject_step(c, h);
-  if (mg_is_companion_step_after_event(c, h)) {
-    outcome = mg_take_step_part(c, &h), event = 0;
-    if (outcome) return outcome;
-  }
+  else if (in_part) outcome = mg_take_step_part(c, &h, shorter);
+  if (outcome) return outcome;
   event &= !mg_shorten_collocated_step(c, &h, end);
   if (mg_has_contact_point_leapt(c, h) || !mg_place_step_end(c, h)) return mg_reject_step(c, h);
   if (h > c->settings->event_tolerance * c->system->time && mg_has_new_penetration(c, h)) return mg_reject_step(c, h);
