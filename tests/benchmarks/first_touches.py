@@ -18,38 +18,60 @@ import argparse
 import json
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
+from functools import cache
 from itertools import combinations_with_replacement, product
 from pathlib import Path
+from subprocess import run
 from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
-from modelgen import ModelgenError, simulate
+from modelgen import ModelgenError, derive, emit, require, simulate
+from modelgen.codegen.library import Library
+from modelgen.codegen.manifest_model import instance_of, kinds_of
 from modelgen.errors import SceneError
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Scene
 from tests.benchmarks.measured_solids import Solid, depth
-from tests.benchmarks.solids_by_decades import CURVES, KINDS, Endless, decades, seen
-from tests.running import library_of
+from tests.benchmarks.solids_by_decades import (
+    CURVES,
+    ENDLESS,
+    HOLLOW,
+    KINDS,
+    SHEETS,
+    VARIANTS,
+    Endless,
+    decades,
+    seen,
+)
+from tests.running import compiled
 
 Array = np.ndarray[Any, Any]
 G = 9.81
 TRACED, DOUBLED, HALVED = 100, 60, 55  # steps towards a surface; of the way beyond it; of the bracket
-HOLED = ("torus", "half_torus", "tube", "extrusion", "chart", "circle")  # or may be: not convex
+NEAR = 1e-14  # of the size of a solid, from which a ray is at its surface
+HOLED = (
+    "torus", "half_torus", "tube", "extrusion", "chart", "circle", "solid", "bspline", "height_field",
+    "outline_wall", "outline",
+)  # or may be: not convex  # fmt: skip
 STEEP, NOT_CONVEX = 0.02, 0.5  # least slope of a distance along a ray by which it is extrapolated
 FACE, EDGE = 40, 200  # parts of a coordinate of a face, of an edge
 ZOOMS, KEPT = 24, 3  # steps of refinement of as many places
 TOLERANCE = 1e-8  # of the way fallen, against the radius of the body that falls and the way
 ROUNDING = 1e-10  # the same against the radius of the fixed body, which may be a thousand times larger
 DOWN = np.array([0.0, 0.0, -1.0])
-ENDLESS = ("plane", "endless cylinder", "cone", "paraboloid", "bore")
 FAILS = ("missed", "spurious", "refused")
 TOLD = (*FAILS, "doubted")
-HOLLOW = tuple(name for name in KINDS if name.startswith("hollow") or name == "bore")
+CROSSING = ("line", "endless cylinder")  # may cross each other without end
+RULED = ("outline_wall", "profile_wall")
+TILT = 0.3  # rad, most of a shape with open edges
+SEEN = 60.0  # m, of a shape without end that falls
+KEPT_LIBRARIES, AT_ONCE = 8, 5  # drops of a pair in a row
+POLYLINE, NEWTON = 400, 6  # parts of a curve; steps to where two curves cross as seen from above
 
 
 @dataclass(frozen=True)
@@ -67,7 +89,16 @@ class Placed:
     @property
     def is_convex(self) -> bool:
         shape = self.solid.shape
-        return not shape.cavity and shape.kind not in HOLED
+        return not shape.cavity and shape.kind not in HOLED and "up" not in self.solid.extra
+
+    @property
+    def is_curve(self) -> bool:
+        return self.solid.is_curve
+
+    def is_within(self, x: Array) -> bool:
+        """Whether a point of the world on the shape is away from its open edges."""
+        within = self.solid.extra.get("within")
+        return within is None or bool(within((x - self.p) @ self.R))
 
     def points(self, x: Array) -> Array:
         found: Array = self.p + x @ self.R.T
@@ -78,15 +109,28 @@ class Placed:
         return found
 
 
-def ways(x: Array, towards: Placed, direction: Array, limit: float) -> Array:
+def ways(
+    x: Array,
+    towards: Placed,
+    direction: Array,
+    limit: float,
+    start: Array | None = None,
+    slack: float = np.inf,
+) -> Array:
     """How far each point moves along `direction` until it is in a solid, inf where that is not seen.
 
-    The distance is extrapolated by its last change: not too far where it is convex along the ray.
+    The distance is extrapolated by its last change: not too far where it is convex along the ray. A ray
+    begins at `start`, or at 0 where it is inside there; it is given up at `slack` beyond the shortest one.
     """
     shape, x = x.shape[:-1], x.reshape(-1, 3)
     least = STEEP if towards.is_convex else NOT_CONVEX
-    s, scale = np.zeros(len(x)), max(min(towards.radius, limit), 1e-300)
-    d, low = np.minimum(towards.distance(x), 2 * limit), np.zeros(len(x))
+    scale = max(min(towards.radius, limit), 1e-300)
+    s = np.zeros(len(x)) if start is None else start.ravel().copy()
+    d = towards.distance(x + s[:, None] * direction)
+    if start is not None and (d <= 0).any():
+        inside = d <= 0
+        s[inside], d[inside] = 0.0, towards.distance(x[inside])
+    d, low, best = np.minimum(d, 2 * limit), s.copy(), np.inf
     step, going = np.maximum(d, 0), np.arange(len(x))
     for _ in range(TRACED):
         s[going] += step[going]
@@ -94,14 +138,18 @@ def ways(x: Array, towards: Placed, direction: Array, limit: float) -> Array:
         d[going] = towards.distance(x[going] + s[going, None] * direction)
         outside = d[going] > 0
         low[going[outside]] = s[going[outside]]
+        best = min(best, s[going[np.invert(outside)]].min(initial=np.inf))
         steepness = np.clip((before - d[going]) / np.maximum(step[going], 1e-300), least, 1)
         step[going] = np.maximum(d[going], 0) / steepness
-        going = going[outside & (d[going] > 1e-14 * scale) & (d[going] < limit) & (s[going] <= limit)]
+        close = d[going] <= NEAR * scale
+        going = going[
+            outside & np.invert(close) & (d[going] < limit) & (s[going] <= min(limit, best + slack))
+        ]
         if not len(going):
             break
     found = np.full(len(x), np.inf)
-    open_ = np.flatnonzero((low <= limit) & (d < 0.05 * scale))
-    step = np.maximum(s - low, np.maximum(d, 1e-14 * scale))
+    open_ = np.flatnonzero((low <= min(limit, best + slack)) & (d < 0.05 * scale))
+    step = np.maximum(s - low, np.maximum(d, NEAR * scale))
     for _ in range(DOUBLED):
         if not len(open_):
             break
@@ -114,9 +162,12 @@ def ways(x: Array, towards: Placed, direction: Array, limit: float) -> Array:
     hit = np.flatnonzero(found < np.inf)
     a, b = low[hit], found[hit]
     for _ in range(HALVED):
-        middle = (a + b) / 2
-        inside = towards.distance(x[hit] + middle[:, None] * direction) <= 0
-        a, b = np.where(inside, a, middle), np.where(inside, middle, b)
+        wide = np.flatnonzero(b - a > 10 * NEAR * scale)
+        if not len(wide):
+            break
+        middle = (a[wide] + b[wide]) / 2
+        inside = towards.distance(x[hit[wide]] + middle[:, None] * direction) <= 0
+        a[wide], b[wide] = np.where(inside, a[wide], middle), np.where(inside, middle, b[wide])
     found[hit] = b
     return found.reshape(shape)
 
@@ -132,43 +183,63 @@ class Side:
     limit: float
     dimension: int
 
-    def ways(self, w: Array) -> Array:
+    def ways(self, w: Array, start: Array | None = None, slack: float = np.inf) -> Array:
         """Of a point that does not meet the other shape more than the limit, the more the farther beside."""
         x = self.own.points(self.at(*np.moveaxis(w, -1, 0)))
-        found = ways(x, self.other, self.direction, self.limit)
+        found = ways(x, self.other, self.direction, self.limit, start, slack)
         beside = np.hypot(*np.moveaxis(x - self.other.p, -1, 0)[:2])
         return np.where(found < np.inf, found, 2 * self.limit + beside)
 
-    def shortest(self, parts: int = 1) -> tuple[float, Array]:
-        """On a grid; with the coordinates there, and those of the next best."""
-        n = parts * (FACE if self.dimension == 2 else EDGE)
-        grid = np.stack(np.meshgrid(*[np.linspace(0, 1, n + 1)] * self.dimension, indexing="ij"), -1)
-        w = grid.reshape(-1, self.dimension)
-        found = self.ways(w)
-        order = np.argsort(found)
-        chosen: list[int] = []
-        for k in order:
-            if len(chosen) == KEPT * parts:
-                break
-            if all(np.abs(w[k] - w[j]).max() > 2.5 / n for j in chosen):
-                chosen.append(int(k))
-        return float(found[order[0]]), w[chosen]
+    @property
+    def parts(self) -> int:
+        return FACE if self.dimension == 2 else EDGE
 
-    def refined(self, w: Array, parts: int = 1) -> float:
-        """The shortest way near rows of coordinates, by grids that close in on the best."""
-        reach = np.full(len(w), 1.0 / (parts * (FACE if self.dimension == 2 else EDGE)))
-        steps = np.stack(np.meshgrid(*[np.linspace(-1, 1, 7)] * self.dimension, indexing="ij"), -1)
+    def shortest(self, parts: int = 1) -> tuple[float, Array, Array]:
+        """On a grid; with the coordinates there and of the next best, and the least way near each of them
+        that the way between neighbours of the grid allows."""
+        n = parts * self.parts
+        grid = np.stack(np.meshgrid(*[np.linspace(0, 1, n + 1)] * self.dimension, indexing="ij"), -1)
+        found = self.ways(grid)
+        best = np.unravel_index(found.argmin(), found.shape)
+        if found[best] >= self.limit:
+            return np.inf, np.empty((0, self.dimension)), np.empty(0)
+        chosen: list[Array] = []
+        left, floor = found.copy(), []
+        while len(chosen) < KEPT * parts:
+            at = np.unravel_index(left.argmin(), left.shape)
+            if left[at] >= self.limit:
+                break
+            chosen.append(grid[at])
+            around = found[tuple(slice(max(i - 1, 0), i + 2) for i in at)].max()
+            floor.append(2 * found[at] - around if around < self.limit else 0.0)
+            left[tuple(slice(max(i - 2, 0), i + 3) for i in at)] = np.inf
+        return float(found[best]), np.array(chosen), np.array(floor)
+
+    def refined(self, w: Array, parts: int = 1) -> tuple[float, Array]:
+        """The shortest way near rows of coordinates, by grids that close in on the best; with its place."""
+        reach = np.full(len(w), 1.0 / (parts * self.parts))
+        points, shrunk = (9, 0.4) if self.dimension == 2 else (25, 0.15)
+        steps = np.stack(np.meshgrid(*[np.linspace(-1, 1, points)] * self.dimension, indexing="ij"), -1)
         steps = steps.reshape(-1, self.dimension)
+        start, exact = None, 1e-3 * TOLERANCE * min(self.own.radius, self.other.radius)
         for _ in range(ZOOMS):
             tries = np.clip(w[:, None] + reach[:, None, None] * steps, 0, 1)
-            found = self.ways(tries)
-            which = found.argmin(axis=1)
-            w = tries[np.arange(len(w)), which]
-            nearest = found.min(axis=1)
-            reach = reach * np.where(np.abs(steps[which]).max(axis=1) > 0.9, 0.8, 0.45)
+            found = self.ways(tries, start)
+            rows, which = np.arange(len(w)), found.argmin(axis=1)
+            moved = np.abs(tries[rows, which] - w).max(axis=1) > 0.9 * reach
+            w, nearest = tries[rows, which], found[rows, which]
+            far = found.max(axis=1)
+            spread = np.where(far < self.limit, far - nearest, np.inf)
+            first = nearest.argmin()
+            kept = nearest - 4 * spread <= nearest[first]
+            if (spread[kept] < exact).all():
+                break
+            w, nearest, spread, reach = w[kept], nearest[kept], spread[kept], reach[kept]
+            start = np.repeat(np.clip(nearest - 3 * spread, 0, None)[:, None], len(steps), axis=1)
+            reach = reach * np.where(moved[kept], 0.9, shrunk)
         first = nearest.argmin()
         least = float(nearest[first])
-        return self.descended(w[first]) if parts > 1 and least < self.limit else least
+        return (self.descended(w[first]), w[first]) if parts > 1 and least < self.limit else (least, w[first])
 
     def descended(self, w: Array) -> float:
         """The same by the simplex method of Nelder and Mead, which follows valleys across the coordinates."""
@@ -194,11 +265,62 @@ def sides(moving: Placed, fixed: Placed, limit: float) -> list[Side]:
     return found
 
 
-def travel(moving: Placed, fixed: Placed, limit: float, parts: int = 1, most: int = 6) -> float:
-    """How far the shape falls until it touches, m: no more than any overlap that was found."""
+def touch(moving: Placed, fixed: Placed, limit: float, parts: int = 1, most: int = 6) -> tuple[float, Array]:
+    """How far the shape falls until it touches, m, no more than any overlap that was found; and where."""
+    if moving.is_curve and fixed.is_curve:
+        return _crossing(moving, fixed, limit, parts)
     looked = [(each, *each.shortest(parts)) for each in sides(moving, fixed, limit)]
-    looked = sorted(looked, key=lambda each: each[1])
-    return min((side.refined(w, parts) for side, _, w in looked[:most]), default=np.inf)
+    least, place = np.inf, np.full(3, np.nan)
+    for side, coarse, w, floor in sorted(looked, key=lambda each: each[1])[:most]:
+        open_ = floor < least
+        if coarse < np.inf and open_.any():
+            way, at = side.refined(w[open_], parts)
+            if way < least:
+                least, place = way, side.own.points(side.at(*at)) + (way * DOWN if side.own is moving else 0)
+    return least, place
+
+
+def travel(moving: Placed, fixed: Placed, limit: float, parts: int = 1, most: int = 6) -> float:
+    """How far the shape falls until it touches, m."""
+    return touch(moving, fixed, limit, parts, most)[0]
+
+
+def _crossing(moving: Placed, fixed: Placed, limit: float, parts: int) -> tuple[float, Array]:
+    """The same for curves: where they cross as seen from above, by Newton's method from their polylines."""
+    least, place = np.inf, np.full(3, np.nan)
+    t = np.linspace(0, 1, POLYLINE * parts + 1)
+    for one, two in product(moving.solid.edges, fixed.solid.edges):
+        upper, lower = _placed(moving, one), _placed(fixed, two)
+        a, b = upper(t), lower(t)
+        along, other = np.diff(a[:, :2], axis=0)[:, None], np.diff(b[:, :2], axis=0)[None]
+        apart = b[None, :-1, :2] - a[:-1, None, :2]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            area = _flat_cross(along, other)
+            u, v = _flat_cross(apart, other) / area, _flat_cross(apart, along) / area
+        i, j = np.nonzero((u >= -0.01) & (u <= 1.01) & (v >= -0.01) & (v <= 1.01))
+        step = t[1] - t[0]
+        w = np.stack([(i + u[i, j]) * step, (j + v[i, j]) * step])
+        for _ in range(NEWTON):
+            gap = (upper(w[0]) - lower(w[1]))[:, :2]
+            slopes = [(f(x + 1e-6) - f(x - 1e-6))[:, :2] / 2e-6 for f, x in ((upper, w[0]), (lower, w[1]))]
+            area = _flat_cross(slopes[0], slopes[1])
+            area = np.where(area == 0, np.inf, area)
+            w = w - np.stack([_flat_cross(gap, slopes[1]), _flat_cross(gap, slopes[0])]) / area
+        ways_down = (upper(w[0]) - lower(w[1]))[:, 2]
+        ways_down = np.where(((w >= 0) & (w <= 1)).all(axis=0) & (ways_down > 0), ways_down, np.inf)
+        if ways_down.min(initial=np.inf) < min(least, limit):
+            first = ways_down.argmin()
+            least, place = float(ways_down[first]), lower(w[1, first : first + 1])[0]
+    return least, place
+
+
+def _placed(of: Placed, at: Callable[..., Array]) -> Callable[[Array], Array]:
+    return lambda t: of.points(at(t))
+
+
+def _flat_cross(a: Array, b: Array) -> Array:
+    found: Array = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+    return found
 
 
 @dataclass(frozen=True)
@@ -235,13 +357,51 @@ def _some_point(solid: Solid, rng: np.random.Generator) -> Array:
     parts = [(face, 2) for face in solid.faces] + [(edge, 1) for edge in solid.edges]
     if not parts:
         return np.append(rng.uniform(-1, 1, 2), 0.0)
+    if solid.size == np.inf and solid.is_curve:
+        parts = parts[len(parts) // 2 - 1 : len(parts) // 2 + 1]
     at, dimension = parts[rng.integers(len(parts))]
-    found: Array = at(*rng.uniform(0, 1, dimension))
+    low, high = (0.35, 0.65) if "within" in solid.extra and not solid.is_curve else (0.0, 1.0)
+    found: Array = at(*rng.uniform(low, high, dimension))
     return found
 
 
+def _orientation(solid: Solid, falls: bool, rng: np.random.Generator) -> Array:
+    """Any; of a shape with open edges, and of a bowl, so that it is touched between them."""
+    R = _rotation(rng)
+    axis = solid.extra.get("up", solid.extra.get("along"))
+    if axis is None:
+        return R
+    towards = np.array([0, 0, -1.0 if falls else 1.0])
+    if "along" in solid.extra:
+        angle = rng.uniform(0, 2 * np.pi)
+        towards = np.array([np.cos(angle), np.sin(angle), 0.0])
+    tilt = rng.normal(size=3)
+    towards = towards + TILT * rng.uniform() * tilt / np.linalg.norm(tilt)
+    now, towards = R @ axis, towards / np.linalg.norm(towards)
+    about = np.cross(now, towards)
+    about *= np.arccos(np.clip(now @ towards, -1, 1)) / max(float(np.linalg.norm(about)), 1e-300)
+    turn: Array = Rotation.from_rotvec(about).as_matrix() @ R
+    return turn
+
+
+def why_not(one: str, two: str) -> str:
+    """Why two specimens do not touch first where rays tell, or an empty text."""
+    both = {one, two}
+    if both <= {*HOLLOW} or (both & {*HOLLOW} and both & {*ENDLESS} - {*HOLLOW}):
+        return "the material around a hollow has no end"
+    if both == {"plane", "edge"}:
+        return "refused: a segment is given instead"
+    if both <= {*ENDLESS} and not both <= {*CROSSING}:
+        return "two shapes without end meet at the start, or are parallel"
+    if "point" in both and both <= {*CURVES}:
+        return "a point meets a curve, or a point, in no position but special ones"
+    if both & {*RULED} and both & {*HOLLOW, "plane", "bowl"}:
+        return "a straight wall touches a plane or a hollow with its open ends"
+    return ""
+
+
 def draw(first: str, second: str, seed: int) -> Member | None:
-    """A member; None where the two cannot be set up: both endless or hollow, or too long for the hollow."""
+    """A member; None where no position is found in which the two touch away from open edges."""
     names = list(KINDS)
     key = [names.index(first), names.index(second), seed]
     rng = np.random.default_rng(key)
@@ -249,24 +409,47 @@ def draw(first: str, second: str, seed: int) -> Member | None:
     def made(name: str, size: float) -> Solid | Endless:
         return KINDS[name](np.random.default_rng([*key, names.index(name)]), size)
 
-    if first in ENDLESS or (second not in ENDLESS and second not in HOLLOW and rng.integers(2)):
+    def is_fixed(name: str) -> tuple[bool, ...]:
+        """By what should be fixed first."""
+        return name in HOLLOW, name in ENDLESS, name == "outline_wall", name in SHEETS
+
+    if is_fixed(first) > is_fixed(second) or (
+        is_fixed(first) == is_fixed(second) and second not in ENDLESS and rng.integers(2)
+    ):
         first, second = second, first
-    if first in HOLLOW or first in ENDLESS:
+    if first in HOLLOW or (first in ENDLESS and second not in CROSSING):
         return None
-    one, size = seen(made(first, 1.0), 1.0), decades(rng, -3, 3)
+    is_ruled = {first, second} <= {*RULED}
+    low, high = (-0.2, 0.5) if is_ruled else _ratios(first, second)
+    one, size = seen(made(first, 1.0), SEEN), decades(rng, low, high)
+    one = replace(one, size=1.0) if one.size == np.inf else one
     if second in HOLLOW:
-        size = 3 * decades(rng, 0, 3) * max(one.size, 1e-3) / seen(made(second, 1.0), 1.0).inner
+        low = 1 if first in SHEETS else 0
+        size = 3 * decades(rng, low, 3) * max(one.size, 1e-3) / seen(made(second, 1.0), 1.0).inner
     return _set_up(one, seen(made(second, size), 10 * max(size, 1.0)), size, rng)
+
+
+def _ratios(first: str, second: str) -> tuple[float, float]:
+    """Decades of the size of the fixed body against that of the one that falls."""
+    if second == "outline_wall":
+        return -0.3, 3
+    if second in SHEETS or (first in SHEETS and second == "bowl"):
+        return 0.8, 3
+    return (0, 3) if second == "helix" else (-3, 3)
 
 
 def _set_up(one: Solid, two: Solid, size: float, rng: np.random.Generator) -> Member | None:
     """The bodies at random orientations, above each other so that they meet; the body inside of a hollow."""
     small = min(x for x in (one.size, two.size if two.size < np.inf else size) if x > 0)
     for _ in range(30):
-        fixed, moving = (Placed(each, _rotation(rng), np.zeros(3)) for each in (two, one))
+        fixed, moving = (
+            Placed(each, _orientation(each, falls, rng), np.zeros(3))
+            for each, falls in ((two, False), (one, True))
+        )  # fmt: skip
         if two.cavity:
             off = rng.normal(size=3)
             off *= max(two.inner - 1.05 * one.size, 0.0) * rng.uniform(0, 0.9) / np.linalg.norm(off)
+            off += fixed.points(two.extra.get("centre", np.zeros(3)))
             moving, limit = replace(moving, p=off), 40 * two.inner + min(two.size, 10 * size)
         else:
             is_bounded = two.size < np.inf
@@ -277,8 +460,8 @@ def _set_up(one: Solid, two: Solid, size: float, rng: np.random.Generator) -> Me
             moving, limit = replace(moving, p=target - lift * DOWN), 5 * lift
             if not is_bounded and not float(fixed.distance(moving.p)) > one.size:
                 continue
-        way = travel(moving, fixed, limit)
-        if way < limit:
+        way, place = touch(moving, fixed, limit)
+        if way < limit and fixed.is_within(place) and moving.is_within(place - way * DOWN):
             drop = min(small * decades(rng, -2, 0), way)
             start = replace(moving, p=moving.p + (way - drop) * DOWN)
             return Member(start, fixed, drop, limit)
@@ -308,25 +491,47 @@ class Verdict:
     outcome: str  # right, missed, doubted (missed, and not trusted), spurious, refused, no pair, not set up
     error: float = 0.0  # m, of the way to the first touch
     told: str = ""
-    wall: float = 0.0  # s
+    seconds: float = 0.0  # of CPU time
+    commit: str = ""
 
     @property
     def fails(self) -> bool:
         return self.outcome in FAILS
 
 
+@cache
+def commit() -> str:
+    """That of the working tree, with a + if it has changes."""
+    found = run(["git", "describe", "--always", "--dirty=+"], capture_output=True, text=True, check=False)
+    return found.stdout.strip()
+
+
 def judge(first: str, second: str, seed: int) -> Verdict:
-    begun = time.perf_counter()
+    begun = time.process_time()
     member = draw(first, second, seed)
     if member is None:
-        return Verdict(first, second, seed, "not set up")
+        return Verdict(first, second, seed, "not set up", commit=commit())
     outcome, error, told = _judged(member)
-    return Verdict(first, second, seed, outcome, error, told, time.perf_counter() - begun)
+    return Verdict(first, second, seed, outcome, error, told, time.process_time() - begun, commit())
+
+
+LIBRARIES: list[Library] = []  # the last ones; those of other numbers of the same kinds are made of them
+
+
+def _library(scene: Scene) -> Library:
+    model = require(scene)
+    kinds = kinds_of(model)
+    for each in LIBRARIES:
+        if each.manifest.kinds == kinds:
+            return each.with_instance(instance_of(model))
+    LIBRARIES.append(compiled(emit(derive(model))))
+    del LIBRARIES[:-KEPT_LIBRARIES]
+    return LIBRARIES[-1]
 
 
 def _judged(member: Member) -> tuple[str, float, str]:
     try:
-        library = library_of(member.scene)
+        library = _library(member.scene)
     except SceneError as found:
         return "no pair", 0.0, str(found)
     try:
@@ -359,11 +564,20 @@ def _do_overlap(member: Member) -> bool:
 
 
 def pairs(kinds: list[str]) -> Iterator[tuple[str, str]]:
+    """Pairs of specimens."""
     for one, two in combinations_with_replacement(KINDS, 2):
-        both = {one, two}
-        if both <= {*CURVES} or both <= {*ENDLESS, *HOLLOW} or (kinds and not both & {*kinds}):
-            continue
-        yield one, two
+        if not why_not(one, two) and (not kinds or {one, two} & {*kinds}):
+            yield one, two
+
+
+def specimens(one: str, two: str) -> list[tuple[str, str]]:
+    """The pairs of specimens that stand for a pair of kinds."""
+    names = list(KINDS)
+    found = {
+        (a, b) if names.index(a) <= names.index(b) else (b, a)
+        for a, b in product(VARIANTS[one], VARIANTS[two])
+    }
+    return sorted(both for both in found if not why_not(*both))
 
 
 def main() -> None:
@@ -379,25 +593,47 @@ def main() -> None:
         for row in options.out.read_text().splitlines():
             verdict = Verdict(**json.loads(row))
             known[verdict.first, verdict.second, verdict.seed] = verdict
-    verdicts = []
-    for seed, (one, two) in product(range(options.count), list(pairs(options.kinds))[part::parts]):
-        verdict = known.get((one, two, seed)) or judge(one, two, seed)
-        verdicts.append(verdict)
-        if verdict.outcome in TOLD:
-            print(verdict, flush=True)
-        if options.out and (one, two, seed) not in known:
-            with options.out.open("a") as file:
-                file.write(json.dumps(asdict(verdict)) + "\n")
+    of_kinds = [
+        (kinds, specimens(*kinds))
+        for kinds in combinations_with_replacement(VARIANTS, 2)
+        if not options.kinds or {*kinds} & {*options.kinds}
+    ]
+    impossible = [kinds for kinds, found in of_kinds if not found]
+    of_kinds = [each for each in of_kinds if each[1]][part::parts]
+    verdicts: dict[tuple[str, str], list[Verdict]] = {kinds: [] for kinds, _ in of_kinds}
+    for first in range(0, options.count, AT_ONCE):
+        for kinds, found in of_kinds:
+            for seed in range(first, min(first + AT_ONCE, options.count)):
+                one, two = found[seed % len(found)]
+                verdict = known.get((one, two, seed)) or judge(one, two, seed)
+                verdicts[kinds].append(verdict)
+                if verdict.outcome in TOLD:
+                    print(verdict, flush=True)
+                if options.out and (one, two, seed) not in known:
+                    with options.out.open("a") as file:
+                        file.write(json.dumps(asdict(verdict)) + "\n")
+    for one, two in impossible:
+        reasons = {why_not(*both) for both in product(VARIANTS[one], VARIANTS[two])}
+        print(f"{one:>18} {two:<18} left out: {'; '.join(sorted(reasons))}")
     print(summary(verdicts))
 
 
-def summary(verdicts: list[Verdict]) -> str:
-    total = Counter(each.outcome for each in verdicts)
-    table = [f"{sum(total.values())} members: " + ", ".join(f"{k} {n}" for k, n in total.most_common())]
-    for one, two in sorted({(each.first, each.second) for each in verdicts if each.outcome in TOLD}):
-        count = Counter(each.outcome for each in verdicts if (each.first, each.second) == (one, two))
-        table.append(f"{one:>18} {two:<18} " + ", ".join(f"{k} {n}" for k, n in count.most_common()))
+def summary(verdicts: Mapping[tuple[str, str], list[Verdict]]) -> str:
+    every = [each for found in verdicts.values() for each in found]
+    seconds = sum(each.seconds for each in every)
+    table = [
+        f"{len(verdicts)} pairs of kinds, {len(every)} drops: {_counted(each.outcome for each in every)}; "
+        f"{seconds:.0f} s of CPU time",
+        f"commits: {_counted(each.commit for each in every)}",
+    ]
+    for (one, two), found in verdicts.items():
+        if any(each.outcome in TOLD for each in found):
+            table.append(f"{one:>18} {two:<18} {_counted(each.outcome for each in found)}")
     return "\n".join(table)
+
+
+def _counted(words: Iterable[str]) -> str:
+    return ", ".join(f"{word} {count}" for word, count in Counter(words).most_common())
 
 
 if __name__ == "__main__":

@@ -12,12 +12,19 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial import ConvexHull
 
 from modelgen.scene import python_scenes as make
+from modelgen.scene.free_shapes import FREE_SHAPES
 from modelgen.scene.scene_types import Shape
+from modelgen.scene.shape_catalogue import SHAPES
 from tests.benchmarks.measured_outlines import curve_distance, polygon_distance
 
 Array = np.ndarray[Any, Any]
 TURN = 2 * np.pi
 FACE, EDGE = 48, 240  # parts of each coordinate of a face, of an edge
+CURVES = {
+    "curve",
+    *(kind for kind, spec in SHAPES.items() if spec.curve),
+    *(kind for kind, spec in FREE_SHAPES.items() if spec.curve),
+}
 KEPT = 12  # points of the grid that are refined
 
 
@@ -33,6 +40,10 @@ class Solid:
     cavity: bool = False
     inner: float = 0.0  # m, radius of a ball about the origin in a hollow
     extra: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def is_curve(self) -> bool:
+        return self.shape.kind in CURVES
 
     @cached_property
     def dense(self) -> list[Dense]:

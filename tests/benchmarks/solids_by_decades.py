@@ -8,13 +8,17 @@ shape lists.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import BSpline, CubicSpline, RectBivariateSpline
 
 from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_format import SHAPE_KINDS
 from modelgen.scene.scene_types import Shape
+from tests.benchmarks.measured_outlines import curve_distance
 from tests.benchmarks.measured_solids import (
     TURN,
     Solid,
@@ -25,11 +29,15 @@ from tests.benchmarks.measured_solids import (
     torus,
     tube,
     turned,
+    unit,
 )
+from tests.scene.test_solids import tables_of
 
 Array = np.ndarray[Any, Any]
 Face = Callable[[Array, Array], Array]
 Edge = Callable[[Array], Array]
+INNER = 0.97  # of a shape with open edges, where it may be touched
+WALL = 8.0  # half the length of a wall, against the size of its profile
 SHEET = 1e-11  # half the thickness, against its size, by which a disc or a curve is given an inside
 
 
@@ -421,6 +429,299 @@ def paraboloid(rng: np.random.Generator, s: float) -> Endless:
     return Endless(of)
 
 
+def wire_line(rng: np.random.Generator, s: float) -> Endless:
+    def of(seen: float) -> Solid:
+        z = seen * np.linspace(-8, 8, 33)
+        pieces = [line([0, 0, a], [0, 0, b]) for a, b in pairwise(z)]
+        return Solid(make.line(), np.inf, lambda x: _radial(x) - SHEET * s, [], pieces)
+
+    return Endless(of)
+
+
+def straight_edge(rng: np.random.Generator, s: float) -> Solid:
+    def nearest(x: Array) -> Array:
+        out = x[..., 0] - np.clip(x[..., 0], -1, 1)
+        found: Array = np.linalg.norm(_stack(out, x[..., 1], x[..., 2]), axis=-1)
+        return found
+
+    return _of_curve(s, make.edge(2 * s), nearest, line([-1, 0, 0], [1, 0, 0]))
+
+
+def _wire(s: float, shape: Shape, *edges: Edge, open_: bool = False) -> Solid:
+    """A curve that is seen by its points alone; the ends of an open one touch nothing."""
+    t = np.linspace(0, 1, 200)
+    radius = max(float(np.linalg.norm(edge(t), axis=-1).max()) for edge in edges)
+    solid = sized(s, shape, 1.01 * radius, lambda x: np.full(x.shape[:-1], np.inf), [], edges)
+    ends = s * np.array([edges[0](np.zeros(1))[0], edges[-1](np.ones(1))[0]])
+    within = lambda x: np.linalg.norm(x - ends, axis=1).min() > (1 - INNER) * s  # noqa: E731
+    return replace(solid, extra={"within": within}) if open_ else solid
+
+
+def helix(rng: np.random.Generator, s: float) -> Endless:
+    lead = decades(rng, -0.3, 1.5) * float(rng.choice([-1, 1]))
+
+    def turn(k: int) -> Edge:
+        return lambda t: _stack(np.cos(TURN * t), np.sin(TURN * t), lead * (t + k))
+
+    def of(seen: float) -> Solid:
+        most = int(min(np.ceil(seen / s / abs(lead)), 12))
+        shape, far = make.helix(s, s * lead), lambda x: np.full(x.shape[:-1], np.inf)
+        solid = sized(s, shape, np.inf, far, [], [turn(k) for k in range(-most, most)])
+        return replace(solid, extra={"along": np.array([0.0, 0, 1])})
+
+    return Endless(of)
+
+
+def knot(rng: np.random.Generator, s: float) -> Solid:
+    """A curve of the user's own: closed, or a piece of it with two ends."""
+    a, b, c = rng.uniform(0.2, 0.6), decades(rng, -1.5, 0), float(rng.uniform(-0.3, 0.3))
+    closed = bool(rng.integers(2))
+    end = TURN if closed else float(rng.uniform(2, 5))
+
+    def edge(t: Array) -> Array:
+        at = end * t
+        return _stack(np.cos(at) + c * np.cos(2 * at), a * np.sin(at), b * np.sin(2 * at + 1))
+
+    shape = make.curve(
+        "s*(cos(t) + c*cos(2*t))", "s*a*sin(t)", "s*b*sin(2*t + 1)",
+        domain=[0.0, end], periodic=closed, parameters={"s": s, "a": a, "b": b, "c": c},
+    )  # fmt: skip
+    return _wire(s, shape, edge, open_=not closed)
+
+
+def spline_wire(rng: np.random.Generator, s: float) -> Solid:
+    """A cubic B-spline, closed or open."""
+    points, closed = rng.uniform(-0.7, 0.7, (7, 3)) * [1, 1, decades(rng, -2, 0)], bool(rng.integers(2))
+    if closed:
+        around = np.stack([np.cos(TURN * np.arange(7) / 7), np.sin(TURN * np.arange(7) / 7)], axis=1)
+        points[:, :2] = around * rng.uniform(0.6, 1, (7, 1))
+        spline = BSpline(np.arange(-3.0, 11.0), np.vstack([points, points[:3]]), 3)
+        edge: Edge = lambda t: np.asarray(spline(7 * t))  # noqa: E731
+    else:
+        spline = BSpline(np.concatenate([[0.0] * 3, np.arange(5.0), [4.0] * 3]), points, 3)
+        edge = lambda t: np.asarray(spline(4 * t))  # noqa: E731
+    rows = [[float(s * c) for c in each] for each in points]
+    return _wire(s, make.bspline_curve(rows, periodic=closed), edge, open_=not closed)
+
+
+def bent_wire(rng: np.random.Generator, s: float) -> Solid:
+    """Straight pieces with rounded corners."""
+    steps = unit(rng.normal(size=(4, 3)))
+    for k in range(1, 4):  # no turn beyond 100 degrees or so
+        if steps[k] @ steps[k - 1] < -0.2:
+            steps[k] *= -1
+    points = np.vstack([np.zeros(3), np.cumsum(steps * rng.uniform(0.5, 1, (4, 1)), axis=0)])
+    points -= points.mean(axis=0)
+    points /= np.linalg.norm(points, axis=1).max()
+    lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    tangents = np.diff(points, axis=0) / lengths[:, None]
+    half = np.arccos(np.clip((tangents[1:] * tangents[:-1]).sum(axis=1), -1, 1)) / 2
+    radius = 0.4 * float(lengths.min() / np.tan(half).max()) * decades(rng, -2, 0)
+    cut = np.concatenate([[0.0], radius * np.tan(half), [0.0]])
+    edges = [
+        line(points[k] + cut[k] * tangents[k], points[k + 1] - cut[k + 1] * tangents[k]) for k in range(4)
+    ]
+
+    def arc(k: int) -> Edge:
+        a, b = tangents[k], tangents[k + 1]
+        across = unit(b - (a @ b) * a)
+        start = points[k + 1] - cut[k + 1] * a
+
+        def at(t: Array) -> Array:
+            angle = np.asarray(2 * half[k] * np.asarray(t))[..., None]
+            found: Array = start + radius * (np.sin(angle) * a + (1 - np.cos(angle)) * across)
+            return found
+
+        return at
+
+    rows = [[float(s * c) for c in each] for each in points]
+    pieces = [edges[0], *[each for k in range(3) for each in (arc(k), edges[k + 1])]]
+    return _wire(s, make.polyline(rows, s * radius), *pieces, open_=True)
+
+
+def parameter_line(rng: np.random.Generator, s: float) -> Solid:
+    """A line of a chart, with two ends."""
+    a, v = float(rng.uniform(-0.5, 0.5)), float(rng.uniform(-0.6, 0.6))
+
+    def edge(t: Array) -> Array:
+        u = 2 * np.asarray(t) - 1
+        return _stack(0.8 * u, v + 0.1 * u**2, a * (u**2 - v) + 0.1 * np.sin(3 * u))
+
+    surface = {
+        "kind": "chart", "x": "s*0.8*u", "y": "s*(v + 0.1*u**2)", "z": "s*(a*(u**2 - v) + 0.1*sin(3*u))",
+        "domain": [[-1.0, 1.0], [-1.0, 1.0]], "parameters": {"s": s, "a": a},
+    }  # fmt: skip
+    return _wire(s, make.surface_line(surface, v=v), edge, open_=True)
+
+
+def _segment_of_disc(rng: np.random.Generator, s: float) -> tuple[list[dict[str, object]], float]:
+    """Pieces of a disc that is cut straight, and half the angle of its arc."""
+    half = float(rng.uniform(0.5, 2.6))
+    return [{"kind": "arc", "radius": s, "angles": [-half, half]}, {"kind": "line"}], half
+
+
+def plate_outline(rng: np.random.Generator, s: float) -> Solid:
+    pieces, half = _segment_of_disc(rng, s)
+    x, y = np.cos(half), np.sin(half)
+    arc: Edge = lambda t: _stack(np.cos(half * (2 * t - 1)), np.sin(half * (2 * t - 1)), 0.0)  # noqa: E731
+    return _wire(s, make.outline(pieces), arc, line([x, y, 0], [x, -y, 0]))
+
+
+def wall(rng: np.random.Generator, s: float) -> Solid:
+    """The sides of a disc that is cut straight, without its ends."""
+    pieces, half = _segment_of_disc(rng, s)
+    x, y, long = np.cos(half), np.sin(half), WALL
+
+    def distance(at: Array) -> Array:
+        found: Array = np.maximum(_radial(at) - 1, x - at[..., 0])
+        return np.maximum(found, np.abs(at[..., 2]) - long)
+
+    def side(u: Array, v: Array) -> Array:
+        return _stack(np.cos(half * (2 * u - 1)), np.sin(half * (2 * u - 1)), long * (2 * v - 1))
+
+    edges = [line([x, at, -long], [x, at, long]) for at in (-y, y)]
+    shape = make.outline_wall(pieces, float(2 * long * s))
+    solid = sized(s, shape, float(np.hypot(1, long)), distance, [side], edges)
+    within = lambda x: np.abs(x[2]) < INNER * long * s  # noqa: E731
+    return replace(solid, extra={"along": np.array([0.0, 0, 1]), "within": within})
+
+
+def _sheet(s: float, shape: Shape, height: Callable[[Array, Array], Array], slope: float) -> Solid:
+    """A surface over [-1, 1]^2 with its exterior above, of at most this slope."""
+
+    def distance(x: Array) -> Array:
+        beyond = np.maximum(np.abs(x[..., 0]), np.abs(x[..., 1])) - 1
+        above = x[..., 2] - height(np.clip(x[..., 0], -1, 1), np.clip(x[..., 1], -1, 1))
+        found: Array = np.maximum(above / np.hypot(1, slope), beyond)
+        return np.where(above < -1, 1.0, found)
+
+    def face(u: Array, v: Array) -> Array:
+        x, y = 2 * u - 1, 2 * v - 1
+        return _stack(x, y, height(x, y))
+
+    solid = sized(s, shape, 1.8, distance, [face])
+    within = lambda x: np.abs(x[:2]).max() < INNER * s  # noqa: E731
+    return replace(solid, extra={"up": np.array([0.0, 0, 1]), "within": within})
+
+
+def _bump(rng: np.random.Generator) -> Callable[[Array, Array], Array]:
+    a, b, c = rng.uniform(0.2, 0.5, 2), rng.uniform(0.0, 0.02), rng.uniform(0, TURN, 2)
+    return lambda x, y: -a[0] * x**2 - a[1] * y**2 + b * np.cos(4 * x + c[0]) * np.cos(4 * y + c[1])
+
+
+def terrain(rng: np.random.Generator, s: float) -> Solid:
+    """A bump, as the spline through its heights on a grid."""
+    bump, grid = _bump(rng), np.linspace(-1, 1, 9)
+    heights = bump(*np.meshgrid(grid, grid, indexing="ij"))
+    spline = RectBivariateSpline(grid, grid, heights, kx=3, ky=3, s=0)
+    at = [float(s * x) for x in grid]
+    shape = make.height_field(at, at, [[float(s * h) for h in row] for row in heights])
+    return _sheet(s, shape, lambda x, y: np.asarray(spline.ev(x, y)), 1.6)
+
+
+def patch(rng: np.random.Generator, s: float) -> Solid:
+    """A bump as a B-spline surface whose control points stand above the means of their knots."""
+    bump, knots = _bump(rng), np.concatenate([[-1.0] * 3, np.linspace(-1, 1, 5), [1.0] * 3])
+    means = np.array([knots[k + 1 : k + 4].mean() for k in range(7)])
+    net = bump(*np.meshgrid(means, means, indexing="ij"))
+    spline = RectBivariateSpline._from_tck((knots, knots, net.ravel(), 3, 3))
+    points = [
+        [[float(s * x), float(s * y), float(s * net[i, j])] for j, y in enumerate(means)]
+        for i, x in enumerate(means)
+    ]
+    return _sheet(s, make.bspline(points), lambda x, y: np.asarray(spline.ev(x, y)), 1.6)
+
+
+def rail(rng: np.random.Generator, s: float) -> Solid:
+    """A wall whose profile is a bump, by the spline through its points."""
+    x = np.linspace(1, -1, 9)
+    y = -rng.uniform(0.2, 0.5) * x**2 + 0.02 * np.cos(4 * x + rng.uniform(0, TURN))
+    points = np.stack([x, y], axis=1)
+    chords = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    profile, long = CubicSpline(chords / chords[-1], points), WALL
+    flat = curve_distance(profile, profile.derivative(), np.linspace(0, 1, 2001))
+
+    def distance(at: Array) -> Array:
+        beyond = np.maximum(np.abs(at[..., 0]) - 1, np.abs(at[..., 2]) - long)
+        inner = _stack(np.clip(at[..., 0], -1, 1), at[..., 1])
+        return np.where(at[..., 1] < -2, 1.0, np.maximum(flat(inner), beyond))
+
+    def face(u: Array, v: Array) -> Array:
+        return _stack(*np.moveaxis(profile(u), -1, 0), long * (2 * v - 1))
+
+    shape = make.profile_wall([[float(s * c) for c in each] for each in points], float(2 * long * s))
+    solid = sized(s, shape, float(np.hypot(1.2, long)), distance, [face])
+    within = lambda x: np.abs(x[[0, 2]] / [1, long]).max() < INNER * s  # noqa: E731
+    return replace(solid, extra={"up": np.array([0.0, 1, 0]), "within": within})
+
+
+def own(rng: np.random.Generator, s: float) -> Solid:
+    """A solid of the catalogue, written as faces, edges and vertices of the user's own."""
+    solid = (box, can, pipe, frustum, dome, half_torus, polyhedron, stars)[rng.integers(8)](rng, s)
+    return replace(solid, shape=make.solid(**tables_of(solid.shape)))
+
+
+def _hollowed(solid: Solid, shape: Shape, inner: float, **extra: Any) -> Solid:
+    """The outside of a solid as material; a ball of radius `inner` is in the hollow."""
+    return replace(
+        solid, shape=shape, distance=lambda x: -solid.distance(x), edges=(), cavity=True, inner=inner,
+        extra=extra,
+    )  # fmt: skip
+
+
+def hollow_superellipsoid(rng: np.random.Generator, s: float) -> Solid:
+    solid = superellipsoid(rng, s)
+    return _hollowed(solid, replace(solid.shape, cavity=True), min(v for _, v in solid.shape.parameters[:3]))
+
+
+def hollow_torus(rng: np.random.Generator, s: float) -> Solid:
+    minor = s * decades(rng, -1, -0.1)
+    solid = torus(s, minor)
+    return _hollowed(solid, replace(solid.shape, cavity=True), minor, centre=np.array([s, 0.0, 0.0]))
+
+
+def hollow_polyhedron(rng: np.random.Generator, s: float) -> Solid:
+    while True:
+        solid = hull(rng, s)
+        inner = float(-solid.distance(np.zeros((1, 3)))[0])
+        if inner > 0.1 * s:
+            return _hollowed(solid, replace(solid.shape, cavity=True), inner)
+
+
+def hollow_revolution(rng: np.random.Generator, s: float) -> Solid:
+    height, waist, ripple = s * decades(rng, -0.3, 0.5), rng.uniform(0.1, 0.5), rng.uniform(-0.05, 0.05)
+    return turned(s, height, waist, ripple, cavity=True)
+
+
+def hollow_egg(rng: np.random.Generator, s: float) -> Solid:
+    solid = egg(rng, s)
+    a = float(dict(solid.shape.parameters)["a"])
+    return _hollowed(solid, replace(solid.shape, cavity=True), 0.5 * s * min(a, 1.0))
+
+
+def bowl(rng: np.random.Generator, s: float) -> Endless:
+    """A paraboloid that opens upwards, into which a body falls."""
+    a, b = decades(rng, -1, 1), decades(rng, -1, 1)
+
+    def of(seen: float) -> Solid:
+        seen /= s
+
+        def distance(x: Array) -> Array:
+            level = x[..., 2] - x[..., 0] ** 2 / (2 * a) - x[..., 1] ** 2 / (2 * b)
+            found: Array = level / np.sqrt(1 + (x[..., 0] / a) ** 2 + (x[..., 1] / b) ** 2)
+            return found
+
+        def face(u: Array, v: Array) -> Array:
+            reach = np.minimum(seen, np.sqrt(2 * np.array([a, b]) * seen))
+            x, y = reach[0] * (2 * u - 1), reach[1] * (2 * v - 1)
+            return _stack(x, y, x**2 / (2 * a) + y**2 / (2 * b))
+
+        solid = sized(s, make.paraboloid(s * a, s * b), np.inf, distance, [face])
+        return replace(solid, extra={"up": np.array([0.0, 0, 1])})
+
+    return Endless(of)
+
+
 KINDS: dict[str, Callable[[np.random.Generator, float], Solid | Endless]] = {
     "sphere": sphere,
     "ellipsoid": oblong,
@@ -454,5 +755,46 @@ KINDS: dict[str, Callable[[np.random.Generator, float], Solid | Endless]] = {
     "hollow capsule": lambda rng, s: capsule(rng, s, cavity=True),
     "hollow frustum": lambda rng, s: frustum(rng, s, cavity=True),
     "bore": lambda rng, s: rod(rng, s, cavity=True),
+    "line": wire_line,
+    "edge": straight_edge,
+    "helix": helix,
+    "curve": knot,
+    "bspline_curve": spline_wire,
+    "polyline": bent_wire,
+    "surface_line": parameter_line,
+    "outline": plate_outline,
+    "outline_wall": wall,
+    "profile_wall": rail,
+    "height_field": terrain,
+    "bspline": patch,
+    "solid": own,
+    "hollow superellipsoid": hollow_superellipsoid,
+    "hollow torus": hollow_torus,
+    "hollow polyhedron": hollow_polyhedron,
+    "hollow revolution": hollow_revolution,
+    "hollow egg": hollow_egg,
+    "bowl": bowl,
 }
-CURVES = ("circle", "segment", "ellipse_curve", "point")
+CURVES = (
+    "circle", "segment", "ellipse_curve", "point", "line", "edge", "helix", "curve", "bspline_curve",
+    "polyline", "surface_line", "outline",
+)  # fmt: skip
+SHEETS = ("outline_wall", "profile_wall", "height_field", "bspline")  # with open edges
+ENDLESS = ("plane", "endless cylinder", "cone", "paraboloid", "bore", "line", "helix", "bowl")
+HOLLOW = tuple(name for name in KINDS if name.startswith("hollow") or name == "bore")
+VARIANTS: dict[str, tuple[str, ...]] = {kind: (kind,) for kind in SHAPE_KINDS} | {
+    "sphere": ("sphere", "hollow sphere"),
+    "ellipsoid": ("ellipsoid", "hollow ellipsoid"),
+    "superellipsoid": ("superellipsoid", "hollow superellipsoid"),
+    "torus": ("torus", "hollow torus"),
+    "cylinder": ("cylinder", "endless cylinder", "bore"),
+    "paraboloid": ("paraboloid", "bowl"),
+    "chart": ("chart", "hollow egg"),
+    "revolution": ("revolution", "hollow revolution"),
+    "box": ("box", "hollow box"),
+    "capsule": ("capsule", "hollow capsule"),
+    "frustum": ("frustum", "hollow frustum"),
+    "polyhedron": ("polyhedron", "plate", "hollow polyhedron"),
+    "extrusion": ("star", "cam"),
+}
+"""Each kind of the scene format with the specimens that stand for it."""
