@@ -32,8 +32,12 @@ from scipy.spatial.transform import Rotation
 
 from modelgen import ModelgenError, derive, emit, require, simulate
 from modelgen.codegen.library import Library
-from modelgen.codegen.manifest_model import instance_of, kinds_of
+from modelgen.codegen.library_with_parameters import KINDS as GROUPS
+from modelgen.codegen.library_with_parameters import same_but_for_numbers
+from modelgen.codegen.manifest import Json
+from modelgen.codegen.manifest_model import instance_of
 from modelgen.errors import SceneError
+from modelgen.model import Model
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Scene
 from tests.benchmarks.measured_solids import Solid, depth
@@ -441,7 +445,7 @@ def _ratios(first: str, second: str) -> tuple[float, float]:
 def _set_up(one: Solid, two: Solid, size: float, rng: np.random.Generator) -> Member | None:
     """The bodies at random orientations, above each other so that they meet; the body inside of a hollow."""
     small = min(x for x in (one.size, two.size if two.size < np.inf else size) if x > 0)
-    for _ in range(30):
+    for _ in range(100):
         fixed, moving = (
             Placed(each, _orientation(each, falls, rng), np.zeros(3))
             for each, falls in ((two, False), (one, True))
@@ -515,18 +519,19 @@ def judge(first: str, second: str, seed: int) -> Verdict:
     return Verdict(first, second, seed, outcome, error, told, time.process_time() - begun, commit())
 
 
-LIBRARIES: list[Library] = []  # the last ones; those of other numbers of the same kinds are made of them
+MADE: list[tuple[Model, Json, Library]] = []  # the last ones, for other numbers of the same kinds
 
 
 def _library(scene: Scene) -> Library:
     model = require(scene)
-    kinds = kinds_of(model)
-    for each in LIBRARIES:
-        if each.manifest.kinds == kinds:
-            return each.with_instance(instance_of(model))
-    LIBRARIES.append(compiled(emit(derive(model))))
-    del LIBRARIES[:-KEPT_LIBRARIES]
-    return LIBRARIES[-1]
+    instance = instance_of(model)
+    for known, known_instance, library in MADE:
+        is_same = all(getattr(known, f"{each}_kinds") == getattr(model, f"{each}_kinds") for each in GROUPS)
+        if is_same and same_but_for_numbers(known_instance, instance):
+            return library.with_instance(instance)
+    MADE.append((model, instance, compiled(emit(derive(model)))))
+    del MADE[:-KEPT_LIBRARIES]
+    return MADE[-1][2]
 
 
 def _judged(member: Member) -> tuple[str, float, str]:

@@ -323,8 +323,8 @@ def egg(rng: np.random.Generator, s: float) -> Solid:
         """From the cylinder that contains it, or by the largest slope within that."""
         r, z = np.minimum(_radial(x), 1.2 * a), np.clip(x[..., 2], -1, 1)
         level = r**2 - a * a * (1 + k * z) * (1 - z**2)
-        found: Array = np.maximum(np.hypot(_radial(x) - r, x[..., 2] - z), level / (2.4 * a + 3.2 * a * a))
-        return found
+        beyond, level = np.hypot(_radial(x) - r, x[..., 2] - z), level / (2.4 * a + 3.2 * a * a)
+        return np.where(beyond > 0, np.maximum(beyond, level), level)
 
     def face(u: Array, v: Array) -> Array:
         t, turn = np.pi * (u - 0.5), TURN * v

@@ -501,12 +501,17 @@ static int mg_bound_coordinates(const mg_context *c, int feature_pair, int side,
 }
 
 /* True if the curve of one side of a feature pair comes out of the body of the other side anywhere between its ends;
-   true too where it has none. A vertex does not. */
+   true too where it has none, unless it is straight: of a straight one the part near the other body is followed. A
+   vertex does not. */
 static int mg_does_curve_come_out(mg_context *c, int feature_pair, int side) {
-  mg_real low[2] = {0, 0}, high[2] = {0, 0};
+  mg_real low[4] = {0}, high[2] = {0, 0};
   if (mg_feature_dimension(c, feature_pair, side) == 0) return 0;
-  return !mg_bound_coordinates(c, feature_pair, side, low, high) ||
-         mg_does_line_come_out(c, feature_pair, side, low, high);
+  if (!mg_bound_coordinates(c, feature_pair, side, low, high)) {
+    if (mg_shape_kind_of(c, feature_pair, side)->spine != MG_SPINE_LINE) return 1;
+    mg_sample_window(c, feature_pair, side, mg_search_radius(c, feature_pair, side), low);
+    high[0] = low[1], low[1] = 0;
+  }
+  return mg_does_line_come_out(c, feature_pair, side, low, high);
 }
 
 MG_INTERNAL int mg_are_far_sides_known(const mg_context *c, int pair) {
