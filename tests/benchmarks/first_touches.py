@@ -99,10 +99,18 @@ class Placed:
     def is_curve(self) -> bool:
         return self.solid.is_curve
 
-    def is_within(self, x: Array) -> bool:
-        """Whether a point of the world on the shape is away from its open edges."""
-        within = self.solid.extra.get("within")
-        return within is None or bool(within((x - self.p) @ self.R))
+    def may_be_touched(self, x: Array, other: Placed, step: Array) -> bool:
+        """Whether the other shape may touch it at a point of the world: away from its open edges, and from
+        outside if it is an outline; `step`: a part of the way of the point towards the other shape, m."""
+        local, extra = (x - self.p) @ self.R, self.solid.extra
+        if "within" in extra:
+            return bool(extra["within"](local))
+        if "outward" not in extra:
+            return True
+        outward, h = self.R @ extra["outward"](local), float(np.linalg.norm(step)) / 10
+        around = x - step + h * np.vstack([np.eye(3), -np.eye(3)])
+        d = other.distance(around)
+        return float((d[:3] - d[3:]) @ outward) < 0
 
     def points(self, x: Array) -> Array:
         found: Array = self.p + x @ self.R.T
@@ -397,6 +405,8 @@ def why_not(one: str, two: str) -> str:
         return "refused: a segment is given instead"
     if both <= {*ENDLESS} and not both <= {*CROSSING}:
         return "two shapes without end meet at the start, or are parallel"
+    if "outline" in both and both <= {*CURVES}:
+        return "an outline is touched from outside, on which side of it a curve does not tell"
     if "point" in both and both <= {*CURVES}:
         return "a point meets a curve, or a point, in no position but special ones"
     if both & {*RULED} and both & {*HOLLOW, "plane", "bowl"}:
@@ -465,11 +475,16 @@ def _set_up(one: Solid, two: Solid, size: float, rng: np.random.Generator) -> Me
             if not is_bounded and not float(fixed.distance(moving.p)) > one.size:
                 continue
         way, place = touch(moving, fixed, limit)
-        if way < limit and fixed.is_within(place) and moving.is_within(place - way * DOWN):
+        if way < limit and _is_touched(moving, fixed, way, place, 1e-4 * small * DOWN):
             drop = min(small * decades(rng, -2, 0), way)
             start = replace(moving, p=moving.p + (way - drop) * DOWN)
             return Member(start, fixed, drop, limit)
     return None
+
+
+def _is_touched(moving: Placed, fixed: Placed, way: float, place: Array, step: Array) -> bool:
+    low = replace(moving, p=moving.p + way * DOWN)
+    return fixed.may_be_touched(place, low, -step) and low.may_be_touched(place, fixed, step)
 
 
 def _scene(moving: Placed, fixed: Placed) -> Scene:

@@ -564,7 +564,13 @@ def plate_outline(rng: np.random.Generator, s: float) -> Solid:
     pieces, half = _segment_of_disc(rng, s)
     x, y = np.cos(half), np.sin(half)
     arc: Edge = lambda t: _stack(np.cos(half * (2 * t - 1)), np.sin(half * (2 * t - 1)), 0.0)  # noqa: E731
-    return _wire(s, make.outline(pieces), arc, line([x, y, 0], [x, -y, 0]))
+
+    def outward(at: Array) -> Array:
+        on_arc = np.hypot(at[0], at[1]) > s * (1 - 1e-9)
+        return np.array([at[0], at[1], 0.0]) if on_arc else np.array([-1.0, 0, 0])
+
+    solid = _wire(s, make.outline(pieces), arc, line([x, y, 0], [x, -y, 0]))
+    return replace(solid, extra={"along": np.array([0.0, 0, 1]), "outward": outward})
 
 
 def wall(rng: np.random.Generator, s: float) -> Solid:

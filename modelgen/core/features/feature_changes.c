@@ -434,9 +434,11 @@ enum { MG_ALL_FOLLOWED = 0, MG_NEW_MINIMUM = 1, MG_NEW_TOUCH = 2, MG_NEW_PENETRA
 enum { MG_NOT_SEARCHED = -1, MG_TOUCH_FOUND = -2 };
 
 /* What a minimum that no contact follows is: MG_NEW_MINIMUM .. . One touches that may do so within the resolution of
-   event times. */
-static int mg_kind_of_unfollowed_minimum(const mg_context *c, const mg_minimum *found, mg_real depth) {
+   event times. Curves without sides whose gap is less than `crossed`, m, may have passed each other. */
+static int mg_kind_of_unfollowed_minimum(const mg_context *c, const mg_minimum *found, mg_real depth, mg_real crossed) {
   const mg_system *s = c->system;
+  if (mg_has_no_sides(c, found->feature_pair) && found->d < crossed && mg_is_minimum_accepted(c, found, depth))
+    return MG_NEW_PENETRATION;
   const mg_real moment = c->settings->event_tolerance * s->time,
                 touching = c->settings->contact_gap * s->length +
                            moment * mg_pair_speed_bound(c, s->feature_pair_owner[found->feature_pair]);
@@ -445,8 +447,8 @@ static int mg_kind_of_unfollowed_minimum(const mg_context *c, const mg_minimum *
 }
 
 /* Searches a pair, which has moved since its last search, at the present poses for minima that no contact follows:
-   MG_ALL_FOLLOWED .. . */
-static int mg_find_unfollowed_minimum(mg_context *c, int pair, mg_real moved) {
+   MG_ALL_FOLLOWED .. . In the last step it may have moved by `crossed`, m. */
+static int mg_find_unfollowed_minimum(mg_context *c, int pair, mg_real moved, mg_real crossed) {
   const mg_system *s = c->system;
   const mg_search_limits limits = mg_penetration_limits(c, pair, moved);
   const mg_real touching = c->settings->start_gap * s->length, least = mg_separating_plane_gap(c, pair) - touching;
@@ -463,7 +465,7 @@ static int mg_find_unfollowed_minimum(mg_context *c, int pair, mg_real moved) {
     if (!mg_is_minimum_within_reach(c, each, limits.depth) || mg_is_minimum_tracked(c, pair, -1, each) ||
         mg_is_minimum_ignored(c, each))
       continue;
-    const int found_kind = mg_kind_of_unfollowed_minimum(c, each, limits.depth);
+    const int found_kind = mg_kind_of_unfollowed_minimum(c, each, limits.depth, crossed);
     if (found_kind > kind) kind = found_kind;
   }
   return kind;
@@ -551,23 +553,24 @@ MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
   for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair))
     c->search.searched_gap[pair] = MG_NOT_SEARCHED;
   for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) {
-    const mg_real moved = c->run->moved_since_search[pair] + h * mg_pair_speed_bound(c, pair);
-    const int guided = mg_has_own_feature_pairs(c, pair) && s->pair_search[pair] != MG_SEARCH_NEVER;
+    const mg_real crossed = h * mg_pair_speed_bound(c, pair), moved = c->run->moved_since_search[pair] + crossed;
+    const int guided = mg_has_own_feature_pairs(c, pair) && s->pair_search[pair] != MG_SEARCH_NEVER &&
+                       !mg_has_no_sides(c, s->pair_feature_pair[pair]);
     mg_real gap;
     const int is_folded = mg_is_pair_at_fold(c, pair, &gap), is_due = mg_is_search_due(c, pair, moved) || is_folded;
     if (guided || !is_due || mg_pair_clearance(c, pair) > 0) continue;
-    if (is_folded && h * mg_pair_speed_bound(c, pair) > mg_max(gap, mg_least_movement(c, pair))) return 1;
+    if (is_folded && crossed > mg_max(gap, mg_least_movement(c, pair))) return 1;
     c->run->x = c->step.settled;
-    const int found = mg_find_unfollowed_minimum(c, pair, moved);
+    const int found = mg_find_unfollowed_minimum(c, pair, moved, crossed);
     c->run->x = start;
     if (found == MG_ALL_FOLLOWED) c->search.searched_gap[pair] = mg_max(c->search.open_gap, (mg_real)0);
     if (found == MG_NEW_TOUCH) c->search.searched_gap[pair] = MG_TOUCH_FOUND;
     if (found != MG_NEW_PENETRATION) continue;
     mg_update_poses(c, c->run->t, start);
-    const int was_there = mg_find_unfollowed_minimum(c, pair, moved) == MG_NEW_PENETRATION;
+    const int was_there = mg_find_unfollowed_minimum(c, pair, moved, crossed) == MG_NEW_PENETRATION;
     mg_update_poses(c, c->run->t + h, c->step.settled);
     if (was_there) continue;
-    c->run->watched_movement[pair] = mg_max(c->run->watched_movement[pair], h * mg_pair_speed_bound(c, pair));
+    c->run->watched_movement[pair] = mg_max(c->run->watched_movement[pair], crossed);
     return 1;
   }
   return 0;
@@ -603,7 +606,7 @@ MG_INTERNAL int mg_request_penetration_searches(mg_context *c) {
   for (int pair = mg_next_pair(c, -1); pair < c->system->n_pair; pair = mg_next_pair(c, pair)) {
     const mg_real moved = c->run->moved_since_search[pair];
     if (!(moved > 0) || mg_is_search_needless(c, pair) || mg_pair_clearance(c, pair) > 0) continue;
-    if (mg_find_unfollowed_minimum(c, pair, moved) != MG_NEW_PENETRATION) continue;
+    if (mg_find_unfollowed_minimum(c, pair, moved, 0) != MG_NEW_PENETRATION) continue;
     c->run->is_search_due[pair] = 1, count++;
   }
   return count;
