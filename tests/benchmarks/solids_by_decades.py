@@ -324,7 +324,8 @@ def egg(rng: np.random.Generator, s: float) -> Solid:
         r, z = np.minimum(_radial(x), 1.2 * a), np.clip(x[..., 2], -1, 1)
         level = r**2 - a * a * (1 + k * z) * (1 - z**2)
         beyond, level = np.hypot(_radial(x) - r, x[..., 2] - z), level / (2.4 * a + 3.2 * a * a)
-        return np.where(beyond > 0, np.maximum(beyond, level), level)
+        found: Array = np.where(beyond > 0, np.maximum(beyond, level), level)
+        return found
 
     def face(u: Array, v: Array) -> Array:
         t, turn = np.pi * (u - 0.5), TURN * v
