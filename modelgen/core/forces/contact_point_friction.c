@@ -99,32 +99,6 @@ MG_INTERNAL void mg_set_slip_force_ratios(mg_context *c) {
   mg_set_patch_force_ratios(c);
 }
 
-MG_INTERNAL int mg_tangential_row_count(const mg_context *c, int row) {
-  return row < c->layout.support_begin ? c->kernels->contact_kinds[c->contacts.kind[row]].rows - 1 : 0;
-}
-
-MG_INTERNAL void mg_couple_slip_to_normal_columns(mg_context *c, const int *list, int n) {
-  for (int j = 0; j < n; j++) {
-    const int first = c->layout.friction_row_begin +
-                      (mg_tangential_row_count(c, list[j]) ? c->system->contact_friction_row[list[j]] : 0);
-    for (int k = first; k < first + mg_tangential_row_count(c, list[j]); k++) {
-      const mg_real tilt = c->friction.force_ratio[k - c->layout.friction_row_begin];
-      for (int r = 0; r < n && tilt != 0; r++) c->lcp.A[r + n * j] -= tilt * mg_delassus_entry(c, list[r], k);
-    }
-  }
-  mg_couple_slip_to_support_columns(c, list, n);
-}
-
-/* True if a listed row carries the friction of slip, so that the matrix is not symmetric. */
-static int mg_has_slip_coupling(const mg_context *c, const int *list, int n) {
-  for (int j = 0; j < n && c->friction.slips; j++)
-    if (mg_slipping_slot_of_row(c, list[j]) >= 0) return 1;
-  for (int j = 0; j < n && c->friction.slips; j++)
-    for (int k = 0; k < mg_tangential_row_count(c, list[j]); k++)
-      if (c->friction.force_ratio[c->system->contact_friction_row[list[j]] + k] != 0) return 1;
-  return 0;
-}
-
 MG_INTERNAL void mg_solve_island_with_friction(mg_context *c, int n, const mg_real *rate, mg_real *amount) {
   mg_real pivot = 1;
   int rank = 0;
@@ -135,7 +109,7 @@ MG_INTERNAL void mg_solve_island_with_friction(mg_context *c, int n, const mg_re
   }
   for (int j = 0; j < n && c->run->forces_redundant; j++)
     for (int r = 0; r < n; r++) c->lcp.b[r] += c->lcp.A[r + n * j] * c->run->reference_force[c->islands.rows[j]];
-  if (unsymmetric) mg_solve_unsymmetric_rows(c, c->islands.rows, n, c->lcp.z);
+  if (unsymmetric) pivot = mg_solve_unsymmetric_rows(c, c->islands.rows, n, c->lcp.z), rank = pivot > 0 ? n : 0;
   else
     rank = mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask,
                            c->system->n_joint_row ? c->settings->joint_rank_tolerance : 0, c->lcp.z, c->lcp.work,

@@ -19,6 +19,8 @@ enum {
 
 #define MG_SLIP_ROUNDING (mg_real)1e4 /* rounding of slip velocities, in units of eps and of their scale */
 
+#define MG_FRICTION_ROWS_MAX 5 /* most friction rows of a contact */
+
 enum { MG_PATCH_ROWS = 3 }; /* friction rows of a patch: slip of its first support point along t1, t2, spin about N */
 
 /* Friction of the patch in a slot. */
@@ -255,6 +257,22 @@ MG_INTERNAL int mg_hold_rows(mg_context *c, const int *marked, int sticks, const
    of the stage slopes, and the contact forces of the run. */
 MG_INTERNAL void mg_evaluate_run_state(mg_context *c);
 
+/* slip_rows.c */
+
+/* Number of tangential rows of a contact; 0 for support contacts of patches and for other rows. */
+MG_INTERNAL int mg_tangential_row_count(const mg_context *c, int row);
+
+/* Lists the friction rows whose forces slip makes a multiple of the amount of a normal row or of a support, and minus
+   these multiples. Returns their number. */
+MG_INTERNAL int mg_list_slip_rows(const mg_context *c, int row, int *list, mg_real *ratio);
+
+/* True if a listed row carries the friction of slip, so that the matrix is not symmetric. */
+MG_INTERNAL int mg_has_slip_coupling(const mg_context *c, const int *list, int n);
+
+/* Subtract the friction of slipping contacts and patches from the columns of their normal rows, so that one normal
+   force carries both; the matrix is then not symmetric. */
+MG_INTERNAL void mg_couple_slip_to_normal_columns(mg_context *c, const int *list, int n);
+
 /* row_refinement.c */
 
 /* Corrects the amounts of the n rows of c->islands.rows, which J M^-1 J^T amount = -rate gave, to rounding if the least
@@ -301,9 +319,10 @@ MG_INTERNAL int mg_count_held_slip(mg_context *c, const mg_friction_problem *p, 
 /* unsymmetric_rows.c */
 
 /* Solves A z = -b over listed rows, of least norm in the scale of the rows, by a rank-revealing QR factorisation in
-   that scale; A has columns `stride` apart. Its memory is the first n (n + 4) of c->lcp.work. */
-MG_INTERNAL void mg_solve_least_norm_rows(mg_context *c, const int *list, int n, const mg_real *A, int stride,
-                                          const mg_real *b, mg_real *z);
+   that scale; A has columns `stride` apart. Its memory is the first n (n + 4) of c->lcp.work. Returns the least pivot,
+   0 where the rows depend on each other. */
+MG_INTERNAL mg_real mg_solve_least_norm_rows(mg_context *c, const int *list, int n, const mg_real *A, int stride,
+                                             const mg_real *b, mg_real *z);
 
 /* Rank of the assembled unsymmetric matrix over listed rows. */
 MG_INTERNAL int mg_unsymmetric_rank(mg_context *c, const int *list, int n);
@@ -312,8 +331,9 @@ MG_INTERNAL int mg_unsymmetric_rank(mg_context *c, const int *list, int n);
 MG_INTERNAL void mg_keep_symmetric_rows(mg_context *c, int n);
 
 /* Solve A z = -b over listed rows, of least norm in the scale of the rows where A is singular. Needs the symmetric
-   matrix that mg_keep_symmetric_rows has kept in c->lcp.work. */
-MG_INTERNAL void mg_solve_unsymmetric_rows(mg_context *c, const int *list, int n, mg_real *z);
+   matrix that mg_keep_symmetric_rows has kept in c->lcp.work. Returns the least pivot of A in that scale, 0 where A is
+   singular. */
+MG_INTERNAL mg_real mg_solve_unsymmetric_rows(mg_context *c, const int *list, int n, mg_real *z);
 
 /* motion_uniqueness_monitor.c */
 
@@ -356,13 +376,6 @@ MG_INTERNAL void mg_set_slip_force_ratio(mg_context *c, int contact, int constra
 
 /* Set the force ratios of all friction rows, 0 where nothing slips, and M^-1 J^T of the rows that slip. */
 MG_INTERNAL void mg_set_slip_force_ratios(mg_context *c);
-
-/* Number of tangential rows of a contact; 0 for support contacts of patches and for other rows. */
-MG_INTERNAL int mg_tangential_row_count(const mg_context *c, int row);
-
-/* Subtract the friction of slipping contacts from the columns of their normal rows, so that one normal force
-   carries both; the matrix is then not symmetric. */
-MG_INTERNAL void mg_couple_slip_to_normal_columns(mg_context *c, const int *list, int n);
 
 /* Solve the forces of one island of n assembled rows; where they are not unique, those nearest to the reference
    forces. */
@@ -407,9 +420,6 @@ MG_INTERNAL int mg_is_slot_frictional(const mg_context *c, int slot);
 
 /* First friction row of the patch in a slot: slip along t1, along t2, then spin. */
 MG_INTERNAL int mg_first_patch_friction_row(const mg_context *c, int slot);
-
-/* Slot of a support row whose patch slips, or -1. */
-MG_INTERNAL int mg_slipping_slot_of_row(const mg_context *c, int row);
 
 /* Distance in m of the three support points from their centre; scales spin to a velocity. */
 MG_INTERNAL mg_real mg_support_radius(const mg_context *c, int slot);
@@ -466,8 +476,8 @@ MG_INTERNAL void mg_set_patch_force_ratios(mg_context *c);
    be solved again. */
 MG_INTERNAL int mg_has_changed_patch_pressures(mg_context *c);
 
-/* Subtract the friction of slipping patches from the columns of their supports in the assembled matrix of n rows. */
-MG_INTERNAL void mg_couple_slip_to_support_columns(mg_context *c, const int *list, int n);
+/* mg_list_slip_rows for a support of a patch; 0 for other rows. */
+MG_INTERNAL int mg_list_patch_slip_rows(const mg_context *c, int row, int *list, mg_real *ratio);
 
 /* Compute the friction of slipping patches from the forces on their supports and add it to the accelerations. */
 MG_INTERNAL void mg_apply_patch_slip_forces(mg_context *c);

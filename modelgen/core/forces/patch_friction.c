@@ -26,7 +26,8 @@ MG_INTERNAL int mg_first_patch_friction_row(const mg_context *c, int slot) {
   return c->layout.friction_row_begin + c->system->contact_friction_row[mg_first_support(c, slot)];
 }
 
-MG_INTERNAL int mg_slipping_slot_of_row(const mg_context *c, int row) {
+/* Slot of a row that is a support of a slipping patch, or -1. */
+static int mg_slipping_slot_of_row(const mg_context *c, int row) {
   const int slot =
       row >= c->layout.support_begin && row < c->system->n_contact ? (row - c->layout.support_begin) / 3 : -1;
   return slot >= 0 && c->patches.friction[slot].slips ? slot : -1;
@@ -282,14 +283,13 @@ MG_INTERNAL int mg_has_changed_patch_pressures(mg_context *c) {
   return count > 0 && ++c->patches.pressure_rounds < MG_PRESSURE_ROUNDS;
 }
 
-MG_INTERNAL void mg_couple_slip_to_support_columns(mg_context *c, const int *list, int n) {
-  for (int j = 0; j < n; j++) {
-    const int slot = mg_slipping_slot_of_row(c, list[j]), support = (list[j] - c->layout.support_begin) % 3;
-    for (int k = 0; k < MG_PATCH_ROWS && slot >= 0; k++)
-      for (int r = 0; r < n; r++)
-        c->lcp.A[r + n * j] -= c->patches.friction[slot].force_ratio[k][support] *
-                               mg_delassus_entry(c, list[r], mg_first_patch_friction_row(c, slot) + k);
+MG_INTERNAL int mg_list_patch_slip_rows(const mg_context *c, int row, int *list, mg_real *ratio) {
+  const int slot = mg_slipping_slot_of_row(c, row), support = (row - c->layout.support_begin) % 3;
+  for (int k = 0; k < MG_PATCH_ROWS && slot >= 0; k++) {
+    list[k] = mg_first_patch_friction_row(c, slot) + k;
+    ratio[k] = c->patches.friction[slot].force_ratio[k][support];
   }
+  return slot >= 0 ? MG_PATCH_ROWS : 0;
 }
 
 MG_INTERNAL void mg_apply_patch_slip_forces(mg_context *c) {

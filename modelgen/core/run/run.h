@@ -4,8 +4,6 @@
 
 #include "model/context.h"
 
-#define MG_FRICTION_ROWS_MAX 5 /* most friction rows of a contact */
-
 /* workspace.c */
 
 /* Sets up a context for a call on the caller's memory, with the contacts on the feature pairs of the run. No state
