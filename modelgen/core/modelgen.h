@@ -823,7 +823,7 @@ MG_API void mg_sense_adjoint(const mg_system *system, const mg_settings *setting
                              const mg_real *sensors_bar, mg_adjoint *adjoint, mg_real *work, int *iwork);
 
 /* Takes the cotangents from after step `from` - 1 of a tape back to before step `to`; the run is overwritten with that
-   before step `to`. */
+   before step `to`. If run->stop ends the call, the cotangents are NaN. */
 MG_API void mg_go_back(const mg_system *system, const mg_settings *settings, mg_run *run, const mg_tape *tape,
                        long from, long to, mg_adjoint *adjoint, mg_real *work, int *iwork);
 
@@ -877,7 +877,8 @@ MG_API long long mg_iwork_size(const mg_system *system);
 
 /* Begins a run at run->t from run->x: finds the closest points of all pairs, decides which contacts are closed,
    assembles the joints, resolves impacts at the start and determines the contact modes. Resets what the run reports.
-   Returns MG_DONE, or the outcome that refuses the start. */
+   Returns MG_DONE, or the outcome that refuses the start; MG_CONTINUE if run->stop has ended the call: the run has not
+   begun, and run->x is to be set again. */
 MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run *run, mg_events *events, mg_real *work,
                     int *iwork);
 
@@ -890,7 +891,7 @@ MG_API int mg_advance(const mg_system *system, const mg_settings *settings, mg_r
                       mg_record *record, mg_events *events, mg_real *work, int *iwork);
 
 /* Begins n independent runs and advances each to t_stop. outcome [n] receives their codes. `events` is emptied as
-   often as needed; no samples are taken. */
+   often as needed; no samples are taken. A run that its `stop` has ended has MG_CONTINUE. */
 MG_API void mg_batch(const mg_system *system, const mg_settings *settings, int n, mg_run *runs, mg_real t_stop,
                      int *outcome, mg_events *events, mg_real *work, int *iwork);
 
@@ -924,7 +925,8 @@ MG_API void mg_begin_many(int n, int *taken, const mg_system *const *systems, co
 
 /* Advances n lanes that have begun, each to its own t_stop [n]. Lanes whose outcome is a failure, MG_PENETRATION or
    higher, are left as they are. Of the others the outcome becomes MG_DONE, MG_LIST_FULL (empty the list and call
-   again), or that which ended the run; it does not depend on other lanes. */
+   again), MG_CONTINUE if the lane's run->stop has ended its advance, or that which ended the run; it does not depend on
+   other lanes. */
 MG_API void mg_advance_many(int n, int *taken, const mg_system *const *systems, const mg_settings *const *settings,
                             mg_run *runs, const mg_real *t_stop, int *outcome, mg_events *events, mg_real *work,
                             int *iwork);

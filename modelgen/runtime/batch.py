@@ -13,6 +13,7 @@ from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_span, checked_starts, with_parameters
 from modelgen.runtime.core_session import Session
+from modelgen.runtime.interruptible_advance import interruptible
 from modelgen.runtime.lane_arrays import lanes_of
 from modelgen.runtime.start import REFUSED, refusal
 from modelgen.runtime.tables.ctypes_structures import Array
@@ -65,7 +66,7 @@ def simulate_batch(
     x = kept["x"]
     x[:, : n_q + n_u] = starts
     codes = np.zeros(n, dtype=np.intc)
-    session.batch(runs, until, codes)
+    interruptible(lambda: session.batch(runs, until, codes), kept["stop"])
     _refuse(session, codes, runs, kept)
     return Batch(
         q=x[:, :n_q],

@@ -28,6 +28,7 @@ from modelgen.runtime.tables.scratch_memory import scratch
 from modelgen.runtime.trajectory import EVENT_KINDS, LOAD_SWITCH, Event
 
 CONTINUE, FULL = 1, 2
+MANY = 64  # contacts or feature pairs, from which on a call of the core may take long
 OF_RUN = itemgetter(*RUN_ARRAYS)
 OF_EVENTS = itemgetter(*(EVENT_PREFIX + name for name in EVENT_ARRAYS))
 
@@ -69,6 +70,12 @@ class Session:
         self.work, self.iwork = scratch(shared.work_size, shared.iwork_size, self.tables.dtype)
         self._head = (ctypes.byref(self.system), ctypes.byref(self.settings), ctypes.byref(self.run))
         self._scratch = (ctypes.c_void_p(address(self.work)), ctypes.c_void_p(address(self.iwork)))
+
+    @property
+    def may_take_long(self) -> bool:
+        """Whether one step or one search may, so that Ctrl-C is to be heard within a call."""
+        of_searches = self.system.n_cell_tree or self.system.n_feature_pair >= MANY
+        return self.n_contact >= MANY or bool(of_searches)
 
     @property
     def run_arrays(self) -> dict[str, Array]:

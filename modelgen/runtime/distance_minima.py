@@ -41,6 +41,7 @@ from modelgen.rotations import ROUNDING
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import common_rows, is_number, shown
 from modelgen.runtime.core_session import Session
+from modelgen.runtime.interruptible_advance import interruptible
 from modelgen.runtime.poses import pose_rows
 from modelgen.runtime.tables.ctypes_structures import MINIMA, MINIMA_FOUND, MINIMA_GIVEN, Array, address
 
@@ -135,7 +136,7 @@ def _search(
     arrays = {**dict(zip(MINIMA_GIVEN, poses, strict=True)), **{name: out[name] for name in MINIMA_FOUND}}
     for name, array in arrays.items():
         setattr(queries, name, address(array))
-    session.find_minima(queries)
+    interruptible(lambda: session.find_minima(queries), session.stop)
     row, place = np.nonzero(np.arange(MINIMA) < out["count"][:, None])
     found = {name: out[name][row * MINIMA + place] for name in ("feature_pair", *WIDTHS)}
     found["d"] = found["d"][:, 0]

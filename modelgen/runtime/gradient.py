@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Unpack
 
 import numpy as np
@@ -15,6 +16,7 @@ from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_keywords, shown, values_by_name, with_parameters
 from modelgen.runtime.core_session import Session
 from modelgen.runtime.inputs import Inputs
+from modelgen.runtime.interruptible_advance import interruptible
 from modelgen.runtime.sensitivity import VERDICTS, Outputs, TangentRun, Verdict, times_of
 from modelgen.runtime.sensitivity_directions import direction_rows, directions_of
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
@@ -170,8 +172,14 @@ class TapedRun(TangentRun):
         )
         given, tape = ctypes.byref(adjoint), ctypes.byref(self._tape)
         end = marks[-1]
+
+        def go_back(first: int, last: int) -> None:
+            cdll.mg_go_back(
+                *self._head, tape, ctypes.c_long(first), ctypes.c_long(last), given, *self._scratch
+            )
+
         for mark, seed in zip(reversed(marks), reversed(seeds), strict=True):
-            cdll.mg_go_back(*self._head, tape, ctypes.c_long(end), ctypes.c_long(mark), given, *self._scratch)
+            interruptible(partial(go_back, end, mark), session.stop)
             end = mark
             sensed = np.zeros(max(session.shared.n_sensor, 1), dtype=tables.dtype)
             for weight, sensor, state in zip(seed, outputs.sensors, outputs.states, strict=True):
@@ -181,6 +189,6 @@ class TapedRun(TangentRun):
                     bars["x"][state] += weight
             if np.any(sensed):
                 cdll.mg_sense_adjoint(*self._head, ctypes.c_void_p(address(sensed)), given, *self._scratch)
-        cdll.mg_go_back(*self._head, tape, ctypes.c_long(end), ctypes.c_long(0), given, *self._scratch)
+        interruptible(partial(go_back, end, 0), session.stop)
         cdll.mg_go_back_to_start(*self._head, given, *self._scratch)
         return bars

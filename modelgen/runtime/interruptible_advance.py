@@ -1,38 +1,48 @@
-"""Calls of the core that Ctrl-C ends within a solve: Python hears it only between calls of the core."""
+"""Calls of the core that Ctrl-C ends early: Python hears it only between calls of the core."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import os
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, wait
-from contextlib import contextmanager
-from typing import Any, Protocol
+from threading import current_thread, main_thread
+from typing import TypeVar
 
-from modelgen.runtime.core_session import Session
+from modelgen.runtime.tables.ctypes_structures import Array
+
+Result = TypeVar("Result")
+_worker: ThreadPoolExecutor | None = None  # of the main thread, which makes one call at a time
 
 
-class Advance(Protocol):
-    def __call__(self, t_stop: float, max_steps: int, record: Any) -> int: ...
+def _forget_worker() -> None:
+    global _worker
+    _worker = None
 
 
-@contextmanager
-def interruptible(session: Session) -> Iterator[Advance]:
-    """`session.advance` in a thread of its own, so that KeyboardInterrupt ends a call soon.
+os.register_at_fork(after_in_child=_forget_worker)
 
-    The interrupted session keeps its `stop` set: it takes no more steps.
+
+def interruptible(call: Callable[[], Result], *stops: Array) -> Result:
+    """The result of a call of the core, made in a thread beside the main one, which hears Ctrl-C.
+
+    KeyboardInterrupt sets the `stop` of the runs, so that the call ends soon, and is raised after it. They
+    stay set: who goes on with the runs clears them. In other threads, to which no signals come, it is a
+    plain call.
     """
-    with ThreadPoolExecutor(max_workers=1) as worker:
-
-        def advance(t_stop: float, max_steps: int, record: Any) -> int:
-            call = worker.submit(session.advance, t_stop, max_steps, record)
+    global _worker
+    if current_thread() is not main_thread():
+        return call()
+    if _worker is None:
+        _worker = ThreadPoolExecutor(max_workers=1)
+    made = _worker.submit(call)
+    try:
+        return made.result()
+    except KeyboardInterrupt:
+        for stop in stops:
+            stop[:] = 1
+        while not made.done():
             try:
-                return call.result()
-            except KeyboardInterrupt:
-                session.stop[0] = 1
-                while not call.done():
-                    try:
-                        wait([call])
-                    except KeyboardInterrupt:  # pressed again: the core ends its call as soon as it can
-                        continue
-                raise
-
-        yield advance
+                wait([made])
+            except KeyboardInterrupt:  # pressed again: the core ends its call as soon as it can
+                continue
+        raise

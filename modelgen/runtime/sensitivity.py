@@ -26,6 +26,7 @@ from modelgen.runtime.arguments import (
 from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.error_estimate import ROUNDED, SAFE, nudge
 from modelgen.runtime.inputs import Inputs
+from modelgen.runtime.interruptible_advance import interruptible
 from modelgen.runtime.sensitivity_directions import direction_rows, directions_of
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.start import begin
@@ -327,7 +328,7 @@ class TangentRun:
         head, tail = session.advance_arguments(STEPS, self._record)
         self._given = ctypes.byref(self._directions), ctypes.byref(self._tangent)
         self._head, self._tail, self._scratch = head, tail, tail[-2:]
-        cdll.mg_begin_tangent(*head, *self._given, *self._scratch)
+        interruptible(lambda: cdll.mg_begin_tangent(*head, *self._given, *self._scratch), session.stop)
 
     @property
     def outcome(self) -> Outcome | None:
@@ -335,12 +336,10 @@ class TangentRun:
 
     def go_on(self, until: float) -> TangentRun:
         """Advance run and derivatives; a run that has ended stays where it is."""
-        session = self.session
-        code = self._code or CONTINUE
+        session, advance = self.session, self._cdll.mg_advance_tangent
+        code, end = self._code or CONTINUE, session.tables.real(until)
         while code in (CONTINUE, FULL):
-            code = self._cdll.mg_advance_tangent(
-                *self._head, *self._given, session.tables.real(until), *self._tail
-            )
+            code = interruptible(lambda: advance(*self._head, *self._given, end, *self._tail), session.stop)
             self._happened += session.drain_events()
             self.on_full()
         self._code = code

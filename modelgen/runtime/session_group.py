@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -15,13 +16,15 @@ from modelgen.notation import SETTING_SIZE
 from modelgen.runtime import checkpoint
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_whole
-from modelgen.runtime.core_session import FULL, Session
+from modelgen.runtime.core_session import FULL, MANY, Session
+from modelgen.runtime.interruptible_advance import interruptible
 from modelgen.runtime.lane_arrays import each_once, field_of, lanes_of, rows_of_lanes
 from modelgen.runtime.start import REFUSED, refusal
 from modelgen.runtime.tables.ctypes_structures import EVENT_ARRAYS, INTEGER, Array, address, settings_of
 from modelgen.runtime.tables.library_tables import library_tables
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome
 
+SHORT_S = 0.05  # of an advance during which Ctrl-C need not be heard
 LANE = "run {lane}, "  # how the error of a start says which of the lanes it is
 
 
@@ -94,6 +97,7 @@ class SessionGroup:
         self._short_calls = ctypes.PyDLL(None, handle=library.cdll._handle)  # they keep Python's lock
         self._told: list[list[Event]] = [[] for _ in range(self.n)]
         self._scratch: list[_Scratch] = []
+        self._cost = np.inf  # s that the last advance took for a second of its runs
         self._pool: ThreadPoolExecutor | None = None
         self._pool_size = 0
 
@@ -105,12 +109,15 @@ class SessionGroup:
     def begin(self, threads: int = 1, label: str = LANE) -> dict[int, SimulationError]:
         """Settle the starts; returns the errors of the lanes that cannot start, by lane, which they tell by
         `label`. They are left out from then on."""
-        self._share("mg_begin_many", (self._codes_at, self._lists_at), threads)
+        is_long = self.n >= MANY or self.like.may_take_long
+        self._share("mg_begin_many", (self._codes_at, self._lists_at), threads, is_long)
         return self.refusals(label)
 
     def advance(self, t: float | Array, threads: int = 1) -> None:
         """Go on to t, s, one time or one for each lane, on several threads. A lane at or past it, and one
         that has failed, is left as it is. `codes` and `outcomes` say what became of each.
+
+        Ctrl-C ends it soon; the lanes stay where they came, and can go on.
 
         Raises SimulationError where an argument is not what it says.
         """
@@ -121,11 +128,15 @@ class SessionGroup:
         if not np.isfinite(self._ends).all():
             raise SimulationError("t", "not finite", "times in s", "")
         by_lane = self._ends_at, self._codes_at, self._lists_at
-        self._share("mg_advance_many", by_lane, threads)
+        span, begun = float(np.max(self._ends - self.t)), perf_counter()
+        is_long = not self._cost * span < SHORT_S
+        self._share("mg_advance_many", by_lane, threads, is_long)
+        if span > 0:
+            self._cost = (perf_counter() - begun) / span
         while (full := np.flatnonzero(self.codes == FULL)).size:
             for lane in full.tolist():
                 self._told[lane] = self.drain_events(lane)
-            self._share("mg_advance_many", by_lane, threads)
+            self._share("mg_advance_many", by_lane, threads, is_long)
 
     def begin_again(self, lane: int, start: Array) -> None:
         """Put a lane at a start (n_x,) at t = 0 and settle it; its inputs stay. Its events are dropped.
@@ -151,7 +162,7 @@ class SessionGroup:
 
     def sense(self, threads: int = 1) -> Array:
         """What the sensors of all lanes show, (n, n_sensor)."""
-        self._share("mg_sense_many", (self._sensed_at,), threads)
+        self._share("mg_sense_many", (self._sensed_at,), threads, False)
         return self.sensed
 
     def sample(self, lane: int, record: Any) -> None:
@@ -218,9 +229,9 @@ class SessionGroup:
         arrays = rows_of_lanes(lists, {name: (capacity, kinds.get(name, INTEGER)) for name in EVENT_ARRAYS})
         return list(arrays.values()), lists
 
-    def _share(self, name: str, by_lane: tuple[int, ...], threads: int) -> None:
+    def _share(self, name: str, by_lane: tuple[int, ...], threads: int, is_long: bool) -> None:
         """Call a function of the core once in each thread, which share the lanes; its arguments `by_lane` are
-        addresses of arrays with an entry for each."""
+        addresses of arrays with an entry for each. `is_long`: Ctrl-C is to be heard meanwhile."""
         count = min(check_whole("threads", threads, "give the number of threads"), self.n)
         while len(self._scratch) < count:
             self._scratch.append(_Scratch(self.like))
@@ -232,13 +243,16 @@ class SessionGroup:
         def work(scratch: _Scratch) -> None:
             run(self.n, *head, *by_lane, *scratch.addresses)
 
-        others = [self._threads(count - 1).submit(work, scratch) for scratch in self._scratch[1:count]]
-        try:
+        def share() -> None:
+            others = [self._threads(count - 1).submit(work, scratch) for scratch in self._scratch[1:count]]
             work(self._scratch[0])
-        finally:
-            taken.value = self.n  # when interrupted, so that the other threads stop
             for other in others:
                 other.result()
+
+        try:
+            interruptible(share, self.arrays["stop"]) if is_long else share()
+        finally:
+            self.arrays["stop"][:] = 0
 
     def _own_scratch(self) -> _Scratch:
         """The scratch memory of the thread that asks for a lane alone."""

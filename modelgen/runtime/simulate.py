@@ -5,8 +5,8 @@ from __future__ import annotations
 import time
 from bisect import bisect_left
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
+from functools import partial
 from typing import Any, Unpack
 
 import numpy as np
@@ -37,7 +37,6 @@ from modelgen.runtime.trust import with_trust
 from modelgen.runtime.warnings import warnings
 from modelgen.runtime.warnings.nonfinite import unbounded
 
-MANY_CONTACTS = 64  # from here on one step may take long
 KEYWORDS = (
     "until",
     "accuracy",
@@ -217,13 +216,15 @@ def _extent(instance: Mapping[str, Any], until: float | None, samples: int | Non
     return float(end), check_whole(where, intervals, "give the number of output intervals")
 
 
-def _interruptible(session: Session) -> AbstractContextManager[Callable[[float, int, Any], int]]:
+def _advance_of(session: Session) -> Callable[[float, int, Any], int]:
     """`session.advance`, of which Ctrl-C ends a call soon also where one step may take long."""
-    if session.n_contact < MANY_CONTACTS:
-        return nullcontext(session.advance)
-    from modelgen.runtime.interruptible_advance import interruptible  # few scenes need it
+    if not session.may_take_long:
+        return session.advance
+    from modelgen.runtime.interruptible_advance import interruptible  # not every scene needs it
 
-    return interruptible(session)
+    return lambda until, chunk, record: interruptible(
+        partial(session.advance, until, chunk, record), session.stop
+    )
 
 
 def _run(session: Session, schedule: Schedule, recording: Recording, report: Report) -> Ending:
@@ -232,21 +233,21 @@ def _run(session: Session, schedule: Schedule, recording: Recording, report: Rep
     events: list[Event] = []
     chunk, end, code = 1, schedule[-1][0], CONTINUE
     try:
-        with _interruptible(session) as advance:
-            for until, settings in schedule:
-                session.input[:] = settings
-                code = CONTINUE
-                while code in (CONTINUE, FULL):
-                    before = time.perf_counter()
-                    code = advance(until, chunk, recording.record)
-                    events += session.drain_events()
-                    if code == CONTINUE:
-                        elapsed = max(time.perf_counter() - before, 1e-6)
-                        chunk = int(min(max(chunk * CHUNK_S / elapsed, 1), 10 * chunk))
-                    if report and code in (CONTINUE, FULL):
-                        report(float(session.run.t) / end)
-                if code:
-                    break
+        advance = _advance_of(session)
+        for until, settings in schedule:
+            session.input[:] = settings
+            code = CONTINUE
+            while code in (CONTINUE, FULL):
+                before = time.perf_counter()
+                code = advance(until, chunk, recording.record)
+                events += session.drain_events()
+                if code == CONTINUE:
+                    elapsed = max(time.perf_counter() - before, 1e-6)
+                    chunk = int(min(max(chunk * CHUNK_S / elapsed, 1), 10 * chunk))
+                if report and code in (CONTINUE, FULL):
+                    report(float(session.run.t) / end)
+            if code:
+                break
         return Ending(OUTCOME_OF_CODE[code], events)
     except KeyboardInterrupt:
         outcome = Outcome.DONE if session.run.t >= end else Outcome.INTERRUPTED

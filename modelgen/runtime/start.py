@@ -25,7 +25,12 @@ def begin(session: Session) -> None:
 
     Raises SimulationError where bodies interpenetrate, joints are apart, or no closest points are found.
     """
-    code = session.begin()
+    if session.may_take_long:
+        from modelgen.runtime.interruptible_advance import interruptible  # not every scene needs it
+
+        code = interruptible(session.begin, session.stop)
+    else:
+        code = session.begin()
     if code in REFUSED:
         raise refusal(session, code, session.run)
     session.redundant_joints = redundancy(session) if session.joints else []

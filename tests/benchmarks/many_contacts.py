@@ -1,19 +1,13 @@
-"""What scenes of many contacts cost by time-stepping, and whether Ctrl-C is heard in them.
+"""What scenes of many contacts cost by time-stepping.
 
 `python -m tests.benchmarks.many_contacts count` prints instructions of whole runs under callgrind (stacks of
-boxes, heaps of spheres with friction), those of set-up taken off. `... interrupt [N]` sends Ctrl-C (SIGINT)
-at N random instants (20) of runs of heavy scenes, each in a process of its own, and prints how long the
-answer took; the exit code is 1 where one took more than ANSWER_S. `... sizes [N ...]` runs heaps of N spheres
-for one step.
+boxes, heaps of spheres with friction), those of set-up taken off. `... sizes [N ...]` runs heaps of N spheres
+for one step. Ctrl-C in them: `tests.benchmarks.interruptions`.
 """
 
 from __future__ import annotations
 
-import os
-import signal
-import subprocess
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -27,10 +21,8 @@ from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Scene
 from tests.benchmarks.counting import callgrind, countable
 
-ANSWER_S = 0.5  # s, most time between Ctrl-C and the end of a run
 SPACING = 0.13  # m, of the spheres of a heap at the start
 COUNTED = (("stack", 5, 0.002, 0.05), ("stack", 10, 0.002, 0.02), ("heap", 20, 0.005, 0.4))
-HEAVY = (("heap", 50, 0.005, 60.0), ("heap", 100, 0.005, 60.0), ("stack", 20, 0.002, 60.0))
 
 
 def stack(boxes: int) -> Scene:
@@ -102,34 +94,6 @@ def count() -> None:
         print(f"| {kind} of {bodies} | {step} s | {until} s | {whole - empty:.4g} |", flush=True)
 
 
-def interrupt(instants: int) -> None:
-    rng = np.random.default_rng(0)
-    worst = 0.0
-    for kind, bodies, step, until in HEAVY:
-        with TemporaryDirectory() as folder:
-            built(kind, bodies, folder)
-            for _ in range(-(-instants // len(HEAVY))):
-                after, answer = float(rng.uniform(0.5, 8.0)), 0.0
-                command = [sys.executable, "-m", "tests.benchmarks.many_contacts", "run", folder, step, until]
-                with subprocess.Popen(
-                    [str(word) for word in command], stdout=subprocess.PIPE, text=True, env=dict(os.environ)
-                ) as child:
-                    time.sleep(3.0 + after)
-                    if child.poll() is None:
-                        child.send_signal(signal.SIGINT)
-                        sent = time.perf_counter()
-                        child.wait()
-                        answer = time.perf_counter() - sent
-                    told = child.stdout.read().strip() if child.stdout else ""
-                worst = max(worst, answer)
-                print(
-                    f"{kind} of {bodies}: Ctrl-C after {3 + after:.1f} s, answered in {answer:.2f} s; {told}"
-                )
-    print(f"longest answer {worst:.2f} s")
-    if worst > ANSWER_S:
-        sys.exit(f"Ctrl-C was answered later than {ANSWER_S} s")
-
-
 def sizes(numbers: list[int]) -> None:
     for spheres in numbers:
         with TemporaryDirectory() as folder:
@@ -144,8 +108,6 @@ def main() -> None:
     what, *rest = sys.argv[1:] or ["count"]
     if what == "run":
         run(Path(rest[0]), float(rest[1]), float(rest[2]))
-    elif what == "interrupt":
-        interrupt(int(rest[0]) if rest else 20)
     elif what == "sizes":
         sizes([int(text) for text in rest] or [200, 300, 500])
     else:

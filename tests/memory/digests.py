@@ -1,9 +1,9 @@
-"""Digests of runs, one line a scene: `python -m tests.memory.digests [--derivatives] FOLDER SECONDS SCENE.toml ..`
+"""Digests of runs, one line a scene: `python -m tests.memory.digests FOLDER SECONDS SCENE.toml ..`
 
 Each scene is run for at most SECONDS of its time, in calls of a few steps, with samples, sensors, and a state
-that is saved and loaded after each call. With `--derivatives` it is differentiated by its parameters, inputs and
-starts, forward and backward. Processes that print the same lines have made the same runs to the last bit.
-Libraries go to FOLDER; with SECONDS 0 they are only built.
+that is saved and loaded after each call. With `--derivatives` it is differentiated by its parameters, inputs
+and starts, forward and backward. Processes that print the same lines have made the same runs to the last
+bit. Libraries go to FOLDER; with SECONDS 0 they are only built.
 """
 
 from __future__ import annotations

@@ -156,6 +156,9 @@ MG_INTERNAL int *mg_take_ints(int **next, long long n);
 /* Sets n numbers to zero. */
 MG_INTERNAL void mg_zero_reals(mg_real *a, long n);
 
+/* True if the flag, or null, has been set, maybe by another thread or a signal handler during the call. */
+MG_INTERNAL int mg_is_raised(const int *flag);
+
 /* cholesky.c */
 
 /* Replaces the lower triangle of L, k by k, by its Cholesky factor, with the reciprocals of its diagonal. Returns

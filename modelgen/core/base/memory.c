@@ -1,4 +1,4 @@
-/* Parts of the caller's scratch memory. */
+/* Parts of the caller's scratch memory, and an int of the caller that another thread may set. */
 #include "base/base.h"
 
 /* Bytes at whose multiples structures of the core begin. Where an mg_real is shorter, memory of them may begin between
@@ -34,4 +34,12 @@ MG_INTERNAL int *mg_take_ints(int **next, long long n) {
 
 MG_INTERNAL void mg_zero_reals(mg_real *a, long n) {
   for (long i = 0; i < n; i++) a[i] = 0;
+}
+
+MG_INTERNAL int mg_is_raised(const int *flag) {
+#if defined(__GNUC__)
+  return flag && __atomic_load_n(flag, __ATOMIC_RELAXED);
+#else
+  return flag && *(const volatile int *)flag;
+#endif
 }

@@ -434,7 +434,7 @@ static mg_real mg_bound_gap_by_cells(mg_critical_search *s, const int *root, mg_
   c->search.cell_pairs[0] = root[0], c->search.cell_pairs[1] = root[1];
   for (long looked = 0; count > 0; looked++) {
     const int *pair = c->search.cell_pairs + 2 * --count, a = pair[0], b = pair[1];
-    if (looked >= s->limits.effort) return -MG_MAX;
+    if (looked >= s->limits.effort || mg_is_search_stopped(c)) return -MG_MAX;
     const int verdict = mg_judge_pair(s, a, b);
     if (verdict == MG_CELLS_APART || (verdict != MG_CELLS_OPEN && mg_is_critical_point_known(s, A, B))) continue;
     if (A->radius + B->radius <= size) {
@@ -498,6 +498,7 @@ MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const
   c->search.cell_pairs[0] = root[0], c->search.cell_pairs[1] = root[1];
   for (long looked = 0; count > 0; looked++) {
     const int *pair = c->search.cell_pairs + 2 * --count;
+    if (mg_is_search_stopped(c)) return 0;
     if (looked < s.limits.effort) count = mg_treat_cells(&s, pair[0], pair[1], count, &is_complete);
     else is_complete = 0, mg_converge_from_cells(&s, pair[0], pair[1]);
   }
@@ -534,7 +535,7 @@ MG_INTERNAL int mg_are_features_apart(mg_context *c, int feature_pair, const mg_
   c->search.cell_pairs[0] = root[0], c->search.cell_pairs[1] = root[1];
   for (long looked = 0; count > 0; looked++) {
     const int *pair = c->search.cell_pairs + 2 * --count, a = pair[0], b = pair[1];
-    if (looked >= s.limits.effort) return 0;
+    if (looked >= s.limits.effort || mg_is_search_stopped(c)) return 0;
     mg_look_at_pair(&s, a, b);
     if (mg_do_cells_not_touch(&s, a, b)) continue;
     if (s.view[0].radius + s.view[1].radius <= s.smallest) return 0;

@@ -93,7 +93,9 @@ MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, const m
                                         mg_minima *kept) {
   mg_real *withheld = c->run->withheld_effort + c->system->feature_pair_owner[feature_pair];
   const long before = c->run->search_effort;
+  if (mg_is_search_stopped(c)) return;
   const int is_complete = mg_find_minima_of_feature_pair(c, feature_pair, limits, least, kept);
+  if (mg_is_search_stopped(c)) return;
   const mg_real looked = (mg_real)(c->run->search_effort - before);
   if (is_complete) *withheld = mg_max(*withheld - looked, (mg_real)0);
   else if (mg_report_incomplete_search(c, feature_pair)) *withheld = mg_min(*withheld + looked, (mg_real)MG_EFFORT);
@@ -114,7 +116,7 @@ MG_INTERNAL long mg_search_nearest(mg_context *c, int first, int end, mg_real le
     for (int each = first; each < end; each++) mg_search_feature_pair(c, each, &limits, least, found);
     if (limits.gap <= near) incomplete = c->run->incomplete_searches - before;
     const mg_real nearest = mg_min(found->count ? fabs(found->list[0].d) : MG_MAX, c->search.open_gap);
-    if (nearest <= limits.gap || !(limits.gap < MG_MAX)) return incomplete;
+    if (nearest <= limits.gap || !(limits.gap < MG_MAX) || mg_is_search_stopped(c)) return incomplete;
     limits.gap = limits.depth = limits.gap < 1000 * length ? mg_max(8 * limits.gap, length / 8) : MG_MAX;
     if (limits.effort > mg_search_effort(c, pair)) limits.effort = mg_search_effort(c, pair);
   }
@@ -300,6 +302,7 @@ MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
     mg_forget_noted_gaps(c);
     const int outcome = mg_has_own_feature_pairs(c, pair) ? mg_start_own_feature_pairs(c, pair)
                                                           : mg_start_shared_feature_pairs(c, pair);
+    if (mg_is_search_stopped(c)) return MG_CONTINUE;
     if (outcome) return outcome;
     mg_note_missed_gap(c, pair, incomplete);
     c->run->unfollowed_gap[pair] = mg_min(c->run->unfollowed_gap[pair], mg_max(c->search.open_gap, (mg_real)0));

@@ -388,6 +388,10 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
   int count = found.count = 0;
   mg_forget_noted_gaps(c);
   mg_search_free_feature_pairs(c, pair, &limits, least, &found);
+  if (mg_is_search_stopped(c)) { /* the next step searches again */
+    c->run->is_search_due[pair] = 1, c->run->moved_since_search[pair] = moved;
+    return 0;
+  }
   c->run->unfollowed_gap[pair] = mg_max(c->search.open_gap, (mg_real)0);
   for (int k = 0; k < found.count; k++) {
     const mg_minimum *each = found.list + k;

@@ -302,6 +302,7 @@ typedef struct {
   mg_minimum overlap;      /* of closest points that are not isolated and penetrate, those noted in the present search
                               with the least depth; d = -MG_MAX: none */
   mg_minima abandoned;     /* minima that contacts have left in this step */
+  int is_stoppable;        /* 1: a search may end without a result when the call is to stop */
   mg_real penetration;     /* deepest penetration noted in this step, m */
   int penetration_contact; /* its contact, or the first contact of its pair */
   int penetration_outcome; /* outcome of a run that ends by it */

@@ -74,6 +74,9 @@ MG_INTERNAL void mg_require_tables(const mg_system *s);
 /* True if the caller asks that the present call end soon. */
 MG_INTERNAL int mg_is_stopped(const mg_context *c);
 
+/* True if the search at hand is to end without a result: it is repeated before anything depends on it. */
+MG_INTERNAL int mg_is_search_stopped(const mg_context *c);
+
 /* exceeded_capacities.c */
 
 /* Counts that a capacity, MG_CAPACITY_CLOSED .., was exceeded and something left out. */

@@ -9,13 +9,14 @@
 
 MG_INTERNAL void mg_search_covered_feature_pairs(mg_context *c, int patch, int flat, mg_minima *found) {
   const mg_system *s = c->system;
-  found->count = 0;
+  found->count = 0, c->search.is_stoppable = 0; /* contacts are released and restored by what it finds */
   for (int k = s->patch_covered[patch]; k < s->patch_covered[patch + 1]; k++) {
     const int feature_pair = s->covered_feature_pair[k];
     const mg_search_limits limits = mg_appearance_limits(c, s->feature_pair_owner[feature_pair]);
     if (flat || !mg_is_feature_pair_of_flat_faces(c, feature_pair))
       mg_search_feature_pair(c, feature_pair, &limits, -c->settings->start_gap * s->length, found);
   }
+  c->search.is_stoppable = 1;
   for (int k = 0; k < found->count; k++) {
     const mg_minimum *each = found->list + k;
     const int pair = s->feature_pair_owner[each->feature_pair];

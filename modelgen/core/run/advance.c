@@ -183,6 +183,7 @@ static int mg_event_driven_step(mg_context *c, mg_real h, mg_record *record, mg_
   event &= !mg_shorten_collocated_step(c, &h, end);
   if (mg_has_contact_point_leapt(c, h) || !mg_place_step_end(c, h)) return mg_reject_step(c, h);
   if (h > c->settings->event_tolerance * c->system->time && mg_has_new_penetration(c, h)) return mg_reject_step(c, h);
+  if (mg_is_stopped(c)) return MG_CONTINUE; /* its searches may have no result */
   return mg_finish_accepted_step(c, h, event, record, events);
 }
 

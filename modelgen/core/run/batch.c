@@ -1,6 +1,7 @@
 /* Many runs: one after the other to their ends (mg_batch), and lanes that are begun and advanced on the scratch memory
    of the caller's thread (mg_begin_many, mg_advance_many). */
 #include "run/run.h"
+#include "base/base.h"
 
 enum {
   MG_STEPS_OF_CALL = 1000000, /* steps between two looks at the list of events */
@@ -17,7 +18,8 @@ MG_API void mg_batch(const mg_system *system, const mg_settings *settings, int n
     while (!outcome[i] && runs[i].t < t_stop) {
       events->count = 0;
       outcome[i] = mg_advance(system, settings, runs + i, t_stop, MG_STEPS_OF_CALL, &record, events, work, iwork);
-      if (outcome[i] == MG_CONTINUE || outcome[i] == MG_LIST_FULL) outcome[i] = MG_DONE;
+      if (outcome[i] == MG_LIST_FULL || (outcome[i] == MG_CONTINUE && !mg_is_raised(runs[i].stop)))
+        outcome[i] = MG_DONE;
     }
   }
 }
@@ -45,13 +47,15 @@ MG_API void mg_begin_many(int n, int *taken, const mg_system *const *systems, co
       outcome[i] = mg_begin(systems[i], settings[i], runs + i, events + i, work, iwork);
 }
 
-/* Advances a lane that has not failed; returns its outcome. */
+/* Advances a lane that has not failed; returns its outcome, MG_CONTINUE where it was asked to stop. */
 static int mg_advance_lane(const mg_system *system, const mg_settings *settings, mg_run *run, mg_real t_stop,
                            mg_events *events, mg_real *work, int *iwork) {
   mg_record record = {0};
   int outcome = run->t < t_stop ? MG_CONTINUE : MG_DONE;
-  while (outcome == MG_CONTINUE)
+  while (outcome == MG_CONTINUE) {
     outcome = mg_advance(system, settings, run, t_stop, MG_STEPS_OF_CALL, &record, events, work, iwork);
+    if (mg_is_raised(run->stop)) break;
+  }
   return outcome;
 }
 

@@ -92,46 +92,55 @@ static void mg_start_after_kink(mg_context *c) {
   c->run->t = c->run->t_event = after;
 }
 
-MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run *run, mg_events *events, mg_real *work,
-                    int *iwork) {
-  mg_context c;
+/* Begins the run. Returns an outcome. */
+static int mg_begin_run(mg_context *c, mg_events *events) {
+  const mg_system *system = c->system;
+  const mg_settings *settings = c->settings;
+  mg_run *run = c->run;
   mg_real kinetic;
-  mg_open_context(&c, system, settings, run, work, iwork);
   mg_reset_report(run);
-  mg_accept_inputs(&c);
-  mg_start_after_kink(&c);
+  mg_accept_inputs(c);
+  mg_start_after_kink(c);
   for (int i = 0; i < system->n_friction; i++)
-    run->friction_mode[i] = MG_FRICTION_OFF, c.friction.triggered[i] = 0, c.friction.mode_before[i] = MG_FRICTION_OFF;
+    run->friction_mode[i] = MG_FRICTION_OFF, c->friction.triggered[i] = 0, c->friction.mode_before[i] = MG_FRICTION_OFF;
   for (int k = 0; k < system->n_switch; k++)
     run->branch[k] = 0, run->switch_mode[k] = MG_BRANCH_ZERO, run->switch_leader[k] = 0;
   for (int i = 0; i < system->n_patch_slot; i++) run->patch_mode[i] = MG_FRICTION_OFF;
   mg_zero_reals(run->search_bound, system->n_cell_tree);
-  run->x[c.layout.work_state] = 0;
-  mg_normalise_quaternions(&c, run->x);
-  mg_update_poses(&c, run->t, run->x);
-  mg_begin_near_pairs(&c);
-  int outcome = mg_search_start_pairs(&c);
-  if (!outcome) outcome = mg_place_start_contacts(&c);
+  run->x[c->layout.work_state] = 0;
+  mg_normalise_quaternions(c, run->x);
+  mg_update_poses(c, run->t, run->x);
+  mg_begin_near_pairs(c);
+  int outcome = mg_search_start_pairs(c);
+  if (!outcome) outcome = mg_place_start_contacts(c);
   if (outcome) return outcome;
-  mg_evaluate_run_state(&c);
-  outcome = mg_check_contact_rows(&c);
+  mg_evaluate_run_state(c);
+  outcome = mg_check_contact_rows(c);
   if (outcome) return outcome;
-  if (!mg_project_initial_joints(&c)) return MG_JOINT_APART;
-  mg_open_separating(&c);
-  if (settings->project && !mg_project_initial_pose(&c)) return MG_NO_EXTREMUM;
-  run->energy_0 = mg_energy(&c, &kinetic), run->correction_work = run->correction_energy = 0;
-  mg_clear_triggered_events(&c);
-  if (settings->method == MG_TIME_STEPPING) return mg_begin_time_stepping(&c);
-  mg_settle_load_branches(&c, 0);
-  outcome = mg_resolve_impacts(&c, events);
-  mg_report_touch_downs(&c, events);
-  if (!outcome) outcome = mg_solve_contact_modes(&c, events);
-  if (!outcome && settings->project && !mg_project_drift(&c)) outcome = MG_NO_EXTREMUM;
-  outcome = mg_explain_failed_outcome(&c, outcome);
-  if (mg_start_fallback(&c, outcome, events)) return mg_begin_time_stepping(&c);
+  if (!mg_project_initial_joints(c)) return MG_JOINT_APART;
+  mg_open_separating(c);
+  if (settings->project && !mg_project_initial_pose(c)) return MG_NO_EXTREMUM;
+  run->energy_0 = mg_energy(c, &kinetic), run->correction_work = run->correction_energy = 0;
+  mg_clear_triggered_events(c);
+  if (settings->method == MG_TIME_STEPPING) return mg_begin_time_stepping(c);
+  mg_settle_load_branches(c, 0);
+  outcome = mg_resolve_impacts(c, events);
+  mg_report_touch_downs(c, events);
+  if (!outcome) outcome = mg_solve_contact_modes(c, events);
+  if (!outcome && settings->project && !mg_project_drift(c)) outcome = MG_NO_EXTREMUM;
+  outcome = mg_explain_failed_outcome(c, outcome);
+  if (mg_start_fallback(c, outcome, events)) return mg_begin_time_stepping(c);
   if (outcome) return outcome;
-  if (!mg_place_all_contacts(&c, run->t, run->x)) return MG_NO_EXTREMUM;
-  mg_evaluate_run_state(&c);
-  mg_update_diagnostics(&c);
+  if (!mg_place_all_contacts(c, run->t, run->x)) return MG_NO_EXTREMUM;
+  mg_evaluate_run_state(c);
+  mg_update_diagnostics(c);
   return MG_DONE;
+}
+
+MG_API int mg_begin(const mg_system *system, const mg_settings *settings, mg_run *run, mg_events *events, mg_real *work,
+                    int *iwork) {
+  mg_context c;
+  mg_open_context(&c, system, settings, run, work, iwork);
+  const int outcome = mg_begin_run(&c, events);
+  return outcome && mg_is_stopped(&c) ? MG_CONTINUE : outcome;
 }

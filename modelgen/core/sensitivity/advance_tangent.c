@@ -306,7 +306,7 @@ MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settin
   while (outcome == MG_CONTINUE) {
     mg_followed_step *step = &s.step;
     const mg_tape *tape = tangent->tape;
-    if (step->begun >= max_steps) break;
+    if (step->begun >= max_steps || mg_is_stopped(&c)) break;
     if (tape && tape->count >= tape->capacity) {
       outcome = MG_LIST_FULL;
       break;

@@ -71,9 +71,10 @@ MG_API void mg_go_back(const mg_system *system, const mg_settings *settings, mg_
   mg_open_context(&c, system, settings, run, work, iwork);
   mg_open_adjoint(&c, &s, &none, &nothing, adjoint);
   if (tape->lost) mg_lose_cotangents(&c, adjoint);
-  for (long k = from - 1; k >= to && !tape->lost; k--)
+  for (long k = from - 1; k >= to && !tape->lost && !mg_is_stopped(&c); k--)
     mg_go_back_over_step(system, settings, run, &s, tape->bytes + k * mg_save_size(system),
                          tape->slopes + k * MG_SLOPES_KEPT * c.layout.n_states, tape->crossing + 5 * k, work, iwork);
+  if (mg_is_stopped(&c)) mg_lose_cotangents(&c, adjoint);
   mg_restore_run(system, run, tape->bytes + to * mg_save_size(system));
 }
 

@@ -88,7 +88,8 @@ static void mg_note_fallback(mg_run *run, int outcome) {
 
 MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events) {
   mg_run *run = c->run;
-  if (!c->settings->fallback || mg_is_time_stepping(c) || !mg_is_fallback_outcome(outcome)) return 0;
+  if (!c->settings->fallback || mg_is_time_stepping(c) || !mg_is_fallback_outcome(outcome) || mg_is_stopped(c))
+    return 0;
   const int again = run->fallbacks + run->chatters > 0 && run->present_cause == outcome &&
                     run->t - run->fallback_end <= mg_fallback_recovery(c, outcome);
   run->fallback_doublings = again ? run->fallback_doublings + (run->fallback_doublings < MG_FALLBACK_DOUBLINGS) : 0;

@@ -61,9 +61,7 @@ MG_INTERNAL mg_real mg_friction_tolerance(const mg_scaled_friction *s, const mg_
   return tolerance < MG_LCP_CAP ? mg_min(tolerance, cap) : cap;
 }
 
-MG_INTERNAL int mg_friction_is_stopped(const mg_scaled_friction *s) {
-  return s->given->stop && *(const volatile int *)s->given->stop;
-}
+MG_INTERNAL int mg_friction_is_stopped(const mg_scaled_friction *s) { return mg_is_raised(s->given->stop); }
 
 MG_INTERNAL int mg_friction_is_accepted(const mg_scaled_friction *s) {
   const mg_real accepted = s->given->accepted;
