@@ -198,7 +198,7 @@ def study(names: Sequence[str], instants: int, folder: Path) -> int:
     random, late = np.random.default_rng(0), 0
     print("| member | after, s | to the end, s | CPU, s | exit code |\n|---|---|---|---|---|")
     for name in names:
-        (folder / f"{name}.toml").write_text((RUN | CALLED)[name][0](), encoding="utf-8")  # type: ignore[operator]
+        (folder / f"{name}.toml").write_text((RUN | CALLED)[name][0](), encoding="utf-8")
         words = ["sweep", "--vary", "m=1", "--out", "known"] if name == "sweep" else ["build"]
         if name in RUN:
             command = [sys.executable, "-m", "modelgen", words[0], f"{name}.toml", *words[1:]]
