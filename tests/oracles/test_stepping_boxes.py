@@ -77,7 +77,7 @@ def deepest(path: Trajectory) -> float:
     return max(below, *(depth(p[i], R[i], p[j], R[j]) for i, j in combinations(range(BOXES), 2)))
 
 
-CASES = [(1, 0.003, 0.2), (1, 0.005, 0.3), (2, 0.005, 0.2), (3, 0.003, 0.2)]
+CASES = [(1, 0.003, 0.2), (2, 0.005, 0.2), (3, 0.003, 0.2), (3, 0.005, 0.14), (5, 0.002, 0.16)]
 
 
 @pytest.mark.parametrize(("seed", "step", "end"), CASES)

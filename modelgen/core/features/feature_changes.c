@@ -652,16 +652,16 @@ static int mg_release_folded_contacts(mg_context *c, mg_events *events) {
   return count;
 }
 
-MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h) {
+MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h, int is_repeated) {
   const mg_system *s = c->system;
   int count = mg_release_folded_contacts(c, events);
   mg_release_distant_rim_points(c);
   for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER && mg_is_search_needless(c, pair)) continue;
     const mg_real step = h * mg_pair_speed_bound(c, pair);
-    c->run->moved_since_search[pair] += step;
+    if (!is_repeated) c->run->moved_since_search[pair] += step;
     if (!mg_is_search_due(c, pair, c->run->moved_since_search[pair])) continue;
-    const mg_real moved = c->run->moved_since_search[pair];
+    const mg_real moved = c->run->moved_since_search[pair] + (is_repeated ? step : 0);
     const int is_done = c->search.searched_gap[pair] >= 0 && !c->run->is_search_due[pair];
     if (is_done) c->run->unfollowed_gap[pair] = c->search.searched_gap[pair];
     c->search.searched_gap[pair] = MG_NOT_SEARCHED;

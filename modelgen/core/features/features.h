@@ -53,8 +53,9 @@ MG_INTERNAL int mg_request_penetration_searches(mg_context *c);
 MG_INTERNAL mg_real mg_search_step_limit(const mg_context *c);
 
 /* After an accepted step of length h, release contacts that end and search the pairs for new ones; returns how
-   many changed. */
-MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h);
+   many changed. is_repeated: 1 where that was done after the same step, and bodies were moved since to correct
+   penetration; what is left of it may be as deep as the step was long. */
+MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h, int is_repeated);
 
 /* near_pairs.c */
 

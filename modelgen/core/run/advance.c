@@ -136,7 +136,7 @@ static int mg_finish_accepted_step(mg_context *c, mg_real h, int event, mg_recor
     mg_clear_triggered_events(c);
     outcome = mg_solve_contact_modes(c, events);
   }
-  if (!outcome && mg_search_all_pairs(c, events, h)) mg_evaluate_run_state(c);
+  if (!outcome && mg_search_all_pairs(c, events, h, 0)) mg_evaluate_run_state(c);
   mg_update_diagnostics(c);
   if (!outcome) outcome = mg_cross_singular_contacts(c, record, events);
   if (!outcome && !c->events.passage.is_paused) outcome = mg_check_margins(c, events);

@@ -174,6 +174,12 @@ static mg_real mg_largest_violation(const mg_context *c) {
   return worst;
 }
 
+/* Adds the movement by a correction, from the poses c->step.pose, to that of the pairs since their last searches. */
+static void mg_count_correction_as_movement(mg_context *c) {
+  for (int pair = mg_next_pair(c, -1); pair < c->system->n_pair; pair = mg_next_pair(c, pair))
+    c->run->moved_since_search[pair] += mg_pair_movement_bound(c, pair, c->step.pose);
+}
+
 /* Least movement in the metric of the kinetic energy that removes penetration and joint errors, to first order.
    Returns 0 if it fails, or would move a body too far. */
 static int mg_correct_positions(mg_context *c, mg_real worst) {
@@ -206,6 +212,7 @@ MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events) {
     moved++;
     mg_converge_all_contacts(c, events);
     mg_update_rows_at(c, c->run->t, c->run->x);
+    mg_count_correction_as_movement(c);
     if (mg_largest_violation(c) < 2 * worst) continue;
     mg_copy_states(c, c->step.stage, c->run->x);
     mg_converge_all_contacts(c, events);
