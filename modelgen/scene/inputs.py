@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from modelgen.scene.constants import NAMED
-from modelgen.scene.scalar_types import NUMBER, Choice, Text
+from modelgen.scene.scalar_types import NUMBER, Choice, Text, words
 from modelgen.scene.scene_types import Input
 from modelgen.scene.source_location import Place
 from modelgen.scene.table_types import Field, Several, Table
@@ -25,7 +25,7 @@ INPUT = Table(
             "between two settings: zero keeps the value; linear follows a line, whose rate may be set too",
             default="zero",
         ),
-        Field("unit", Text(r"^.{0,40}$", "at most 40 characters are allowed"), "unit, in words", default=""),
+        Field("unit", words(40), "unit, in words", default=""),
     )
 )  # fmt: skip
 INPUTS = Several(INPUT, label="input")

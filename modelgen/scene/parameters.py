@@ -11,12 +11,12 @@ from typing import Any
 from modelgen.errors import SimulationError
 from modelgen.name_suggestions import nearest
 from modelgen.scene.constants import NAME_OF_CONSTANT
-from modelgen.scene.scalar_types import HUGE, NUMBER, Text
+from modelgen.scene.scalar_types import HUGE, NUMBER, words
 from modelgen.scene.scene_types import Parameter
 from modelgen.scene.source_location import Place, Use
 from modelgen.scene.table_types import Field, Several, Table
 
-_WORDS = Text(r"^[^\n]{0,400}$", "one line of at most 400 characters is allowed")
+_WORDS = words(400)
 
 PARAMETER = Table(
     (

@@ -148,6 +148,13 @@ class Text:
         return {"type": "string", "pattern": self.pattern}
 
 
+def words(most: int, least: int = 0) -> Text:
+    """Words on one line, of `least` to `most` characters. Control characters, separators of lines and what
+    XML cannot hold are refused: such a text is shown in tables, pages and model descriptions."""
+    allowed = f"one line of at most {most} characters, without control characters, is allowed"
+    return Text(rf"^[^\x00-\x1f\x7f-\x9f\u2028\u2029\ufffe\uffff]{{{least},{most}}}$", allowed)
+
+
 @dataclass(frozen=True, slots=True)
 class ExpressionText:
     """A number, or the text of an expression; its names are checked where they are known."""

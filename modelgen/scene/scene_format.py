@@ -18,7 +18,7 @@ from modelgen.scene.pose_input import ORIENTATIONS, POSE_FIELDS, VECTOR
 from modelgen.scene.restitution import RestitutionValue
 from modelgen.scene.run_choices import FORMS
 from modelgen.scene.run_settings import RUN
-from modelgen.scene.scalar_types import NUMBER, POSITIVE, Choice, ExpressionText, Switch, Text, Whole
+from modelgen.scene.scalar_types import NUMBER, POSITIVE, Choice, ExpressionText, Switch, Text, Whole, words
 from modelgen.scene.scene_types import Restitution
 from modelgen.scene.sensor_format import SENSORS
 from modelgen.scene.shape_catalogue import CHART_FIELDS, CURVE_FIELDS, SHAPES
@@ -51,7 +51,7 @@ _SHAPE_FIELDS = (
     *POSE_FIELDS,
     Field(
         "stands_for",
-        Text(r"^[^\n]{1,200}$", "words on one line, up to 200 characters, are allowed"),
+        words(200, least=1),
         "the other surface that the shape stands for, in words, as a mesh that is not convex; contacts are "
         "with the shape, and a run in which there may be some is not trusted",
         default="",

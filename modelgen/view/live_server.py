@@ -24,14 +24,14 @@ from modelgen.view.arrows import arrows_of
 from modelgen.view.slider_range import slider_range
 
 try:
-    import viser
+    from modelgen.view.guarded_server import serve_page
 except ImportError:
     raise ModelgenError("view", "no package 'viser'", "", 'run: pip install "modelgen[view]"') from None
 
 Array = np.ndarray[Any, Any]
 
 FRAME = 1 / 30  # s, time on the clock between two pictures
-SPEEDS = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0)
+FACTORS = {f"{each:g}": each for each in (0.01, 0.03, 0.1, 0.3, 1.0, 3.0)}  # by the text of the choice
 STEPS = 200  # of a slider
 TOLERANCE = 1e-2  # of the meshes, as a part of the size of a shape
 AWAY = 1e4  # sizes of the picture, where marks go that are not shown
@@ -77,15 +77,16 @@ class Live:
         self.simulation = self._start(dict(inputs or {}))
         instance = self.simulation.session.instance
         self._stage = stage_at_start(columns_now(self.simulation.session), model, TOLERANCE)
-        self._server = viser.ViserServer(host=host, port=port, label=instance["name"], verbose=False)
+        self._server = serve_page(host, port, instance["name"])
         self._host = host
         gui = self._server.gui
         self.running: Any = gui.add_checkbox("run", True)
-        self.speed = gui.add_dropdown("speed", [f"{each:g}" for each in SPEEDS], initial_value="1")
+        self.speed = gui.add_dropdown("speed", list(FACTORS), initial_value="1")
         self.follow = gui.add_checkbox("follow", False)
         self.reset = gui.add_button("reset")
         self._asked_reset = False
         self.reset.on_click(lambda _: self.ask_reset())
+        self._factor, self._ends = 1.0, dict[str, tuple[float, float]]()
         self.inputs = {each["name"]: self._input_slider(each) for each in instance["inputs"]}
         self.parameters = {
             each["name"]: self._parameter_slider(each) for each in instance.get("parameters", ())
@@ -115,7 +116,9 @@ class Live:
         self._obey()
         simulation = self.simulation
         if self.running.value and simulation.outcome is None:
-            span = clock * float(self.speed.value)
+            if self.speed.value in FACTORS:
+                self._factor = FACTORS[self.speed.value]
+            span = clock * self._factor
             self._steer(span)
             simulation.step(until=simulation.t + span)
             self._message = _ending(simulation) or self._message
@@ -142,15 +145,15 @@ class Live:
         """Start anew where that was asked for, or a parameter has another value. A value that is refused is
         told, and its slider goes back."""
         own = {each["name"]: each["value"] for each in self._library.manifest.instance.get("parameters", ())}
-        wanted = {name: float(slider.value) for name, slider in self.parameters.items()}
         present = own | self._parameters
+        wanted = {name: self._value(name, slider, present[name]) for name, slider in self.parameters.items()}
         changed = {name: value for name, value in wanted.items() if value != present[name]}
         if not changed and not self._asked_reset:
             return
         self._asked_reset, before = False, self._parameters
         self._parameters = {**before, **changed}
         try:
-            self.simulation = self._start({name: float(each.value) for name, each in self.inputs.items()})
+            self.simulation = self._start(self._wanted_inputs())
             self._message = ""
         except ModelgenError as error:
             self._parameters, self._message = before, str(error)
@@ -164,14 +167,24 @@ class Live:
 
     def _steer(self, span: float) -> None:
         """Bring inputs to what the sliders say: at once, or, where they are continuous, within a step."""
-        inputs = self.simulation.inputs
+        inputs, of_sliders = self.simulation.inputs, self._wanted_inputs()
         for kind in self.simulation.session.instance["inputs"]:
             name = kind["name"]
-            value, wanted = inputs[name], float(self.inputs[name].value)
+            value, wanted = inputs[name], of_sliders[name]
             if kind["hold"] == "linear":
                 inputs.ramp(name, (wanted - value) / span)
             elif value != wanted:
                 inputs[name] = wanted
+
+    def _wanted_inputs(self) -> dict[str, float]:
+        present = self.simulation.inputs
+        return {name: self._value(name, slider, present[name]) for name, slider in self.inputs.items()}
+
+    def _value(self, name: str, slider: Any, present: float) -> float:
+        """The number of a slider; the present one where a client has sent none within its ends."""
+        low, high = self._ends[name]
+        value = float(slider.value)
+        return value if low <= value <= high else present
 
     def _input_slider(self, kind: Mapping[str, Any]) -> Any:
         low, high = input_range(kind)
@@ -183,7 +196,7 @@ class Live:
 
     def _slider(self, kind: Mapping[str, Any], value: float, low: float, high: float) -> Any:
         """A slider over the range; where an end is missing it is a way off that suits the value."""
-        low, high = slider_range(low, high, value)
+        low, high = self._ends[kind["name"]] = slider_range(low, high, value)
         label = f"{kind['name']} [{kind['unit']}]" if kind["unit"] else kind["name"]
         return self._server.gui.add_slider(label, low, high, (high - low) / STEPS, value)
 

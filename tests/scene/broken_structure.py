@@ -26,6 +26,21 @@ def chart(z: str, rest: str = "") -> str:
 Case = tuple[str, str, list[str]]
 
 STRUCTURAL: list[Case] = [
+    (
+        "unit of a parameter with a control character",
+        SOUND + '[[parameter]]\nname = "a"\nvalue = 1\nunit = "N\\u0001m"\n',
+        ["parameter[0].unit", "control characters"],
+    ),
+    (
+        "unit of an input on two lines",
+        SOUND + '[[input]]\nname = "a"\nunit = "N\\u2028m"\n',
+        ["input[0].unit", "one line of at most 40"],
+    ),
+    (
+        "stand-in with an escape",
+        egg("", shape='shape = { kind = "sphere", radius = 0.1, stands_for = "a \\u001b[31mcup" }\n'),
+        ["stands_for", "control characters"],
+    ),
     ("no body", "fold = true", ["'body' is missing", "add a [[body]]"]),
     ("body as one table", "[body]\nname = 'egg'\n", ["body: a table", "write [[body]]"]),
     ("no name", SOUND.replace('name = "egg"\n', ""), ["body[1]: the key 'name' is missing", "add name"]),

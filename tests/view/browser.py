@@ -120,6 +120,13 @@ class Browser:
             path.write_bytes(content)
         return np.asarray(Image.open(BytesIO(content)).convert("RGB"), dtype=int)
 
+    def press(self, key: str, code: int) -> None:
+        """Press a key and let it go, as a person does."""
+        text = {"text": key} if len(key) == 1 else {}
+        given = {"key": key, "code": "Space" if key == " " else key, "windowsVirtualKeyCode": code}
+        self.ask("Input.dispatchKeyEvent", {"type": "keyDown", **given, **text})
+        self.ask("Input.dispatchKeyEvent", {"type": "keyUp", **given})
+
     def drag(self, start: tuple[float, float], end: tuple[float, float]) -> None:
         """Press the mouse at one place of the page and let it go at another."""
         for kind, (x, y) in (("mousePressed", start), ("mouseMoved", end), ("mouseReleased", end)):

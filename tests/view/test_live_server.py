@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
+from socket import create_connection
 
 import numpy as np
 import pytest
@@ -16,6 +18,11 @@ from tests.running import SCENES, library_of, scene_of
 from tests.view.browser import browser, needs_browser
 
 pytest.importorskip("viser", reason="extra view")
+import msgspec
+import viser
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
+
 from modelgen.view.live_server import Live
 
 
@@ -138,3 +145,93 @@ def test_a_browser_shows_the_run(tmp_path: Path, wheel: Live) -> None:
         wheel.step(1 / 30)
         assert wheel.simulation.inputs["torque"] < 0
     assert (np.abs(before - after).max(axis=2) > 40).mean() > 0.005
+
+
+def answer_to(live: Live, **headers: str) -> int:
+    """The status of the answer to a request of the page with other headers."""
+    address, port = live.address.removeprefix("http://").split(":")
+    given = {"Host": f"{address}:{port}"} | headers
+    with create_connection((address, int(port)), timeout=30) as line:
+        lines = ["GET / HTTP/1.1", *(f"{name}: {value}" for name, value in given.items()), "", ""]
+        line.sendall("\r\n".join(lines).encode())
+        return int(line.recv(100).split()[1])
+
+
+OWN = ("127.0.0.1:18080", "localhost:9000", "[::1]:18080", "192.168.1.5:18080")
+FOREIGN = (
+    "example.org",
+    "example.org:18080",
+    "127.0.0.1.example.org:18080",
+    "localhost.example.org",
+    "",
+    "a b",
+)
+
+
+@pytest.mark.parametrize("name", OWN)
+def test_the_page_is_served_under_own_names(wheel: Live, name: str) -> None:
+    assert answer_to(wheel, Host=name) == answer_to(wheel, Host=name, Origin=f"http://{name}") == 200
+
+
+@pytest.mark.parametrize("name", FOREIGN)
+def test_foreign_names_and_origins_get_nothing(wheel: Live, name: str) -> None:
+    upgrade = {
+        "Upgrade": "websocket", "Connection": "Upgrade", "Sec-WebSocket-Version": "13",
+        "Sec-WebSocket-Key": "AAAAAAAAAAAAAAAAAAAAAA==",
+        "Sec-WebSocket-Protocol": f"viser-v{viser.__version__}",
+    }  # fmt: skip
+    assert answer_to(wheel, **upgrade) == 101
+    for headers in ({"Host": name}, {"Origin": f"http://{name}"}, {"Origin": "null"}):
+        assert answer_to(wheel, **headers) == 403
+        assert answer_to(wheel, **upgrade, **headers) == 403
+
+
+def malformed(live: Live, rng: np.random.Generator) -> bytes | str:
+    """A message that no page sends: bytes, texts, unknown kinds, properties and values of controls."""
+    control = [live.running, live.speed, live.inputs["torque"], live.reset][rng.integers(4)]
+    name = ["value", "min", "max", "update_cb", "removed", "no_such"][rng.integers(6)]
+    value = [np.nan, np.inf, 1e308, -1, "torque", None, [], {}, b"\0", True][rng.integers(10)]
+    update = {"type": "GuiUpdateMessage", "uuid": control._impl.uuid, "updates": {name: value}}
+    whole = msgspec.msgpack.encode(update)
+    return [
+        rng.bytes(int(rng.integers(200))), "text", whole, whole[: int(rng.integers(len(whole)))],
+        msgspec.msgpack.encode({"type": "NoSuchMessage"}), msgspec.msgpack.encode([1, 2]),
+    ][rng.integers(6)]  # fmt: skip
+
+
+@pytest.mark.parametrize("count", [100, pytest.param(1000, marks=pytest.mark.slow)])
+def test_malformed_messages_end_their_connection_alone(
+    wheel: Live, count: int, capfd: pytest.CaptureFixture[str]
+) -> None:
+    rng, address = np.random.default_rng(count), wheel.address.replace("http", "ws")
+    for _ in range(count):
+        with (
+            connect(address, subprotocols=[f"viser-v{viser.__version__}"]) as line,
+            suppress(ConnectionClosed),
+        ):
+            line.send(malformed(wheel, rng))
+        wheel.step(0.001)
+    assert answer_to(wheel) == 200
+    assert wheel.simulation.outcome is None
+    assert np.isfinite(wheel.simulation.state).all()
+    out, err = capfd.readouterr()
+    assert "Traceback" not in out + err
+
+
+PAGE_OF_ANOTHER_ORIGIN = """<script>
+let heard = 0, tried = 0;
+const line = new WebSocket("ws://ADDRESS", "viser-vVERSION");
+line.onopen = () => heard++; line.onmessage = () => heard++; line.onclose = () => tried++;
+fetch("http://ADDRESS/").then(() => heard++).catch(() => {}).finally(() => tried++);
+</script>"""
+
+
+@pytest.mark.slow
+@needs_browser
+def test_a_page_of_another_origin_hears_nothing(tmp_path: Path, wheel: Live) -> None:
+    text = PAGE_OF_ANOTHER_ORIGIN.replace("ADDRESS", wheel.address.removeprefix("http://"))
+    (tmp_path / "page.html").write_text(text.replace("VERSION", viser.__version__))
+    with browser(tmp_path) as driven:
+        driven.open((tmp_path / "page.html").as_uri())
+        driven.until("tried === 2")
+        assert driven.value("heard") == 0

@@ -140,3 +140,50 @@ def test_header_and_key_cover_no_body(name: str, size: tuple[int, int], tmp_path
         apart, header, highest, lowest, key = driven.value(EXTENT)
     assert apart
     assert header < highest < lowest < key
+
+
+PRESSED = """(() => { const controls = document.querySelectorAll("button, input, select, summary");
+controls[NUMBER].focus();
+return [document.activeElement.tagName, document.activeElement.type || ""]; })()"""
+STATE = """(() => { const one = document.activeElement, details = one.closest("details");
+return [playing, now, one.checked || false, one.value || "", details ? details.open : false]; })()"""
+
+
+@pytest.mark.slow
+@needs_browser
+def test_keys_belong_to_the_control_that_has_the_focus(tmp_path: Path) -> None:
+    """Space toggles a box and presses a button, arrows move a slider and a choice; where nothing or the
+    picture has the focus they play and go to events."""
+    page = tmp_path / "page.html"
+    page.write_text(page_of("cube_toss", 0.5)[0])
+    with browser(tmp_path) as driven:
+        driven.open(f"file://{page}#t=0.1")
+        for focus in ("document.activeElement.blur()", "canvas.focus()"):
+            driven.value(focus)
+            playing = driven.value("playing")
+            driven.press(" ", 32)
+            assert driven.value("playing") is not playing
+            driven.value("go(0)")
+            driven.press("ArrowRight", 39)
+            assert driven.value("now") == pytest.approx(driven.value("data.events.find(e => e.t > 0).t"))
+        driven.value("document.querySelector('details').open = true")
+        count = driven.value("document.querySelectorAll('button, input, select, summary').length")
+        tried = set()
+        for number in range(count):
+            driven.value("go(0.1)")
+            driven.settle()
+            kind = tuple(driven.value(PRESSED.replace("NUMBER", str(number))))
+            tried.add(kind)
+            before = driven.value(STATE)
+            driven.press(*(("ArrowRight", 39) if kind[1] in ("range", "select-one") else (" ", 32)))
+            driven.settle()
+            after = driven.value(STATE)
+            if kind == ("INPUT", "checkbox"):
+                assert (after[2], after[:2]) == (not before[2], before[:2])
+            elif kind == ("INPUT", "range"):
+                assert 0 < after[1] - before[1] < 0.01
+            elif kind[0] == "SELECT":
+                assert (after[3] != before[3], after[:2]) == (True, before[:2])
+            elif kind[0] == "SUMMARY":
+                assert (after[4], after[:2]) == (not before[4], before[:2])
+        assert {("INPUT", "checkbox"), ("INPUT", "range"), ("SELECT", "select-one"), ("SUMMARY", "")} <= tried
