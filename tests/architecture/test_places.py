@@ -20,6 +20,7 @@ IO_PLACES = (
     "identification/recording_files.py",
     "casadi_functions/compiled_function.py",
     "report/",
+    "view/guarded_server.py",
     "benchmark/callgrind_counts.py",
     "benchmark/peers/",
     "benchmark/measurement_store.py",
