@@ -851,6 +851,12 @@ enum {
   MG_DOUBT_CAPACITY = 32768      /* a capacity was exceeded, and something left out (run->exceeded) */
 };
 
+/* Energy to which energy errors are relative, J: the largest kinetic energy, or of what has not moved m (L/T)^2. */
+MG_API mg_real mg_moved_energy(const mg_system *system, const mg_run *run);
+
+/* Energy error that rounding of energy and work in each step may add up to, J. */
+MG_API mg_real mg_energy_rounding(const mg_system *system, const mg_run *run);
+
 /* The reasons not to trust a run that has come to `outcome` (mg_begin, mg_advance), MG_DOUBT_ENDED .. as bits; 0: none.
    An outcome below MG_PENETRATION ends no run. What a finer run would show, its error, is not among them. */
 MG_API int mg_doubts(const mg_system *system, const mg_settings *settings, const mg_run *run, int outcome);

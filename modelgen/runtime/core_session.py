@@ -243,19 +243,18 @@ class Session:
 
     def energy_rounding(self, run: Any) -> float:
         """What rounding of energy and work in each step may add up to, relative as `energy_drift`."""
-        energies = self._resting_energy() + abs(float(run.energy_0)) + float(run.kinetic_max)
-        eps = float(np.finfo(self.tables.dtype).eps)
-        return (float(run.steps) + 1) * eps * energies / self._moved_energy(run)
-
-    def _resting_energy(self) -> float:
-        """m L^2 / T^2, J."""
-        scales = self.instance["scales"]
-        return float(scales["mass"] * (scales["length"] / scales["time"]) ** 2)
+        return self._energy("mg_energy_rounding", run) / self._moved_energy(run)
 
     def _moved_energy(self, run: Any) -> float:
         """The largest kinetic energy of an mg_run, or m L^2 / T^2 at rest, J."""
-        moved = run.kinetic_max > np.finfo(self.tables.dtype).eps * self._resting_energy()
-        return float(run.kinetic_max) if moved else self._resting_energy()
+        return self._energy("mg_moved_energy", run)
+
+    def _energy(self, function: str, run: Any) -> float:
+        """What a function of the core returns of an mg_run, J."""
+        found = getattr(self.library.cdll, function)
+        found.restype = self.tables.real
+        result = found(self._head[0], ctypes.byref(run))
+        return float(getattr(result, "value", result))
 
     def batch(self, runs: ctypes.Array[ctypes.Structure], t_stop: float, codes: Array) -> None:
         """Starts and advances each mg_run of an array to t_stop; writes the core's codes."""

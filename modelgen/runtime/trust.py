@@ -69,9 +69,8 @@ def _figures(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) 
         "energy": f"the energy drift {drift:.2g}{by_corrections} is above {energy:.2g}",
         "complementarity": "a contact force pulled, or acted across a gap, by "
         f"{path.complementarity_max:.2g} (complementarity), above {accuracy.complementarity_error_max:g}",
-        "impact-gain": f"an impact at {path.impact_gain_contact} (t = {path.impact_gain_t:.6g} s) added "
-        f"{path.impact_gain:.2g} J, above {accuracy.energy_error_max:g} of the largest kinetic energy: its "
-        'law of restitution does not exclude that with friction, and law = "stronge" does',
+        "impact-gain": gain_text(instance, path.impact_gain_contact, path.impact_gain_t, path.impact_gain)
+        + f", above {accuracy.energy_error_max:g} of the largest kinetic energy",
         "stand-in": "contacts are with shapes that stand for other surfaces: "
         + "; ".join(f"{name} for {what}" for name, what in instance.get("stand_ins", ())),
     }
@@ -109,17 +108,36 @@ def _indeterminate(path: Trajectory) -> str:
     """Why the motion is one of several, or may be."""
     if path.indeterminate_t is None:
         return ""
+    if path.paradox_contact and not path.indeterminate_load:
+        return paradox_text(path.paradox_contact, path.indeterminate_t)
     start = f"from t = {path.indeterminate_t:.6g} s the motion"
     if path.indeterminate_load:
         return f"{start} is not unique: {path.indeterminate_load} is at a jump from which it leads away"
-    if path.paradox_contact:
-        return (
-            f"{start} is one of several: {path.paradox_contact} could as well slip on, pressed by its own "
-            "friction, as part (Painleve)"
-        )
     return (
         f"contact forces with friction were not unique, and {start} not proved to be: which contact slips "
         "first is not decided by them"
+    )
+
+
+LAW_NAMES = {"newton": "Newton's", "poisson": "Poisson's", "stronge": "Stronge's"}
+
+
+def gain_text(instance: Mapping[str, Any], contact: str, t: float, gain: float) -> str:
+    """Of an impact that gained energy, J, as Newton's and Poisson's laws may with friction; limits of joints
+    follow Newton's."""
+    pairs = {each["name"]: instance["pairs"][each["pair"]] for each in instance["contacts"]}
+    law = LAW_NAMES[pairs.get(contact, {}).get("law", "newton")]
+    return (
+        f"an impact at t = {t:.6g} s made {gain:.2e} J at the contact {contact}: {law} restitution with "
+        'friction does not exclude it; law = "stronge" does'
+    )
+
+
+def paradox_text(contact: str, t: float) -> str:
+    """Of a contact at which Coulomb's law has two solutions."""
+    return (
+        f"from t = {t:.6g} s the motion is one of several: {contact} could as well slip on, pressed by its "
+        "own friction, as part (Painleve)"
     )
 
 

@@ -29,29 +29,34 @@ MG_API const char *mg_doubt_text(int doubt) {
   return "";
 }
 
-/* Energy to which energy errors are relative, J: the largest kinetic energy, or of what has not moved m (L/T)^2. */
-static mg_real mg_moved_energy(const mg_run *run, mg_real resting) {
+/* m (L/T)^2, J. */
+static mg_real mg_resting_energy(const mg_system *system) {
+  const mg_real speed = system->length / system->time;
+  return system->mass * speed * speed;
+}
+
+MG_API mg_real mg_moved_energy(const mg_system *system, const mg_run *run) {
+  const mg_real resting = mg_resting_energy(system);
   return run->kinetic_max > MG_EPS * resting ? run->kinetic_max : resting;
 }
 
-/* True if the energy error is above its bound, and above what rounding in each step may add up to. */
-static int mg_is_energy_lost(const mg_run *run, mg_real resting, mg_real bound) {
-  const mg_real rounding = ((mg_real)run->steps + 1) * MG_EPS * (resting + fabs(run->energy_0) + run->kinetic_max);
-  return !(run->energy_error_max + run->correction_energy <= mg_max(bound * mg_moved_energy(run, resting), rounding));
+MG_API mg_real mg_energy_rounding(const mg_system *system, const mg_run *run) {
+  const mg_real energies = mg_resting_energy(system) + fabs(run->energy_0) + run->kinetic_max;
+  return ((mg_real)run->steps + 1) * MG_EPS * energies;
 }
 
 MG_API int mg_doubts(const mg_system *system, const mg_settings *settings, const mg_run *run, int outcome) {
-  const mg_real speed = system->length / system->time, resting = system->mass * speed * speed,
-                gap = settings->gap_error_max * system->length;
-  const mg_real moved = mg_moved_energy(run, resting);
+  const mg_real gap = settings->gap_error_max * system->length,
+                energy = settings->energy_error_max * mg_moved_energy(system, run),
+                lost = run->energy_error_max + run->correction_energy;
   int found = 0;
   if (outcome >= MG_PENETRATION) found |= MG_DOUBT_ENDED;
   if (!(run->gap_max <= gap)) found |= MG_DOUBT_GAP;
   if (!(run->penetration_max <= gap)) found |= MG_DOUBT_PENETRATION;
   if (!(run->joint_error_max <= settings->start_joint_gap * system->length)) found |= MG_DOUBT_JOINT;
-  if (mg_is_energy_lost(run, resting, settings->energy_error_max)) found |= MG_DOUBT_ENERGY;
+  if (!(lost <= mg_max(energy, mg_energy_rounding(system, run)))) found |= MG_DOUBT_ENERGY;
   if (!(run->complementarity_max <= settings->complementarity_error_max)) found |= MG_DOUBT_COMPLEMENTARITY;
-  if (!(run->impact_gain_max <= settings->energy_error_max * moved)) found |= MG_DOUBT_IMPACT_GAIN;
+  if (!(run->impact_gain_max <= energy)) found |= MG_DOUBT_IMPACT_GAIN;
   if (!settings->use_gamma && system->n_pair) found |= MG_DOUBT_NO_GAMMA;
   if (settings->method == MG_TIME_STEPPING || run->fallbacks || run->chatters) found |= MG_DOUBT_TIME_STEPPING;
   if (settings->method == MG_RK4 && run->slip_stops) found |= MG_DOUBT_SLIP_STOP;

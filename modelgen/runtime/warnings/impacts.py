@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.core_session import Session
-
-LAW_NAMES = {"newton": "Newton's", "poisson": "Poisson's", "stronge": "Stronge's"}
+from modelgen.runtime.trust import gain_text, paradox_text
 
 
 def impact_warnings(session: Session, accuracy: Accuracy) -> list[str]:
@@ -14,25 +13,14 @@ def impact_warnings(session: Session, accuracy: Accuracy) -> list[str]:
     return [*_gains(session, accuracy), *_laws(session), *_chains(session), *_paradox(session)]
 
 
-def _law_of(session: Session, contact: str) -> str:
-    """Of a contact of shapes, or of a limit of a joint, which follows Newton's law."""
-    pairs = {each["name"]: session.instance["pairs"][each["pair"]] for each in session.instance["contacts"]}
-    return str(pairs.get(contact, {}).get("law", "newton"))
-
-
 def _gains(session: Session, accuracy: Accuracy) -> list[str]:
-    """Warns of an impact that gained energy, as Newton's and Poisson's laws may with friction."""
     run = session.run
     if run.impact_gain_contact < 0 or float(run.impact_gain_max) <= accuracy.tolerance * float(
         run.kinetic_max
     ):
         return []
     contact = session.contacts[run.impact_gain_contact]
-    return [
-        f"an impact at t = {float(run.impact_gain_t):.6g} s made {float(run.impact_gain_max):.2e} J "
-        f"at the contact {contact}: {LAW_NAMES[_law_of(session, contact)]} restitution with friction "
-        "does not exclude it"
-    ]
+    return [gain_text(session.instance, contact, float(run.impact_gain_t), float(run.impact_gain_max))]
 
 
 def _laws(session: Session) -> list[str]:
@@ -59,8 +47,4 @@ def _paradox(session: Session) -> list[str]:
     run = session.run
     if run.painleve_contact < 0:
         return []
-    return [
-        f"at t = {float(run.painleve_t):.6g} s the contact {session.contacts[run.painleve_contact]} could as "
-        "well slip on, pressed by its own friction, as part (Painleve): the motion from there is one of "
-        "several"
-    ]
+    return [paradox_text(session.contacts[run.painleve_contact], float(run.painleve_t))]

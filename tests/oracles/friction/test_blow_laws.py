@@ -251,7 +251,7 @@ def test_a_blow_that_gains_energy_is_not_trusted(e: float) -> None:
                 path, _, _ = rod_struck(law, e, 0.6, angle, spin)
                 before = 0.5 + INERTIA[1] * spin**2 / 2
                 made = path.energy[-1] - before
-                told = any("added" in reason for reason in path.doubts)
+                told = any("made" in reason for reason in path.doubts)
                 assert told == (made > 1e-6 * path.energy.max()), (law, angle, spin, made)
                 gained |= {law} if told else set()
     assert gained == {"newton"}
