@@ -117,7 +117,7 @@ MG_INTERNAL void mg_solve_island_with_friction(mg_context *c, int n, const mg_re
   for (int r = 0; r < n; r++)
     amount[c->islands.rows[r]] =
         c->lcp.z[r] + (c->run->forces_redundant ? c->run->reference_force[c->islands.rows[r]] : 0);
-  if (rank == n) mg_refine_rows(c, n, rank, rate, pivot, amount);
+  if (rank == n) mg_refine_rows(c, n, unsymmetric, rank, rate, pivot, amount);
 }
 
 MG_INTERNAL void mg_apply_slip_forces(mg_context *c) {

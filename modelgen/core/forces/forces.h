@@ -276,9 +276,11 @@ MG_INTERNAL void mg_couple_slip_to_normal_columns(mg_context *c, const int *list
 /* row_refinement.c */
 
 /* Corrects the amounts of the n rows of c->islands.rows, which J M^-1 J^T amount = -rate gave, to rounding if the least
-   pivot of the scaled matrix is small; notes how uncertain rounding leaves them. `rank`: of the rows as they were
-   solved; amounts of rows that depend on each other are left as they are. Needs M^-1 J^T of the rows. */
-MG_INTERNAL void mg_refine_rows(mg_context *c, int n, int rank, const mg_real *rate, mg_real pivot, mg_real *amount);
+   pivot of the scaled matrix is small; notes how uncertain rounding leaves them. `slips`: slip was coupled to the
+   normal rows. `rank`: of the rows as they were solved; amounts of rows that depend on each other are left as they
+   are. Needs M^-1 J^T of the rows. */
+MG_INTERNAL void mg_refine_rows(mg_context *c, int n, int slips, int rank, const mg_real *rate, mg_real pivot,
+                                mg_real *amount);
 
 /* joint_elimination.c */
 

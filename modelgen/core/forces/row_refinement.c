@@ -58,8 +58,8 @@ static void mg_add_row(const mg_context *c, mg_row_factors *s, int r) {
 
 /* Divides the memory, that of the solvers. Returns 0 if there is too little, as where a row acts on two bodies of its
    own. */
-static int mg_open_row_factors(mg_context *c, int n, mg_row_factors *s) {
-  s->n = n, s->n_body = s->size = 0, s->slips = mg_has_slip_coupling(c, c->islands.rows, n);
+static int mg_open_row_factors(mg_context *c, int n, int slips, mg_row_factors *s) {
+  s->n = n, s->n_body = s->size = 0, s->slips = slips;
   s->own = c->lcp.iwork, s->begin = s->own + n, s->end = s->begin + n, s->swap = s->end + n, s->body = s->swap + n;
   for (int r = 0; r < n; r++) mg_add_row(c, s, r);
   for (int r = 0; r < n; r++) s->own[r] += s->own[r] >= 0 ? 6 * s->n_body : 0;
@@ -255,7 +255,8 @@ static int mg_are_rows_independent(const mg_context *c, mg_row_factors *s) {
   return mg_factor_weighted_rows(c, s, 1, sqrt(MG_LCP_RANK(s->n)));
 }
 
-MG_INTERNAL void mg_refine_rows(mg_context *c, int n, int rank, const mg_real *rate, mg_real pivot, mg_real *amount) {
+MG_INTERNAL void mg_refine_rows(mg_context *c, int n, int slips, int rank, const mg_real *rate, mg_real pivot,
+                                mg_real *amount) {
   mg_row_factors s;
   const int *rows = c->islands.rows;
   mg_real change = 0, last = MG_MAX;
@@ -264,7 +265,7 @@ MG_INTERNAL void mg_refine_rows(mg_context *c, int n, int rank, const mg_real *r
     return;
   }
   if (rank < n && c->system->n_joint_row) return;
-  if (!mg_open_row_factors(c, n, &s) || (rank < n && !mg_are_rows_independent(c, &s)) ||
+  if (!mg_open_row_factors(c, n, slips, &s) || (rank < n && !mg_are_rows_independent(c, &s)) ||
       !mg_factor_weighted_rows(c, &s, 0, MG_LCP_RANK(n)) || (s.slips && !mg_factor_slip(c, &s)))
     return;
   for (int r = 0; r < n; r++) amount[rows[r]] = 0;

@@ -22,7 +22,7 @@ static void mg_solve_island(mg_context *c, int n, const mg_real *rate, mg_real *
                                    c->system->n_joint_row ? c->settings->joint_rank_tolerance : 0, c->lcp.z,
                                    c->lcp.work, c->lcp.iwork, &pivot);
   for (int r = 0; r < n; r++) amount[c->islands.rows[r]] = c->lcp.z[r];
-  mg_refine_rows(c, n, rank, rate, pivot, amount);
+  mg_refine_rows(c, n, 0, rank, rate, pivot, amount);
 }
 
 static void mg_hold_island(mg_context *c, int first, const mg_real *rate, mg_real *amount) {
