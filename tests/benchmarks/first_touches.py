@@ -75,6 +75,7 @@ RULED = ("outline_wall", "profile_wall")
 TILT = 0.3  # rad, most of a shape with open edges
 SEEN = 60.0  # m, of a shape without end that falls
 KEPT_LIBRARIES, AT_ONCE = 8, 5  # drops of a pair in a row
+WINDOWS = 10_000  # parts of a curve, by which those near another shape are found
 POLYLINE, NEWTON = 400, 6  # parts of a curve; steps to where two curves cross as seen from above
 
 
@@ -273,8 +274,29 @@ def sides(moving: Placed, fixed: Placed, limit: float) -> list[Side]:
     for own, other, direction in ((moving, fixed, DOWN), (fixed, moving, -DOWN)):
         if own.solid.size < np.inf or own.solid.faces or own.solid.edges:
             found += [Side(face, own, other, direction, limit, 2) for face in own.solid.faces]
-            found += [Side(edge, own, other, direction, limit, 1) for edge in own.solid.edges]
+            found += [Side(edge, own, other, direction, limit, 1) for edge in _edges(own, other)]
     return found
+
+
+def _edges(own: Placed, other: Placed) -> list[Callable[..., Array]]:
+    """The edges; of a curve, which is seen by its points alone, those parts that are above or below the other
+    shape."""
+    if not own.is_curve or other.radius == np.inf:
+        return [*own.solid.edges]
+    found: list[Callable[..., Array]] = []
+    t = np.linspace(0, 1, WINDOWS + 1)
+    for edge in own.solid.edges:
+        x = own.points(edge(t))[:, :2]
+        spacing = np.linalg.norm(np.diff(x, axis=0), axis=1).max()
+        near = np.hypot(*(x - other.p[:2]).T) < 1.01 * other.radius + spacing
+        ends = np.flatnonzero(np.diff(np.concatenate([[False], near, [False]])))
+        for low, high in ends.reshape(-1, 2):
+            found.append(_part_of(edge, t[max(low - 1, 0)], t[min(high, WINDOWS)]))
+    return found
+
+
+def _part_of(edge: Callable[..., Array], low: float, high: float) -> Callable[..., Array]:
+    return lambda t: edge(low + (high - low) * t)
 
 
 def touch(moving: Placed, fixed: Placed, limit: float, parts: int = 1, most: int = 6) -> tuple[float, Array]:
@@ -301,7 +323,7 @@ def _crossing(moving: Placed, fixed: Placed, limit: float, parts: int) -> tuple[
     """The same for curves: where they cross as seen from above, by Newton's method from their polylines."""
     least, place = np.inf, np.full(3, np.nan)
     t = np.linspace(0, 1, POLYLINE * parts + 1)
-    for one, two in product(moving.solid.edges, fixed.solid.edges):
+    for one, two in product(_edges(moving, fixed), _edges(fixed, moving)):
         upper, lower = _placed(moving, one), _placed(fixed, two)
         a, b = upper(t), lower(t)
         along, other = np.diff(a[:, :2], axis=0)[:, None], np.diff(b[:, :2], axis=0)[None]
