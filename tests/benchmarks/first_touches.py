@@ -21,7 +21,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cache
-from itertools import combinations_with_replacement, product
+from itertools import combinations_with_replacement, pairwise, product
 from pathlib import Path
 from subprocess import run
 from typing import Any
@@ -74,7 +74,8 @@ CROSSING = ("line", "endless cylinder")  # may cross each other without end
 RULED = ("outline_wall", "profile_wall")
 TILT = 0.3  # rad, most of a shape with open edges
 SEEN = 60.0  # m, of a shape without end that falls
-KEPT_LIBRARIES, AT_ONCE = 8, 5  # drops of a pair in a row
+KEPT_LIBRARIES = 8
+PASSES = (1, 5, 20)  # drops of each pair after the first passes over all of them
 WINDOWS = 10_000  # parts of a curve, by which those near another shape are found
 POLYLINE, NEWTON = 400, 6  # parts of a curve; steps to where two curves cross as seen from above
 
@@ -643,9 +644,9 @@ def main() -> None:
     impossible = [kinds for kinds, found in of_kinds if not found]
     of_kinds = [each for each in of_kinds if each[1]][part::parts]
     verdicts: dict[tuple[str, str], list[Verdict]] = {kinds: [] for kinds, _ in of_kinds}
-    for first in range(0, options.count, AT_ONCE):
+    for first, end in pairwise([0, *(n for n in PASSES if n < options.count), options.count]):
         for kinds, found in of_kinds:
-            for seed in range(first, min(first + AT_ONCE, options.count)):
+            for seed in range(first, end):
                 one, two = found[seed % len(found)]
                 verdict = known.get((one, two, seed)) or judge(one, two, seed)
                 verdicts[kinds].append(verdict)
