@@ -1,4 +1,5 @@
-"""The open edges of charts and splines, which touch nothing, and the shapes that contacts pair with them."""
+"""The open edges of charts and splines and the open ends of curves, which touch nothing, and the shapes that
+contacts pair with them."""
 
 from __future__ import annotations
 
@@ -46,7 +47,7 @@ def open_edges_of(model: Model) -> dict[str, Any]:
 
 
 def _edges(model: Model, body: int, shape: Shape, partners: list[Shape]) -> dict[str, Any] | None:
-    """The open edges of a shape; None if it has none."""
+    """The open edges or ends of a shape; None if it has none."""
     radii = [
         radius for radius in (bounding_ball(each)[1] for each in partners) if isfinite(radius) and radius
     ]
@@ -58,7 +59,7 @@ def _edges(model: Model, body: int, shape: Shape, partners: list[Shape]) -> dict
     return {
         **placed_entry(model, body, shape),
         "centre": centre.tolist(),
-        "radius": float(np.linalg.norm(points - centre, axis=1).max()),
+        "radius": max(float(np.linalg.norm(points - centre, axis=1).max()), spacing),
         "cavity": False,
         "thin": True,
         "kind": "sampled",

@@ -1,4 +1,4 @@
-"""Points on the edges at which a chart or a spline is open, where nothing follows it."""
+"""Points on the edges at which a chart or a spline is open, where nothing follows it, and ends of curves."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from modelgen.geometry.coordinate_domains import domain_of
 from modelgen.geometry.shape_features import features_of
-from modelgen.geometry.shape_samples import AT_END, extent_of, points_and_areas, value_of
+from modelgen.geometry.shape_samples import AT_END, ends_of_curve, extent_of, points_and_areas, value_of
 from modelgen.rotations import Array, rotation_of
 from modelgen.scene.scene_types import Condition, Feature, Shape
 
@@ -17,17 +17,33 @@ MOST = 1000  # points of a shape, about
 
 
 def is_sheet(shape: Shape) -> bool:
-    """Whether the shape may have open edges. Solids have none: where nothing follows a face of theirs, it
-    meets others at an angle."""
-    return shape.chart is not None or shape.spline is not None or shape.outline is not None
+    """Whether the shape may have open edges or ends. Solids have none: where nothing follows a face of
+    theirs, it meets others at an angle."""
+    own = (shape.chart, shape.curve, shape.spline, shape.outline)
+    return any(each is not None for each in own)
 
 
 def open_edge_points(shape: Shape, spacing: float) -> Array:
-    """(n, 3) m, axes of a sheet: points of its open edges, not much farther apart than `spacing` m."""
-    faces = [each for each in features_of(shape).features if each.dimension == 2]
+    """(n, 3) m, axes of a sheet: points of its open edges, not much farther apart than `spacing` m; of a
+    curve its open ends."""
+    features = features_of(shape).features
+    faces = [each for each in features if each.dimension == 2]
+    if not faces:
+        found = [_ends_of_curve(each) for each in features if each.dimension == 1]
+        return np.concatenate([np.zeros((0, 3)), *found])
     sides = [(face, each) for face in faces for each in face.conditions if each.next is None]
     found = [_on_side(face, each, spacing, MOST // len(sides) + 2) for face, each in sides]
     return np.concatenate([np.zeros((0, 3)), *found])
+
+
+def _ends_of_curve(curve: Feature) -> Array:
+    """The ends of a piece of a curve that nothing follows."""
+    which = [
+        0 if condition.numbers[1] > 0 else 1
+        for condition in curve.conditions
+        if condition.kind == "parameter" and condition.next is None
+    ]
+    return ends_of_curve(curve.shape)[which]
 
 
 def _on_side(face: Feature, end: Condition, spacing: float, most: int) -> Array:

@@ -82,6 +82,12 @@ def _of_curve(curve: Shape, n: int) -> Samples | None:
     return Samples(_placed(curve.pose, points), _NONE, _longest(points))
 
 
+def ends_of_curve(curve: Shape) -> Array:
+    """(2, 3) m: the points at both ends of the domain of a curve; (0, 3) if it has no end."""
+    ends = _of_curve(curve, 2)
+    return _NONE if ends is None else ends.points
+
+
 def _of_face(face: Feature, side: int, reach: float) -> Samples:
     shape = face.shape
     ends = [

@@ -213,7 +213,7 @@ class Trajectory:
     penetration_t: float = 0.0  # s, of `penetration_max`
     penetration_pair: str = ""  # the pair that penetrates so deep, "" where none does
     undeclared: tuple[Passage, ...] = ()  # pairs that no contact lists and that overlapped, by time
-    over_edges: tuple[Passage, ...] = ()  # shapes with open edges, and those that an edge was in, by time
+    over_edges: tuple[Passage, ...] = ()  # shapes with open edges or ends, and those that one was in, by time
     warnings: tuple[str, ...] = ()
     fallback_step: float = 0.0  # s, longest step of time-stepping by which an event-driven run went on; or 0
     estimate: Estimate | None = None  # of the run's own error; None where none was asked for

@@ -46,7 +46,8 @@ def _doubts(
     yield from (told[kind] for kind in FIGURES if kind in path.doubt_kinds)
     for each in path.over_edges:
         surface, other = each.between
-        yield f"an open edge of {surface}, which touches nothing, passed through {other} (t = {each.t:.6g} s)"
+        found = f"passed through {other} (t = {each.t:.6g} s)"
+        yield f"an open edge or end of {surface}, which touches nothing, {found}"
     if estimate is not None and estimate.horizon is not None:
         yield f"nothing is predicted beyond {estimate.horizon:.6g} s"
     reasons = tuple(uncertified(path)) if estimate is None else estimate.uncertified

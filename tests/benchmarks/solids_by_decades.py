@@ -401,8 +401,11 @@ def cone(rng: np.random.Generator, s: float) -> Endless:
             found: Array = _radial(x) * np.cos(angle) + x[..., 2] * np.sin(angle)
             return np.where(x[..., 2] > 0, np.maximum(found, x[..., 2]), found)
 
-        low = -seen * np.cos(angle)
-        faces = [conical((0.0, 0.0), (float(seen * np.sin(angle)), float(low)))]
+        along = seen * np.array([0.0, 1e-4, 1e-3, 1e-2, 0.1, 1.0])
+        ends = [
+            (float(r), float(-z)) for r, z in zip(along * np.sin(angle), along * np.cos(angle), strict=True)
+        ]
+        faces = [conical(one, two) for one, two in pairwise(ends)]
         return sized(s, make.cone(angle), np.inf, distance, faces, [apex])
 
     return Endless(of)

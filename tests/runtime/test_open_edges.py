@@ -45,8 +45,8 @@ def test_a_ball_that_an_edge_enters_is_told_and_not_trusted(name: str, x: float,
     (passage,) = path.over_edges
     assert path.outcome is Outcome.DONE
     assert passage.between == ("sheet", "ball")
-    assert any("an open edge of sheet" in doubt for doubt in path.doubts)
-    assert any("an open edge of the surface of sheet passes through ball" in each for each in path.warnings)
+    assert any("an open edge or end of sheet" in doubt for doubt in path.doubts)
+    assert any("an open edge or end of sheet passes through ball" in each for each in path.warnings)
     assert path.summary()["over_edges"] == [{"between": ["sheet", "ball"], "t": passage.t}]
 
 
@@ -104,3 +104,23 @@ def test_a_rim_is_no_open_edge() -> None:
     path = run(make.fixed("funnel", cone), ball("ball", [0.0, 0.0, 0.06], RADIUS))
     assert not path.over_edges
     assert not path.doubts
+
+
+WIRES = {
+    "curve": make.curve("t", "0.0", "0.2*t**2", domain=(-0.1, 0.1)),
+    "polyline": make.polyline([[-0.1, 0, 0], [0, 0, 0.02], [0.1, 0, 0]], 0.05),
+    "spline": make.bspline_curve([[-0.1, 0, 0], [-0.05, 0, 0.01], [0.05, 0, 0.01], [0.1, 0, 0]]),
+}
+
+
+@pytest.mark.parametrize("name", WIRES)
+@pytest.mark.parametrize("is_end", [False, True], ids=["middle", "end"])
+def test_a_wire_that_falls_with_an_end_into_a_ball_is_told_and_not_trusted(name: str, is_end: bool) -> None:
+    """It stands upright above the ball, or is level across it."""
+    turn, height = (pi / 2, 0.16) if is_end else (pi, 0.08)
+    low = make.fixed("low", make.sphere(0.05))
+    pose = {"position": [0.0, 0.0, height], "rpy": [0.0, turn, 0.0]}
+    wire = make.dynamic("wire", WIRES[name], mass=1.0, inertia=[0.1] * 3, **pose)
+    path = run(wire, low, 0.12)
+    assert [each.between for each in path.over_edges] == ([("wire", "low")] if is_end else [])
+    assert bool(path.doubts) == is_end

@@ -19,10 +19,10 @@ def passage_warnings(found: Sequence[Passage], start: float) -> tuple[str, ...]:
 
 
 def edge_warning(passage: Passage) -> str:
-    """The warning that an open edge of the first of two shapes was in the second."""
+    """The warning that an open edge or end of the first of two shapes was in the second."""
     surface, other = passage.between
     return (
-        f"an open edge of the surface of {surface} passes through {other}, first seen at "
+        f"an open edge or end of {surface} passes through {other}, first seen at "
         f"t = {passage.t:.6g} s: it touches nothing; continue the surface farther, or use a solid"
     )
 
