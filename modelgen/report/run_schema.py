@@ -193,7 +193,7 @@ _PROPERTIES = {
     ),
     "over_edges": entry(
         "array",
-        "shapes with an open edge or end, which touches nothing, and those that it passed through, in order of time",
+        "shapes with an open edge or end, which touches nothing, and those that it passed through, by time",
         items=_PASSAGE,
     ),
     "events": entry("array", "changes of mode in order of time", items=_EVENT),
