@@ -65,6 +65,7 @@ static mg_real mg_event_value(mg_context *c, int contact, int cause, const mg_re
 /* Describe the first triggered event at theta: its event function and rate; returns 0 if none has triggered.
    Needs the state there, and leaves another. */
 static int mg_describe_first_event(mg_context *c, mg_real h, mg_real theta, mg_located_event *event) {
+  MG_NEEDS_AT(c, MG_VALID_FORCES, c->step.stage);
   const int contact = mg_first_triggered_event(c), is_of_contact = mg_is_contact_event(c, contact);
   if (contact < 0) return 0;
   const int way = is_of_contact ? c->events.broken_condition[contact] : 0,

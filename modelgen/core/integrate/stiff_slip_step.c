@@ -161,6 +161,7 @@ static mg_real *mg_angle_slope(const mg_context *c, int stage, int unknown) {
 /* Differences of the accelerations at a stage, and of those across slip, by the angles, from its slope. Needs rows and
    accelerations at the stage. */
 static void mg_differentiate_by_slip_angles(mg_context *c, mg_slip_onset *o, int stage, mg_real t) {
+  MG_NEEDS(c, MG_VALID_ROWS, t, mg_stage_state(c, stage)), MG_NEEDS(c, MG_VALID_FREE, t, mg_stage_state(c, stage));
   const mg_real turned = (mg_real)1 / 4096;
   const mg_real *slope = mg_stage_slope(c, stage) + c->system->n_q;
   mg_real *rate = c->step.slopes + (1 + 2 * MG_RADAU_STAGES) * c->layout.n_states, *angle = o->angle[stage], along,

@@ -446,6 +446,7 @@ enum {
   MG_VALID_FORCES,     /* forces, at the modes as well */
   MG_VALID_SLOPE,      /* row 0 of c->step.slopes */
   MG_VALID_END_SLOPE,  /* its row at the end of a step */
+  MG_VALID_WRENCHES,   /* wrenches of loads and forces, of derivatives */
   MG_VALID_PLACEMENT,  /* c->search.placement (mg_placement_digest) */
   MG_VALID_KINDS
 };

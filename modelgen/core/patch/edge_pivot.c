@@ -9,6 +9,7 @@
 
 /* Move the supports of a slot onto an edge between two world points. Needs the patch still held. */
 static void mg_move_supports_to_edge(mg_context *c, int slot, mg_real ends[2][3], const mg_real *outward) {
+  MG_REQUIRE(mg_patch_of_slot(c, slot) >= 0);
   const int support = mg_first_support(c, slot);
   const mg_real *pose = c->bodies.pose + 12 * c->contacts.f[support];
   mg_real inner_point[3];

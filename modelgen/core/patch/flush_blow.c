@@ -61,6 +61,7 @@ static int mg_is_flush_with(mg_context *c, int patch, int feature_pair) {
 }
 
 MG_INTERNAL void mg_note_flush_blow(mg_context *c, int contact) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_ROWS);
   const int pair = c->system->contact_pair[contact], feature_pair = c->run->feature_pair[contact];
   mg_real next[6];
   if (!c->system->n_patch || c->run->flush_contact >= 0 || feature_pair < 0 ||

@@ -42,6 +42,7 @@ static int mg_list_blow_rows(mg_context *c, mg_sensitivity *s, int of_contacts, 
 /* Velocities of the listed rows before and after the blow, and which of their friction slips after it. Needs the twists
    before; `change` is that of the twists. */
 static void mg_find_blow_rates(const mg_context *c, mg_blow *b, const mg_real *change) {
+  MG_NEEDS_ANY(c, MG_VALID_TWISTS), MG_NEEDS_ANY(c, MG_VALID_ROWS);
   for (int r = 0; r < b->n; r++) {
     b->rate_before[r] = mg_row_times(c, b->row[r], c->bodies.twist);
     b->rate_after[r] = b->rate_before[r] + mg_row_times(c, b->row[r], change);

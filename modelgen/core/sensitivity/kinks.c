@@ -136,10 +136,10 @@ MG_INTERNAL int mg_find_kink(mg_context *c, mg_sensitivity *s, mg_real t, const 
   int reason = MG_NO_REASON;
   if (!mg_mark_kinks(c, s, t, when) && (when != MG_AT_START || !c->system->n_load)) return MG_NO_REASON;
   MG_NEEDS(c, MG_VALID_FORCES, t, x);
-  mg_gather_wrenches(c, s, t);
   for (int i = 0; i < c->system->n_contact; i++)
     if (s->on_kink[i] == MG_IS_LET_BEAR) c->run->active[i] = 1;
   MG_NOTE(c, MG_VALID_FORCES, t, x); /* contacts that are let bear carry nothing yet */
+  mg_gather_wrenches(c, s, t);
   for (int j = 0; j < s->directions->n && !reason; j++) {
     if (direction >= 0 && j != direction) continue;
     mg_rhs_tangent(c, s, j, t, x, s->tangent->x + (long)j * c->layout.n_states, s->stage);
@@ -147,7 +147,7 @@ MG_INTERNAL int mg_find_kink(mg_context *c, mg_sensitivity *s, mg_real t, const 
   }
   for (int i = 0; i < c->system->n_contact; i++)
     if (s->on_kink[i] == MG_IS_LET_BEAR) c->run->active[i] = 0;
-  MG_NOTE(c, MG_VALID_FORCES, t, x);
+  MG_NOTE(c, MG_VALID_FORCES, t, x), MG_NOTE_WITH(c, MG_VALID_WRENCHES, MG_VALID_FORCES);
   return reason;
 }
 

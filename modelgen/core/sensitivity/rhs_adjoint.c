@@ -224,7 +224,7 @@ static void mg_loads_adjoint(const mg_context *c, mg_sensitivity *s, mg_real t) 
 
 MG_INTERNAL void mg_rhs_adjoint(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x, const mg_real *slope_bar,
                                 mg_real *x_bar) {
-  MG_NEEDS(c, MG_VALID_FORCES, t, x);
+  MG_NEEDS(c, MG_VALID_FORCES, t, x), MG_NEEDS_WITH(c, MG_VALID_WRENCHES, MG_VALID_FORCES);
   const mg_system *system = c->system;
   for (int b = 0; b < system->n_body; b++)
     if (mg_is_moved_by_forces(c, b))

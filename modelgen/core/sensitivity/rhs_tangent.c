@@ -41,6 +41,7 @@ MG_INTERNAL void mg_gather_wrenches(mg_context *c, mg_sensitivity *s, mg_real t)
     mg_add_row_wrench(c, i, c->solution.force[i], s->wrench);
   for (int i = mg_next_row(c, c->layout.friction_row_begin - 1); i < c->layout.friction_row_end; i = mg_next_row(c, i))
     if (c->solution.force[i] != 0) mg_add_row_wrench(c, i, c->solution.force[i], s->wrench);
+  MG_NOTE_WITH(c, MG_VALID_WRENCHES, MG_VALID_FORCES);
 }
 
 MG_INTERNAL int mg_is_turned_by_slip(const mg_context *c, int constraint, const mg_real *slip) {
@@ -226,11 +227,12 @@ static void mg_marked_rhs_tangent(mg_context *c, mg_sensitivity *s, int directio
 
 MG_INTERNAL void mg_rhs_tangent(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x,
                                 const mg_real *dx, mg_real *slope) {
-  MG_NEEDS(c, MG_VALID_FORCES, t, x);
+  MG_NEEDS(c, MG_VALID_FORCES, t, x), MG_NEEDS_WITH(c, MG_VALID_WRENCHES, MG_VALID_FORCES);
   mg_marked_rhs_tangent(c, s, direction, t, x, dx, 0, slope);
 }
 
 MG_INTERNAL int mg_find_redundant_forces(mg_context *c, mg_sensitivity *s) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_FORCES);
   mg_real *given = s->at.value, most = 0;
   const int n = mg_list_held_rows(c);
   mg_zero_reals(s->at.value, s->at.force + c->layout.friction_row_end - s->at.value);

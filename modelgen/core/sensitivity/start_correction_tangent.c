@@ -88,6 +88,7 @@ static void mg_project_gap_tangents(mg_context *c, mg_sensitivity *s, const int 
 /* True if a number of the scene opens or closes marked contacts at the start, or lets them move: their run starts in
    another way on each side. Needs the state of the run. */
 static int mg_opens_start(mg_context *c, mg_sensitivity *s, const int *marked) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_ROWS);
   const int *permitted = s->directions->is_permitted;
   const mg_real part = sqrt(c->settings->event_tolerance);
   mg_settle_eta_tangents(c, s, c->run->t, c->run->x);

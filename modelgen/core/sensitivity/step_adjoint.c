@@ -92,6 +92,7 @@ MG_INTERNAL void mg_step_adjoint(mg_context *c, mg_sensitivity *s, mg_real h, mg
   const mg_real t = c->run->t, *x = c->run->x;
   const int is_composed = mg_is_in_mode_of_scene_rhs(c);
   mg_real *k_bar = s->slopes, *at_stage = s->stage;
+  MG_NEEDS(c, MG_VALID_POSES, t + h, c->step.end);
   mg_settle_eta_adjoint(c, s, t + h, c->step.end, x_bar);
   mg_combine_stages(method, method->stages, states, states, h, x, c->step.slopes, c->step.stage);
   mg_normalise_tangent(c, c->step.stage, x_bar); /* a symmetric projection */
