@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import csv
+import hashlib
 import json
-import zipfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -58,6 +58,8 @@ def load(path: str | Path) -> Record:
         )
     try:
         with np.load(path, allow_pickle=False) as stored:
+            if str(stored["digest"]) != _digest({name: stored[name] for name in stored.files}):
+                raise ValueError("its content is not what was written")
             names = json.loads(str(stored["names"]))
             return Record(
                 columns=ByName({name: stored[name] for name in COLUMNS}, "column"),
@@ -76,10 +78,10 @@ def load(path: str | Path) -> Record:
             )
     except FileNotFoundError:
         raise missing_run(path) from None
-    except (ValueError, KeyError, EOFError, OSError, zipfile.BadZipFile):
+    except Exception:  # of zipfile, zlib, NumPy and json: whatever they raise, it is no such file
         raise ModelgenError(
             place,
-            "not a run of modelgen",
+            "not a run of modelgen, or damaged",
             "a .npz file that `modelgen simulate --out` wrote",
             "write it anew",
         ) from None
@@ -100,8 +102,20 @@ def _save_npz(record: Record, path: Path) -> None:
     texts = {"names": json.dumps(names), "summary": json.dumps(record.summary)}
     texts |= {} if record.scene is None else {"scene": json.dumps(record.scene)}
     arrays: dict[str, Array] = {**record.columns, **meshes, **faces, "pairs": record.pairs}
+    arrays |= {key: np.array(text) for key, text in texts.items()}
+    digest = np.array(_digest(arrays))
     with replaced(path) as scratch, scratch.open("wb") as file:
-        np.savez_compressed(file, allow_pickle=False, **arrays, **{k: np.array(v) for k, v in texts.items()})
+        np.savez_compressed(file, allow_pickle=False, **arrays, digest=digest)
+
+
+def _digest(arrays: Mapping[str, Array]) -> str:
+    """SHA-256 (hex) of names, types, shapes and values of all arrays but the digest itself."""
+    digest = hashlib.sha256()
+    for name in sorted(arrays.keys() - {"digest"}):
+        values = np.asarray(arrays[name])
+        digest.update(f"{name}:{values.dtype.str}:{values.shape}:".encode())
+        digest.update(np.ascontiguousarray(values).tobytes())
+    return digest.hexdigest()
 
 
 def _save_csv(record: Record, path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import hashlib
 import struct
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -14,7 +15,9 @@ from modelgen.runtime.tables.ctypes_structures import address
 
 SAME = "a state of the same scene, built and set alike"
 _LANES = struct.Struct("<16sq")  # of a saved group of runs: what it is, and their number
-_OF_LANES = b"modelgen lanes 1"
+_OF_LANES = b"modelgen lanes 2"
+_OF_RUN = b"\x1a\nmgcpkt"  # MG_MAGIC, with which what mg_save writes begins
+_DIGEST = 32  # bytes
 DIFFERENCES: Mapping[int, tuple[str, str]] = {  # by the code of mg_load: what was found, and the remedy
     1: ("the bytes are no saved state of a run", "give the bytes that `save` returned"),
     2: ("it was saved by another version of the core", "run with the version that saved it"),
@@ -46,6 +49,21 @@ def load(cdll: ctypes.CDLL, head: tuple[Any, ...], state: bytes) -> None:
         raise SimulationError("load", found, SAME, remedy)
 
 
+def sealed(head: bytes, states: bytes) -> bytes:
+    """What the core does not know of a run or group, a digest of all, and what the core saved."""
+    return head + hashlib.sha256(head + states).digest() + states
+
+
+def opened(mark: object, size: int) -> tuple[bytes, bytes]:
+    """The head of `size` bytes and the states that `sealed` joined. SimulationError for other bytes."""
+    given = bytes_of(mark)
+    head, digest, states = given[:size], given[size : size + _DIGEST], given[size + _DIGEST :]
+    if digest != hashlib.sha256(head + states).digest():
+        found, remedy = DIFFERENCES[8 if states.startswith(_OF_RUN) else 1]
+        raise SimulationError("load", found, SAME, remedy)
+    return head, states
+
+
 def bytes_of(mark: object) -> bytes:
     """A saved state; raises SimulationError for what are no bytes."""
     if not isinstance(mark, bytes | bytearray | memoryview):
@@ -55,7 +73,8 @@ def bytes_of(mark: object) -> bytes:
 
 def joined(codes: Sequence[int], states: Sequence[bytes]) -> bytes:
     """The outcomes of the core and the states of a group of runs, as bytes."""
-    return _LANES.pack(_OF_LANES, len(codes)) + struct.pack(f"<{len(codes)}q", *codes) + b"".join(states)
+    head = _LANES.pack(_OF_LANES, len(codes)) + struct.pack(f"<{len(codes)}q", *codes)
+    return sealed(head, b"".join(states))
 
 
 def parted(mark: object, n: int) -> tuple[tuple[int, ...], list[bytes]]:
@@ -70,10 +89,8 @@ def parted(mark: object, n: int) -> tuple[tuple[int, ...], list[bytes]]:
     if (count := _LANES.unpack_from(given)[1]) != n:
         found, remedy = f"a state of {count} runs", f"write start_many(library, {count}, ...)"
         raise SimulationError("load", found, f"one of {n} runs", remedy)
-    first = _LANES.size + 8 * n
-    if len(given) <= first or (len(given) - first) % n:
-        found, remedy = DIFFERENCES[8]
-        raise SimulationError("load", found, SAME, remedy)
-    size = (len(given) - first) // n
-    states = [given[first + k * size : first + (k + 1) * size] for k in range(n)]
-    return struct.unpack_from(f"<{n}q", given, _LANES.size), states
+    head, states = opened(given, _LANES.size + 8 * n)
+    size = len(states) // n
+    return struct.unpack_from(f"<{n}q", head, _LANES.size), [
+        states[k * size : (k + 1) * size] for k in range(n)
+    ]

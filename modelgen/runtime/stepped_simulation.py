@@ -19,7 +19,7 @@ from modelgen.runtime.arguments import (
     values_by_name,
     with_parameters,
 )
-from modelgen.runtime.checkpoint import bytes_of
+from modelgen.runtime.checkpoint import opened, sealed
 from modelgen.runtime.contacts import Contact, contacts_of
 from modelgen.runtime.controllers import ControlFunction, Controller
 from modelgen.runtime.core_session import CONTINUE, FULL, Session
@@ -189,16 +189,16 @@ class Simulation:
         """The state of the run, its inputs and the instants of its controller included. Loaded into a run of
         the same library, parameters and settings, also in another process, it goes on bit for bit."""
         calls, start = (0, 0.0) if self._controller is None else self._controller.instants
-        return _HEAD.pack(calls, start, self._code or 0) + self.session.save()
+        return sealed(_HEAD.pack(calls, start, self._code or 0), self.session.save())
 
     def load(self, mark: bytes) -> None:
         """Go to a saved state. The controller stays the one that is set. Raises SimulationError where `mark`
         is not what `save` returned for the same library, parameters and settings; it says what differs."""
-        given = bytes_of(mark)
-        self.session.load(given[_HEAD.size :])
+        head, state = opened(mark, _HEAD.size)
+        self.session.load(state)
         self.sensors.forget()
         self._driven = None
-        calls, start, code = _HEAD.unpack(given[: _HEAD.size])
+        calls, start, code = _HEAD.unpack(head)
         self._code, self._early = code or None, ()
         if self._controller is not None:
             self._controller.instants = calls, start

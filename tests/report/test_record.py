@@ -14,6 +14,7 @@ from modelgen.errors import ModelgenError
 from modelgen.report.run_files import load, save
 from modelgen.report.run_record import COLUMNS, rotate_inverse
 from modelgen.scene.python_scenes import dynamic, fixed, plane, scene, sphere
+from tests.mutants import mutants
 from tests.running import library_of
 
 from .runs import ball_on_table
@@ -109,6 +110,23 @@ def test_arrays_of_another_program_are_refused(tmp_path: Path) -> None:
     np.savez(tmp_path / "run.npz", t=np.zeros(3))
     with pytest.raises(ModelgenError, match="not a run of modelgen"):
         load(tmp_path / "run.npz")
+
+
+def test_no_damaged_run_is_read(tmp_path: Path) -> None:
+    """Or it holds what was written: of a zip file some bytes say nothing."""
+    path = tmp_path / "run.npz"
+    save(ball_on_table(), path)
+    whole, read = path.read_bytes(), load(path)
+    for mutant in mutants(whole, 300):
+        path.write_bytes(mutant)
+        try:
+            found = load(path)
+        except ModelgenError as error:
+            assert "not a run of modelgen, or damaged" in str(error)  # noqa: PT017
+            continue
+        assert found.summary == read.summary
+        for name, column in read.columns.items():
+            np.testing.assert_array_equal(found.columns[name], column)
 
 
 def test_what_a_csv_file_lacks_is_said(tmp_path: Path) -> None:
