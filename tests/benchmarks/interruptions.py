@@ -226,6 +226,7 @@ def main() -> int:
     if given.work:
         work(given.work, given.out)
         return 0
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background commands ignore it
     with TemporaryDirectory() as folder:
         return int(study(given.members, given.instants, Path(folder)) > 0)
 
