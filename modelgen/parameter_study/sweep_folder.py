@@ -7,6 +7,7 @@ are done, the parts become one file. What is there after an interruption is what
 from __future__ import annotations
 
 import fcntl
+import hashlib
 import json
 import os
 import re
@@ -110,10 +111,10 @@ class SweepFolder:
         except FileNotFoundError:
             found, remedy = "no sweep is in it", "name the folder that `modelgen sweep --out` wrote"
             raise ModelgenError(str(self.path), found, "", remedy) from None
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             raise ModelgenError(str(self.path / PLAN), f"no JSON: {error}", "", REMEDY) from None
-        if not isinstance(plan, dict):
-            raise ModelgenError(str(self.path / PLAN), "no plan of a sweep", "", REMEDY)
+        if not isinstance(plan, dict) or plan.pop("digest", None) != _digest(plan):
+            raise ModelgenError(str(self.path / PLAN), "no plan of a sweep, or damaged", "", REMEDY)
         return plan
 
     def _take_up(self, plan: Mapping[str, Any]) -> None:
@@ -123,7 +124,9 @@ class SweepFolder:
         elif [name for name in os.listdir(self.path) if not name.startswith(SCRATCH)]:
             raise ModelgenError(str(self.path), "it holds files that are no sweep", "an empty folder", REMEDY)
         else:
-            write_file(self.path / PLAN, json.dumps(plan, indent=1) + "\n")
+            told = json.loads(json.dumps(plan))
+            told["digest"] = _digest(told)
+            write_file(self.path / PLAN, json.dumps(told, indent=1) + "\n")
         (self.path / PARTS).mkdir(exist_ok=True)
         for folder in (self.path, self.path / PARTS, self.path / RUNS):
             for left in folder.glob(f"{SCRATCH}*"):
@@ -161,13 +164,22 @@ class SweepFolder:
         if not paths:
             return self._table([])
         try:
-            return self._arrow.concat_tables([self._parquet.read_table(path) for path in paths])
-        except (OSError, self._arrow.ArrowInvalid) as error:
+            read, schema = self._parquet.read_table, self._schema()
+            tables = [read(path, page_checksum_verification=True) for path in paths]
+            return self._arrow.concat_tables([table.select(schema.names).cast(schema) for table in tables])
+        except ModelgenError:
+            raise
+        except Exception as error:  # of pyarrow: whatever it raises, the table is damaged
             raise ModelgenError(str(self.path), f"its table cannot be read: {error}", "", REMEDY) from None
 
     def _write_table(self, path: Path, table: Any) -> None:
         with replaced(path) as scratch:
-            self._parquet.write_table(table, scratch)
+            self._parquet.write_table(table, scratch, write_page_checksum=True)
+
+
+def _digest(plan: Mapping[str, Any]) -> str:
+    """SHA-256 (hex) of a plan."""
+    return hashlib.sha256(json.dumps(plan, sort_keys=True).encode()).hexdigest()
 
 
 def _compare(path: Path, own: Mapping[str, Any], plan: Mapping[str, Any]) -> None:

@@ -24,6 +24,7 @@ from modelgen.parameter_study.outcome_table import Sweep
 from modelgen.parameter_study.run_queue import RunQueue, Span
 from modelgen.runtime import simulate_lanes
 from modelgen.runtime.session_group import SessionGroup
+from tests.mutants import mutants
 from tests.parameter_study.scenes import ball
 
 pytest.importorskip("pyarrow")
@@ -331,3 +332,28 @@ def test_the_plan_says_what_was_done(tmp_path: Path) -> None:
     assert plan["runs"] == 8
     assert load_sweep(tmp_path / "a")["seed"].tolist() == [5] * 8
     assert os.listdir(tmp_path / "a")
+
+
+def test_a_damaged_plan_is_refused(tmp_path: Path) -> None:
+    """One that is empty, cut, of other content, or of another encoding."""
+    swept(tmp_path / "a")
+    plan = tmp_path / "a" / sweep_folder.PLAN
+    whole = plan.read_bytes()
+    for damaged in (b"", b"{}", b"[]", b"[" * 10**5, *mutants(whole, 40)):
+        plan.write_bytes(damaged)
+        with pytest.raises(ModelgenError, match=r"sweep\.json: no (JSON|plan of a sweep)"):
+            load_sweep(tmp_path / "a")
+
+
+def test_a_damaged_table_of_a_sweep_is_refused_or_read_as_it_was(tmp_path: Path) -> None:
+    swept(tmp_path / "a")
+    columns = load_sweep(tmp_path / "a").columns
+    path = tmp_path / "a" / sweep_folder.TABLE
+    for damaged in mutants(path.read_bytes(), 60):
+        path.write_bytes(damaged)
+        try:
+            found = load_sweep(tmp_path / "a").columns
+        except ModelgenError as error:
+            assert "its table cannot be read" in str(error)  # noqa: PT017
+            continue
+        assert str(dict(found)) == str(dict(columns))  # NaN too
