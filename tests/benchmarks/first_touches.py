@@ -2,14 +2,15 @@
 
     python -m tests.benchmarks.first_touches --count 50 --out FILE [--kinds sphere frustum] [--part 0/2]
 
-Each pair of kinds is drawn `--count` times: poses at random, ratios of sizes from 1e-3 to 1e3, aspect
-ratios, wall thicknesses and half-angles by decades. The time of the first touch follows from the least
-way down of any point of one shape into the other, by rays from dense points of curved faces, edges and
-corners, refined where they are shortest: each of them is an overlap that is certain. A member fails if
-the run has its first touch later than that (missed), or earlier (spurious), or refuses the start. One
-line for each member that fails or is not trusted, then a table of the pairs that have one. With `--out`,
-verdicts are appended to FILE (JSON lines), and a member that is there is not run again. FILE is to be
-deleted when the core has changed.
+Each pair of kinds of the scene format is drawn `--count` times, by turns with its specimens, solid, hollow or
+without end: poses at random, ratios of sizes from 1e-3 to 1e3, aspect ratios, wall thicknesses and half-angles
+by decades. The time of the first touch follows from the least way down of any point of one shape into the
+other, by rays from dense points of curved faces, edges and corners, refined where they are shortest: each of
+them is an overlap that is certain; of two curves it follows from where they cross as seen from above. A
+member fails if the run has its first touch later than that (missed), or earlier (spurious), or refuses the
+start. One line for each member that fails or is not trusted, why pairs are left out, then a table of the pairs
+that have such a member, with the commits at which members ran. With `--out`, verdicts are appended to FILE
+(JSON lines), and a member that is there is not run again. MODELGEN_POOL=FOLDER keeps compiled libraries.
 """
 
 from __future__ import annotations
@@ -77,6 +78,7 @@ SEEN = 60.0  # m, of a shape without end that falls
 KEPT_LIBRARIES = 8
 PASSES = (1, 5, 20)  # drops of each pair after the first passes over all of them
 WINDOWS = 10_000  # parts of a curve, by which those near another shape are found
+STRAIGHT = ("line", "segment", "edge")  # curves of one part
 POLYLINE, NEWTON = 400, 6  # parts of a curve; steps to where two curves cross as seen from above
 
 
@@ -282,7 +284,7 @@ def sides(moving: Placed, fixed: Placed, limit: float) -> list[Side]:
 def _edges(own: Placed, other: Placed) -> list[Callable[..., Array]]:
     """The edges; of a curve, which is seen by its points alone, those parts that are above or below the other
     shape."""
-    if not own.is_curve or other.radius == np.inf:
+    if not own.is_curve or other.radius == np.inf or "endless" in other.solid.extra:
         return [*own.solid.edges]
     found: list[Callable[..., Array]] = []
     t = np.linspace(0, 1, WINDOWS + 1)
@@ -323,18 +325,20 @@ def travel(moving: Placed, fixed: Placed, limit: float, parts: int = 1, most: in
 def _crossing(moving: Placed, fixed: Placed, limit: float, parts: int) -> tuple[float, Array]:
     """The same for curves: where they cross as seen from above, by Newton's method from their polylines."""
     least, place = np.inf, np.full(3, np.nan)
-    t = np.linspace(0, 1, POLYLINE * parts + 1)
+    first, second = (
+        np.linspace(0, 1, 2 if of.solid.shape.kind in STRAIGHT else POLYLINE * parts + 1)
+        for of in (moving, fixed)
+    )
     for one, two in product(_edges(moving, fixed), _edges(fixed, moving)):
         upper, lower = _placed(moving, one), _placed(fixed, two)
-        a, b = upper(t), lower(t)
+        a, b = upper(first), lower(second)
         along, other = np.diff(a[:, :2], axis=0)[:, None], np.diff(b[:, :2], axis=0)[None]
         apart = b[None, :-1, :2] - a[:-1, None, :2]
         with np.errstate(divide="ignore", invalid="ignore"):
             area = _flat_cross(along, other)
             u, v = _flat_cross(apart, other) / area, _flat_cross(apart, along) / area
         i, j = np.nonzero((u >= -0.01) & (u <= 1.01) & (v >= -0.01) & (v <= 1.01))
-        step = t[1] - t[0]
-        w = np.stack([(i + u[i, j]) * step, (j + v[i, j]) * step])
+        w = np.stack([(i + u[i, j]) * first[1], (j + v[i, j]) * second[1]])
         for _ in range(NEWTON):
             gap = (upper(w[0]) - lower(w[1]))[:, :2]
             slopes = [(f(x + 1e-6) - f(x - 1e-6))[:, :2] / 2e-6 for f, x in ((upper, w[0]), (lower, w[1]))]
@@ -344,8 +348,8 @@ def _crossing(moving: Placed, fixed: Placed, limit: float, parts: int) -> tuple[
         ways_down = (upper(w[0]) - lower(w[1]))[:, 2]
         ways_down = np.where(((w >= 0) & (w <= 1)).all(axis=0) & (ways_down > 0), ways_down, np.inf)
         if ways_down.min(initial=np.inf) < min(least, limit):
-            first = ways_down.argmin()
-            least, place = float(ways_down[first]), lower(w[1, first : first + 1])[0]
+            k = ways_down.argmin()
+            least, place = float(ways_down[k]), lower(w[1, k : k + 1])[0]
     return least, place
 
 
@@ -459,7 +463,8 @@ def draw(first: str, second: str, seed: int) -> Member | None:
     is_ruled = {first, second} <= {*RULED}
     low, high = (-0.2, 0.5) if is_ruled else _ratios(first, second)
     one, size = seen(made(first, 1.0), SEEN), decades(rng, low, high)
-    one = replace(one, size=1.0) if one.size == np.inf else one
+    if one.size == np.inf:
+        one = replace(one, size=1.0, extra={**one.extra, "endless": True})
     if second in HOLLOW:
         low = 1 if first in SHEETS else 0
         size = 3 * decades(rng, low, 3) * max(one.size, 1e-3) / seen(made(second, 1.0), 1.0).inner

@@ -27,6 +27,9 @@ CLOSE_CALLS = [
     ("frustum", "paraboloid", 1),
     ("polyhedron", "segment", 0),  # faces that a wire touches with its ends alone
     ("plate", "segment", 1),
+    ("torus", "helix", 3),  # a curve of which a part in a thousand is near
+    ("torus", "cone", 0),  # a needle of 0.3 degrees
+    ("line", "line", 0),
 ]
 
 
