@@ -2,15 +2,16 @@
 
     python -m tests.benchmarks.first_touches --count 50 --out FILE [--kinds sphere frustum] [--part 0/2]
 
-Each pair of kinds of the scene format is drawn `--count` times, by turns with its specimens, solid, hollow or
-without end: poses at random, ratios of sizes from 1e-3 to 1e3, aspect ratios, wall thicknesses and half-angles
-by decades. The time of the first touch follows from the least way down of any point of one shape into the
-other, by rays from dense points of curved faces, edges and corners, refined where they are shortest: each of
-them is an overlap that is certain; of two curves it follows from where they cross as seen from above. A
-member fails if the run has its first touch later than that (missed), or earlier (spurious), or refuses the
-start. One line for each member that fails or is not trusted, why pairs are left out, then a table of the pairs
-that have such a member, with the commits at which members ran. With `--out`, verdicts are appended to FILE
-(JSON lines), and a member that is there is not run again. MODELGEN_POOL=FOLDER keeps compiled libraries.
+Each pair of kinds of the scene format is drawn `--count` times, by turns with its specimens, solid,
+hollow or without end: poses at random, ratios of sizes from 1e-3 to 1e3, aspect ratios, wall thicknesses
+and half-angles by decades. The time of the first touch follows from the least way down of any point of
+one shape into the other, by rays from dense points of curved faces, edges and corners, refined where they
+are shortest: each of them is an overlap that is certain; of two curves it follows from where they cross
+as seen from above. A member fails if the run has its first touch later than that (missed), or earlier
+(spurious), or refuses the start. One line for each member that fails or is not trusted, why pairs are
+left out, then a table of the pairs that have such a member, with the commits at which members ran. With
+`--out`, verdicts are appended to FILE (JSON lines), and a member that is there is not run again.
+MODELGEN_POOL=FOLDER keeps compiled libraries.
 """
 
 from __future__ import annotations
