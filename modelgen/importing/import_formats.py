@@ -181,7 +181,7 @@ def _format(path: Path, format: str | None) -> str:
         return "profile"
     try:
         root = next(ElementTree.iterparse(path, events=("start",)))[1].tag
-    except (ElementTree.ParseError, StopIteration, UnicodeDecodeError):
+    except (ElementTree.ParseError, LookupError, StopIteration, ValueError):  # the last: encodings
         root = ""
     if root == "sdf":
         remedy = "convert it to URDF or MJCF"

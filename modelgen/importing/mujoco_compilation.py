@@ -108,7 +108,7 @@ def _urdf_text(path: Path, floating: bool, notes: Notes) -> str:
     """The text of a URDF with the places of its meshes, and notes on what MuJoCo does not read."""
     try:
         root = ElementTree.parse(path).getroot()
-    except ElementTree.ParseError as error:
+    except (ElementTree.ParseError, LookupError, ValueError) as error:  # the last two: encodings
         raise ModelgenError(str(path), f"no XML: {error}", "", "mend the file") from None
     for element in root.iter():
         if element.tag in UNREAD:

@@ -35,7 +35,7 @@ def read_points(path: Path, columns: str | None, unit: str) -> tuple[Array, tupl
     chosen = _columns(columns, header)
     values = np.empty((len(rows), 2))
     for k, (line, words) in enumerate(rows):
-        if len(words) <= max(chosen) or not _is_numeric([words[c] for c in chosen]):
+        if len(words) <= max(chosen) or not all(words[c] and _is_numeric([words[c]]) for c in chosen):
             told = " ".join(words)[:40]
             raise ModelgenError(
                 f"{path}: line {line}", repr(told), "two numbers in these columns", "mend the line"

@@ -20,6 +20,8 @@ Array = np.ndarray[Any, np.dtype[np.float64]]
 Mask = np.ndarray[Any, np.dtype[np.bool_]]
 Places = np.ndarray[Any, np.dtype[np.intp]]
 
+FARTHEST = 1e9  # m, of a coordinate
+FLAT = 1e-9  # width of an outline over its length that is none
 FIRST = 4  # intervals of the coarsest spline
 PARTS = 4  # parts of an interval over which points are averaged
 FEWEST = 4  # points of a part
@@ -140,9 +142,12 @@ def _checked(x: Array, closed: bool, source: str) -> tuple[Array, Places]:
     """The points but for repeated ones, and their places among the given."""
     if x.ndim != 2 or x.shape[1] != 2 or not np.isfinite(x).all():
         raise ModelgenError(source, "points that are no pairs of finite numbers", "", "mend the file")
+    if np.abs(x).max(initial=0.0) > FARTHEST:
+        found = f"a coordinate of {np.abs(x).max():.3g} m"
+        raise ModelgenError(source, found, f"at most {FARTHEST:g} m", "mend the file, or name its --unit")
     if closed and len(x) > 1 and np.array_equal(x[0], x[-1]):
         x = x[:-1]
-    apart = np.append(True, np.linalg.norm(np.diff(x, axis=0), axis=1) > 0)
+    apart = np.append(True, np.linalg.norm(np.diff(x, axis=0), axis=1) > 0)[: len(x)]
     x, places = x[apart], np.nonzero(apart)[0]
     fewest = FIRST * PARTS * FEWEST
     if len(x) < fewest:
@@ -150,6 +155,9 @@ def _checked(x: Array, closed: bool, source: str) -> tuple[Array, Places]:
             source, f"{len(x)} points", f"a profile that is fitted has {fewest} at least",
             "write the points into the scene, which interpolates them",
         )  # fmt: skip
+    length, width = np.linalg.svd(x - x.mean(axis=0), compute_uv=False)
+    if closed and width <= FLAT * length:
+        raise ModelgenError(source, "points on a line", "an outline around an area", "mend the file")
     steps = np.diff(x, axis=0)
     back = np.nonzero((steps[1:] * steps[:-1]).sum(axis=1) < 0)[0]
     if len(back) > len(x) // 20:
@@ -316,4 +324,4 @@ def _sharpest(nodes: Array, closed: bool) -> tuple[float, tuple[float, float]]:
     bend = (d[:, 0] * dd[:, 1] - d[:, 1] * dd[:, 0]) / (d**2).sum(axis=1) ** 1.5
     k = int(np.abs(bend).argmax())
     x, y = (float(each) for each in spline(u[k]))
-    return float(1 / np.abs(bend[k])), (x, y)
+    return float(1 / np.abs(bend[k])) if bend[k] else np.inf, (x, y)
