@@ -9,7 +9,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 CORE = ROOT / "modelgen" / "core"
-NAMED = re.compile(r"(?<![\w./-])(?!exported/)((?:[a-z_]\w*/)+\w+\.(?:py|c|h))\b")
+NAMED = re.compile(r"(?<![\w./<-])(?!exported/)((?:[a-z_]\w*/)+\w+\.(?:py|c|h))\b")
 PLACES = (ROOT, ROOT / "modelgen", CORE)
 TEXTS = sorted(
     path
