@@ -100,7 +100,7 @@ def _simulate(scene: Path) -> None:
 
 
 def _sweep(scene: Path) -> None:
-    words = ["--vary", "m=0.5:2:64", "--until", "60", "--out"]
+    words = ["--vary", "m=0.5:2:8192", "--until", "60", "--out"]
     sys.argv = ["modelgen", "sweep", scene.name, *words, f"sweep{os.getpid()}"]
     command_line()
 
@@ -186,6 +186,7 @@ def interrupted(name: str, folder: Path, after: float) -> tuple[float, float, in
     assert child.stdout is not None
     child.stdout.readline()
     time.sleep(after)
+    assert child.poll() is None, f"the work of {name} is too short: it ended before the signal"
     before = _spent(child.pid)
     child.send_signal(signal.SIGINT)
     sent = time.perf_counter()
