@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+LISTED = 40  # names that a message gives of many; a scene of splines has thousands of contacts
+
 SYNONYMS: Mapping[
     str, tuple[str, ...]
 ] = {  # other words for kinds of shapes, joints and motions, and for keys
@@ -62,6 +64,13 @@ NOTES: Mapping[tuple[str, str], str] = {  # what changes where one word takes th
     ("pitch", "lead"): "the rise in a turn: 2*pi times that in a radian",
     **{(key, "size"): "[x, y, z]" for key in ("x", "y", "z", "width", "height", "depth", "thickness")},
 }
+
+
+def listed(names: Iterable[str]) -> str:
+    """Names with commas between them, of many the first."""
+    known = list(names)
+    rest = len(known) - LISTED
+    return ", ".join(known[:LISTED]) + (f" and {rest} more" if rest > 0 else "")
 
 
 def synonym(name: str, known: Iterable[str]) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, UnknownNameError
-from modelgen.name_suggestions import nearest
+from modelgen.name_suggestions import listed, nearest
 
 LONGEST = 200  # characters of a value in an error
 
@@ -141,7 +141,7 @@ def check_name(where: str, value: object, names: Iterable[str], none: str = "") 
     """Raises UnknownNameError unless the value is one of the names; `none` is the remedy without names."""
     known = list(names)
     if not isinstance(value, str) or value not in known:
-        allowed = ", ".join(known) or "there is none"
+        allowed = listed(known) or "there is none"
         remedy = nearest(str(value), known) or ("use one of these names" if known else none)
         raise UnknownNameError(where, shown(value), allowed, remedy)
 

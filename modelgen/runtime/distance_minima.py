@@ -35,7 +35,7 @@ import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
-from modelgen.name_suggestions import nearest
+from modelgen.name_suggestions import listed, nearest
 from modelgen.notation import ETA_SIZE
 from modelgen.rotations import ROUNDING
 from modelgen.runtime.accuracy import Accuracy
@@ -194,9 +194,7 @@ def searched_pair(library: Library, contact: str | int) -> Searched:
         return Searched(str(contact), first, end, *_bodies(feature_pairs[first]))
     known = list(dict.fromkeys([*pairs, *names]))
     found = f"no contact {shown(contact)}"
-    raise SimulationError(
-        "closest points", found, f"contacts: {', '.join(known)}", nearest(str(contact), known)
-    )
+    raise SimulationError("closest points", found, f"contacts: {listed(known)}", nearest(str(contact), known))
 
 
 def _bodies(entry: Mapping[str, Any]) -> tuple[int, int]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
-from modelgen.name_suggestions import nearest
+from modelgen.name_suggestions import listed, nearest
 from modelgen.notation import component_names
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import (
@@ -234,10 +234,10 @@ def _components(instance: Mapping[str, Any], of: Sequence[str] | None) -> list[C
     sensors = [name for name, _ in instance["sensors"]["names"]]
     chosen = sensors if of is None else names_in("of", of)
     if not chosen:
-        raise SimulationError("of", "nothing", f"known: {', '.join(known)}", "name what")
+        raise SimulationError("of", "nothing", f"known: {listed(known)}", "name what")
     for name in chosen:
         if name not in known:
-            raise SimulationError("of", repr(name), f"known: {', '.join(known)}", nearest(name, known))
+            raise SimulationError("of", repr(name), f"known: {listed(known)}", nearest(name, known))
     return [component for name in chosen for component in known[name]]
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError
-from modelgen.name_suggestions import nearest
+from modelgen.name_suggestions import listed, nearest
 from modelgen.notation import SETTING_SIZE
 from modelgen.runtime.arguments import names_in
 from modelgen.runtime.table_derivatives import Tables
@@ -66,7 +66,7 @@ def _named(instance: Mapping[str, Any], name: str) -> list[Direction]:
         return [Direction(name, "input", name)]
     known = known_names(instance)
     if name not in known:
-        raise SimulationError("by", repr(name), f"known: {', '.join(known)}", nearest(name, known))
+        raise SimulationError("by", repr(name), f"known: {listed(known)}", nearest(name, known))
     body, _, quantity = name.rpartition(".")
     return [Direction(f"{name}_{axis}", "start", body, quantity, k) for k, axis in enumerate("xyz")]
 
