@@ -61,6 +61,8 @@ MG_API void mg_find_minima(const mg_system *system, const mg_settings *settings,
   const int pair = system->feature_pair_owner[q->first];
   for (long i = 0; i < q->n; i++) {
     mg_minima found = {0};
+    q->count[i] = q->is_complete[i] = 0;
+    if (mg_is_search_stopped(&c)) continue;
     for (int k = 0; k < 12; k++) {
       c.bodies.pose[12 * q->body_o + k] = q->pose_o[12 * i + k];
       c.bodies.pose[12 * q->body_f + k] = q->pose_f[12 * i + k];
