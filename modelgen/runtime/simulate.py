@@ -13,7 +13,7 @@ import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError, expect
-from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.accuracy import TENTH, Accuracy
 from modelgen.runtime.arguments import (
     check_flag,
     check_function,
@@ -192,15 +192,16 @@ def _estimate(
 
 def _followed(schedule: Schedule, path: Trajectory, accuracy: Accuracy) -> Schedule:
     """The schedule of the companion of a run: up to where the run came and, if its steps adapt, with the end
-    of a step at each sample, or at as many, evenly spread, as the run took steps where samples are denser.
+    of a step at each sample or, where samples are denser than steps, at some that are evenly spread.
 
     The error of states between the ends of a step changes its sign there. A sample that has a step to itself
     may lie near such a zero of the run, where an interpolated companion errs as much. At samples denser than
-    steps the interpolants err, and those of a companion with steps as long err alike; shorter ones err less.
+    steps the interpolants err, and those of a companion with steps as long err alike: its steps are at most
+    TENTH of the mean step of the run, so that theirs is a tenth.
     """
     ends = {min(until, path.t_end) for until, _ in schedule}
     if accuracy.method not in ORDERS:
-        every = max((len(path.t) - 1) // max(path.steps, 1), 1)
+        every = max(int(TENTH * (len(path.t) - 1) / max(path.steps, 1)), 1)
         ends |= set(path.t[every::every].tolist())
     untils = [until for until, _ in schedule]
     return [(end, schedule[bisect_left(untils, end)][1]) for end in sorted(ends)]
