@@ -199,7 +199,9 @@ def test_no_change_of_a_plan_that_succeeds_lowers_its_value_in_a_run(task: Task)
     for plan in task.plans():
         if plan.solution.success:
             pushes = plan.inputs.ravel()
-            assert np.abs(task.ran(pushes) - plan.x[1:, [0, 7]].T.ravel()).max() < 1e-7
+            apart = np.abs(task.ran(pushes) - plan.x[1:, [0, 7]].T.ravel()).max()
+            left = plan.solution.complementarity  # of a relaxation, m/s: slip with friction below its bound
+            assert apart < 1e-7 + left * max(1.0, task.horizon)
             allowed.append(task.descent(pushes, random) / max(1.0, plan.solution.value))
     assert max(allowed) < 1e-3
     wasted = np.append(pushes[:-1], pushes[-1] + 0.1)
