@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-LISTED = 40  # names that a message gives of many; a scene of splines has thousands of contacts
+LISTED = 100  # names that a message gives of many; a scene of splines has thousands of contacts
 
 SYNONYMS: Mapping[
     str, tuple[str, ...]
