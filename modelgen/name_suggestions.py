@@ -66,11 +66,11 @@ NOTES: Mapping[tuple[str, str], str] = {  # what changes where one word takes th
 }
 
 
-def listed(names: Iterable[str]) -> str:
-    """Names with commas between them, of many the first."""
+def listed(names: Iterable[str], most: int = LISTED) -> str:
+    """Names with commas between them, of more than `most` the first and how many more there are."""
     known = list(names)
-    rest = len(known) - LISTED
-    return ", ".join(known[:LISTED]) + (f" and {rest} more" if rest > 0 else "")
+    rest = len(known) - most
+    return ", ".join(known[:most]) + (f" and {rest} more" if rest > 0 else "")
 
 
 def synonym(name: str, known: Iterable[str]) -> str:

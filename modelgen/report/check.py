@@ -13,6 +13,7 @@ from modelgen.contact.form_table import contact_kernels, regular_forms
 from modelgen.derivation import Derivation
 from modelgen.joint.joint_equations import FORMS as JOINTS
 from modelgen.model import ContactKind, Model
+from modelgen.name_suggestions import listed
 from modelgen.report.possible_resting_faces import patch_names, print_patches
 from modelgen.runtime.warnings import hints
 
@@ -71,15 +72,13 @@ def print_check(facts: dict[str, Any], console: Console) -> None:
 def _as_row(parameter: dict[str, Any]) -> dict[str, Any]:
     """A parameter as texts; a range without an end is open there."""
     low, high = ("" if end is None else f"{end:g}" for end in (parameter["minimum"], parameter["maximum"]))
-    uses = parameter["uses"]
-    more = f" and {len(uses) - SHOWN} more" if len(uses) > SHOWN else ""
     return {
         "name": parameter["name"],
         "value": f"{parameter['value']:.9g}",
         "nominal": f"{parameter['nominal']:.9g}",
         "range": f"{low}..{high}" if low or high else "-",
         "unit": parameter["unit"] or "-",
-        "used by": ", ".join(uses[:SHOWN]) + more,
+        "used by": listed(parameter["uses"], SHOWN),
         "what it is": parameter["doc"] or "-",
     }
 
@@ -167,10 +166,9 @@ def _by_kind(contacts: list[dict[str, Any]]) -> list[dict[str, Any]]:
     for kind in dict.fromkeys(contact["kind"] for contact in contacts):
         members = [contact for contact in contacts if contact["kind"] == kind]
         names = [contact["name"] for contact in members]
-        shown = ", ".join(names[:SHOWN]) + (f" and {len(names) - SHOWN} more" if len(names) > SHOWN else "")
         counts = sorted(members[0]["forms"].items(), key=lambda item: item[1])
         why = ", ".join(f"{form} {count}" for form, count in counts)
-        rows.append({"kind": kind, "form": members[0]["form"], "contacts": shown, "why": why})
+        rows.append({"kind": kind, "form": members[0]["form"], "contacts": listed(names, SHOWN), "why": why})
     return rows
 
 

@@ -6,6 +6,7 @@ from rich.console import Console
 
 from modelgen.geometry.face_regions import in_one_plane
 from modelgen.model import Model, PatchEntry
+from modelgen.name_suggestions import listed
 from modelgen.scene.pose_arithmetic import UPSIDE_DOWN, compose
 from modelgen.scene.scene_types import Pose
 
@@ -33,6 +34,5 @@ def print_patches(console: Console, names: list[str], level: list[str]) -> None:
         label = faces.replace("-", " on ")
         pairs.setdefault(pair, []).append(f"{label} (at the start)" if name in level else label)
     for name, labels in pairs.items():
-        more = f" and {len(labels) - SHOWN} more" if len(labels) > SHOWN else ""
-        text = f"{name}: faces that can rest as one planar contact: {', '.join(labels[:SHOWN])}{more}"
+        text = f"{name}: faces that can rest as one planar contact: {listed(labels, SHOWN)}"
         console.print(text, markup=False, soft_wrap=True)
