@@ -86,7 +86,7 @@ class Live:
         self.reset = gui.add_button("reset")
         self._asked_reset = False
         self.reset.on_click(lambda _: self.ask_reset())
-        self._factor, self._ends = 1.0, dict[str, tuple[float, float]]()
+        self._ends: dict[str, tuple[float, float]] = {}
         self.inputs = {each["name"]: self._input_slider(each) for each in instance["inputs"]}
         self.parameters = {
             each["name"]: self._parameter_slider(each) for each in instance.get("parameters", ())
@@ -116,9 +116,7 @@ class Live:
         self._obey()
         simulation = self.simulation
         if self.running.value and simulation.outcome is None:
-            if self.speed.value in FACTORS:
-                self._factor = FACTORS[self.speed.value]
-            span = clock * self._factor
+            span = clock * FACTORS.get(self.speed.value, 1.0)
             self._steer(span)
             simulation.step(until=simulation.t + span)
             self._message = _ending(simulation) or self._message
