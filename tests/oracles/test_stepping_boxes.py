@@ -7,6 +7,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from modelgen import simulate
 from modelgen.codegen.library import Library
@@ -44,17 +45,6 @@ def thrown(seed: int) -> Library:
     return library.with_instance(library.manifest.instance | {"initial_u": u.tolist()})
 
 
-def turn_of(quaternion: np.ndarray) -> np.ndarray:
-    w, x, y, z = quaternion
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-
-
 def depth(p: np.ndarray, R: np.ndarray, other_p: np.ndarray, other_R: np.ndarray) -> float:
     """m: by how much two cubes overlap along the axis along which they do so least; negative where apart."""
     axes = [*R.T, *other_R.T, *(np.cross(a, b) for a in R.T for b in other_R.T)]
@@ -72,7 +62,7 @@ def depth(p: np.ndarray, R: np.ndarray, other_p: np.ndarray, other_R: np.ndarray
 def deepest(path: Trajectory) -> float:
     """m: the deepest penetration at the end of the last step; samples between lie on chords."""
     at = [path.body_names.index(f"b{i}") for i in range(BOXES)]
-    p, R = path.p[-1, at], [turn_of(q) for q in path.quaternion[-1, at]]
+    p, R = path.p[-1, at], Rotation.from_quat(path.quaternion[-1, at], scalar_first=True).as_matrix()
     below = max(EDGE / 2 * np.abs(R[i][2]).sum() - p[i][2] for i in range(BOXES))
     return max(below, *(depth(p[i], R[i], p[j], R[j]) for i, j in combinations(range(BOXES), 2)))
 
