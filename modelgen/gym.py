@@ -14,8 +14,9 @@ from modelgen.codegen.sensor_expressions_function import expressions_function
 from modelgen.errors import ModelgenError
 from modelgen.name_suggestions import nearest
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.arguments import check_span
-from modelgen.runtime.stepped_simulations import Simulations, start_many
+from modelgen.runtime.arguments import check_span, checked_starts, numbers_in, shown
+from modelgen.runtime.inputs import is_beyond
+from modelgen.runtime.stepped_simulations import start_many
 from modelgen.scene.scene_types import Scene
 
 try:
@@ -71,8 +72,7 @@ def make(
     Raises:
         ModelgenError: an argument is not what it says, or an input has no range.
     """
-    facts = _Facts(scene, 1, reward, **task)
-    return RunEnv(facts, start_many(facts.library, 1, parameters=parameters, accuracy=accuracy))
+    return RunEnv(_Runs(scene, 1, reward, {"parameters": parameters, "accuracy": accuracy}, **task))
 
 
 def make_vec(
@@ -87,23 +87,28 @@ def make_vec(
 ) -> RunVectorEnv:
     """An environment of n runs that go on together; arguments are those of `make`.
 
-    `parameters` may have one value for each run. A run whose episode has ended is reset in the next step
-    (`AutoresetMode.NEXT_STEP`). Seeds, infos and the option "reset_mask" are those of `SyncVectorEnv` of n
-    environments of `make`.
+    `parameters` may have one value for each run, as long as the ranges of the inputs are the same in all. A
+    run whose episode has ended is reset in the next step (`AutoresetMode.NEXT_STEP`). Seeds, infos and the
+    option "reset_mask" are those of `SyncVectorEnv` of n environments of `make`.
     """
-    facts = _Facts(scene, n, reward, **task)
-    many = start_many(facts.library, n, parameters=parameters, accuracy=accuracy, threads=threads)
-    return RunVectorEnv(facts, many)
+    start = {"parameters": parameters, "accuracy": accuracy, "threads": threads}
+    return RunVectorEnv(_Runs(scene, n, reward, start, **task))
 
 
-class _Facts:
-    """What the runs of an environment have in common: spaces, reward, end of an episode."""
+class _Runs:
+    """The runs of an environment, and what they have in common: spaces, reward, end of an episode.
+
+    Attributes:
+        many: the runs.
+        begun: (n,) whether an episode of the run has begun, so that it can step.
+    """
 
     def __init__(
         self,
         scene: Library | Scene | str | Path,
         n: int,
         reward: str,
+        start: Mapping[str, Any],  # keywords of `start_many`
         terminated: str = "-1",
         observe: Sequence[str] | None = None,
         every: float = 0.02,
@@ -123,22 +128,62 @@ class _Facts:
         sizes = dict(self.sensors)
         count = sum(sizes[name] for name in self.observed)
         self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (count,), np.float64)
-        low, high = (np.array([_end(each, key) for each in self.inputs]) for key in ("minimum", "maximum"))
+        for each in self.inputs:
+            for key in ("minimum", "maximum"):
+                _check_end(each, key)
+        self.many = start_many(self.library, n, **start)
+        low, high = self.many.inputs.bounds[0].T
+        for each, bounds in zip(self.inputs, self.many.inputs.bounds.swapaxes(0, 1), strict=True):
+            _check_equal(each["name"], bounds)
         self.action_space = gymnasium.spaces.Box(low, high, dtype=np.float64)
+        self.begun = np.zeros(n, dtype=bool)
 
-    def act(self, many: Simulations, actions: Array, lanes: Array) -> None:
-        """Set the inputs of lanes by actions (n, number of inputs); those with hold = "linear" reach theirs
-        at the end of the step."""
-        for k, each in enumerate(self.inputs):
-            values, inputs = np.clip(actions[:, k], each["minimum"], each["maximum"]), many.inputs
+    def act(self, actions: object, shape: tuple[int, ...], lanes: Array) -> None:
+        """Set the inputs of lanes by actions, one number for each input, in an array of a shape whose last
+        axis is that of the inputs; those with hold = "linear" reach theirs at the end of the step.
+
+        A number of a coarser type than float64, as policies have, may exceed a bound by the rounding of that
+        type, and is the bound then. The actions of other lanes are not used.
+
+        Raises ModelgenError, with all inputs as they were, where a run has not been reset, the shape is
+        another, or a number of the lanes is not finite or beyond the range of its input.
+        """
+        if not self.begun.all():
+            lane = int(np.flatnonzero(~self.begun)[0])
+            where = "step" if len(shape) == 1 else f"step: run {lane}"
+            raise ModelgenError(where, "no episode is under way", "", "call reset first")
+        names = [each["name"] for each in self.inputs]
+        allowed = f"an array of numbers of shape {shape}, one for each input: {', '.join(names) or 'none'}"
+        given = numbers_in("step: action", actions, allowed)
+        if given.shape != shape:
+            raise ModelgenError("step: action", f"an array of shape {given.shape}", allowed, "")
+        low, high = self.action_space.low, self.action_space.high
+        kind = np.asarray(actions).dtype
+        with np.errstate(over="ignore"):
+            least, largest = (each.astype(kind if kind.kind == "f" else float) for each in (low, high))
+        rows = given.reshape(self.many.n, len(names))[lanes]
+        refused = is_beyond(rows, least, largest)
+        if refused.any():
+            at, k = (int(each[0]) for each in np.nonzero(refused))
+            run = "" if len(shape) == 1 else f" of run {lanes[at]}"
+            raise ModelgenError(
+                f"step: action{run} for input {names[k]!r}",
+                f"{rows[at, k]:g}",
+                f"a number from {low[k]:g} to {high[k]:g}",
+                "keep actions within action_space, as gymnasium.wrappers.ClipAction does",
+            )
+        inputs = self.many.inputs
+        for each, values in zip(self.inputs, np.clip(rows, low, high).T, strict=True):
             if each["hold"] == "linear":
-                inputs.ramp(each["name"], (values - inputs[each["name"]]) / self.every, lanes)
+                rates = np.zeros(self.many.n)
+                rates[lanes] = (values - inputs[each["name"]][lanes]) / self.every
+                inputs.ramp(each["name"], rates, lanes)
             else:
-                inputs[each["name"]][lanes] = values[lanes]
+                inputs[each["name"]][lanes] = values
 
-    def shown(self, many: Simulations) -> tuple[Array, Array, Array]:
+    def shown(self) -> tuple[Array, Array, Array]:
         """Observations (n, k), rewards (n,) and whether episodes terminate (n,)."""
-        sensors = many.sensors
+        many, sensors = self.many, self.many.sensors
         columns = {name: values.reshape(many.n, -1) for name, values in sensors.items()}
         inputs = [many.inputs[each["name"]].reshape(many.n, 1) for each in self.inputs]
         given = [many.t.reshape(many.n, 1), *(columns[name] for name, _ in self.sensors), *inputs]
@@ -147,19 +192,40 @@ class _Facts:
         observation = [columns[name] for name in self.observed]
         return np.concatenate([np.zeros((many.n, 0)), *observation], axis=1), reward, terminated > 0
 
-    def reset(self, many: Simulations, lanes: Sequence[int], randoms: Sequence[np.random.Generator]) -> None:
-        """Put lanes at the start of an episode, their inputs at their defaults; randoms are by lane."""
-        n_q, n_u = (self.library.manifest.instance[key] for key in ("n_q", "n_u"))
+    def reset(self, lanes: Array, randoms: Sequence[np.random.Generator]) -> None:
+        """Put lanes at the start of an episode, their inputs at their defaults; randoms are by lane.
+
+        Raises ModelgenError where what `draw` returns is no start, or the start is refused.
+        """
+        many = self.many
+        self.begun[lanes] = False
         q = u = None
         if self.draw is not None:
+            n_q, n_u = (self.library.manifest.instance[key] for key in ("n_q", "n_u"))
             q, u = np.zeros((many.n, n_q)), np.zeros((many.n, n_u))
-            for lane in lanes:
-                q[lane], u[lane] = self.draw(randoms[lane])
-        for each in self.inputs:
+            for lane in lanes.tolist():
+                drawn = self.draw(randoms[lane])
+                if not isinstance(drawn, tuple | list) or len(drawn) != 2:
+                    raise ModelgenError("draw", f"a {type(drawn).__name__}", "a start: q, u", "return both")
+                q[lane] = checked_starts("draw: q", drawn[0], n_q, 1)[0]
+                u[lane] = checked_starts("draw: u", drawn[1], n_u, 1)[0]
+        for each, defaults in zip(self.inputs, many.inputs.defaults.T, strict=True):
             if each["hold"] == "linear":
-                many.inputs.ramp(each["name"], 0.0, list(lanes))
-            many.inputs[each["name"]][list(lanes)] = each["default"]
-        many.reset(list(lanes), q, u)
+                many.inputs.ramp(each["name"], 0.0, lanes)
+            many.inputs[each["name"]][lanes] = defaults[lanes]
+        many.reset(lanes, q, u)
+        self.begun[lanes] = True
+
+    def is_over(self) -> Array:
+        """(n,) whether episodes have reached their horizon."""
+        return np.asarray(self.many.t > self.horizon - self.every / 2)
+
+    def info(self, lane: int) -> dict[str, Any]:
+        """What is to be known of a run whose episode has ended: why it failed, and the doubts of its
+        figures."""
+        failure = {"outcome": str(self.many.outcomes[lane])} if self.many.ended[lane] else {}
+        doubts = self.many.doubts[lane]
+        return failure | ({"doubts": ", ".join(doubts)} if doubts else {})
 
 
 class RunEnv(gymnasium.Env[Array, Array]):
@@ -167,27 +233,37 @@ class RunEnv(gymnasium.Env[Array, Array]):
 
     metadata = {"render_modes": []}  # noqa: RUF012  as Gymnasium declares it
 
-    def __init__(self, facts: _Facts, many: Simulations) -> None:
-        self._facts, self._many = facts, many
-        self.observation_space, self.action_space = facts.observation_space, facts.action_space
+    def __init__(self, runs: _Runs) -> None:
+        self._runs = runs
+        self.observation_space, self.action_space = runs.observation_space, runs.action_space
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Array, dict[str, Any]]:
-        """The first observation of an episode, and no info; raises ModelgenError where a start is refused."""
+        """The first observation of an episode, and no info.
+
+        There are no options. Raises ModelgenError where one is given, or a start is refused.
+        """
+        _check_options(options, ())
         super().reset(seed=seed)
-        self._facts.reset(self._many, [0], [self.np_random])
-        return self._facts.shown(self._many)[0][0], {}
+        self._runs.reset(np.array([0]), [self.np_random])
+        return self._runs.shown()[0][0], {}
 
     def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
-        """Observation, reward, terminated, truncated, info after one step with the action."""
-        self._facts.act(self._many, np.asarray(action, dtype=float).reshape(1, -1), np.array([0]))
-        self._many.step(self._facts.every)
-        observation, reward, terminated = self._facts.shown(self._many)
-        failed = bool(self._many.ended[0])
-        truncated = failed or _is_over(self._many.t, self._facts)[0]
-        info = _info(self._many, 0) if failed or truncated or terminated[0] else {}
-        return observation[0], float(reward[0]), bool(terminated[0]), bool(truncated), info
+        """Observation, reward, terminated, truncated, info after one step with the action, a number for each
+        input.
+
+        Raises ModelgenError where no episode is under way, because there was no reset or the episode has
+        ended, and where the action is not in the action space.
+        """
+        runs = self._runs
+        runs.act(action, (len(runs.inputs),), np.array([0]))
+        runs.many.step(runs.every)
+        observation, reward, terminated = runs.shown()
+        truncated = bool(runs.many.ended[0]) or bool(runs.is_over()[0])
+        runs.begun[0] = not (truncated or terminated[0])
+        info = {} if runs.begun[0] else runs.info(0)
+        return observation[0], float(reward[0]), bool(terminated[0]), truncated, info
 
 
 class RunVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Array]):
@@ -195,14 +271,14 @@ class RunVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Array]):
 
     metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}  # noqa: RUF012
 
-    def __init__(self, facts: _Facts, many: Simulations) -> None:
-        self._facts, self._many = facts, many
-        self.num_envs = many.n
-        self.single_observation_space, self.single_action_space = facts.observation_space, facts.action_space
-        self.observation_space = batch_space(facts.observation_space, many.n)
-        self.action_space = batch_space(facts.action_space, many.n)
-        self._over = np.zeros(many.n, dtype=bool)  # runs to be reset in the next step
-        self._randoms = [np.random.default_rng() for _ in range(many.n)]
+    def __init__(self, runs: _Runs) -> None:
+        self._runs = runs
+        self.num_envs = n = runs.many.n
+        self.single_observation_space, self.single_action_space = runs.observation_space, runs.action_space
+        self.observation_space = batch_space(runs.observation_space, n)
+        self.action_space = batch_space(runs.action_space, n)
+        self._over = np.zeros(n, dtype=bool)  # runs to be reset in the next step
+        self._randoms = [np.random.default_rng() for _ in range(n)]
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -214,38 +290,49 @@ class RunVectorEnv(gymnasium.vector.VectorEnv[Array, Array, Array]):
                 without one goes on drawing.
             options: of the key "reset_mask", (n,) of bool: the runs that are reset; all without it.
 
-        Raises ModelgenError where a seed, a mask or a start is refused.
+        Raises ModelgenError where a seed, an option, a mask or a start is refused.
         """
+        _check_options(options, ("reset_mask",))
         chosen = np.flatnonzero(_mask(options, self.num_envs))
         for lane, one in enumerate(_seeds(seed, self.num_envs)):
             if one is not None and lane in chosen:
                 self._randoms[lane] = seeding.np_random(one)[0]
-        self._facts.reset(self._many, chosen.tolist(), self._randoms)
+        self._runs.reset(chosen, self._randoms)
         self._over[chosen] = False
-        return self._facts.shown(self._many)[0], {}
+        return self._runs.shown()[0], {}
 
     def step(self, actions: Array) -> tuple[Array, Array, Array, Array, dict[str, Any]]:
-        """Observations, rewards, terminated, truncated, infos after one step of each run."""
-        over = np.flatnonzero(self._over)
-        if len(over):
-            self._facts.reset(self._many, over.tolist(), self._randoms)
-        self._facts.act(self._many, np.asarray(actions, dtype=float), np.flatnonzero(~self._over))
-        self._many.step(self._facts.every, ~self._over)
-        observation, reward, terminated = self._facts.shown(self._many)
-        truncated = self._many.ended | _is_over(self._many.t, self._facts)
+        """Observations, rewards, terminated, truncated, infos after one step of each run with its action,
+        (n, number of inputs). The actions of runs that are reset in this step are not used.
+
+        Raises ModelgenError where a run was never reset, and where actions are not in the action space.
+        """
+        runs, over = self._runs, self._over.copy()
+        runs.act(actions, (self.num_envs, len(runs.inputs)), np.flatnonzero(~over))
+        if over.any():
+            runs.reset(np.flatnonzero(over), self._randoms)
+        runs.many.step(runs.every, ~over)
+        observation, reward, terminated = runs.shown()
+        truncated = runs.many.ended | runs.is_over()
         reward[over], terminated[over], truncated[over] = 0.0, False, False
         self._over = terminated | truncated
         infos: dict[str, Any] = {}
         for lane in np.flatnonzero(self._over).tolist():
-            self._add_info(infos, _info(self._many, lane), lane)
+            self._add_info(infos, runs.info(lane), lane)
         return observation, reward, terminated, truncated, infos
 
 
-def _info(many: Simulations, lane: int) -> dict[str, Any]:
-    """What is to be known of a run whose episode has ended: why it failed, and the doubts of its figures."""
-    failure = {"outcome": str(many.outcomes[lane])} if many.ended[lane] else {}
-    doubts = many.doubts[lane]
-    return failure | ({"doubts": ", ".join(doubts)} if doubts else {})
+def _check_options(options: object, known: Sequence[str]) -> None:
+    """Raises ModelgenError unless the options of a reset are a mapping from known names, or None."""
+    if options is None:
+        return
+    allowed = f"options: {', '.join(known)}" if known else "there are no options"
+    if not isinstance(options, Mapping):
+        raise ModelgenError("reset: options", f"a {type(options).__name__}", allowed, "give a dictionary")
+    for name in options:
+        if name not in known:
+            remedy = nearest(str(name), known) or "leave it out; `draw` of make chooses starts"
+            raise ModelgenError("reset: options", f"no option {name!r}", allowed, remedy)
 
 
 def _seeds(seed: int | Sequence[int | None] | None, n: int) -> Sequence[int | None]:
@@ -254,6 +341,8 @@ def _seeds(seed: int | Sequence[int | None] | None, n: int) -> Sequence[int | No
         return [None] * n
     if isinstance(seed, int | np.integer):
         return [int(seed) + lane for lane in range(n)]
+    if not isinstance(seed, Sequence | np.ndarray):
+        raise ModelgenError("seed", shown(seed), "a whole number, or one for each run", "")
     if len(seed) != n:
         raise ModelgenError("seed", f"{len(seed)} seeds", f"{n}", "give one for each run, or one number")
     return seed
@@ -266,11 +355,6 @@ def _mask(options: Mapping[str, Any] | None, n: int) -> Array:
         found = f"an array of shape {mask.shape} and type {mask.dtype}"
         raise ModelgenError("reset_mask", found, f"({n},) of bool", "give True for each run to be reset")
     return mask
-
-
-def _is_over(t: Array, facts: _Facts) -> Array:
-    """Whether the episodes have reached their horizon."""
-    return np.asarray(t > facts.horizon - facts.every / 2)
 
 
 def _library(scene: Library | Scene | str | Path) -> Library:
@@ -289,10 +373,22 @@ def _observed(names: Sequence[str] | None, known: Sequence[str]) -> list[str]:
     return list(known if names is None else names)
 
 
-def _end(each: Mapping[str, Any], key: str) -> float:
-    """An end of the range of an input; raises ModelgenError if there is none."""
+def _check_end(each: Mapping[str, Any], key: str) -> None:
+    """Raises ModelgenError if the range of an input has no such end."""
     if each[key] is None:
         raise ModelgenError(
             f"input {each['name']!r}", f"no {key}", "an action needs a range", f"add {key} to the [[input]]"
         )
-    return float(each[key])
+
+
+def _check_equal(name: str, bounds: Array) -> None:
+    """Raises ModelgenError unless the range of an input, (n, 2), is the same in all runs."""
+    other = np.flatnonzero((bounds != bounds[0]).any(axis=1))
+    if len(other):
+        (a, b), (c, d) = bounds[0], bounds[other[0]]
+        raise ModelgenError(
+            f"input {name!r}",
+            f"a range from {a:g} to {b:g} in run 0, from {c:g} to {d:g} in run {other[0]}",
+            "the actions of all runs have one range",
+            "give all runs the same value of the parameter on which it depends, or make one for each value",
+        )

@@ -27,6 +27,7 @@ from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE
 
 LIBRARY, DIRECTIONS = "libscene.so", "scene_directions.h"
+INPUT_REFUSED = -2  # of jax.c, an outcome beside those of the core
 STILL = ("orientation",)  # the change of a quaternion depends on the start
 
 
@@ -97,6 +98,11 @@ def _facts(session: Session) -> dict[str, object]:
         "input_defaults": [
             0.0 if each["hold"] == "linear" else float(each["default"]) for each in instance["inputs"]
         ],
+        # of values; rates of inputs that are linear have none
+        "input_ranges": [
+            (None, None) if each["hold"] == "linear" else (each["minimum"], each["maximum"])
+            for each in instance["inputs"]
+        ],
         "bodies": {
             body["name"]: {"q": body["q"], "u": body["u"], "n_q": size, "n_u": min(size, 6)}
             for body in instance["bodies"]
@@ -104,6 +110,7 @@ def _facts(session: Session) -> dict[str, object]:
         },
         "q": session.x[:n_q].tolist(),
         "u": session.x[n_q : n_q + n_u].tolist(),
-        "outcomes": {str(code): outcome.value for code, outcome in OUTCOME_OF_CODE.items()},
+        "outcomes": {str(code): outcome.value for code, outcome in OUTCOME_OF_CODE.items()}
+        | {str(INPUT_REFUSED): "an input is not finite or beyond its range; keep it within"},
         "reasons": {str(code): reason for code, reason in enumerate(REASONS)},
     }

@@ -23,6 +23,10 @@ class InputsByLane(MutableMapping[str, Array]):
     A value that is written takes effect at the present time of its lane. An input with hold = "linear" goes
     on from its present value at a rate: `ramp` sets the rate, and the value, which is continuous, can be
     written to before a lane starts or is reset.
+
+    Attributes:
+        bounds: (n, number of inputs, 2) least and largest value in each lane, infinite where there is none.
+        defaults: (n, number of inputs).
     """
 
     def __init__(self, group: SessionGroup, libraries: Sequence[Library]) -> None:
@@ -30,7 +34,9 @@ class InputsByLane(MutableMapping[str, Array]):
         self._group = group
         self._kinds = group.library.manifest.instance["inputs"]
         self._own = [each.manifest.instance["inputs"] for each in libraries]
-        self._bounds = np.array([[input_range(kind) for kind in own] for own in self._own])
+        shape = (group.n, len(self._kinds))
+        self.bounds = np.array([[input_range(kind) for kind in own] for own in self._own]).reshape(*shape, 2)
+        self.defaults = np.array([[kind["default"] for kind in own] for own in self._own]).reshape(shape)
         self._index = ByName({kind["name"]: k for k, kind in enumerate(self._kinds)}, "input")
         self._shown = {each["name"]: np.empty(group.n) for each in self._kinds if each["hold"] == "linear"}
         self.refresh()
@@ -83,7 +89,7 @@ class InputsByLane(MutableMapping[str, Array]):
         """Of a line, which may lead out of the range, what was written is checked: the jumps."""
         at = self._index[name]
         kind, values, present = self._kinds[at], self[name], self._present(name)
-        refused = outside = is_beyond(values, *self._bounds[:, at].T)
+        refused = outside = is_beyond(values, *self.bounds[:, at].T)
         if kind["hold"] == "linear" and not may_jump:
             refused = is_jump(kind, values, present)
         if len(bad := np.arange(self._group.n)[lanes][refused[lanes]]):

@@ -163,6 +163,71 @@ def test_a_start_that_is_refused_has_an_outcome() -> None:
     assert told("bouncing_ellipsoid")["late"] != 0
 
 
+INPUTS = (
+    BARRED
+    + """
+import json
+import jax
+import numpy as np
+
+jax.config.update("jax_enable_x64", True)
+from load import load
+
+scene = load()
+n = 3
+run, verdict = scene.run([0.1, 0.2, 0.3]), scene.verdict([0.1, 0.2, 0.3])
+name, (low, high) = scene.input_names[0], scene.input_ranges[0]
+random, told = np.random.default_rng(1), []
+whole = run(scene.q, scene.u, scene.inputs(n)).q
+
+def end(inputs):
+    return run(scene.q, scene.u, inputs).q[-1].sum()
+
+for wrong in (np.nan, np.inf, -np.inf, np.nextafter(high, np.inf), np.nextafter(low, -np.inf), 2 * high):
+    row, given = int(random.integers(n)), scene.inputs(n)
+    given[row, 0] = wrong
+    messages = []
+    for function in (run, verdict):
+        try:
+            function(scene.q, scene.u, given)
+        except ValueError as error:
+            messages.append(str(error))
+    lanes = jax.vmap(lambda inputs: run(scene.q, scene.u, inputs))(np.stack([given, scene.inputs(n)]))
+    value, slope = jax.value_and_grad(end)(given)
+    doubt = jax.jit(verdict)(scene.q, scene.u, given)
+    shown = [lanes.sensors[0], lanes.q[0], lanes.u[0], jax.jit(run)(scene.q, scene.u, given).q, value, slope]
+    told.append({
+        "messages": messages, "named": f"inputs[{row}]: {name!r} is {wrong:g}",
+        "outcomes": lanes.outcome.tolist(), "nan": all(bool(np.isnan(each).all()) for each in shown),
+        "other": bool(np.array_equal(lanes.q[1], whole)), "verdict": [int(doubt.outcome), int(doubt.verdict)],
+    })
+allowed = [int(run(scene.q, scene.u, np.full((n, 1), end)).outcome) for end in (low, high)]
+print(json.dumps({"told": told, "allowed": allowed, "text": scene.outcomes["-2"]}))
+"""
+)
+
+
+@needs_gcc
+@needs_jax
+def test_inputs_out_of_range_are_refused_by_name_and_in_transformed_functions_by_nan() -> None:
+    """And other lanes have the bits of a run alone."""
+    made = exported("balancing_wheel", "jax", folder() / "jax-inputs")
+    done = subprocess.run(
+        [sys.executable, "-c", INPUTS, str(made)], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr[-3000:]
+    found = json.loads(done.stdout.splitlines()[-1])
+    assert found["allowed"] == [0, 0]
+    assert "beyond its range" in found["text"]
+    for each in found["told"]:
+        assert len(each["messages"]) == 2
+        assert all(message.startswith(each["named"]) for message in each["messages"])
+        assert each["outcomes"] == [-2, 0]
+        assert each["nan"]
+        assert each["other"]
+        assert each["verdict"] == [-2, 2]
+
+
 @pytest.mark.skipif(find_spec("jax") is not None, reason="JAX is there")
 def test_without_jax_the_export_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ModelgenError, match=r"no package 'jax'.*modelgen\[jax\]"):

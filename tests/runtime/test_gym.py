@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import resource
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -103,9 +104,9 @@ def test_an_episode_is_the_run_under_its_actions() -> None:
     first, _ = env.reset(seed=0)
     assert first == pytest.approx([0.0, 0.0, 0.0])
     v = x = 0.0
-    for k, push in enumerate((4.0, -2.0, 100.0)):  # the last is beyond the range, and cut off
+    for k, push in enumerate((4.0, -2.0, 50.0)):
         seen, reward, terminated, truncated, _ = env.step(np.array([push]))
-        a = min(push, 50.0) / 2
+        a = push / 2
         x, v = x + v * 0.1 + a / 2 * 0.01, v + a * 0.1
         assert seen == pytest.approx([v, 0.0, 0.0], abs=1e-9)
         assert reward == pytest.approx(x, abs=1e-9)
@@ -153,7 +154,7 @@ def test_an_input_on_a_line_reaches_its_action_at_the_end_of_the_step_and_begins
         assert first == pytest.approx([0, 0, 0, 0, 0, 0.5])
         seen, height, *_ = env.step(np.array([0.1]))
         assert (seen[2], height) == (pytest.approx(1.0), pytest.approx(0.1))
-        for action in (0.3, 9.0, 0.3):  # the second is beyond the range, and cut off
+        for action in (0.3, 0.3):
             assert env.step(np.array([action]))[1] == pytest.approx(0.3)
 
 
@@ -190,8 +191,117 @@ def test_wrong_seeds_and_masks_are_named() -> None:
     vector = make_vec(library(PUCK), 2, reward="1")
     with pytest.raises(ModelgenError, match="seed: 3 seeds; 2; give one for each run"):
         vector.reset(seed=[1, 2, 3])
+    with pytest.raises(ModelgenError, match=r"seed: 1.5; a whole number"):
+        vector.reset(seed=1.5)
     with pytest.raises(ModelgenError, match=r"reset_mask: an array of shape \(2,\) and type int"):
         vector.reset(options={"reset_mask": np.array([0, 1])})
+
+
+WRONG: dict[str, Callable[[Any], Any]] = {
+    "one axis too many": lambda action: action[None],
+    "an axis too few": lambda action: action.ravel()[0] if action.ndim == 1 else action.ravel(),
+    "one number too many": lambda action: np.concatenate([action, action[..., :1]], axis=-1),
+    "no numbers": lambda action: action[..., :0],
+    "not finite": lambda action: np.full_like(action, np.nan),
+    "infinite": lambda action: np.full_like(action, -np.inf),
+    "above": lambda action: action + 1e6,
+    "below": lambda action: np.full_like(action, -50.000001),
+    "text": lambda action: action.astype(str),
+    "none": lambda _: None,
+    "complex": lambda action: action + 1j,
+}
+
+
+@pytest.mark.parametrize("mistake", WRONG)
+@pytest.mark.parametrize("name", ["wheel", "input that jumps", "input on a line, runs that fail"])
+def test_a_refused_action_changes_nothing(name: str, mistake: str) -> None:
+    """An environment that refused an action, or the options of a reset, goes on as one that was not asked."""
+    task = FAMILY[name][1]
+    for pair in (
+        [make(model(name), **task) for _ in range(2)],
+        [make_vec(model(name), 2, **task) for _ in range(2)],
+    ):
+        asked, other = pair
+        asked.action_space.seed(2)
+        assert_same(asked.reset(seed=1), other.reset(seed=1))
+        for _ in range(3):
+            action = asked.action_space.sample()
+            with pytest.raises(ModelgenError, match="step: action"):
+                asked.step(WRONG[mistake](action))
+            with pytest.raises(ModelgenError, match="reset: options: no option 'reset_maks'"):
+                asked.reset(seed=5, options={"reset_maks": np.array([True, False])})
+            assert_same(*((*map(np.asarray, each.step(action)[:-1]), {}) for each in pair))
+
+
+def test_the_numbers_of_other_types_are_those_of_the_range_too() -> None:
+    """A policy in single precision that cuts its actions off at a bound gives the bound, as it rounds it."""
+    env = make(library(PUCK.replace("-50", "-0.1").replace("50", "0.1")), reward="push", every=0.1)
+    env.reset()
+    for kind in (np.float16, np.float32, np.float64):
+        for bound in env.action_space.low, env.action_space.high:
+            action = bound.astype(kind)
+            assert env.step(action)[1] == np.clip(float(action[0]), -0.1, 0.1)
+    assert env.step(np.array([0]))[1] == 0.0
+    for kind in (np.float32, np.float64):
+        with pytest.raises(
+            ModelgenError, match=r"input 'push': 0.1; a number from -0.1 to 0.1; keep actions"
+        ):
+            env.step(np.nextafter(env.action_space.high.astype(kind), kind(1)))
+
+
+def test_a_step_belongs_to_an_episode() -> None:
+    """Of one run: between a reset and the end of the episode. Of many: after a reset of each."""
+    env = make(library(PUCK), reward="place_x", every=0.1, horizon=0.2)
+    for _ in range(2):
+        with pytest.raises(ModelgenError, match="step: no episode is under way; call reset first"):
+            env.step(np.array([1.0]))
+        env.reset()
+        assert [env.step(np.array([1.0]))[3] for _ in range(2)] == [False, True]
+    vector = make_vec(library(PUCK), 3, reward="place_x", every=0.1, horizon=0.2)
+    for lane, unset in ((1, 0), (0, 2)):
+        vector.reset(options={"reset_mask": np.arange(3) == lane})
+        with pytest.raises(ModelgenError, match=f"step: run {unset}: no episode is under way; call reset"):
+            vector.step(np.ones((3, 1)))
+    vector.reset(options={"reset_mask": np.arange(3) == 2})
+    assert [bool(vector.step(np.ones((3, 1)))[3].any()) for _ in range(4)] == [False, True, False, False]
+
+
+@pytest.mark.parametrize("options", [{"q": [0.0]}, ["reset_mask"], {1: 2}])
+def test_unknown_options_are_refused(options: Any) -> None:
+    env, vector = make(library(PUCK), reward="1"), make_vec(library(PUCK), 2, reward="1")
+    for each in (env, vector):
+        with pytest.raises(ModelgenError, match="reset: options: "):
+            each.reset(options=options)
+        each.reset(options={})
+    with pytest.raises(ModelgenError, match=r"no option 'reset_mask'; there are no options"):
+        env.reset(options={"reset_mask": np.array([True])})
+
+
+def test_ranges_and_defaults_are_those_of_the_parameters_given() -> None:
+    """The environment of a scene with other parameters is that of the scene in which they stand."""
+    text = PUCK.replace("-50", '"-most"').replace("50", '"most"\ndefault = "most/2"')
+    text += '\n[[parameter]]\nname = "most"\nvalue = 50\n'
+    given = make(library(text), reward="push", parameters={"most": 8.0})
+    written = make(library(text.replace("value = 50", "value = 8")), reward="push")
+    assert given.action_space == written.action_space == gymnasium.spaces.Box(-8.0, 8.0, (1,), np.float64)
+    for env in (given, written):
+        env.reset()
+        assert env.unwrapped._runs.many.inputs["push"] == 4.0  # type: ignore[attr-defined]
+    ends = [tuple(map(np.asarray, env.step(np.array([8.0]))[:-1])) for env in (given, written)]
+    assert_same(*((*end, {}) for end in ends))
+    with pytest.raises(ModelgenError, match=r"from -8 to 8 in run 0, from -9 to 9 in run 1"):
+        make_vec(library(text), 2, reward="push", parameters={"most": [8.0, 9.0]})
+
+
+@pytest.mark.parametrize(
+    "draw", [lambda _: None, lambda _: (0.0, 0.0), lambda _: (np.zeros(7), np.full(6, np.nan))]
+)
+def test_a_drawn_start_has_the_numbers_of_a_start(draw: Any) -> None:
+    env = make(library(PUCK), reward="1", draw=draw)
+    with pytest.raises(ModelgenError, match="draw"):
+        env.reset()
+    with pytest.raises(ModelgenError, match="no episode is under way"):
+        env.step(np.array([0.0]))
 
 
 @pytest.mark.slow

@@ -2,7 +2,8 @@
 
    Arguments of all: q [lanes, n_q] and u [lanes, n_u] at the start; inputs [lanes, n, n_input], the row of an interval
    holding the value of each input in it, of one that is linear its rate; t [lanes, n], ascending, the ends of the
-   intervals, s. Leading axes are lanes, each a run of its own.
+   intervals, s. Leading axes are lanes, each a run of its own. A run with a value beyond the range of its input, or with
+   a value or rate that is not finite, is not begun; its outcome is INPUT_REFUSED.
 
    Derivatives go backwards over the steps of the run (mg_go_back). Memory is taken at each call. */
 #include <math.h>
@@ -17,7 +18,7 @@
 #define FIRST_TAPE 256L /* steps */
 #define STEPS 1000000L  /* of one call of the core */
 
-enum { OUT_OF_MEMORY = -1 };
+enum { OUT_OF_MEMORY = -1, INPUT_REFUSED = -2 }; /* beside the outcomes of the core; load.py knows the second */
 
 typedef struct {
   const double *q, *u, *inputs, *t;
@@ -40,6 +41,17 @@ typedef struct {
 
 static int n_q(void) { return scene_system.n_q; }
 static int n_u(void) { return scene_system.n_u; }
+
+static int has_allowed_inputs(const given_run *given) {
+  for (long k = 0; k < given->n; k++)
+    for (int i = 0; i < SCENE_N_INPUT; i++) {
+      const mg_real *range = scene_system.input_range + 2 * i;
+      const double value = given->inputs[k * SCENE_N_INPUT + i];
+      if (!isfinite(value)) return 0;
+      if (!scene_input_is_linear[i] && !(range[0] <= value && value <= range[1])) return 0;
+    }
+  return 1;
+}
 
 static void set_inputs(scene_instance *scene, const given_run *given, long k) {
   for (int i = 0; i < SCENE_N_INPUT; i++) {
@@ -64,8 +76,9 @@ static void fill(double *values, long n) {
    Returns its outcome. */
 static int run_lane(scene_instance *scene, const given_run *given, double *sensors, double *states) {
   const long n_state = n_q() + n_u();
+  const int is_allowed = has_allowed_inputs(given);
   place(scene, given);
-  int code = scene_begin(scene);
+  int code = is_allowed ? scene_begin(scene) : INPUT_REFUSED;
   for (long k = 0; k < given->n; k++) {
     if (k && !code) set_inputs(scene, given, k);
     if (!code) code = scene_advance(scene, given->t[k]);
@@ -143,6 +156,7 @@ static int run_with_tape(taped_run *run, const given_run *given) {
   scene_instance *scene = &run->scene;
   mg_run *state = &scene->run;
   mg_record record = {0};
+  if (!has_allowed_inputs(given)) return INPUT_REFUSED;
   place(scene, given);
   memcpy(run->start, state->x, sizeof run->start);
   int code = scene_begin(scene);
@@ -308,7 +322,8 @@ MG_API XLA_FFI_Error *scene_jax_gradient(XLA_FFI_CallFrame *frame) {
   return 0;
 }
 
-/* -> verdict [lanes, 3]: outcome of the run, MG_VERDICT_DIFFERENTIABLE .., and reason; and its time [lanes], s. */
+/* -> verdict [lanes, 3]: outcome of the run, MG_VERDICT_DIFFERENTIABLE .., and reason; and its time [lanes], s. A run that
+   ends early is undecided: its gradient is NaN. */
 MG_API XLA_FFI_Error *scene_jax_verdict(XLA_FFI_CallFrame *frame) {
   long n = 0;
   if (tells_version(frame)) return 0;
@@ -320,7 +335,7 @@ MG_API XLA_FFI_Error *scene_jax_verdict(XLA_FFI_CallFrame *frame) {
     taped_run *run = open_run(n);
     if (!run) return NO_MEMORY;
     const int code = run_with_tape(run, &given);
-    told[0] = code, told[1] = run->tangent.verdict, told[2] = run->tangent.reason;
+    told[0] = code, told[1] = code ? MG_VERDICT_UNDECIDED : run->tangent.verdict, told[2] = run->tangent.reason;
     ((double *)result(frame, 1))[lane] = run->tangent.reason_t;
     close_run(run);
     if (code == OUT_OF_MEMORY) return NO_MEMORY;

@@ -28,7 +28,7 @@ class Run(NamedTuple):
     sensors: jax.Array  # (n, n_sensor) components of the sensors of the scene, SI
     q: jax.Array  # (n, n_q) of each body p (m) and its quaternion (w, x, y, z)
     u: jax.Array  # (n, n_u) of each body v in world axes (m/s) and w in body axes (rad/s)
-    outcome: jax.Array  # () int32: 0 done, else why it ended (`Scene.outcomes`)
+    outcome: jax.Array  # () int32: 0 done, else why it ended or did not begin (`Scene.outcomes`)
 
 
 class Verdict(NamedTuple):
@@ -52,6 +52,7 @@ class Scene:
         self.name: str = facts["name"]
         self.sensors: list[str] = facts["sensors"]
         self.input_names: list[str] = facts["inputs"]  # with the values of those that are linear their rates
+        self.input_ranges: list[list[float | None]] = facts["input_ranges"]  # least and largest value
         self.bodies: dict[str, dict[str, int]] = facts["bodies"]  # where each is in q and u
         self.outcomes: dict[str, str] = facts["outcomes"]
         self.reasons: dict[str, str] = facts["reasons"]
@@ -73,6 +74,9 @@ class Scene:
 
         `inputs` (n, n_input) holds over the interval up to each time. It can be transformed by jit, vmap and
         grad; gradients go backwards over steps, events and impacts. Of a run that ends early they are NaN.
+
+        Raises ValueError where an input is not finite or beyond its range. In a function that JAX transforms,
+        where the numbers are not known, such a run has the outcome -2 and shows NaN.
         """
         times = _times(t)
 
@@ -124,13 +128,29 @@ class Scene:
         for (name, shape), each in zip(shapes.items(), found, strict=True):
             if each.shape != shape:
                 raise ValueError(f"{name}: an array {each.shape}; {shape} is needed")
+        if not isinstance(found[2], jax.core.Tracer):
+            self._check_inputs(np.asarray(found[2]))
         return found
+
+    def _check_inputs(self, inputs: np.ndarray) -> None:
+        """Raises ValueError where a value or rate (n, n_input) is not finite or beyond its range."""
+        for k, (name, ends) in enumerate(zip(self.input_names, self.input_ranges, strict=True)):
+            low, high = (s * np.inf if end is None else end for s, end in zip((-1, 1), ends, strict=True))
+            values = inputs[:, k]
+            for row in np.flatnonzero(~(np.isfinite(values) & (low <= values) & (values <= high)))[:1]:
+                needed = f"a finite number from {low:g} to {high:g} is needed"
+                raise ValueError(f"inputs[{row}]: {name!r} is {values[row]:g}; {needed}")
 
 
 def _times(t: Sequence[float]) -> np.ndarray:
     times = np.array(t, dtype=float)
-    if times.ndim != 1 or not len(times) or not (np.diff(times, prepend=0.0) >= 0).all():
-        raise ValueError(f"t: {t!r}; ascending times from 0 on are needed")
+    if (
+        times.ndim != 1
+        or not len(times)
+        or not (np.diff(times, prepend=0.0) >= 0).all()
+        or times[-1] == np.inf
+    ):
+        raise ValueError(f"t: {t!r}; ascending, finite times from 0 on are needed")
     return times
 
 
