@@ -65,9 +65,8 @@ int fmu_set(fmu *instance, const unsigned *numbers, size_t n, const double *valu
     const unsigned k = numbers[i];
     if (k < FMU_FIRST_INPUT || k >= FMU_FIRST_OUTPUT) return 0;
     const int input = (int)(k - FMU_FIRST_INPUT);
-    const mg_real *range = scene_system.input_range + 2 * input, value = (mg_real)values[i];
-    if (!(fabs((double)value) <= (double)MG_MAX)) return 0;
-    if (!scene_input_is_linear[input] && !(range[0] <= value && value <= range[1])) return 0;
+    const mg_real value = (mg_real)values[i];
+    if (!scene_takes_input(input, value)) return 0;
     if ((mg_real)fmu_input(instance, input) == value) continue;
     if (scene_input_is_linear[input]) scene_set_rate(&instance->scene, input, value);
     if (!scene_input_is_linear[input]) scene_set_input(&instance->scene, input, value);

@@ -44,12 +44,8 @@ static int n_u(void) { return scene_system.n_u; }
 
 static int has_allowed_inputs(const given_run *given) {
   for (long k = 0; k < given->n; k++)
-    for (int i = 0; i < SCENE_N_INPUT; i++) {
-      const mg_real *range = scene_system.input_range + 2 * i;
-      const double value = given->inputs[k * SCENE_N_INPUT + i];
-      if (!isfinite(value)) return 0;
-      if (!scene_input_is_linear[i] && !(range[0] <= value && value <= range[1])) return 0;
-    }
+    for (int i = 0; i < SCENE_N_INPUT; i++)
+      if (!scene_takes_input(i, given->inputs[k * SCENE_N_INPUT + i])) return 0;
   return 1;
 }
 
@@ -76,9 +72,8 @@ static void fill(double *values, long n) {
    Returns its outcome. */
 static int run_lane(scene_instance *scene, const given_run *given, double *sensors, double *states) {
   const long n_state = n_q() + n_u();
-  const int is_allowed = has_allowed_inputs(given);
   place(scene, given);
-  int code = is_allowed ? scene_begin(scene) : INPUT_REFUSED;
+  int code = has_allowed_inputs(given) ? scene_begin(scene) : INPUT_REFUSED;
   for (long k = 0; k < given->n; k++) {
     if (k && !code) set_inputs(scene, given, k);
     if (!code) code = scene_advance(scene, given->t[k]);

@@ -58,6 +58,8 @@ class Scene:
         self.reasons: dict[str, str] = facts["reasons"]
         self.q, self.u = np.array(facts["q"]), np.array(facts["u"])
         self._defaults = np.array(facts["input_defaults"])
+        self._least = np.array([-np.inf if low is None else low for low, _ in self.input_ranges])
+        self._largest = np.array([np.inf if high is None else high for _, high in self.input_ranges])
         library = ctypes.CDLL(str(folder / facts["library"]))
         self._names = {}
         for role in ("run", "gradient", "verdict"):
@@ -134,12 +136,10 @@ class Scene:
 
     def _check_inputs(self, inputs: np.ndarray) -> None:
         """Raises ValueError where a value or rate (n, n_input) is not finite or beyond its range."""
-        for k, (name, ends) in enumerate(zip(self.input_names, self.input_ranges, strict=True)):
-            low, high = (s * np.inf if end is None else end for s, end in zip((-1, 1), ends, strict=True))
-            values = inputs[:, k]
-            for row in np.flatnonzero(~(np.isfinite(values) & (low <= values) & (values <= high)))[:1]:
-                needed = f"a finite number from {low:g} to {high:g} is needed"
-                raise ValueError(f"inputs[{row}]: {name!r} is {values[row]:g}; {needed}")
+        refused = ~(np.isfinite(inputs) & (self._least <= inputs) & (inputs <= self._largest))
+        for k, row in np.argwhere(refused.T)[:1]:
+            needed = f"a finite number from {self._least[k]:g} to {self._largest[k]:g} is needed"
+            raise ValueError(f"inputs[{row}]: {self.input_names[k]!r} is {inputs[row, k]:g}; {needed}")
 
 
 def _times(t: Sequence[float]) -> np.ndarray:

@@ -17,6 +17,12 @@ int scene_advance_part(scene_instance *scene, mg_real t_stop, long max_steps, mg
                     &scene->events, scene->work, scene->iwork);
 }
 
+int scene_takes_input(int input, mg_real value) {
+  const mg_real *range = scene_system.input_range + 2 * input;
+  if (!(-MG_MAX <= value && value <= MG_MAX)) return 0;
+  return scene_input_is_linear[input] || (range[0] <= value && value <= range[1]);
+}
+
 void scene_set_input(scene_instance *scene, int input, mg_real value) {
   mg_real *setting = scene->run.input + 3 * input;
   setting[0] = value, setting[1] = 0, setting[2] = scene->run.t;

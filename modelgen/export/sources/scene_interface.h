@@ -32,6 +32,9 @@ int scene_advance(scene_instance *scene, mg_real t_stop);
    as well: then call it again. The events of the call are in scene->events. */
 int scene_advance_part(scene_instance *scene, mg_real t_stop, long max_steps, mg_record *record);
 
+/* 1 if an input takes a value, or one that is linear a rate: both finite, and a value within the range of its input. */
+int scene_takes_input(int input, mg_real value);
+
 /* Sets an input from the present time on. One that is linear is set before scene_begin only. */
 void scene_set_input(scene_instance *scene, int input, mg_real value);
 
