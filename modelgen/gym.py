@@ -142,8 +142,7 @@ class _Runs:
         """Set the inputs of lanes by actions, one number for each input, in an array of a shape whose last
         axis is that of the inputs; those with hold = "linear" reach theirs at the end of the step.
 
-        A number of a coarser type than float64, as policies have, may exceed a bound by the rounding of that
-        type, and is the bound then. The actions of other lanes are not used.
+        The actions of other lanes are not used.
 
         Raises ModelgenError, with all inputs as they were, where a run has not been reset, the shape is
         another, or a number of the lanes is not finite or beyond the range of its input.
@@ -152,6 +151,21 @@ class _Runs:
             lane = int(np.flatnonzero(~self.begun)[0])
             where = "step" if len(shape) == 1 else f"step: run {lane}"
             raise ModelgenError(where, "no episode is under way", "", "call reset first")
+        inputs, columns = self.many.inputs, self._checked_actions(actions, shape, lanes).T
+        for each, values in zip(self.inputs, columns, strict=True):
+            if each["hold"] == "linear":
+                rates = np.zeros(self.many.n)
+                rates[lanes] = (values - inputs[each["name"]][lanes]) / self.every
+                inputs.ramp(each["name"], rates, lanes)
+            else:
+                inputs[each["name"]][lanes] = values
+
+    def _checked_actions(self, actions: object, shape: tuple[int, ...], lanes: Array) -> Array:
+        """The actions of lanes, (lanes, number of inputs), within the ranges of the inputs.
+
+        A number of a coarser type than float64, as policies have, may exceed a bound by the rounding of that
+        type, and is the bound then. Raises ModelgenError as `act`.
+        """
         names = [each["name"] for each in self.inputs]
         allowed = f"an array of numbers of shape {shape}, one for each input: {', '.join(names) or 'none'}"
         given = numbers_in("step: action", actions, allowed)
@@ -172,14 +186,7 @@ class _Runs:
                 f"a number from {low[k]:g} to {high[k]:g}",
                 "keep actions within action_space, as gymnasium.wrappers.ClipAction does",
             )
-        inputs = self.many.inputs
-        for each, values in zip(self.inputs, np.clip(rows, low, high).T, strict=True):
-            if each["hold"] == "linear":
-                rates = np.zeros(self.many.n)
-                rates[lanes] = (values - inputs[each["name"]][lanes]) / self.every
-                inputs.ramp(each["name"], rates, lanes)
-            else:
-                inputs[each["name"]][lanes] = values
+        return np.asarray(np.clip(rows, low, high))
 
     def shown(self) -> tuple[Array, Array, Array]:
         """Observations (n, k), rewards (n,) and whether episodes terminate (n,)."""
