@@ -25,7 +25,7 @@ from tests.running import SCENES, folder
 
 needs_jax = pytest.mark.skipif(find_spec("jax") is None, reason="needs jax (extra `jax`)")
 
-ALONE = (
+LOADED = (
     BARRED
     + """
 import json
@@ -37,6 +37,12 @@ jax.config.update("jax_enable_x64", True)
 from load import load
 
 scene = load()
+"""
+)
+
+ALONE = (
+    LOADED
+    + """
 times = json.loads(sys.argv[2])
 n, run = len(times), scene.run(times)
 q, u, inputs = map(jnp.asarray, (scene.q, scene.u, scene.inputs(n)))
@@ -164,16 +170,8 @@ def test_a_start_that_is_refused_has_an_outcome() -> None:
 
 
 INPUTS = (
-    BARRED
+    LOADED
     + """
-import json
-import jax
-import numpy as np
-
-jax.config.update("jax_enable_x64", True)
-from load import load
-
-scene = load()
 n = 3
 run, verdict = scene.run([0.1, 0.2, 0.3]), scene.verdict([0.1, 0.2, 0.3])
 name, (low, high) = scene.input_names[0], scene.input_ranges[0]
