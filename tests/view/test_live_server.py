@@ -18,12 +18,12 @@ from tests.running import SCENES, library_of, scene_of
 from tests.view.browser import browser, needs_browser
 
 pytest.importorskip("viser", reason="extra view")
-import msgspec
 import viser
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 from modelgen.view.live_server import Live
+from tests.view.malformed_messages import malformed
 
 
 @pytest.fixture
@@ -184,19 +184,6 @@ def test_foreign_names_and_origins_get_nothing(wheel: Live, name: str) -> None:
     for headers in ({"Host": name}, {"Origin": f"http://{name}"}, {"Origin": "null"}):
         assert answer_to(wheel, **headers) == 403
         assert answer_to(wheel, **upgrade, **headers) == 403
-
-
-def malformed(live: Live, rng: np.random.Generator) -> bytes | str:
-    """A message that no page sends: bytes, texts, unknown kinds, properties and values of controls."""
-    control = [live.running, live.speed, live.inputs["torque"], live.reset][rng.integers(4)]
-    name = ["value", "min", "max", "update_cb", "removed", "no_such"][rng.integers(6)]
-    value = [np.nan, np.inf, 1e308, -1, "torque", None, [], {}, b"\0", True][rng.integers(10)]
-    update = {"type": "GuiUpdateMessage", "uuid": control._impl.uuid, "updates": {name: value}}
-    whole = msgspec.msgpack.encode(update)
-    return [
-        rng.bytes(int(rng.integers(200))), "text", whole, whole[: int(rng.integers(len(whole)))],
-        msgspec.msgpack.encode({"type": "NoSuchMessage"}), msgspec.msgpack.encode([1, 2]),
-    ][rng.integers(6)]  # fmt: skip
 
 
 @pytest.mark.parametrize("count", [100, pytest.param(1000, marks=pytest.mark.slow)])
