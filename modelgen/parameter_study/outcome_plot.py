@@ -41,11 +41,14 @@ def draw_sweep(found: Sweep, path: str | Path, of: Sequence[str] | None = None) 
     Args:
         of: the columns that are drawn; sensors, or the outcome and the end time, when None.
 
-    Raises ModelgenError for another suffix or column, or without matplotlib.
+    Raises ModelgenError for another suffix or column, a sweep without runs, or without matplotlib.
     """
     expect("draw_sweep", found, Sweep)
     path = path_of("draw_sweep", path)
     check_suffix(path, PICTURES)
+    if not len(found):
+        remedy = "go on with the sweep first"
+        raise ModelgenError(str(found.folder or "draw_sweep"), "no run of the sweep is done", "", remedy)
     pairs = list(combinations(found.varied[:NUMBERS], 2)) or [(found.varied[0], "")]
     names = _drawn(found, of, PANELS // len(pairs))
     panels = [(name, *pair) for name in names for pair in pairs]

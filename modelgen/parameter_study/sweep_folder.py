@@ -13,6 +13,7 @@ import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -160,17 +161,27 @@ class SweepFolder:
 
     def _joined(self) -> Any:
         whole = self.path / TABLE
-        paths = [whole] if whole.exists() else [path for _, path in self._parts()]
-        if not paths:
-            return self._table([])
+        if not whole.exists():
+            parts = self._parts()
+            tables = [self._read(path, span) for span, path in parts]
+            _check_apart(self.path, [span for span, _ in parts])
+            return self._arrow.concat_tables(tables) if tables else self._table([])
+        return self._read(whole, Span(0, int(self.plan()["runs"])))
+
+    def _read(self, path: Path, span: Span) -> Any:
+        """The table of these runs in a file; ModelgenError where it is damaged or of other runs."""
+        schema = self._schema()
         try:
-            read, schema = self._parquet.read_table, self._schema()
-            tables = [read(path, page_checksum_verification=True) for path in paths]
-            return self._arrow.concat_tables([table.select(schema.names).cast(schema) for table in tables])
-        except ModelgenError:
-            raise
+            table = self._parquet.read_table(path, page_checksum_verification=True)
+            table = table.select(schema.names).cast(schema)
+            runs = table["run"].to_pylist()
         except Exception as error:  # of pyarrow: whatever it raises, the table is damaged
-            raise ModelgenError(str(self.path), f"its table cannot be read: {error}", "", REMEDY) from None
+            found = f"its table cannot be read: {' '.join(str(error).split())}"
+            raise ModelgenError(str(self.path), found, "", REMEDY) from None
+        if runs != list(range(span.first, span.first + span.size)):
+            found = f"its table cannot be read: {path.name} holds other runs than those that it should"
+            raise ModelgenError(str(self.path), found, "", REMEDY)
+        return table
 
     def _write_table(self, path: Path, table: Any) -> None:
         with replaced(path) as scratch:
@@ -180,6 +191,14 @@ class SweepFolder:
 def _digest(plan: Mapping[str, Any]) -> str:
     """SHA-256 (hex) of a plan."""
     return hashlib.sha256(json.dumps(plan, sort_keys=True).encode()).hexdigest()
+
+
+def _check_apart(path: Path, spans: Sequence[Span]) -> None:
+    """Raise ModelgenError where two parts hold the same run."""
+    for before, after in pairwise(spans):
+        if before.first + before.size > after.first:
+            found = f"its table cannot be read: two parts hold run {after.first}"
+            raise ModelgenError(str(path), found, "", REMEDY)
 
 
 def _compare(path: Path, own: Mapping[str, Any], plan: Mapping[str, Any]) -> None:
