@@ -104,7 +104,11 @@ def _piece(each: Mapping[str, Any], start: Point | None, end: Point | None, plac
             raise place.error("a line from a point to itself", "", "leave it out")
         return Line(*start, *end)
     if each["kind"] == "involute" or (each["angles"] is not None and each["radius"] is not None):
-        return _whole(each)
+        piece = _whole(each)
+        if isinstance(piece, Arc) and abs(piece.angle_1 - piece.angle_0) > (1 + CLOSURE) * 2 * pi:
+            found = f"an arc that turns by {abs(piece.angle_1 - piece.angle_0):.6g} rad"
+            raise place.key("angles").error(found, "a whole circle at most, 2*pi", "mend the angles")
+        return piece
     assert start is not None
     assert end is not None
     return _arc_between(each, start, end, place)
