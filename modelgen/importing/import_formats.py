@@ -6,12 +6,12 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TypedDict, Unpack
-from xml.etree import ElementTree
 
 from modelgen.errors import ModelgenError, path_of
 from modelgen.importing import profile_scene, robot_scene
 from modelgen.importing.import_losses import Notes, check_without
 from modelgen.importing.mujoco_shapes import CORNERS
+from modelgen.importing.xml_file import first_element
 from modelgen.runtime.arguments import (
     check_flag,
     check_keywords,
@@ -179,10 +179,7 @@ def _format(path: Path, format: str | None) -> str:
         return format
     if path.suffix.lower() in TEXTS:
         return "profile"
-    try:
-        root = next(ElementTree.iterparse(path, events=("start",)))[1].tag
-    except (ElementTree.ParseError, LookupError, StopIteration, ValueError):  # the last: encodings
-        root = ""
+    root = first_element(path)
     if root == "sdf":
         remedy = "convert it to URDF or MJCF"
         raise ModelgenError(str(path), "SDF, for which there is no kept parser in Python", allowed, remedy)

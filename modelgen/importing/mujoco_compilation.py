@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,12 +15,16 @@ import numpy as np
 
 from modelgen.errors import ModelgenError
 from modelgen.importing.import_losses import Notes
+from modelgen.importing.xml_file import xml_root
 from modelgen.name_suggestions import nearest
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 START_KEYS = ("start", "home")  # keyframes that a run begins with, unless one is named
 UNREAD = {"mimic", "transmission", "gazebo", "safety_controller"}  # of URDF, which MuJoCo does not read
 WORLD = "world"
+LARGEST = 1e30  # of the numbers of a file, in SI units, as of a scene
+UNIT = ("body_quat", "body_iquat", "geom_quat", "site_quat", "jnt_axis")  # unit vectors of a model
+CLOSE = 1e-6  # of the length of a unit vector to 1
 MESH_ENDS = (".stl", ".obj", ".msh")
 
 
@@ -65,23 +71,60 @@ def compiled(path: Path, urdf: bool, key: str | None, floating: bool, notes: Not
         ModelgenError: MuJoCo is missing, does not read the file, or has no such keyframe.
     """
     mj = mujoco()
-    try:
-        spec = (
-            mj.MjSpec.from_string(_urdf_text(path, floating, notes))
-            if urdf
-            else mj.MjSpec.from_file(str(path))
-        )
-        _strip(spec, mj)
-        _check_meshes(spec, mj, path, notes)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
+    with _quiet(mj):
+        try:
+            spec = (
+                mj.MjSpec.from_string(_urdf_text(path, floating, notes))
+                if urdf
+                else mj.MjSpec.from_file(str(path))
+            )
+            _strip(spec, mj)
+            _check_meshes(spec, mj, path, notes)
             model = spec.compile()
-    except ValueError as refused:
-        raise ModelgenError(str(path), f"MuJoCo refuses it: {_line(refused)}", "", "mend the file") from None
-    data = mj.MjData(model)
-    name = _begin(mj, model, data, key, path)
+        except ValueError as refused:
+            found = f"MuJoCo refuses it: {_line(refused)}"
+            raise ModelgenError(str(path), found, "", "mend the file") from None
+        _check_numbers(model, path)
+        data = mj.MjData(model)
+        name = _begin(mj, model, data, key, path)
     control = np.array(data.ctrl)
     return Compiled(mj, model, data, name, control)
+
+
+@contextmanager
+def _quiet(mj: Any) -> Iterator[None]:
+    """Keep what MuJoCo and its library for hulls print of a file: an error says what matters."""
+    before, kept = mj.get_mju_user_warning(), os.dup(2)
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    try:
+        mj.set_mju_user_warning(lambda text: None)
+        os.dup2(nowhere, 2)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        os.dup2(kept, 2)
+        mj.set_mju_user_warning(before)
+        os.close(kept)
+        os.close(nowhere)
+
+
+def _check_numbers(model: Any, path: Path) -> None:
+    """Raise ModelgenError for a number of the model that is not finite or too large to compute with, and for
+    a direction that is none, as of an axis whose length is beyond the reals."""
+    arrays = {name: getattr(model, name) for name in dir(model) if not name.endswith("_aabb")}
+    arrays |= {name: getattr(model.opt, name) for name in ("gravity", "wind", "density", "viscosity")}
+    for name, values in arrays.items():
+        if not isinstance(values, float | np.ndarray) or np.asarray(values).dtype.kind != "f":
+            continue
+        numbers = np.asarray(values)
+        wrong = numbers[~(np.abs(numbers) <= LARGEST)]
+        if wrong.size:
+            found, allowed = f"{wrong[0]:g} in {name}", f"numbers up to {LARGEST:g}"
+            raise ModelgenError(str(path), found, allowed, "mend the file, or what it names")
+    for name in UNIT:
+        if (np.abs(np.linalg.norm(arrays[name], axis=-1) - 1) > CLOSE).any():
+            raise ModelgenError(str(path), f"no direction in {name}", "a vector of some length", "mend it")
 
 
 def mujoco() -> Any:
@@ -107,8 +150,8 @@ def _line(error: Exception) -> str:
 def _urdf_text(path: Path, floating: bool, notes: Notes) -> str:
     """The text of a URDF with the places of its meshes, and notes on what MuJoCo does not read."""
     try:
-        root = ElementTree.parse(path).getroot()
-    except (ElementTree.ParseError, LookupError, ValueError) as error:  # the last two: encodings
+        root = xml_root(path)
+    except ValueError as error:
         raise ModelgenError(str(path), f"no XML: {error}", "", "mend the file") from None
     for element in root.iter():
         if element.tag in UNREAD:

@@ -8,6 +8,7 @@ intervals cannot be halved any more, because the profile turns as in a corner, t
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,6 +22,7 @@ Mask = np.ndarray[Any, np.dtype[np.bool_]]
 Places = np.ndarray[Any, np.dtype[np.intp]]
 
 FARTHEST = 1e9  # m, of a coordinate
+REPEATED = 1e-12  # distance of points over the length of the profile that are one
 FLAT = 1e-9  # width of an outline over its length that is none
 FIRST = 4  # intervals of the coarsest spline
 PARTS = 4  # parts of an interval over which points are averaged
@@ -103,14 +105,24 @@ def _differences(x: Array, closed: bool) -> Array:
     around = np.vstack([x[-2:], x, x[:2]]) if closed else x
     windows = np.lib.stride_tricks.sliding_window_view(_chords(around), 5)
     gaps = windows[:, :, None] - windows[:, None, :]
+    length = gaps[:, -1:, :1]
+    gaps = gaps / np.where(length > 0, length, 1.0)
+    order = np.sign(np.arange(5)[:, None] - np.arange(5))
+    gaps = np.where(gaps == 0, REPEATED * order, gaps)  # points that meet once those between are left out
     gaps[:, np.arange(5), np.arange(5)] = 1.0
     weights = 1 / gaps.prod(axis=2)
     weights /= np.linalg.norm(weights, axis=1, keepdims=True)
     values = np.lib.stride_tricks.sliding_window_view(around, 5, axis=0)  # (windows, 2, 5)
     found = np.einsum("kc,kac->ka", weights, values)
-    along = around[4:] - around[:-4]
-    normals = np.stack([-along[:, 1], along[:, 0]], axis=1) / np.linalg.norm(along, axis=1)[:, None]
-    return np.asarray((found * normals).sum(axis=1))
+    return _part_across(found, around[4:] - around[:-4])
+
+
+def _part_across(span: Array, along: Array) -> Array:
+    """(n,) parts of vectors (n, 2) across directions (n, 2), to the left; their lengths where there is no
+    direction."""
+    length = np.linalg.norm(along, axis=1)
+    across = span[:, 1] * along[:, 0] - span[:, 0] * along[:, 1]
+    return np.divide(across, length, out=np.linalg.norm(span, axis=1), where=length > 0)
 
 
 def _spikes(x: Array, closed: bool, limit: float) -> Mask:
@@ -147,7 +159,8 @@ def _checked(x: Array, closed: bool, source: str) -> tuple[Array, Places]:
         raise ModelgenError(source, found, f"at most {FARTHEST:g} m", "mend the file, or name its --unit")
     if closed and len(x) > 1 and np.array_equal(x[0], x[-1]):
         x = x[:-1]
-    apart = np.append(True, np.linalg.norm(np.diff(x, axis=0), axis=1) > 0)[: len(x)]
+    steps = np.linalg.norm(np.diff(x, axis=0), axis=1)
+    apart = np.append(True, steps > REPEATED * steps.sum())[: len(x)]
     x, places = x[apart], np.nonzero(apart)[0]
     fewest = FIRST * PARTS * FEWEST
     if len(x) < fewest:
@@ -180,10 +193,10 @@ def _refined(x: Array, closed: bool, tolerance: float, noise: float, source: str
     knots = np.linspace(0.0, u[-1], FIRST + 1)
     u = u[: len(x)]
     for _ in range(ROUNDS):
-        spline = _least_squares(x, u, knots, closed)
+        spline = _least_squares(x, u, knots, closed, source)
         for _ in range(PROJECTIONS):
             u = _projected(x, u, spline, knots, closed)
-            spline = _least_squares(x, u, knots, closed)
+            spline = _least_squares(x, u, knots, closed, source)
         nodes = _nodes(knots, spline, closed)
         off = _across(x, u, knots, nodes, closed)
         split = _to_halve(off, u, knots, tolerance, noise)
@@ -194,8 +207,9 @@ def _refined(x: Array, closed: bool, tolerance: float, noise: float, source: str
     return nodes, off
 
 
-def _least_squares(x: Array, u: Array, knots: Array, closed: bool) -> Any:
-    """The cubic spline with these knots nearest to the points; of a closed profile beyond one turn."""
+def _least_squares(x: Array, u: Array, knots: Array, closed: bool, source: str) -> Any:
+    """The cubic spline with these knots nearest to the points; of a closed profile beyond one turn. Raises
+    ModelgenError where the points leave it open."""
     from scipy.interpolate import make_lsq_spline  # slow to import
 
     if closed:
@@ -210,7 +224,14 @@ def _least_squares(x: Array, u: Array, knots: Array, closed: bool) -> Any:
     values, points = values[order], points[order]
     t = np.concatenate([[own[0]] * 3, own, [own[-1]] * 3])
     values = np.clip(values, own[0], own[-1])
-    return make_lsq_spline(values, points, t, k=3)
+    with suppress(ValueError, np.linalg.LinAlgError):  # a part of the spline has too few points
+        spline = make_lsq_spline(values, points, t, k=3)
+        if np.isfinite(spline.c).all():
+            return spline
+    raise ModelgenError(
+        source, "points that are too unevenly apart for a spline", "points follow each other closely",
+        "mend those that lie far off, or measure it more densely",
+    )  # fmt: skip
 
 
 def _projected(x: Array, u: Array, spline: Any, knots: Array, closed: bool) -> Array:
@@ -218,14 +239,20 @@ def _projected(x: Array, u: Array, spline: Any, knots: Array, closed: bool) -> A
 
     No point moves by more than half a way to its neighbours; the ends of an open profile stay at its ends.
     """
-    along, span = spline(u, 1), x - spline(u)
-    step = (span * along).sum(axis=1) / (along**2).sum(axis=1)
+    step = _step_along(x - spline(u), spline(u, 1))
     apart = np.diff(u)
     most = np.minimum(np.append(apart, apart[-1]), np.append(apart[0], apart)) / 2
     moved = u + np.clip(step, -most, most)
     if closed:
         return np.asarray(moved)
     return np.asarray(knots[0] + (moved - moved[0]) * (knots[-1] - knots[0]) / (moved[-1] - moved[0]))
+
+
+def _step_along(span: Array, along: Array) -> Array:
+    """(n,) steps of parameters that take points of a spline by the parts of vectors (n, 2) along its
+    derivatives (n, 2); none where it stands still."""
+    squared = (along**2).sum(axis=1)
+    return np.divide((span * along).sum(axis=1), squared, out=np.zeros(len(span)), where=squared > 0)
 
 
 def _across(x: Array, u: Array, knots: Array, nodes: Array, closed: bool) -> Array:
@@ -237,12 +264,9 @@ def _across(x: Array, u: Array, knots: Array, nodes: Array, closed: bool) -> Arr
     at = knots if closed else _open_sites(knots)
     t = np.interp(u, at, spline.x)
     for _ in range(PROJECTIONS):
-        along, span = spline(t, 1), x - spline(t)
-        t = t + (span * along).sum(axis=1) / (along**2).sum(axis=1)
+        t = t + _step_along(x - spline(t), spline(t, 1))
         t = t if closed else np.clip(t, spline.x[0], spline.x[-1])
-    along = spline(t, 1)
-    normal = np.stack([-along[:, 1], along[:, 0]], axis=1) / np.linalg.norm(along, axis=1)[:, None]
-    return np.asarray(((x - spline(t)) * normal).sum(axis=1))
+    return _part_across(x - spline(t), spline(t, 1))
 
 
 def _interpolated(nodes: Array, closed: bool) -> Any:
