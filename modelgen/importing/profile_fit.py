@@ -122,7 +122,7 @@ def _part_across(span: Array, along: Array) -> Array:
     direction."""
     length = np.linalg.norm(along, axis=1)
     across = span[:, 1] * along[:, 0] - span[:, 0] * along[:, 1]
-    return np.divide(across, length, out=np.linalg.norm(span, axis=1), where=length > 0)
+    return np.asarray(np.divide(across, length, out=np.linalg.norm(span, axis=1), where=length > 0))
 
 
 def _spikes(x: Array, closed: bool, limit: float) -> Mask:
@@ -252,7 +252,9 @@ def _step_along(span: Array, along: Array) -> Array:
     """(n,) steps of parameters that take points of a spline by the parts of vectors (n, 2) along its
     derivatives (n, 2); none where it stands still."""
     squared = (along**2).sum(axis=1)
-    return np.divide((span * along).sum(axis=1), squared, out=np.zeros(len(span)), where=squared > 0)
+    return np.asarray(
+        np.divide((span * along).sum(axis=1), squared, out=np.zeros(len(span)), where=squared > 0)
+    )
 
 
 def _across(x: Array, u: Array, knots: Array, nodes: Array, closed: bool) -> Array:
