@@ -443,7 +443,8 @@ enum {
   MG_CAPACITY_SLOT = 4,       /* planar contacts of two bodies at a time */
   MG_CAPACITY_REGION = 5,     /* intersections of the outlines of two faces, and parts of their boundary */
   MG_CAPACITY_EVENTS = 6,     /* events between two calls of the caller */
-  MG_CAPACITIES = 7
+  MG_CAPACITY_PRESSURE = 7,   /* steps of Newton's method for the pressure between faces that slip */
+  MG_CAPACITIES = 8
 };
 
 /* One run: its state, its active set and what it reports. Before mg_begin the caller sets t, h (0: chosen by the
@@ -517,7 +518,7 @@ typedef struct {
   long unfollowed_minima;   /* how often a search found closest points within search_gap that no contact could follow */
   long incomplete_searches; /* searches of feature pairs that were given up before all closest points were found */
   long search_effort;       /* pairs of cells looked at in searches for closest points */
-  long exceeded[7];         /* how often each capacity was exceeded, MG_CAPACITY_CLOSED .. */
+  long exceeded[8];         /* how often each capacity was exceeded, MG_CAPACITY_CLOSED .. */
 
   mg_real t_event;           /* time of the last transition, s */
   mg_real t_roundoff;        /* rounding error of t so far, s: the exact time is t + t_roundoff */
@@ -560,7 +561,7 @@ typedef struct {
   mg_real incomplete_t;        /* time of the first of incomplete_searches, s */
   mg_real indeterminate_t;     /* time of indeterminate, s */
   mg_real flush_t;             /* time of flush_contact, s */
-  mg_real exceeded_t[7];       /* when each capacity was exceeded first, s */
+  mg_real exceeded_t[8];       /* when each capacity was exceeded first, s */
 
   int failed_contact;       /* contact of the outcome, or -1 */
   int failed_joint;         /* joint with the largest error at the start, or -1 */

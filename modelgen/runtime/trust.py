@@ -100,7 +100,7 @@ def uncertified(path: Trajectory) -> Iterator[str]:
         "let one lie lower by more than rounding",
         "unfollowed": "closest points were found that no contact was free to follow",
         "incomplete": "a search for closest points was given up before all were found",
-        "capacity": "a capacity of the core was exceeded, and what had no room in it was left out",
+        "capacity": "a capacity of the core was exceeded: the warning says which, and what that did",
     }
     yield from (reason for kind, reason in told.items() if kind in path.doubt_kinds)
 

@@ -37,6 +37,7 @@ MG_INTERNAL void mg_update_diagnostics(mg_context *c) {
   mg_update_maximum(&run->kinetic_max, kinetic);
   if (s->n_joint_row) mg_monitor_joint_rank(c);
   mg_monitor_redundant_friction(c);
+  if (!mg_is_time_stepping(c) && !mg_are_patch_pressures_found(c)) mg_note_exceeded(c, MG_CAPACITY_PRESSURE);
   for (int i = mg_next_row(c, -1); i < s->n_contact; i = mg_next_row(c, i)) {
     const mg_real gap = c->rows.d[i] / s->length, force = c->solution.force[i] / weight;
     if (!mg_is_support_contact(c, i)) mg_update_maximum(&run->complementarity_max, fabs(gap < force ? gap : force));

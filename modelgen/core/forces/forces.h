@@ -27,7 +27,7 @@ enum { MG_PATCH_ROWS = 3 }; /* friction rows of a patch: slip of its first suppo
 struct mg_patch_friction {
   int slips;                             /* 1: it slips */
   int centre_known;                      /* 1: `centre` is known */
-  int partly_unloaded;                   /* 1: the pressure vanishes in a part of the overlap */
+  int partly_unloaded;                   /* 1: the pressure vanishes in a part of the overlap, or was not found */
   int force_outside;                     /* 1: the centre of pressure is outside the hull */
   mg_real centre[2];                     /* centre of pressure, also outside the hull, in the axes of this, m */
   mg_real extent;                        /* extent of the loaded region about it, m */
@@ -477,6 +477,10 @@ MG_INTERNAL void mg_set_patch_force_ratios(mg_context *c);
 /* After the forces: recompute the force ratios of patches whose pressure has changed; returns 1 while forces must
    be solved again. */
 MG_INTERNAL int mg_has_changed_patch_pressures(mg_context *c);
+
+/* False if the forces that were found last hold for other pressures between slipping faces than they cause, because
+   Newton's method for these was given up. */
+MG_INTERNAL int mg_are_patch_pressures_found(const mg_context *c);
 
 /* mg_list_slip_rows for a support of a patch; 0 for other rows. */
 MG_INTERNAL int mg_list_patch_slip_rows(const mg_context *c, int row, int *list, mg_real *ratio);

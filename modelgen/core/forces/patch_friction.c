@@ -154,14 +154,15 @@ MG_INTERNAL void mg_update_patch_pressure(mg_context *c, int slot) {
   mg_open_pressure(p, &c->patches.hull, c->patches.strip_capacity, c->patches.strips);
   mg_real inside[2] = {r->centre[0], r->centre[1]};
   r->force_outside = r->centre_known && mg_move_inside_hull(&c->patches.hull, inside);
-  if (!r->centre_known || !mg_winkler_pressure(p, 1, inside)) {
+  const int found = r->centre_known && mg_winkler_pressure(p, 1, inside), failed = r->centre_known && !found;
+  if (!found) {
     mg_set_patch_frame(c, slot, &at);
     for (int k = 0; k < 2; k++) r->centre[k] = (at.support[0][k] + at.support[1][k] + at.support[2][k]) / 3;
     mg_uniform_pressure(p, r->centre);
     r->force_outside = 0;
   }
   if (p->overflow) mg_note_exceeded(c, MG_CAPACITY_REGION);
-  r->partly_unloaded = p->partly_unloaded, r->extent = p->reach;
+  r->partly_unloaded = p->partly_unloaded || failed, r->extent = p->reach;
 }
 
 /* How the centre from which the pressure is computed moves with the centre x: derivatives of mg_move_inside_hull. */
@@ -281,6 +282,10 @@ MG_INTERNAL int mg_has_changed_patch_pressures(mg_context *c) {
     count++;
   }
   return count > 0 && ++c->patches.pressure_rounds < MG_PRESSURE_ROUNDS;
+}
+
+MG_INTERNAL int mg_are_patch_pressures_found(const mg_context *c) {
+  return c->patches.pressure_rounds < MG_PRESSURE_ROUNDS;
 }
 
 MG_INTERNAL int mg_list_patch_slip_rows(const mg_context *c, int row, int *list, mg_real *ratio) {

@@ -203,6 +203,7 @@ CAPACITIES = (
     "slot",
     "region",
     "events",
+    "pressure",
 )  # MG_CAPACITY_
 RUN_REALS = (
     *("t_event", "t_roundoff", "energy_0", "energy_error_max"),

@@ -9,7 +9,7 @@ from modelgen.runtime.tables.ctypes_structures import CAPACITIES
 from modelgen.runtime.tables.scratch_memory import gibibytes
 
 LARGE = "make the shapes simpler, or divide them into several"
-EXCEEDED: Mapping[str, tuple[str, str]] = {  # by CAPACITIES: what had no room, and the remedy
+EXCEEDED: Mapping[str, tuple[str, str]] = {  # by CAPACITIES: what was too much or not found, and the remedy
     "closed": (
         "contacts closed at a time",
         "list fewer pairs in [[contact]], divide the scene, or use a machine with more memory",
@@ -29,6 +29,10 @@ EXCEEDED: Mapping[str, tuple[str, str]] = {  # by CAPACITIES: what had no room, 
     ),
     "region": ("intersections of the outlines of two faces", LARGE),
     "events": ("events in one step", "shorter steps, by a tighter accuracy, hold fewer"),
+    "pressure": (
+        "the pressure between two faces that slip",
+        "planar_contacts = false lets faces stand on their corners",
+    ),
 }
 
 
@@ -40,9 +44,14 @@ def capacity_warnings(session: Session) -> list[str]:
             continue
         what, remedy = EXCEEDED[kind]
         room = f" ({_room(session)})" if kind == "closed" else ""
+        told = (
+            f"there were more {what} than the core has room for{room}, {times} times",
+            "what had no room was left out",
+        )
+        if kind == "pressure":
+            told = f"{what} was not found, {times} times", "the pressure tried last was taken"
         found.append(
-            f"there were more {what} than the core has room for{room}, {times} times, first at "
-            f"t = {float(first):.6g} s: what had no room was left out, and the motion may be wrong; {remedy}"
+            f"{told[0]}, first at t = {float(first):.6g} s: {told[1]}, and the motion may be wrong; {remedy}"
         )
     return found
 
