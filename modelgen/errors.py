@@ -15,6 +15,14 @@ PIPELINE = {  # each value of the pipeline, and the verb that takes it
 }
 
 
+DISTRIBUTION = "modelgen-contact"  # that pip installs; another project has the name of the package
+
+
+def install(extra: str) -> str:
+    """The remedy where a package is missing that an extra brings."""
+    return f'run: pip install "{DISTRIBUTION}[{extra}]"'
+
+
 class ModelgenError(Exception):
     """Base of all errors that a user can cause and mend.
 

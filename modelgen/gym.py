@@ -11,7 +11,7 @@ import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.codegen.sensor_expressions_function import expressions_function
-from modelgen.errors import ModelgenError
+from modelgen.errors import ModelgenError, install
 from modelgen.name_suggestions import nearest
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import check_span, checked_starts, numbers_in, shown
@@ -25,9 +25,7 @@ try:
     from gymnasium.vector import AutoresetMode
     from gymnasium.vector.utils import batch_space
 except ImportError:
-    raise ModelgenError(
-        "modelgen.gym", "no package 'gymnasium'", "", 'run: pip install "modelgen[rl]"'
-    ) from None
+    raise ModelgenError("modelgen.gym", "no package 'gymnasium'", "", install("rl")) from None
 
 Array = np.ndarray[Any, Any]
 Draw = Callable[[np.random.Generator], tuple[Array, Array]]  # a start: q (n_q,), u (n_u,)

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from modelgen.codegen.built_files import put
 from modelgen.codegen.library import REAL_FLAGS
-from modelgen.errors import CompilerMissing, LibraryError
+from modelgen.errors import CompilerMissing, LibraryError, install
 
 CANDIDATES = ("cc", "gcc", "clang")
 LEVELS, LEVEL = ("O1", "O2", "O3"), "O2"
@@ -113,12 +113,8 @@ def _first_installed() -> tuple[str, ...]:
             return (name,)
     if importlib.util.find_spec("ziglang"):
         return (sys.executable, "-m", "ziglang", "cc")
-    raise CompilerMissing(
-        "",
-        f"no C compiler was found (CC, {', '.join(CANDIDATES)})",
-        "",
-        'run: pip install "modelgen[compiler]"',
-    )
+    found = f"no C compiler was found (CC, {', '.join(CANDIDATES)})"
+    raise CompilerMissing("", found, "", install("compiler"))
 
 
 @cache

@@ -17,7 +17,7 @@ from modelgen.codegen.compiler import LEVEL, Compiler, compiler_version, run_com
 from modelgen.codegen.core_cache import runtime_object
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import Library
-from modelgen.errors import ModelgenError
+from modelgen.errors import ModelgenError, install
 from modelgen.export.c_folder import program_files
 from modelgen.export.numbers_by_parameters import Numbers, Slider, arrays_of, numbers_of, sliders_of
 from modelgen.export.scene_header_and_tables import KERNELS, field_of, source
@@ -47,8 +47,7 @@ MOST, LEAST = 1500, 200  # samples of a page
 def wasm_compiler() -> Compiler:
     """Zig, which compiles for WebAssembly; ModelgenError where it is not installed."""
     if importlib.util.find_spec("ziglang") is None:
-        remedy = 'run: pip install "modelgen[compiler]"'
-        raise ModelgenError("--to browser", "no package 'ziglang'", "", remedy)
+        raise ModelgenError("--to browser", "no package 'ziglang'", "", install("compiler"))
     command = (sys.executable, "-m", "ziglang", "cc", *MACHINE)
     return Compiler(command, compiler_version(command))
 

@@ -14,7 +14,7 @@ from modelgen.codegen.compiler import LIBRARIES, SHARED, find_compiler, portable
 from modelgen.codegen.core_cache import runtime_object
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import Library
-from modelgen.errors import ModelgenError
+from modelgen.errors import ModelgenError, install
 from modelgen.export.c_folder import program_files
 from modelgen.export.scene_header_and_tables import source
 from modelgen.export.shared_library import shared_library
@@ -64,8 +64,7 @@ def _headers() -> Path:
     try:
         return Path(import_module("jax.ffi").include_dir())
     except ImportError:
-        remedy = 'run: pip install "modelgen[jax]"'
-        raise ModelgenError("--to jax", "no package 'jax'", "", remedy) from None
+        raise ModelgenError("--to jax", "no package 'jax'", "", install("jax")) from None
 
 
 def _directions(library: Library) -> str:

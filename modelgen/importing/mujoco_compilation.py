@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from modelgen.errors import ModelgenError
+from modelgen.errors import ModelgenError, install
 from modelgen.importing.import_losses import Notes
 from modelgen.importing.xml_file import xml_root
 from modelgen.name_suggestions import nearest
@@ -132,13 +132,11 @@ def mujoco() -> Any:
     try:
         import mujoco
     except ImportError:
-        raise ModelgenError(
-            "modelgen import", "no package 'mujoco'", "", 'run: pip install "modelgen[import]"'
-        ) from None
+        raise ModelgenError("modelgen import", "no package 'mujoco'", "", install("import")) from None
     if not hasattr(mujoco.MjSpec, "delete"):
         raise ModelgenError(
             "modelgen import", f"mujoco {mujoco.__version__}", "3.3.3 or newer is needed",
-            'run: pip install -U "modelgen[import]"',
+            "run: pip install -U mujoco",
         )  # fmt: skip
     return mujoco
 

@@ -20,7 +20,7 @@ from typing import Any
 from modelgen.codegen.build import build
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import Library
-from modelgen.errors import ModelgenError
+from modelgen.errors import ModelgenError, install
 from modelgen.parameter_study.chunk_runs import Chunk, Study, run_chunk
 from modelgen.parameter_study.run_queue import RunQueue, Span
 from modelgen.runtime.arguments import shown
@@ -37,9 +37,7 @@ def require_distributed() -> Any:
     try:
         import distributed
     except ImportError:
-        raise ModelgenError(
-            "scheduler", "no package 'distributed'", "", "run: pip install 'modelgen[dask]'"
-        ) from None
+        raise ModelgenError("scheduler", "no package 'distributed'", "", install("dask")) from None
     return distributed
 
 

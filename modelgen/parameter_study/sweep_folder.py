@@ -17,7 +17,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from modelgen.errors import ModelgenError
+from modelgen.errors import ModelgenError, install
 from modelgen.file_writing import SCRATCH, replaced, write_file
 from modelgen.parameter_study.rows import Row
 from modelgen.parameter_study.run_queue import Span
@@ -34,8 +34,8 @@ def require_pyarrow() -> tuple[Any, Any]:
         import pyarrow
         import pyarrow.parquet
     except ImportError:
-        found, remedy = "no package 'pyarrow', which writes the table", "run: pip install 'modelgen[sweep]'"
-        raise ModelgenError("sweep", found, "", remedy) from None
+        found = "no package 'pyarrow', which writes the table"
+        raise ModelgenError("sweep", found, "", install("sweep")) from None
     return pyarrow, pyarrow.parquet
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from modelgen.errors import ModelgenError, expect, path_of
+from modelgen.errors import ModelgenError, expect, install, path_of
 from modelgen.file_writing import replaced, write_file
 from modelgen.report.run_files import check_suffix
 from modelgen.report.run_record import Array, Record
@@ -43,9 +43,7 @@ def require_matplotlib() -> Any:
     try:
         from matplotlib.figure import Figure
     except ImportError:
-        raise ModelgenError(
-            "plot", "matplotlib is not installed", "", "install it with: pip install 'modelgen[plot]'"
-        ) from None
+        raise ModelgenError("plot", "matplotlib is not installed", "", install("plot")) from None
     return Figure
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from modelgen.assembly import require
 from modelgen.codegen.library import Library
-from modelgen.errors import ModelgenError
+from modelgen.errors import ModelgenError, install
 from modelgen.model import Model
 from modelgen.report.displayed_bodies import stage_at_start
 from modelgen.report.printed_rounding import NOISE, vector_text
@@ -26,7 +26,7 @@ from modelgen.view.slider_range import slider_range
 try:
     from modelgen.view.guarded_server import serve_page
 except ImportError:
-    raise ModelgenError("view", "no package 'viser'", "", 'run: pip install "modelgen[view]"') from None
+    raise ModelgenError("view", "no package 'viser'", "", install("view")) from None
 
 Array = np.ndarray[Any, Any]
 

@@ -44,7 +44,7 @@ class Coal:
             Path(mkdtemp()) / "coal.so",
         )
         if find_spec("coal") is None:
-            raise SystemExit('no package coal: run pip install "modelgen[peers]"')
+            raise SystemExit('no package coal: run pip install "modelgen-contact[peers]"')
         command = ["g++", "-std=c++17", "-O3", "-DNDEBUG", "-shared", "-fPIC", f"-I{prefix}/include"]
         command += [f"-I{prefix}/include/eigen3", str(source), "-o", str(target), f"-L{prefix}/lib", "-lcoal"]
         subprocess.run([*command, f"-Wl,-rpath,{prefix}/lib"], check=True)

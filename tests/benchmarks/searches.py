@@ -38,7 +38,7 @@ def by_cma(cost: Callable[[Array], float], done: Callable[[], bool], start: Arra
     try:
         import cma
     except ModuleNotFoundError as error:
-        raise SystemExit('no package cma: run pip install "modelgen[searches]"') from error
+        raise SystemExit('no package cma: run pip install "modelgen-contact[searches]"') from error
 
     search = cma.CMAEvolutionStrategy(
         np.zeros(len(start)), 1.0, {"verbose": -9, "seed": 1, "maxfevals": MOST}

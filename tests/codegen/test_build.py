@@ -163,7 +163,7 @@ def test_no_compiler_names_the_command_that_brings_one(
     monkeypatch.delenv("CC", raising=False)
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr(compiler.importlib.util, "find_spec", lambda name: None)
-    with pytest.raises(CompilerMissing, match=r'no C compiler.*pip install "modelgen\[compiler\]"'):
+    with pytest.raises(CompilerMissing, match=r'no C compiler.*pip install "modelgen-contact\[compiler\]"'):
         build(package(), folder=tmp_path / "out")
     assert not (tmp_path / "out").exists()
 

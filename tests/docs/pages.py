@@ -5,8 +5,10 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from modelgen.cli.manual import FOLDER
+
 ROOT = Path(__file__).parents[2]
-MANUAL = ROOT / "modelgen" / "manual"
+MANUAL = FOLDER  # of the package that is tested, a wheel too
 IMAGES = MANUAL / "images"
 README = ROOT / "README.md"
 PAGES = (README, *sorted(MANUAL.glob("*.md")))

@@ -16,7 +16,7 @@ from modelgen import require
 from modelgen.cli.command_group import app
 from modelgen.cli.manual import page, script_of
 from modelgen.scene.read import read_text
-from tests.docs.pages import EXAMPLES, MANUAL, PAGES, ROOT, blocks
+from tests.docs.pages import EXAMPLES, MANUAL, PAGES, blocks
 
 CC = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
 
@@ -62,9 +62,9 @@ OF_A_SCENE = ("observe", "fold", "gravity")
 
 @pytest.fixture(scope="session")
 def workplace(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """One folder for all examples, so that a scene is built once."""
+    """One folder for all examples, so that a scene is built once; with the shipped scenes."""
     folder = tmp_path_factory.mktemp("examples")
-    shutil.copytree(ROOT / "scenes", folder / "scenes")
+    assert CliRunner().invoke(app, ["new", "--scenes", "--out", str(folder / "scenes")]).exit_code == 0
     return folder
 
 
@@ -158,9 +158,9 @@ def scenes_of(code: str) -> list[str]:
     return [TABLES + CONTACT + line + ("\nfriction = 0.3" if "resistance" in line else "") for line in lines]
 
 
-def test_observing_and_folding_leave_states_and_parameters_out() -> None:
+def test_observing_and_folding_leave_states_and_parameters_out(workplace: Path) -> None:
     (keys,) = (block for path in PAGES for block in blocks(path, "toml") if "observe =" in block)
-    whole = (ROOT / "scenes/ball_in_bowl.toml").read_text(encoding="utf-8").replace(
+    whole = (workplace / "scenes/ball_in_bowl.toml").read_text(encoding="utf-8").replace(
         'name = "ball"', 'name = "ball"\nangular_velocity = [0.0, 0.0, 1.0]'
     )  # fmt: skip
     full, less = (require(read_text(text, "manual.toml")) for text in (whole, keys + whole))

@@ -97,7 +97,7 @@ def test_what_a_page_needs_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     scene = str(SCENES / "bouncing_ball.toml")
     done = CliRunner().invoke(app, ["export", scene, "--to", "browser", "--out", "ball.html"])
     assert done.exit_code == 2
-    assert "modelgen[compiler]" in re.sub(r"\s", "", done.output)
+    assert "modelgen-contact[compiler]" in re.sub(r"\s", "", done.output)
     for out in ("ball.png", "nowhere/ball.html"):
         assert CliRunner().invoke(app, ["export", scene, "--to", "browser", "--out", out]).exit_code == 2
 

@@ -66,4 +66,4 @@ def test_the_missing_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     code, _, error = told(str(path))
     assert code == 2
     assert "no package 'mujoco'" in error
-    assert 'pip install "modelgen[import]"' in error
+    assert 'pip install "modelgen-contact[import]"' in error

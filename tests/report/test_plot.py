@@ -112,5 +112,5 @@ def test_a_picture_has_a_known_suffix(tmp_path: Path) -> None:
 
 def test_missing_matplotlib_is_named_with_the_command(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
-    with pytest.raises(ModelgenError, match=r"pip install 'modelgen\[plot\]'"):
+    with pytest.raises(ModelgenError, match=r'pip install "modelgen-contact\[plot\]"'):
         require_matplotlib()

@@ -63,7 +63,8 @@ def test_without_any_compiler_one_message_brings_one(tmp_path: Path) -> None:
     )  # fmt: skip
     assert (answer.returncode, answer.stdout) == (2, "")
     assert (
-        'no C compiler was found (CC, cc, gcc, clang); run: pip install "modelgen[compiler]"' in answer.stderr
+        'no C compiler was found (CC, cc, gcc, clang); run: pip install "modelgen-contact[compiler]"'
+        in answer.stderr
     )
     assert answer.stderr.count("\n") == 1
     assert [path.name for path in tmp_path.iterdir()] == ["scenes"]

@@ -86,7 +86,7 @@ def test_a_missing_extra_is_named(modelgen: Modelgen, missing: str, monkeypatch:
     refused = modelgen("sweep", BALL, HEIGHT, "--out", "x", "--scheduler", "tcp://127.0.0.1:1")
     assert (refused.code, refused.out) == (2, "")
     assert f"no package {missing!r}" in refused.err
-    assert "pip install 'modelgen[" in refused.err
+    assert 'pip install "modelgen-contact[' in refused.err
 
 
 def test_plots_of_runs_have_no_columns(modelgen: Modelgen, tmp_path: Path) -> None:

@@ -208,7 +208,7 @@ def _module() -> Any:
     try:
         return import_module("pydrake.all")
     except ImportError:
-        raise missing("drake", "install it with: pip install 'modelgen[drake]'") from None
+        raise missing("drake", "drake") from None
 
 
 DRAKE = Peer("drake", KNOBS, DrakeScene.of, _module)

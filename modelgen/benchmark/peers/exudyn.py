@@ -199,7 +199,7 @@ def _module() -> Any:
     try:
         return import_module("exudyn")
     except ImportError:
-        raise missing("exudyn", "install it with: pip install 'modelgen[exudyn]'") from None
+        raise missing("exudyn", "exudyn") from None
 
 
 EXUDYN = Peer("exudyn", KNOBS, ExudynScene.of, _module)

@@ -124,7 +124,7 @@ def _module() -> Any:
     try:
         import mujoco
     except ImportError:
-        raise missing("mujoco", "install it with: pip install 'modelgen[peers]'") from None
+        raise missing("mujoco", "peers") from None
     return mujoco
 
 

@@ -16,7 +16,7 @@ from modelgen.benchmark.peers.scene_description import Setup
 from modelgen.benchmark.sampled_motion import Array, Motion
 from modelgen.benchmark.setting_evaluation import Bench
 from modelgen.benchmark.work_precision_front import Point, advantage, compared, front
-from modelgen.errors import ModelgenError
+from modelgen.errors import ModelgenError, install
 
 PATIENCE = 4.0  # s of CPU time per simulated second, after which a run is given up
 SLOW = 1.0  # s of CPU time per simulated second; a ladder goes no further than the first that takes longer
@@ -172,6 +172,6 @@ def sampled(
     return np.array(rows), spent
 
 
-def missing(name: str, remedy: str) -> ModelgenError:
-    """The error of a simulator that is asked for and not installed."""
-    return ModelgenError("--against", f"{name} is not installed", "", remedy)
+def missing(name: str, extra: str) -> ModelgenError:
+    """The error of a simulator that is asked for and not installed; the extra brings it."""
+    return ModelgenError("--against", f"{name} is not installed", "", install(extra))
