@@ -35,7 +35,9 @@ from modelgen.scene.scene_types import Condition, ContactPair, Feature, Pose, Sh
 
 Array = np.ndarray[Any, Any]
 
-STRAIGHT = frozenset({"plane", "line", "segment", "edge", "cylinder", "cone"})  # touch a plane along a line
+STRAIGHT = frozenset(  # touch a plane along a line
+    {"plane", "line", "segment", "edge", "cylinder", "cone", "conical_side"}
+)
 ENDED = {
     "segment": (0.0, 0.0, 1.0),
     "edge": (1.0, 0.0, 0.0),

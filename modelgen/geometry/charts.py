@@ -66,6 +66,12 @@ def cone(u: ca.SX, v: ca.SX, p: ca.SX) -> ca.SX:
     return ca.vertcat(radius * ca.cos(u), radius * ca.sin(u), v)
 
 
+def conical_side(u: ca.SX, v: ca.SX, p: ca.SX) -> ca.SX:
+    """Azimuth u, height v; radius p[0] at v = 0, smaller by p[1] for each metre up."""
+    radius = p[0] - v * p[1]
+    return ca.vertcat(radius * ca.cos(u), radius * ca.sin(u), v)
+
+
 def paraboloid(u: ca.SX, v: ca.SX, p: ca.SX) -> ca.SX:
     return ca.vertcat(u, v, u * u / (2 * p[0]) + v * v / (2 * p[1]))
 

@@ -46,14 +46,24 @@ def cylinder(x: ca.SX, p: ca.SX) -> Implicit:
 
 def cone(x: ca.SX, p: ca.SX) -> Implicit:
     """sqrt(x^2 + y^2) + z tan(half_angle) = 0, the nappe z < 0 alone; it has no gradient at the apex."""
-    radial, slope = ca.sqrt(x[0] * x[0] + x[1] * x[1]), ca.tan(p[0])
+    return _conical(x, zeros(1), ca.tan(p[0]))
+
+
+def conical_side(x: ca.SX, p: ca.SX) -> Implicit:
+    """sqrt(x^2 + y^2) + z taper - radius = 0, the nappe at the origin alone."""
+    return _conical(x, p[0], p[1])
+
+
+def _conical(x: ca.SX, radius: ca.SX, slope: ca.SX) -> Implicit:
+    radial = ca.sqrt(x[0] * x[0] + x[1] * x[1])
     ex, ey = x[0] / radial, x[1] / radial
     azimuth = ca.vertcat(
         ca.horzcat(ey * ey / radial, -ex * ey / radial, zeros(1)),
         ca.horzcat(-ex * ey / radial, ex * ex / radial, zeros(1)),
         zeros(1, 3),
     )
-    return Implicit(radial + x[2] * slope, ca.vertcat(ex, ey, slope), zeros(1), azimuth)
+    value = radial + x[2] * slope - radius
+    return Implicit(value, ca.vertcat(ex, ey, slope), zeros(1), azimuth)
 
 
 def ellipsoid(x: ca.SX, p: ca.SX) -> Implicit:

@@ -18,6 +18,7 @@ from modelgen.scene.expression import Name, Number
 from modelgen.scene.expression_algebra import cos, expression_of, over, sin, times
 from modelgen.scene.scene_types import Chart, Condition, Curve, Feature, Pose, Shape
 
+CONICAL = ("cone", "conical_side")
 SAMPLES = 65  # of a profile, for the side of its exterior
 
 
@@ -36,8 +37,8 @@ def meridian_of(feature: Feature) -> Feature | None:
         )
     if shape.kind == "torus" and not shape.cavity and not conditions:
         return _part(2, "sphere", Pose((values["major"], 0.0, 0.0)), radius=values["minor"])
-    if shape.kind == "cone" and shape.cavity:
-        line = _part(1, "line", _along_cone(values["half_angle"]))
+    if shape.kind in CONICAL and shape.cavity:
+        line = _part(1, "line", _generator(shape))
         return replace(line, conditions=_seen_from(line.shape.pose, conditions))
     curve = _curve_of(feature)
     if curve is None:
@@ -55,10 +56,12 @@ def _in_meridian(wing: Condition) -> Condition:
     return Condition("direction", (outward, 0.0, along_z), None)
 
 
-def _along_cone(half_angle: float) -> Pose:
-    """z along the generator at azimuth 0, away from the apex."""
+def _generator(shape: Shape) -> Pose:
+    """z along the generator of a cone at azimuth 0, downwards."""
+    values = dict(shape.parameters)
+    half_angle = values["half_angle"] if shape.kind == "cone" else float(np.arctan(values["taper"]))
     turn = (pi - half_angle) / 2  # half of the angle about y
-    return Pose(quaternion=(float(np.cos(turn)), 0.0, float(np.sin(turn)), 0.0))
+    return Pose((values.get("radius", 0.0), 0.0, 0.0), (float(np.cos(turn)), 0.0, float(np.sin(turn)), 0.0))
 
 
 def _seen_from(pose: Pose, conditions: tuple[Condition, ...]) -> tuple[Condition, ...]:
@@ -99,7 +102,7 @@ def is_of_revolution(shape: Shape) -> bool:
         return meridian_of_chart(shape.chart) is not None
     if shape.kind in ("paraboloid", "ellipsoid"):
         return len(set(list(values.values())[:2])) == 1
-    return shape.kind in ("cone", "torus")
+    return shape.kind in (*CONICAL, "torus")
 
 
 def _profile_of(feature: Feature, chart: Chart) -> Curve | None:

@@ -29,7 +29,7 @@ def own_solid(shape: Shape) -> Composite:
     return shape.solid
 
 
-CONVEX = ("plane", "sphere", "ellipsoid", "superellipsoid", "cylinder", "cone", "point")
+CONVEX = ("plane", "sphere", "ellipsoid", "superellipsoid", "cylinder", "cone", "conical_side", "point")
 
 BUILDERS: Mapping[str, Callable[[Shape], Composite]] = {
     "box": box,

@@ -66,6 +66,9 @@ SURFACES: Mapping[str, Surface] = {
         jet_of(charts.cylinder), ((-pi, pi), (-inf, inf)), (True, False), True, implicit.cylinder
     ),
     "cone": Surface(jet_of(charts.cone), ((-pi, pi), (-inf, 0.0)), (True, False), True, implicit.cone),
+    "conical_side": Surface(
+        jet_of(charts.conical_side), ((-pi, pi), (-inf, inf)), (True, False), True, implicit.conical_side
+    ),
     "paraboloid": Surface(
         jet_of(charts.paraboloid), _SHEET, (False, False), True, implicit.paraboloid
     ),

@@ -29,7 +29,6 @@ Reader = Callable[[Mapping[str, Any], Place], dict[str, Any]]
 THIN = 1e-6  # extent of a polyhedron in its thinnest direction, against that in its widest
 STRAIGHT = 1e-9  # sine of a corner of a polygon that is none
 THINNEST = 1e-3  # length of a dome, and of what is cut off from its ball, against the radius
-NEARLY_CYLINDRICAL = 1e-3  # tangent of the half angle of a cone whose apex is too far away
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,13 +54,6 @@ def _outline_wall(values: Mapping[str, Any], place: Place) -> dict[str, Any]:
 
 def _of_numbers(spec: ShapeSpec) -> Reader:
     return lambda values, place: {"parameters": spec.numbers(values, place)}
-
-
-def _frustum_constraint(values: tuple[float, ...]) -> str:
-    bottom, top, length = values
-    if bottom == top or abs(bottom - top) >= NEARLY_CYLINDRICAL * length:
-        return ""
-    return f"radius_bottom {bottom:.9g} and radius_top {top:.9g} differ by little"
 
 
 def _dome_constraint(values: tuple[float, ...]) -> str:
@@ -206,8 +198,7 @@ _COMPOSITES = (
             Field("radius_top", POSITIVE, "radius at z = length/2, m", required=True),
             LENGTH,
         ),
-        closed=True, implicit=False, constraint=_frustum_constraint,
-        rule=f"they are equal, or differ by {NEARLY_CYLINDRICAL:g} length at least",
+        closed=True, implicit=False,
     ),
     ShapeSpec(
         "dome", "the part of a ball above z = 0: half of it if length is the radius", ("radius", "length"),

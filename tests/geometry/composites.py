@@ -180,6 +180,9 @@ def off_and_normal(shape: Shape, x: np.ndarray) -> tuple[float, np.ndarray]:
     if shape.kind == "cone":
         normal = np.cos(p["half_angle"]) * radial + np.sin(p["half_angle"]) * up
         return normal @ x, normal
+    if shape.kind == "conical_side":
+        normal = (radial + p["taper"] * up) / np.hypot(1.0, p["taper"])
+        return normal @ (x - p["radius"] * radial), normal
     if shape.kind == "torus":
         arm = x - p["major"] * radial
         return np.linalg.norm(arm) - p["minor"], arm / np.linalg.norm(arm)

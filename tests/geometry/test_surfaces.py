@@ -24,7 +24,7 @@ from modelgen.scene.shape_catalogue import SHAPES
 
 LENGTHS = {
     "plane": (), "sphere": (0.6,), "ellipsoid": (1.0, 0.7, 0.5), "torus": (1.0, 0.4), "cylinder": (0.6,),
-    "cone": (0.5,),
+    "cone": (0.5,), "conical_side": (0.6, 0.3),
     "paraboloid": (1.3, -0.8), "superellipsoid": (1.0, 0.8, 0.6, 2.6, 3.3),
     "bezier": tuple(np.random.default_rng(1).uniform(-1, 1, 48)),
     "bezier_graph": (0.3, 0.7, -0.2, 1.3, 0.5, *np.random.default_rng(2).uniform(-0.3, 0.3, 15)),
@@ -32,12 +32,13 @@ LENGTHS = {
     "cap": tuple(np.random.default_rng(3).uniform(-1, 1, 45)),
 }  # fmt: skip
 PIECES = {
+    "conical_side",
     "bezier",
     "bezier_graph",
     "cap",
     "round_cap",
     "bezier_curve",
-}  # of free forms; not written in scenes
+}  # of frusta and free forms; not written in scenes
 IMPLICIT = [name for name, surface in SURFACES.items() if surface.implicit]
 SUPPORTED = [name for name, surface in SURFACES.items() if surface.support]
 INSIDE = st.tuples(st.floats(-0.95, 0.95), st.floats(-0.95, 0.95))

@@ -52,6 +52,11 @@ def cone(m: Any, u: Any, v: Any, p: Any) -> list[Any]:
     return [radius * m.cos(u), radius * m.sin(u), v]
 
 
+def conical_side(m: Any, u: Any, v: Any, p: Any) -> list[Any]:
+    radius = p[0] - v * p[1]
+    return [radius * m.cos(u), radius * m.sin(u), v]
+
+
 def paraboloid(m: Any, u: Any, v: Any, p: Any) -> list[Any]:
     return [u, v, u * u / (2 * p[0]) + v * v / (2 * p[1])]
 
@@ -139,6 +144,7 @@ SPECIMENS = {
         _specimen("torus", torus, "major minor", (1.0, 0.4), ((-3.0, 3.0), (-3.0, 3.0))),
         _specimen("cylinder", cylinder, "radius", (0.6,), ((-3.0, 3.0), (-1.0, 1.0))),
         _specimen("cone", cone, "half_angle", (0.5,), ((-3.0, 3.0), (-1.6, -0.7))),
+        _specimen("conical_side", conical_side, "radius taper", (0.7, -0.4), ((-3.0, 3.0), (-1.0, 1.0))),
         _specimen("paraboloid", paraboloid, "rho_x rho_y", (1.3, -0.8), _FLAT),
         _specimen("superellipsoid", superellipsoid, "a b c p q", (1.0, 0.8, 0.6, 2.6, 3.3), _GLOBE),
         _specimen("patch", patch, "k h", (0.3, 0.15), _FLAT),

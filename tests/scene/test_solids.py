@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable
-from math import nan
+from math import atan, nan
 from typing import Any
 
 import jsonschema
@@ -60,7 +60,6 @@ REFUSED: list[tuple[Callable[[], object], list[str]]] = [
     (lambda: build.capsule(1, 0), ["shape capsule.length", "the number 0"]),
     (lambda: build.tube(1, 1, 1), ["bore 1 is not smaller than radius 1"]),
     (lambda: build.frustum(1, 0, 1), ["frustum.radius_top", "the number 0"]),
-    (lambda: build.frustum(1, 1.0001, 1), ["differ by little", "equal, or differ by 0.001 length"]),
     (lambda: build.dome(1, 2), ["length 2 of a part of a ball", "from 0.001 to 1.999"]),
     (lambda: build.half_torus(1, 1), ["major 1 is not larger than minor 1"]),
     (lambda: build.polyhedron(CORNERS[:3]), ["vertices: 3 points", "4 at least"]),
@@ -131,12 +130,26 @@ def tables_of(shape: Shape) -> dict[str, Any]:
             "position": list(feature.shape.pose.position),
             "quaternion": list(feature.shape.pose.quaternion),
         }
-        if feature.dimension == 0:
+        if feature.shape.kind == "conical_side":  # no kind of the scene: a cone, seen from its apex
+            part |= _cone_of(**dict(feature.shape.parameters))
+        elif feature.dimension == 0:
             part["at"] = [value for _, value in feature.shape.parameters]
         else:
             part["shape"] = {"kind": feature.shape.kind, **dict(feature.shape.parameters), **pose}
         tables[("vertex", "edge", "face")[feature.dimension]].append(part)
     return tables
+
+
+def _cone_of(radius: float, taper: float) -> dict[str, Any]:
+    """The face of the frustum of height 1.5 whose top is the wider end."""
+    assert taper < 0
+    depth = radius / taper  # of the apex
+    conditions = [
+        {"kind": "quadric", "numbers": [0.75 - depth, 0, 0, 1, *[0] * 6], "next": "rim_top"},
+        {"kind": "quadric", "numbers": [0.75 + depth, 0, 0, -1, *[0] * 6], "next": "rim_bottom"},
+    ]
+    pose = {"position": [0, 0, depth], "quaternion": [0, 1, 0, 0]}
+    return {"shape": {"kind": "cone", "half_angle": atan(-taper), **pose}, "conditions": conditions}
 
 
 CATALOGUE = {
@@ -145,7 +158,7 @@ CATALOGUE = {
     "tube": build.tube(0.5, 0.3, 2),
     "disc": build.disc(1),
     "capsule": build.capsule(0.3, 1),
-    "frustum": build.frustum(1, 2, 1.5),
+    "frustum of a cone": build.solid(**tables_of(build.frustum(1, 2, 1.5))),
     "dome": build.dome(1, 0.4),
     "half_torus": build.half_torus(1, 0.3),
     "polyhedron": build.polyhedron(CORNERS),

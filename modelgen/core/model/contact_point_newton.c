@@ -49,7 +49,10 @@ MG_INTERNAL int mg_place_all_contacts(mg_context *c, mg_real t, mg_real *x) {
 MG_INTERNAL int mg_is_residual_small(const mg_real *pose_o, const mg_real *pose_f, mg_real tolerance, mg_real length,
                                      const mg_real *placed) {
   mg_real size = 0;
-  for (int k = 0; k < 3; k++) size += fabs(pose_o[k]) + fabs(pose_f[k]);
+  for (int k = 0; k < 3; k++) {
+    const mg_real o = placed[8 + k], f = placed[11 + k];
+    size += fabs(pose_o[k]) + fabs(pose_f[k]) + fabs(o - pose_o[k]) + fabs(f - pose_f[k]);
+  }
   return placed[1] <= tolerance * length + 16 * MG_EPS * size && placed[2] <= tolerance;
 }
 

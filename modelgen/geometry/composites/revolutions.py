@@ -6,7 +6,7 @@ A rim is a circle whose T x z points away from its axis, so that (-1, 0) is the 
 from __future__ import annotations
 
 from dataclasses import replace
-from math import atan2, hypot, sin, sqrt
+from math import hypot, sin, sqrt
 
 from modelgen.geometry.composites.feature_constructors import (
     TILT,
@@ -77,16 +77,13 @@ def frustum(shape: Shape) -> Composite:
 
 
 def _frustum_side(bottom: float, top: float, length: float) -> Feature:
-    """The cone of nappe z < 0 in a frame at its apex, which looks down where the top is the wider end."""
+    """In the frame of the shape: that of the apex is far away where the ends are almost as wide."""
     if bottom == top:
-        conditions = below(length / 2, "rim_top"), above(-length / 2, "rim_bottom")
-        return face("side", smooth("cylinder", Pose(), radius=bottom), *conditions)
-    names = ("rim_top", "rim_bottom") if bottom > top else ("rim_bottom", "rim_top")
-    sign, turn = (1.0, IDENTITY_QUATERNION) if bottom > top else (-1.0, UPSIDE_DOWN)
-    depth = min(bottom, top) * length / abs(bottom - top)  # of the narrow end below the apex
-    pose = Pose((0.0, 0.0, sign * (length / 2 + depth)), turn)
-    cone = smooth("cone", pose, half_angle=atan2(abs(bottom - top), length))
-    return face("side", cone, below(-depth, names[0]), above(-depth - length, names[1]))
+        side = smooth("cylinder", Pose(), radius=bottom)
+    else:
+        radius, taper = (bottom + top) / 2, (bottom - top) / length
+        side = smooth("conical_side", Pose(), radius=radius, taper=taper)
+    return face("side", side, below(length / 2, "rim_top"), above(-length / 2, "rim_bottom"))
 
 
 def cone(shape: Shape) -> Composite:
