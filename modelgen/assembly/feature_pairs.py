@@ -42,8 +42,10 @@ ENDED = {
     "segment": (0.0, 0.0, 1.0),
     "edge": (1.0, 0.0, 0.0),
 }  # straight wires with ends, and their directions
+ENDLESS = frozenset({"line", "cylinder"})  # straight shapes that have no ends where they are one feature
 WIRE, ENDS_OF_WIRE = "wire", ("end_bottom", "end_top")
 CONES = ("wing", "direction", "tip")  # conditions of the normal; the others are of the place
+INNER_POINT = vertex("inner", (0.0, 0.0, 0.0), Condition("tip", (0.0, 0.0, 0.0, 1.0), None))  # of no normal
 
 
 @dataclass(frozen=True)
@@ -117,7 +119,7 @@ def feature_pairs_of(
     found = _candidates(a, b, pair, wish, where, shapes)
     numbers = {names: k for k, names in enumerate(found)}
     convex = is_convex(a.shape) and is_convex(b.shape)
-    known = convex and not pair.features and "cone" not in (a.shape.kind, b.shape.kind)
+    known = convex and not pair.features and not _is_endless(a.shape) and not _is_endless(b.shape)
     groups = _parting_faces(found) if known else {}
     surfaces = [{each.name: each.shape.kind for each in whole.features} for whole in (a, b)]
     return tuple(
@@ -194,7 +196,7 @@ def _names(written: str, feature: str) -> bool:
 
 
 def _check_restriction(pair: ContactPair, sides: list[tuple[Feature, ...]], where: str) -> None:
-    known = {each.name for side in sides for each in side if each.name and not is_coaxial_support(each)}
+    known = {each.name for side in sides for each in side if each.name and _is_nameable(each)}
     for name in pair.features:
         if not any(_names(name, each) for each in known):
             raise SceneError(
@@ -207,12 +209,15 @@ def _check_restriction(pair: ContactPair, sides: list[tuple[Feature, ...]], wher
 
 def _ended(sides: list[tuple[Feature, ...]]) -> list[tuple[Feature, ...]]:
     """The features that can touch: a straight wire touches a plane with its ends, other surfaces with itself
-    too."""
+    too; and a point within a straight shape without ends, which is parallel to the flat faces that it
+    touches: nothing touches that point, but its feature pairs tell the core where the faces are."""
     return [_with_ends(mine, other) for mine, other in (sides, sides[::-1])]
 
 
 def _with_ends(mine: tuple[Feature, ...], other: tuple[Feature, ...]) -> tuple[Feature, ...]:
     wire = mine[0]
+    if not wire.name and wire.shape.kind in ENDLESS and any(each.shape.kind == "plane" for each in other):
+        return *mine, INNER_POINT
     if len(mine) > 1 or wire.shape.kind not in ENDED or all(each.dimension < 2 for each in other):
         return mine
     half, axis = wire.shape.parameters[0][1] / 2, np.array(ENDED[wire.shape.kind])
@@ -234,8 +239,13 @@ def _allowed(side: Sequence[Feature], pair: ContactPair) -> list[Two]:
     return [
         (feature, bearer)
         for feature, bearer in zip(side, bearers, strict=True)
-        if not bearer.name or is_allowed(bearer.name, pair)
+        if not bearer.name or bearer is INNER_POINT or is_allowed(bearer.name, pair)
     ]
+
+
+def _is_nameable(feature: Feature) -> bool:
+    """Whether a scene may name the feature among those that may touch."""
+    return feature is not INNER_POINT and not is_coaxial_support(feature)
 
 
 def _may_touch(features: Two, bearers: Two, alone: bool, once: bool) -> bool:
@@ -251,19 +261,23 @@ def _are_endless(a: Shape, b: Shape) -> bool:
     """Whether one is a plane and the other straight without ends: it touches the plane along a line, or
     passes through it."""
     return any(
-        one.kind == "plane"
-        and other.kind in STRAIGHT
-        and other.kind != "segment"
-        and (other.kind == "cone" or not is_composite(other))
+        one.kind == "plane" and (_is_endless(other) or other.kind in ("plane", "edge"))
         for one, other in ((a, b), (b, a))
     )
+
+
+def _is_endless(shape: Shape) -> bool:
+    """Whether a shape is straight and has no ends: a bare cone has a tip, but no base."""
+    return shape.kind == "cone" or (shape.kind in ENDLESS and not is_composite(shape))
 
 
 def _touch_in_points(a: Feature, b: Feature) -> bool:
     orders = ((a, b), (b, a))
     if a.shape.kind == b.shape.kind == "point":
         return False
-    if any(is_support_point(one) and other.shape.kind != "plane" for one, other in orders):
+    if any(
+        (is_support_point(one) or one is INNER_POINT) and other.shape.kind != "plane" for one, other in orders
+    ):
         return False
     return not any(one.shape.kind == "plane" and other.shape.kind in STRAIGHT for one, other in orders)
 

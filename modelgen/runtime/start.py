@@ -96,7 +96,8 @@ def _within(session: Session, contact: int, where: str) -> SimulationError:
     """The error of two bodies of which the smaller one is in the other."""
     pair = session.instance["pairs"][session.instance["contacts"][contact]["pair"]]
     first = session.instance["feature_pairs"][pair["feature_pairs"][0]]
-    radii = {first[side]: ball["radius"] for side, ball in zip("of", pair["bounding_balls"], strict=True)}
+    balls = zip("of", pair["bounding_balls"], strict=True)
+    radii = {first[side]: inf if ball["radius"] is None else ball["radius"] for side, ball in balls}
     inner, outer = (session.instance["bodies"][body]["name"] for body in sorted(radii, key=radii.__getitem__))
     return SimulationError(
         where,

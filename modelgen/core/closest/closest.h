@@ -228,8 +228,12 @@ MG_INTERNAL int mg_is_between_far_sides(mg_context *c, int feature_pair, const m
    and those with cells, which convex shapes have none of. */
 MG_INTERNAL int mg_are_far_sides_known(const mg_context *c, int pair);
 
-/* True if a point of one body of a pair is in the other, by what ways to both sides from it meet first, or if a line on
-   one comes out of the other. Both bodies are bounded. */
+/* True if a straight line on a body of a pair crosses a surface of the other, so that the bodies overlap: edges, and
+   generators of ruled surfaces. */
+MG_INTERNAL int mg_do_lines_cross(mg_context *c, int pair);
+
+/* True if a point of one body of a pair is in the other, by what ways to both sides from it meet first, or if both are
+   bounded and a line on one comes out of the other. */
 MG_INTERNAL int mg_do_bodies_overlap(mg_context *c, int pair);
 
 /* True if neither of two bodies whose surfaces do not cross is within the other, seen at a minimum of their distance

@@ -415,14 +415,14 @@ static int mg_does_way_leave_first(mg_context *c, int feature_pair, int side, co
   return !(mg_part_in_surfaces(c, feature_pair, side, end, point, 0, 0, 1) < 1);
 }
 
-/* True if a point is in the body of one side of a feature pair, by what ways to both sides from it meet first, or if
-   bodies of the pair have no bounds. */
+/* True if a point is in the body of one side of a feature pair, by what ways to both sides from it meet first. */
 static int mg_is_in_body(mg_context *c, int feature_pair, int side, const mg_real *point) {
   static const mg_real direction[3] = {(mg_real)0.48, (mg_real)0.6, (mg_real)0.64};
   const int pair = c->system->feature_pair_owner[feature_pair];
-  const mg_real size = 2 * (mg_pair_ball(c, pair, 0)[3] + mg_pair_ball(c, pair, 1)[3]);
+  const mg_real size = mg_has_pair_extents(c, pair)
+                           ? 2 * (mg_pair_ball(c, pair, 0)[3] + mg_pair_ball(c, pair, 1)[3])
+                           : 4 * mg_search_radius(c, feature_pair, side);
   mg_real along[3], back[3];
-  if (!mg_has_pair_extents(c, pair)) return 1;
   mg_to_world(c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side), direction, 0, along);
   for (int k = 0; k < 3; k++) along[k] *= size, back[k] = -along[k];
   return mg_does_way_leave_first(c, feature_pair, side, point, along) &&
@@ -444,7 +444,9 @@ static int mg_comes_out(mg_context *c, int feature_pair, int side, const mg_real
   if (!(within * length > MG_CLEAR_GAPS * touching)) return 0;
   const mg_real part = left - within * (1 - MG_SEGMENT_BEFORE);
   for (int k = 0; k < 3; k++) at[k] = start[k] + part * along[k];
-  return mg_is_in_body(c, feature_pair, side, at) && !mg_touch_at(c, feature_pair, start, end, part);
+  if (mg_has_pair_extents(c, c->system->feature_pair_owner[feature_pair]) && !mg_is_in_body(c, feature_pair, side, at))
+    return 0;
+  return !mg_touch_at(c, feature_pair, start, end, part);
 }
 
 /* True if a way from the edge or vertex of one side into its body, no longer than it takes to reach the plane through
@@ -558,13 +560,108 @@ static int mg_does_feature_come_out(mg_context *c, int feature_pair, int side) {
   return 0;
 }
 
+/* True if a segment crosses a surface of the body of one side of a feature pair, away from the borders of the surface
+   and from its own ends: from well before the surface to well behind it, beside what touching bodies may overlap. */
+static int mg_does_segment_cross(mg_context *c, int feature_pair, int side, const mg_real *start, const mg_real *end) {
+  const mg_system *s = c->system;
+  const int pair = s->feature_pair_owner[feature_pair], body = mg_feature_body(c, feature_pair, side);
+  const mg_real touching = c->settings->start_gap * s->length, clear = MG_CLEAR_GAPS * touching;
+  mg_real point[3], x[3], normal[3];
+  for (int each = s->pair_feature_pair[pair]; each < s->pair_feature_pair[pair + 1]; each++) {
+    const int own = mg_feature_body(c, each, 1) == body;
+    if (!mg_is_surface(c, each, own) || !s->feature_is_listed[2 * each + own]) continue;
+    const mg_segment segment = mg_segment_in_shape_axes(c, each, own, start, end, 0, 0, 1);
+    const mg_real part = mg_part_in_feature(c, each, own, &segment);
+    if (!(part > 0 && part < 1)) continue;
+    for (int k = 0; k < 3; k++) point[k] = start[k] + part * (end[k] - start[k]);
+    mg_point_in_shape_axes(c, each, own, point, x);
+    if (!mg_normal_at(c, each, own, x, 2 * touching, normal) || !mg_is_within_border(c, each, own, x, -clear)) continue;
+    const mg_real rise = mg_dot3(normal, segment.along);
+    if (rise > MG_TOUCH_ANGLE * sqrt(c->settings->start_gap) * segment.length &&
+        mg_min(part, 1 - part) * rise > clear)
+      return 1;
+  }
+  return 0;
+}
+
+/* True if the line of constant coordinates on a feature from one pair of coordinates to another is straight. */
+static int mg_is_line_straight(mg_context *c, int feature_pair, int side, const mg_real *from, const mg_real *to) {
+  static const mg_real parts[4] = {0, 1, (mg_real)0.37, (mg_real)0.71};
+  mg_sample at[4];
+  mg_real along[3], off[3], arm[3];
+  for (int k = 0; k < 4; k++) {
+    const mg_real uv[2] = {from[0] + parts[k] * (to[0] - from[0]), from[1] + parts[k] * (to[1] - from[1])};
+    mg_sample_at(c, feature_pair, side, uv, at + k);
+  }
+  for (int k = 0; k < 3; k++) along[k] = at[1].point[k] - at[0].point[k];
+  const mg_real length = sqrt(mg_dot3(along, along));
+  for (int inner = 2; inner < 4; inner++) {
+    for (int k = 0; k < 3; k++) arm[k] = at[inner].point[k] - at[0].point[k];
+    mg_cross_product(along, arm, off);
+    if (!(sqrt(mg_dot3(off, off)) <= c->settings->start_gap * c->system->length * length)) return 0;
+  }
+  return length > 0;
+}
+
+/* True if such a line is straight and crosses a surface of the other body where it is on the feature. */
+static int mg_does_straight_line_cross(mg_context *c, int feature_pair, int side, const mg_real *from,
+                                       const mg_real *to) {
+  mg_sample at, last;
+  if (!mg_is_line_straight(c, feature_pair, side, from, to)) return 0;
+  mg_sample_at(c, feature_pair, side, to, &last);
+  for (int k = 0; k < MG_LINE_CHORDS; k++) {
+    const mg_real part = (mg_real)k / MG_LINE_CHORDS,
+                  uv[2] = {from[0] + part * (to[0] - from[0]), from[1] + part * (to[1] - from[1])};
+    mg_sample_at(c, feature_pair, side, uv, &at);
+    if (!mg_is_within_border(c, feature_pair, side, at.local, 0)) continue;
+    mg_real along[3], end[3];
+    for (int i = 0; i < 3; i++) along[i] = last.local[i] - at.local[i];
+    const mg_real within = mg_min(mg_part_within_border(c, feature_pair, side, at.local, along, 0), (mg_real)1);
+    for (int i = 0; i < 3; i++) end[i] = at.point[i] + within * (last.point[i] - at.point[i]);
+    if (mg_does_segment_cross(c, feature_pair, 1 - side, at.point, end) ||
+        mg_does_segment_cross(c, feature_pair, 1 - side, end, at.point))
+      return 1;
+    k += (int)(within * (MG_LINE_CHORDS - k));
+  }
+  return 0;
+}
+
+/* True if a straight line on the feature of one side of a feature pair crosses a surface of the other body. */
+static int mg_does_feature_cross(mg_context *c, int feature_pair, int side) {
+  const int dimension = mg_feature_dimension(c, feature_pair, side);
+  mg_real low[2] = {0, 0}, high[2] = {0, 0}, window[4];
+  if (dimension == 0) return 0;
+  if (!mg_bound_coordinates(c, feature_pair, side, low, high)) {
+    mg_sample_window(c, feature_pair, side, mg_search_radius(c, feature_pair, side), window);
+    low[0] = window[0], high[0] = window[1];
+    if (dimension == 2) low[1] = window[2], high[1] = window[3];
+  }
+  if (dimension == 1) return mg_does_straight_line_cross(c, feature_pair, side, low, high);
+  for (int along = 0; along < 2; along++)
+    for (int line = 0; line < MG_SURFACE_LINES; line++) {
+      mg_real from[2], to[2];
+      from[along] = low[along], to[along] = high[along];
+      from[1 - along] = to[1 - along] = low[1 - along] + (high[1 - along] - low[1 - along]) * line / MG_SURFACE_LINES;
+      if (mg_does_straight_line_cross(c, feature_pair, side, from, to)) return 1;
+    }
+  return 0;
+}
+
+MG_INTERNAL int mg_do_lines_cross(mg_context *c, int pair) {
+  const mg_system *s = c->system;
+  for (int each = s->pair_feature_pair[pair]; each < s->pair_feature_pair[pair + 1]; each++)
+    for (int side = 0; side < 2; side++)
+      if (s->feature_is_listed[2 * each + side] && mg_does_feature_cross(c, each, side)) return 1;
+  return 0;
+}
+
 MG_INTERNAL int mg_do_bodies_overlap(mg_context *c, int pair) {
   const mg_system *s = c->system;
   mg_sample inner;
-  if (!mg_has_pair_extents(c, pair)) return 0;
   for (int side = 0; side < 2; side++)
     if (mg_point_of_body(c, pair, 1 - side, &inner) && mg_is_in_body(c, s->pair_feature_pair[pair], side, inner.point))
       return 1;
+  if (!mg_has_pair_extents(c, pair)) return 0;
   for (int each = s->pair_feature_pair[pair]; each < s->pair_feature_pair[pair + 1]; each++)
     for (int side = 0; side < 2; side++)
       if (s->feature_is_listed[2 * each + side] && mg_does_feature_come_out(c, each, side)) return 1;
