@@ -216,7 +216,8 @@ def _ended(sides: list[tuple[Feature, ...]]) -> list[tuple[Feature, ...]]:
 
 def _with_ends(mine: tuple[Feature, ...], other: tuple[Feature, ...]) -> tuple[Feature, ...]:
     wire = mine[0]
-    if not wire.name and wire.shape.kind in ENDLESS and any(each.shape.kind == "plane" for each in other):
+    is_solid = not wire.name and wire.shape.kind in ENDLESS and not wire.shape.cavity
+    if is_solid and any(each.shape.kind == "plane" for each in other):
         return *mine, INNER_POINT
     if len(mine) > 1 or wire.shape.kind not in ENDED or all(each.dimension < 2 for each in other):
         return mine

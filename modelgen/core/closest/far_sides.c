@@ -419,9 +419,8 @@ static int mg_does_way_leave_first(mg_context *c, int feature_pair, int side, co
 static int mg_is_in_body(mg_context *c, int feature_pair, int side, const mg_real *point) {
   static const mg_real direction[3] = {(mg_real)0.48, (mg_real)0.6, (mg_real)0.64};
   const int pair = c->system->feature_pair_owner[feature_pair];
-  const mg_real size = mg_has_pair_extents(c, pair)
-                           ? 2 * (mg_pair_ball(c, pair, 0)[3] + mg_pair_ball(c, pair, 1)[3])
-                           : 4 * mg_search_radius(c, feature_pair, side);
+  const mg_real size = mg_has_pair_extents(c, pair) ? 2 * (mg_pair_ball(c, pair, 0)[3] + mg_pair_ball(c, pair, 1)[3])
+                                                    : 4 * mg_search_radius(c, feature_pair, side);
   mg_real along[3], back[3];
   mg_to_world(c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side), direction, 0, along);
   for (int k = 0; k < 3; k++) along[k] *= size, back[k] = -along[k];
@@ -560,8 +559,23 @@ static int mg_does_feature_come_out(mg_context *c, int feature_pair, int side) {
   return 0;
 }
 
+/* True if a segment passes through the ball around the body of one side of a pair, or that has none. */
+static int mg_does_segment_pass_ball(const mg_context *c, int pair, int side, const mg_real *start,
+                                     const mg_real *end) {
+  const mg_real *ball = mg_pair_ball(c, pair, side);
+  mg_real centre[3], along[3], arm[3];
+  if (ball[3] < 0) return 1;
+  mg_to_world(c->bodies.pose + 12 * mg_feature_body(c, c->system->pair_feature_pair[pair], side), ball, 1, centre);
+  for (int k = 0; k < 3; k++) along[k] = end[k] - start[k], arm[k] = centre[k] - start[k];
+  const mg_real square = mg_dot3(along, along),
+                part = square > 0 ? mg_min(mg_max(mg_dot3(arm, along) / square, (mg_real)0), (mg_real)1) : 0;
+  for (int k = 0; k < 3; k++) arm[k] -= part * along[k];
+  return mg_dot3(arm, arm) <= ball[3] * ball[3];
+}
+
 /* True if a segment crosses a surface of the body of one side of a feature pair, away from the borders of the surface
-   and from its own ends: from well before the surface to well behind it, beside what touching bodies may overlap. */
+   and from its own ends: from well before the surface to well behind it, beside what touching bodies may overlap and
+   by what mg_bound_coordinates lengthens an edge. */
 static int mg_does_segment_cross(mg_context *c, int feature_pair, int side, const mg_real *start, const mg_real *end) {
   const mg_system *s = c->system;
   const int pair = s->feature_pair_owner[feature_pair], body = mg_feature_body(c, feature_pair, side);
@@ -577,26 +591,25 @@ static int mg_does_segment_cross(mg_context *c, int feature_pair, int side, cons
     mg_point_in_shape_axes(c, each, own, point, x);
     if (!mg_normal_at(c, each, own, x, 2 * touching, normal) || !mg_is_within_border(c, each, own, x, -clear)) continue;
     const mg_real rise = mg_dot3(normal, segment.along);
-    if (rise > MG_TOUCH_ANGLE * sqrt(c->settings->start_gap) * segment.length &&
-        mg_min(part, 1 - part) * rise > clear)
+    if (rise > MG_TOUCH_ANGLE * sqrt(c->settings->start_gap) * segment.length && mg_min(part, 1 - part) * rise > clear)
       return 1;
   }
   return 0;
 }
 
-/* True if the line of constant coordinates on a feature from one pair of coordinates to another is straight. */
-static int mg_is_line_straight(mg_context *c, int feature_pair, int side, const mg_real *from, const mg_real *to) {
-  static const mg_real parts[4] = {0, 1, (mg_real)0.37, (mg_real)0.71};
-  mg_sample at[4];
-  mg_real along[3], off[3], arm[3];
-  for (int k = 0; k < 4; k++) {
-    const mg_real uv[2] = {from[0] + parts[k] * (to[0] - from[0]), from[1] + parts[k] * (to[1] - from[1])};
-    mg_sample_at(c, feature_pair, side, uv, at + k);
-  }
-  for (int k = 0; k < 3; k++) along[k] = at[1].point[k] - at[0].point[k];
-  const mg_real length = sqrt(mg_dot3(along, along));
-  for (int inner = 2; inner < 4; inner++) {
-    for (int k = 0; k < 3; k++) arm[k] = at[inner].point[k] - at[0].point[k];
+/* True if the line of constant coordinates on a feature from one pair of coordinates to another, at which the feature
+   is at the points given, is straight. */
+static int mg_is_line_straight(mg_context *c, int feature_pair, int side, const mg_real *from, const mg_real *to,
+                               const mg_real *first, const mg_real *last) {
+  static const mg_real parts[2] = {(mg_real)0.37, (mg_real)0.71};
+  const mg_real along[3] = {last[0] - first[0], last[1] - first[1], last[2] - first[2]},
+                length = sqrt(mg_dot3(along, along));
+  for (int inner = 0; inner < 2; inner++) {
+    const mg_real uv[2] = {from[0] + parts[inner] * (to[0] - from[0]), from[1] + parts[inner] * (to[1] - from[1])};
+    mg_sample at;
+    mg_real off[3], arm[3];
+    mg_sample_at(c, feature_pair, side, uv, &at);
+    for (int k = 0; k < 3; k++) arm[k] = at.point[k] - first[k];
     mg_cross_product(along, arm, off);
     if (!(sqrt(mg_dot3(off, off)) <= c->settings->start_gap * c->system->length * length)) return 0;
   }
@@ -606,9 +619,15 @@ static int mg_is_line_straight(mg_context *c, int feature_pair, int side, const 
 /* True if such a line is straight and crosses a surface of the other body where it is on the feature. */
 static int mg_does_straight_line_cross(mg_context *c, int feature_pair, int side, const mg_real *from,
                                        const mg_real *to) {
+  const int pair = c->system->feature_pair_owner[feature_pair],
+            other =
+                mg_feature_body(c, feature_pair, 1 - side) != mg_feature_body(c, c->system->pair_feature_pair[pair], 0);
   mg_sample at, last;
-  if (!mg_is_line_straight(c, feature_pair, side, from, to)) return 0;
+  mg_sample_at(c, feature_pair, side, from, &at);
   mg_sample_at(c, feature_pair, side, to, &last);
+  if (!mg_does_segment_pass_ball(c, pair, other, at.point, last.point) ||
+      !mg_is_line_straight(c, feature_pair, side, from, to, at.point, last.point))
+    return 0;
   for (int k = 0; k < MG_LINE_CHORDS; k++) {
     const mg_real part = (mg_real)k / MG_LINE_CHORDS,
                   uv[2] = {from[0] + part * (to[0] - from[0]), from[1] + part * (to[1] - from[1])};

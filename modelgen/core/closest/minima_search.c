@@ -207,6 +207,12 @@ static int mg_follow_penetration(mg_context *c, int contact, const mg_minima *fo
   return 0;
 }
 
+/* True if straight lines show that the bodies of a pair overlap: not where a face of one has all of the other in front
+   of it, which a lower bound `least` of the gaps tells, m. */
+static int mg_do_lines_show_overlap(mg_context *c, int pair, mg_real least) {
+  return least <= -2 * c->settings->start_gap * c->system->length && mg_do_lines_cross(c, pair);
+}
+
 /* Outcome of a start where the bodies of feature pairs from `first` to `end` overlap, or MG_DONE. Puts a contact on
    closest points that penetrate, also where those found by the search before, complete or not, are nearer. Where far
    sides are not known, only straight lines that cross tell of an overlap. Of bodies that are beside each other, a
@@ -217,7 +223,7 @@ static int mg_judge_overlap(mg_context *c, int contact, int first, int end, mg_r
   const mg_real open_gap = c->search.open_gap, singular_gap = c->search.singular_gap;
   if (mg_follow_overlap(c, contact, nearest)) return MG_PENETRATION;
   if (mg_pair_clearance(c, pair) > 0) return MG_DONE;
-  if (!mg_are_far_sides_known(c, pair)) return mg_do_lines_cross(c, pair) ? MG_BODY_WITHIN : MG_DONE;
+  if (!mg_are_far_sides_known(c, pair)) return mg_do_lines_show_overlap(c, pair, least) ? MG_BODY_WITHIN : MG_DONE;
   if (mg_follow_penetration(c, contact, nearest)) return MG_PENETRATION;
   if (is_complete && mg_is_overlap_excluded(c, first, end, nearest)) return MG_DONE;
   for (int each = first; each < end; each++) {
@@ -229,7 +235,7 @@ static int mg_judge_overlap(mg_context *c, int contact, int first, int end, mg_r
   }
   c->search.open_gap = open_gap, c->search.singular_gap = singular_gap;
   if (mg_follow_overlap(c, contact, &(mg_minima){0})) return MG_PENETRATION;
-  if (mg_do_lines_cross(c, pair)) return MG_BODY_WITHIN;
+  if (mg_do_lines_show_overlap(c, pair, least)) return MG_BODY_WITHIN;
   if (nearest->count || open_gap < MG_MAX || !is_complete) return MG_DONE;
   return mg_do_bodies_overlap(c, pair) ? MG_BODY_WITHIN : MG_DONE;
 }
