@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import re
 import shutil
-import subprocess
-import tempfile
 from functools import cache
 from pathlib import Path
 
-from modelgen.codegen.compiler import LIBRARIES, Compiler, find_compiler
+from modelgen.codegen.compiler import LIBRARIES, Compiler, find_compiler, run_program
 from modelgen.codegen.core_cache import runtime_object
 from modelgen.codegen.library import Library
 from modelgen.codegen.manifest import INSTANCE, STRUCTURE, Manifest
+from modelgen.file_writing import scratch_folder
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.c_initialisers import ENTRY, driver_text
 
@@ -31,8 +30,8 @@ def instructions(library: Library, accuracy: Accuracy, until: float, level: str)
     """Instructions of the core from a settled start to `until`, compiled for Haswell; None: not counted."""
     if why_not_counted() or library.real not in COUNTED:
         return None
-    with tempfile.TemporaryDirectory() as name:
-        source, program = Path(name) / "run.c", Path(name) / "run"
+    with scratch_folder() as folder:
+        source, program = folder / "run.c", folder / "run"
         source.write_text(driver_text(library, accuracy, until))
         model, runtime = _model(library, level), _runtime(library.real, level)
         if model is None:
@@ -68,8 +67,8 @@ def _flags(compiler: Compiler, real: str, level: str) -> tuple[str, ...]:
 def _compiled(library: Library, level: str, rest: list[str | Path]) -> bool:
     compiler = find_compiler()
     named = ['-DMG_HASH="counted"', f"-I{library.path.parent}"]
-    command = [*compiler.command, *_flags(compiler, library.real, level), *named, *rest]
-    return subprocess.run(command, capture_output=True).returncode == 0
+    command = [*compiler.command, *_flags(compiler, library.real, level), *named, *map(str, rest)]
+    return run_program(command).returncode == 0
 
 
 def counted(command: list[str], function: str) -> int | None:
@@ -77,6 +76,6 @@ def counted(command: list[str], function: str) -> int | None:
     if why_not_counted():
         return None
     tool = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", f"--toggle-collect={function}"]
-    done = subprocess.run([*tool, *command], capture_output=True, text=True, check=False)
+    done = run_program([*tool, *command])
     found = re.search(r"Collected : (\d+)", done.stderr)
     return int(found[1]) if found and done.returncode == 0 else None

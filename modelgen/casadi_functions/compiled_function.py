@@ -8,7 +8,7 @@ import casadi as ca
 
 from modelgen.codegen.compiler import LEVEL, LIBRARIES, SHARED, find_compiler, run_compiler
 from modelgen.errors import ModelgenError
-from modelgen.file_writing import replaced, write_file
+from modelgen.file_writing import scratch_folder, write_file
 
 EXPORT = "-DGCC_HASCLASSVISIBILITY"  # lets CasADi's text mark the functions that others may call
 
@@ -46,7 +46,9 @@ def save_external(
     source, target = place / f"{name}.c", place / f"{name}.so"
     write_file(source, generator.dump())
     flags = (*compiler.flags("double", level), "-Wno-unused-parameter", EXPORT)
-    with replaced(target.absolute()) as scratch:
-        words = [*compiler.command, *flags, *SHARED, "-o", str(scratch), source.name, *LIBRARIES]
+    with scratch_folder() as scratch:
+        made = scratch / target.name
+        words = [*compiler.command, *flags, *SHARED, "-o", str(made), source.name, *LIBRARIES]
         run_compiler(words, place.absolute(), place.absolute() / f"{name}.log")
+        write_file(target, made.read_bytes())
     return target

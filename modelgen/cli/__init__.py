@@ -4,6 +4,7 @@ Exit codes: 0 done; 1 the run ended early (what it computed is written); 2 bad i
 130 interrupted (what was computed is written; nothing where nothing was); 141 nobody reads the output.
 """
 
+import os
 import signal
 import sys
 
@@ -14,12 +15,32 @@ INTERRUPTED = 130  # 128 and the number of the signal, as shells have it
 
 def main() -> None:
     """Run the command line. Ctrl-C and SIGTERM end it without a traceback, also in the imports."""
-    guard_streams()
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
+        guard_streams()
         from modelgen.cli.command_group import app
 
         app()
     except KeyboardInterrupt:
+        _hear_no_more()
         print("interrupted", file=sys.stderr)
-        sys.exit(INTERRUPTED)
+        _leave_interrupted()
+    except SystemExit as end:
+        _hear_no_more()
+        if end.code == INTERRUPTED:
+            _leave_interrupted()
+        raise
+
+
+def _hear_no_more() -> None:
+    """Let no signal break into the end of the interpreter: the command is done."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)
+
+
+def _leave_interrupted() -> None:
+    """End the process. Python ends as killed by SIGINT, whatever code it is given, if KeyboardInterrupt came
+    up in text that it executed, as modules of dataclasses do; and it would wait for threads."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(INTERRUPTED)

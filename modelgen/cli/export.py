@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from pathlib import Path
 from typing import Annotated
 
@@ -15,6 +14,7 @@ from modelgen.cli.output import print_facts
 from modelgen.cli.pipeline import check_folder, derive_scene, read_scene
 from modelgen.cli.progress import progress
 from modelgen.cli.view import check_page
+from modelgen.file_writing import scratch_folder
 
 To = Annotated[
     str | None,
@@ -65,8 +65,8 @@ def export(
     else:
         check_folder(target, "a folder for the files of the export", "name another: --out FOLDER")
     derivation = derive_scene(what)
-    with progress("exporting"), tempfile.TemporaryDirectory(prefix="modelgen-") as scratch:
-        written = export(derivation, name, target, Path(scratch), choices)
+    with progress("exporting"), scratch_folder() as scratch:
+        written = export(derivation, name, target, scratch, choices)
     facts = {
         "scene": what.name,
         "to": name,

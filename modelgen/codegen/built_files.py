@@ -14,7 +14,7 @@ import secrets
 import shutil
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from functools import cache
 from pathlib import Path
 
@@ -45,9 +45,7 @@ def made_once(path: Path, texts: Mapping[str, str], make: Callable[[Path], None]
         return path
     with _locked(path.name):
         if not is_sealed(path):
-            _remove_abandoned(path.parent)
-            scratch = path.parent / f"{SCRATCH}{path.name}"
-            shutil.rmtree(scratch, ignore_errors=True)
+            scratch = _scratch(path)
             try:
                 for file, text in texts.items():
                     put(scratch / file, text)
@@ -128,11 +126,21 @@ def _seal_of(path: Path) -> Path:
     return path.with_name(path.name + SEAL)
 
 
-def _remove_abandoned(folder: Path) -> None:
-    """Remove the folders in which builds that were killed have compiled."""
-    for scratch in folder.glob(f"{SCRATCH}*"):
-        with suppress(BlockingIOError), _locked(scratch.name.removeprefix(SCRATCH), fcntl.LOCK_NB):
-            shutil.rmtree(scratch, ignore_errors=True)
+def _scratch(path: Path) -> Path:
+    """A new folder beside a file whose lock is held; those in which builds that were killed have compiled are
+    removed. Compilers of such a build may still write into its folder, so that no two builds share one."""
+    from modelgen.file_writing import unwritable
+
+    for left in path.parent.glob(f"{SCRATCH}*"):
+        name = left.name.removeprefix(SCRATCH).rpartition("-")[0]
+        with suppress(BlockingIOError), nullcontext() if name == path.name else _locked(name, fcntl.LOCK_NB):
+            shutil.rmtree(left, ignore_errors=True)
+    scratch = path.with_name(f"{SCRATCH}{path.name}-{secrets.token_hex(8)}")
+    try:
+        scratch.mkdir(parents=True)
+    except OSError as cause:
+        raise unwritable(path, cause) from cause
+    return scratch
 
 
 @contextmanager

@@ -8,8 +8,10 @@ import platform
 import re
 import shlex
 import shutil
+import signal
 import subprocess
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -161,12 +163,39 @@ def compile_library(
     run_compiler([*compiler.command, *flags, *SHARED, *named, *LIBRARIES], source.parent, log)
 
 
+def run_program(command: Sequence[str], folder: Path | None = None) -> subprocess.CompletedProcess[str]:
+    """Run a program in a folder, with temporary files in one of their own.
+
+    When the caller is interrupted, neither the program nor those that it has started go on.
+    """
+    from modelgen.file_writing import scratch_folder  # what was built before is run without it
+
+    with (
+        scratch_folder() as temporary,
+        subprocess.Popen(
+            command,
+            cwd=folder,
+            env={**os.environ, "TMPDIR": str(temporary)},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            errors="replace",
+            process_group=0,
+        ) as program,
+    ):
+        try:
+            out, err = program.communicate()
+        except BaseException:
+            os.killpg(program.pid, signal.SIGKILL)
+            raise
+    return subprocess.CompletedProcess(command, program.returncode, out, err)
+
+
 def run_compiler(command: list[str], folder: Path, log: Path) -> None:
     """Run a compiler's command in a folder; a failure, or no file, raises LibraryError, with the output in
     `log`."""
-    answer = subprocess.run(
-        command, cwd=folder, capture_output=True, text=True, errors="replace", check=False
-    )
+    answer = run_program(command, folder)
     made = folder / command[command.index("-o") + 1]
     if answer.returncode == 0 and made.is_file() and made.stat().st_size:
         return

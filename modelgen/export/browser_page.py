@@ -6,8 +6,6 @@ import importlib.util
 import sys
 from base64 import b64encode
 from collections.abc import Collection, Mapping, Sequence
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -21,6 +19,7 @@ from modelgen.errors import ModelgenError, install
 from modelgen.export.c_folder import program_files
 from modelgen.export.numbers_by_parameters import Numbers, Slider, arrays_of, numbers_of, sliders_of
 from modelgen.export.scene_header_and_tables import KERNELS, field_of, source
+from modelgen.file_writing import scratch_folder
 from modelgen.report.run_record import record_of
 from modelgen.runtime.arguments import input_range
 from modelgen.runtime.c_initialisers import array_text, values_text
@@ -186,8 +185,7 @@ def _packed(numbers: Numbers) -> dict[str, Any]:
 
 def _module(compiler: Compiler, texts: Mapping[str, str]) -> bytes:
     core = runtime_object(compiler, FLAGS)
-    with TemporaryDirectory(prefix="modelgen-") as name:
-        folder = Path(name)
+    with scratch_folder() as folder:
         for file, text in texts.items():
             (folder / file).write_text(text, encoding="utf-8")
         units: Sequence[str] = ("page.c", str(core))

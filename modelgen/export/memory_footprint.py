@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import re
 import shutil
-import subprocess
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from modelgen.benchmark.callgrind_counts import counted, why_not_counted
 from modelgen.codegen.amalgamation import header_text
+from modelgen.codegen.compiler import run_program
 from modelgen.export.scene_header_and_tables import source
+from modelgen.file_writing import scratch_folder
 
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno")
 APART = ("-ffunction-sections", "-fdata-sections")
@@ -51,8 +51,7 @@ def footprint_of(files: Mapping[str, str], defines: tuple[str, ...]) -> Footprin
     gcc = shutil.which("gcc")
     if gcc is None:
         return None
-    with tempfile.TemporaryDirectory(prefix="modelgen-") as name:
-        folder = Path(name)
+    with scratch_folder() as folder:
         for file, text in files.items():
             (folder / file).write_text(text, encoding="utf-8")
         for file in ("footprint_sizes.c", "footprint_link.c"):
@@ -111,10 +110,11 @@ class _Tools:
     def compile(self, *words: str) -> None:
         """Run gcc on files of the folder."""
         command = [self.gcc, *FLAGS, *self.defines, *words]
-        subprocess.run(command, cwd=self.folder, check=True, capture_output=True)
+        run_program(command, self.folder).check_returncode()
 
     def _said(self, command: list[str]) -> str:
-        done = subprocess.run(command, cwd=self.folder, check=True, capture_output=True, text=True)
+        done = run_program(command, self.folder)
+        done.check_returncode()
         return done.stdout.strip()
 
 

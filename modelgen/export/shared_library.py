@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 
 from modelgen.codegen.compiler import LIBRARIES, SHARED, Compiler, run_compiler
+from modelgen.file_writing import scratch_folder
 
 NAME, LOG = "compiled.so", "compiled.log"
 
@@ -18,8 +17,7 @@ def shared_library(
 
     Raises LibraryError where the compiler fails.
     """
-    with tempfile.TemporaryDirectory(prefix="modelgen-") as name:
-        folder = Path(name)
+    with scratch_folder() as folder:
         for file, text in texts.items():
             (folder / file).write_text(text, encoding="utf-8")
         command = [*compiler.command, *flags, *SHARED, "-o", NAME, *units, *LIBRARIES]

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from operator import itemgetter
-from pathlib import Path
 from threading import Lock
 from typing import Any, NamedTuple
 
@@ -17,7 +15,7 @@ from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError, SimulationError
 from modelgen.parameter_study.rows import Row, refused_row, row_of, varied_columns
 from modelgen.parameter_study.varied_numbers import VariedNumber
-from modelgen.report.run_files import save
+from modelgen.report.run_files import run_bytes
 from modelgen.report.run_record import record_of
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.arguments import with_parameters
@@ -139,10 +137,8 @@ def _whole_run(variant: Library, study: Study, row: Sequence[float]) -> bytes | 
         )
     except SimulationError:
         return None
-    with PYTHON_WORK, tempfile.TemporaryDirectory(prefix="modelgen-") as scratch:
-        file = Path(scratch) / "run.npz"
-        save(record_of(path, library, study.scene), file)
-        return file.read_bytes()
+    with PYTHON_WORK:
+        return run_bytes(record_of(path, library, study.scene))
 
 
 def _started(library: Library, starts: Sequence[tuple[int, float]]) -> Library:

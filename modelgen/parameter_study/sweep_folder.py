@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from modelgen.errors import ModelgenError, install
-from modelgen.file_writing import SCRATCH, replaced, write_file
+from modelgen.file_writing import SCRATCH, remove_abandoned, replaced, write_file
 from modelgen.parameter_study.rows import Row
 from modelgen.parameter_study.run_queue import Span
 
@@ -130,8 +130,7 @@ class SweepFolder:
             write_file(self.path / PLAN, json.dumps(told, indent=1) + "\n")
         (self.path / PARTS).mkdir(exist_ok=True)
         for folder in (self.path, self.path / PARTS, self.path / RUNS):
-            for left in folder.glob(f"{SCRATCH}*"):
-                left.unlink()
+            remove_abandoned(folder)
         if (self.path / TABLE).exists():
             self._remove_parts()
 

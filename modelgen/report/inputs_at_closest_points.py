@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,6 +14,7 @@ from modelgen.codegen.emit import emit
 from modelgen.codegen.library import Library
 from modelgen.derivation import Derivation, Formula
 from modelgen.errors import ModelgenError
+from modelgen.file_writing import scratch_folder
 from modelgen.report.kind_scenes import pair_scene
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.closest_points import ClosestPoints, closest_points
@@ -93,8 +92,8 @@ class ClosestInputs:
 
 
 def _built(derivation: Derivation) -> Library:
-    with tempfile.TemporaryDirectory(prefix="inspect-") as folder:
-        return build(emit(derivation), folder=Path(folder))
+    with scratch_folder() as folder:
+        return build(emit(derivation), folder=folder)
 
 
 def _whole(pose: Sequence[float]) -> np.ndarray[Any, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import hashlib
+import io
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -11,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from modelgen.errors import ModelgenError, expect, path_of
-from modelgen.file_writing import replaced
+from modelgen.file_writing import replaced, write_file
 from modelgen.report.run_record import COLUMNS, Array, Record
 from modelgen.runtime.by_name import ByName
 
@@ -37,7 +38,7 @@ def save(record: Record, path: str | Path) -> None:
     if path.suffix == ".csv":
         _save_csv(record, path)
     else:
-        _save_npz(record, path)
+        write_file(path, run_bytes(record))
 
 
 def missing_run(path: Path) -> ModelgenError:
@@ -87,7 +88,8 @@ def load(path: str | Path) -> Record:
         ) from None
 
 
-def _save_npz(record: Record, path: Path) -> None:
+def run_bytes(record: Record) -> bytes:
+    """The content of the file .npz of a run."""
     names = {
         "bodies": record.body_names,
         "contacts": record.contact_names,
@@ -104,8 +106,9 @@ def _save_npz(record: Record, path: Path) -> None:
     arrays: dict[str, Array] = {**record.columns, **meshes, **faces, "pairs": record.pairs}
     arrays |= {key: np.array(text) for key, text in texts.items()}
     digest = np.array(_digest(arrays))
-    with replaced(path) as scratch, scratch.open("wb") as file:
-        np.savez_compressed(file, allow_pickle=False, **arrays, digest=digest)
+    file = io.BytesIO()
+    np.savez_compressed(file, allow_pickle=False, **arrays, digest=digest)
+    return file.getvalue()
 
 
 def _digest(arrays: Mapping[str, Array]) -> str:

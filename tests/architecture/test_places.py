@@ -28,7 +28,6 @@ IO_PLACES = (
     "benchmark/measurement_table.py",
     "export/",
     "parameter_study/sweep_folder.py",
-    "parameter_study/chunk_runs.py",
     "parameter_study/dask_workers.py",
     "parameter_study/sweep_output.py",
     "importing/",
