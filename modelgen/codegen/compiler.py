@@ -12,6 +12,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -187,7 +188,8 @@ def run_program(command: Sequence[str], folder: Path | None = None) -> subproces
         try:
             out, err = program.communicate()
         except BaseException:
-            os.killpg(program.pid, signal.SIGKILL)
+            with suppress(ProcessLookupError):  # all have ended
+                os.killpg(program.pid, signal.SIGKILL)
             raise
     return subprocess.CompletedProcess(command, program.returncode, out, err)
 

@@ -79,48 +79,26 @@ class Told:
 class Member:
     """A command: its words, and what its folder holds before it."""
 
-    words: tuple[str, ...]
-    before: tuple[tuple[str, ...], ...] = ()  # commands that are run in the folder
+    words: str
+    before: str = ""  # a command that is run in the folder
     older: tuple[str, ...] = ()  # files that are there with another content
     fresh_cache: bool = False
     serves: bool = False
 
 
-WHEEL = ("wheel.toml",)
-SWEPT = (
-    "sweep",
-    *WHEEL,
-    "--vary",
-    "torque=0:1:48",
-    "--until",
-    "0.2",
-    "--threads",
-    "2",
-    "--json",
-    "--out",
-    "swept",
-)
+BUILD = "build wheel.toml --json"
 MEMBERS: dict[str, Member] = {
-    "core": Member(("build", *WHEEL, "--json"), fresh_cache=True),
-    "build": Member(
-        ("build", *WHEEL, "--json"), older=("generated/wheel/model.c", "generated/wheel/library.json")
+    "core": Member(BUILD, fresh_cache=True),
+    "build": Member(BUILD, older=("generated/wheel/model.c", "generated/wheel/library.json")),
+    "run": Member("simulate wheel.toml --until 4 --json --out run.npz", BUILD, ("run.npz",)),
+    "sweep": Member(
+        "sweep wheel.toml --vary torque=0:1:24 --until 0.2 --keep trajectories --threads 2 --json --out out",
+        BUILD,
     ),
-    "run": Member(
-        ("simulate", *WHEEL, "--until", "4", "--json", "--out", "run.npz"),
-        before=(("build", *WHEEL),),
-        older=("run.npz",),
-    ),
-    "sweep": Member(SWEPT, before=(("build", *WHEEL),)),
-    "export": Member(
-        ("export", *WHEEL, "--to", "fmu", "--json", "--out", "out"), older=("out/wheel.fmi2.fmu", "out/mine")
-    ),
-    "page": Member(
-        ("view", *WHEEL, "--until", "0.5", "--json", "--out", "page.html"),
-        before=(("build", *WHEEL),),
-        older=("page.html",),
-    ),
-    "live": Member(("view", *WHEEL, "--port", "PORT"), before=(("build", *WHEEL),), serves=True),
-    "fit": Member(("fit", *WHEEL, "recorded.csv", "--of", "axle,lean", "--by", "torque", "--json")),
+    "export": Member("export wheel.toml --to fmu --json --out out", older=("out/wheel.fmi2.fmu", "out/mine")),
+    "page": Member("view wheel.toml --until 0.5 --json --out page.html", BUILD, ("page.html",)),
+    "live": Member("view wheel.toml --port PORT", BUILD, serves=True),
+    "fit": Member("fit wheel.toml recorded.csv --of axle,lean --by torque --json"),
 }
 
 
@@ -146,8 +124,8 @@ class Place:
             MARK: self.token,
         }
 
-    def words(self, words: tuple[str, ...]) -> list[str]:
-        return [sys.executable, "-m", "modelgen", *(w.replace("PORT", str(self.port)) for w in words)]
+    def words(self, words: str) -> list[str]:
+        return [sys.executable, "-m", "modelgen", *words.replace("PORT", str(self.port)).split()]
 
     def call(self, member: Member, number: int | None = None, after: float = 0.0) -> Told:
         """The command, with a signal so long after its start, s. A page is asked for, and then ended."""
@@ -161,7 +139,7 @@ class Place:
                 time.sleep(max(after - (time.perf_counter() - begun), 0.0))
                 early = not self.has_begun(child.pid)
             elif member.serves:
-                self.ask()
+                self.ask(self.folder / "out")
                 number = signal.SIGINT
             if number is not None:
                 begun = time.perf_counter()
@@ -188,15 +166,16 @@ class Place:
         either = int(caught[1], 16) | int(ignored[1], 16)
         return bool(either >> (signal.SIGTERM - 1) & 1) or "Z" in status.split("State:")[1][:4]
 
-    def ask(self) -> str:
-        """What the page at the port answers, once it does; empty if it does not."""
+    def ask(self, out: Path) -> None:
+        """Wait until the page is told and answers."""
         for _ in range(300):
             try:
-                with urllib.request.urlopen(f"http://127.0.0.1:{self.port}/", timeout=5) as answer:
-                    return str(answer.read(100))
+                if "plays" in out.read_text():
+                    urllib.request.urlopen(f"http://127.0.0.1:{self.port}/", timeout=5).close()
+                    return
             except OSError:
-                time.sleep(0.1)
-        return ""
+                pass
+            time.sleep(0.1)
 
     def is_free(self) -> bool:
         with socket.socket() as tried:
@@ -257,7 +236,7 @@ def files(folder: Path) -> dict[str, Any]:
     return {
         str(path.relative_to(folder)): content(path)
         for path in sorted(folder.rglob("*"))
-        if path.is_file() and not path.name.startswith(LEFT)
+        if path.is_file() and not any(part.startswith(LEFT) for part in path.parts)
     }
 
 
@@ -268,10 +247,7 @@ def is_part_of_run(part: Path, whole: Path) -> bool:
     (few, many), kept = (load(path).columns for path in (part, whole)), 0
     for k, t in enumerate(few["t"]):
         at = np.flatnonzero(many["t"] == t)
-        if len(at) == 1 and all(
-            np.array_equal(few[name][k], many[name][at[0]], equal_nan=True) for name in "pv"
-        ):
-            kept += 1
+        kept += len(at) == 1 and all(np.array_equal(few[name][k], many[name][at[0]]) for name in "pv")
     return kept >= len(few["t"]) - 1
 
 
@@ -293,17 +269,15 @@ class Trial:
         shutil.rmtree(place.work, ignore_errors=True)
         place.work.mkdir()
         shutil.copy(SCENE, place.work / "wheel.toml")
-        self.run(
-            "simulate", *WHEEL, "--input", "torque=1.5", "--until", "0.1", "--samples", "10", "--out", "w.csv"
-        )
+        self.run("simulate wheel.toml --input torque=1.5 --until 0.1 --samples 10 --out w.csv")
         rows = [line.split(",") for line in (place.work / "w.csv").read_text().splitlines()]
-        columns = [k for k, name in enumerate(rows[0]) if name[:4] in ("t", "axle", "lean")]
+        columns = [k for k, each in enumerate(rows[0]) if each.split("_")[0] in ("t", "axle", "lean")]
         recorded = "\n".join(",".join(row[k] for k in columns) for row in rows) + "\n"
         shutil.rmtree(place.work / "generated")
         (place.work / "w.csv").unlink()
         (place.work / "recorded.csv").write_text(recorded)
-        for words in self.member.before:
-            self.run(*words)
+        if self.member.before:
+            self.run(self.member.before)
         for older in self.member.older:
             (place.work / older).parent.mkdir(parents=True, exist_ok=True)
             (place.work / older).write_bytes(OLDER)
@@ -322,13 +296,10 @@ class Trial:
         if self.right.code or place.leftovers():
             raise SystemExit(f"{name}: {self.right} {place.leftovers()}")
 
-    def run(self, *words: str) -> None:
+    def run(self, words: str) -> None:
+        place = self.place
         told = subprocess.run(
-            self.place.words(words),
-            cwd=self.place.work,
-            env=self.place.environment,
-            capture_output=True,
-            text=True,
+            place.words(words), cwd=place.work, env=place.environment, capture_output=True, text=True
         )
         if told.returncode:
             raise SystemExit(f"{words}: {told.stderr}")
@@ -362,7 +333,7 @@ class Trial:
         wrong += self.faults_of_files()
         if self.member.serves and not place.is_free():
             wrong.append("the port is taken")
-        kept = runs_of(place.work / "swept")
+        kept = runs_of(place.work / "out")
         following = place.call(self.member)
         if not self.is_undisturbed(following):
             wrong.append(f"the next command: {following.code} {following.out[-200:]} {following.err[-300:]}")
@@ -392,25 +363,19 @@ class Trial:
             value = found.get(name)
             if name in found and value in (self.before.get(name), self.after.get(name)):
                 continue
-            if name.startswith("swept/parts/"):
+            if name.startswith(("out/parts/", "out/runs/")):
                 continue
-            path = self.place.work / name
-            if (
-                name == "run.npz"
-                and name in found
-                and is_part_of_run(path, self.place.folder / "run.after" / name)
-            ):
-                continue
-            if name == "generated/wheel/library.json" and name in found:  # tells the compiler's version
+            whole = self.place.folder / "run.after" / name
+            if name == "run.npz" and name in found and is_part_of_run(self.place.work / name, whole):
                 continue
             yield f"{name} is {'lost' if name not in found else 'neither older nor new'}"
-        runs = runs_of(self.place.work / "swept")
+        runs = runs_of(self.place.work / "out")
         if len(runs) != len(set(runs)):
             yield "a run is in the table twice"
 
 
-def study(names: list[str], count: int, only: int | None, folder: Path) -> int:
-    place, total = Place(folder), 0
+def study(place: Place, names: list[str], count: int, only: int | None) -> int:
+    total = 0
     print("| command | signal | cases | wrong | before the program | done | longest to the end, s |")
     print("|---|---|---|---|---|---|---|", flush=True)
     for name in names:
@@ -450,9 +415,8 @@ def main() -> int:
         parser.error(f"no such members: {', '.join(sorted(unknown))}")
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background commands ignore it
     with TemporaryDirectory() as name:
-        return int(
-            study(given.members or list(MEMBERS), given.count, given.instant, Path(name).resolve()) > 0
-        )
+        place = Place(Path(name).resolve())
+        return int(study(place, given.members or list(MEMBERS), given.count, given.instant) > 0)
 
 
 if __name__ == "__main__":
