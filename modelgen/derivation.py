@@ -27,6 +27,7 @@ from modelgen.errors import expect
 from modelgen.geometry.curves import curve_kernel, is_curve
 from modelgen.geometry.points import is_point, point_kernel
 from modelgen.geometry.surface_kernel import surface_kernel
+from modelgen.interruption import nothing_swallowed
 from modelgen.joint import joint_springs
 from modelgen.joint.joint_actuators import actuator_kernel
 from modelgen.joint.joint_equations import FORMS as FORMS_OF_JOINTS
@@ -149,6 +150,7 @@ class Derivation:
         return self.functions()[name]
 
 
+@nothing_swallowed()
 def derive(model: Model) -> Derivation:
     """All formulas of the Model: bodies, loads, surfaces, contacts, and the composed right-hand side.
 

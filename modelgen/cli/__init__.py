@@ -5,37 +5,31 @@ Exit codes: 0 done; 1 the run ended early (what it computed is written); 2 bad i
 """
 
 import os
-import signal
 import sys
 
 from modelgen.cli.standard_streams import guard_streams
+from modelgen.interruption import hear_no_more, hear_signals
 
 INTERRUPTED = 130  # 128 and the number of the signal, as shells have it
 
 
 def main() -> None:
     """Run the command line. Ctrl-C and SIGTERM end it without a traceback, also in the imports."""
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    hear_signals()
     try:
         guard_streams()
         from modelgen.cli.command_group import app
 
         app()
     except KeyboardInterrupt:
-        _hear_no_more()
+        hear_no_more()
         print("interrupted", file=sys.stderr)
         _leave_interrupted()
     except SystemExit as end:
-        _hear_no_more()
+        hear_no_more()
         if end.code == INTERRUPTED:
             _leave_interrupted()
         raise
-
-
-def _hear_no_more() -> None:
-    """Let no signal break into the end of the interpreter: the command is done."""
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, signal.SIG_IGN)
 
 
 def _leave_interrupted() -> None:

@@ -12,6 +12,7 @@ from modelgen import __version__
 from modelgen.cli import INTERRUPTED
 from modelgen.cli.command import command_of
 from modelgen.cli.shell_completion import completion_options
+from modelgen.interruption import nothing_swallowed
 
 MODULES = {  # of `modelgen.cli`, each with a function of the name of its command
     "new": "new",
@@ -43,7 +44,8 @@ class Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in MODULES:
             return None
-        module = import_module(f"modelgen.cli.{MODULES[cmd_name]}")
+        with nothing_swallowed():
+            module = import_module(f"modelgen.cli.{MODULES[cmd_name]}")
         return command_of(getattr(module, FUNCTIONS.get(cmd_name, cmd_name)), cmd_name)
 
     def resolve_command(

@@ -14,6 +14,7 @@ from modelgen.cli.built_library_lookup import recall, remember, scene_key
 from modelgen.cli.option_reading import read_option
 from modelgen.cli.progress import activity, progress
 from modelgen.errors import ModelgenError
+from modelgen.interruption import nothing_swallowed
 from modelgen.scene.scene_name import scene_name
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ def read_scene(path: Path, form: str | None) -> Scene:
 
 
 def derive_scene(scene: Scene) -> Derivation:
-    with progress("deriving"):
+    with progress("deriving"), nothing_swallowed():  # in the import of CasADi either
         return modelgen.derive(modelgen.require(scene))
 
 

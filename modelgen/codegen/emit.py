@@ -21,6 +21,7 @@ from modelgen.codegen.unused_pose_inputs import unused_pose_inputs
 from modelgen.derivation import Derivation, Formula
 from modelgen.differentiation import packed_formulas
 from modelgen.errors import expect
+from modelgen.interruption import nothing_swallowed
 from modelgen.model import Model
 from modelgen.notation import unit_of
 
@@ -82,6 +83,7 @@ class Package:
         return DERIVATIVES in self.files
 
 
+@nothing_swallowed()
 def emit(derivation: Derivation, derivatives: bool = False) -> Package:
     """The C text and the manifest of a derivation; equal derivations give equal text.
 

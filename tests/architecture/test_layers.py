@@ -10,7 +10,7 @@ from pathlib import Path
 from tests.architecture.sources import PYTHON, imports, is_module, short, tree
 
 PIPELINE = (
-    ("errors", "file_writing", "name_suggestions", "notation", "rotations", "core"),
+    ("errors", "file_writing", "interruption", "name_suggestions", "notation", "rotations", "core"),
     ("scene",),
     ("model",),
     ("geometry",),

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import shlex
 import signal
 import subprocess
 import sys
+import tempfile
+import threading
 import time
 from pathlib import Path
 from subprocess import PIPE
 from typing import Any
 
 import pytest
+
+from modelgen import file_writing
+from modelgen.codegen.compiler import run_program
+from modelgen.file_writing import FOLDER, SCRATCH, scratch_folder, write_file
 
 ROOT = Path(__file__).parents[2]
 MODELGEN = f"{shlex.quote(sys.executable)} -m modelgen"
@@ -75,3 +82,65 @@ def test_a_signal_keeps_what_was_computed(number: signal.Signals, tmp_path: Path
     assert b"Traceback" not in told
     assert (tmp_path / "run.npz").stat().st_size > 0
     assert not list(tmp_path.glob(".modelgen-*"))
+
+
+INTERRUPTED_AT_IMPORT = """
+import os, signal, sys
+from modelgen.cli import command_group, main
+def press():
+    os.kill(os.getpid(), signal.{number})
+command_group.import_module = lambda name: {act}
+sys.argv = ["modelgen", "build", "scene.toml"]
+main()
+"""
+
+
+@pytest.mark.parametrize("number", ["SIGINT", "SIGTERM"])
+@pytest.mark.parametrize("act", ["press()", "exec('press()', globals())", "swallowed()"])
+def test_a_signal_in_an_import_ends_with_its_code(number: str, act: str) -> None:
+    """In text that Python executes, after which it would end as killed; where a module catches everything."""
+    swallowed = "\ndef swallowed():\n    try:\n        press()\n    except:\n        pass\n"
+    code = swallowed + INTERRUPTED_AT_IMPORT.format(number=number, act=act)
+    told = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False, env=ENVIRONMENT
+    )
+    assert (told.returncode, told.stdout, told.stderr) == (130, "", "interrupted\n")
+
+
+def test_no_program_that_a_compiler_started_survives_an_interruption(tmp_path: Path) -> None:
+    threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
+    script = "sleep 60 & echo $! > child; mktemp; wait"
+    with pytest.raises(KeyboardInterrupt):
+        run_program(["sh", "-c", script], tmp_path)
+    child = Path("/proc", (tmp_path / "child").read_text().strip(), "stat")
+    for _ in range(50):
+        if not child.exists() or child.read_text().rpartition(")")[2].split()[0] == "Z":
+            break
+        time.sleep(0.02)
+    else:
+        pytest.fail("it survives")
+
+
+def test_the_next_write_removes_what_dead_processes_left(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(file_writing, "_cleared", set())
+    left = [tmp_path / f"{SCRATCH}{name}" for name in ("0123456789abcdef.npz", "17-3.csv", "17-3")]
+    held, foreign = tmp_path / f"{SCRATCH}fedcba9876543210.npz", tmp_path / f"{SCRATCH}notes"
+    for path in (*left, held, foreign):
+        path.write_text("half")
+    with held.open("r+") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        write_file(tmp_path / "new", "whole")
+    assert {path.name for path in tmp_path.iterdir()} == {"new", held.name, foreign.name}
+
+
+def test_the_next_temporary_folder_takes_the_place_of_those_of_dead_processes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    (tmp_path / f"{FOLDER}dead").mkdir()
+    (tmp_path / f"{FOLDER}dead" / "model.c").touch()
+    with scratch_folder() as first, scratch_folder() as second:
+        assert {path.name for path in tmp_path.iterdir()} == {first.name, second.name}
+    assert not list(tmp_path.iterdir())
