@@ -89,7 +89,7 @@ class Member:
 BUILD = "build wheel.toml --json"
 MEMBERS: dict[str, Member] = {
     "core": Member(BUILD, fresh_cache=True),
-    "build": Member(BUILD, older=("generated/wheel/model.c", "generated/wheel/library.json")),
+    "build": Member(BUILD, older=("generated/wheel/instance.json", "generated/wheel/library.json")),
     "run": Member("simulate wheel.toml --until 4 --json --out run.npz", BUILD, ("run.npz",)),
     "sweep": Member(
         "sweep wheel.toml --vary torque=0:1:24 --until 0.2 --keep trajectories --threads 2 --json --out out",
