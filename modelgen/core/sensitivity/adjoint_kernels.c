@@ -158,12 +158,14 @@ MG_INTERNAL void mg_scene_adjoint(const mg_context *c, mg_sensitivity *s, const 
 
 MG_INTERNAL void mg_sensors_adjoint(const mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *sensors_bar) {
   const mg_system *system = c->system;
-  const int bodies = system->n_body, n = system->n_parameters - system->sensor_parameters, inputs = 3 * system->n_input;
+  const int bodies = system->n_body, n = system->n_parameters - system->sensor_parameters, inputs = 3 * system->n_input,
+            of_forces = c->kernels->sensors_need_forces;
   mg_real *x = s->x;
   *x++ = t;
   x = mg_pack(mg_pack(x, 12 * bodies, c->bodies.pose), 6 * bodies, c->bodies.twist);
   x = mg_pack(x, 6 * bodies, c->sensors.acceleration);
-  x = mg_pack(mg_pack(x, 2 * system->n_pair, c->sensors.pair), 6 * system->n_joint, c->sensors.joint);
+  x = mg_pack(x, 2 * system->n_pair, of_forces ? c->sensors.pair : 0);
+  x = mg_pack(x, 6 * system->n_joint, of_forces ? c->sensors.joint : 0);
   x = mg_pack(x, 3, system->gravity);
   mg_pack(mg_pack(x, n, system->parameters + system->sensor_parameters), inputs, c->run->applied_input);
   mg_pack(s->y_dot, c->kernels->n_sensor, sensors_bar);

@@ -239,14 +239,17 @@ MG_INTERNAL void mg_scene_tangent(const mg_context *c, mg_sensitivity *s, int di
 
 MG_INTERNAL void mg_sensors_tangent(const mg_context *c, mg_sensitivity *s, int direction, mg_real t) {
   const mg_system *system = c->system;
-  const int bodies = system->n_body, n = system->n_parameters - system->sensor_parameters;
+  const int bodies = system->n_body, n = system->n_parameters - system->sensor_parameters,
+            of_forces = c->kernels->sensors_need_forces; /* else these are not read */
   mg_real *x = s->x, *x_dot = s->x_dot;
   *x++ = t, *x_dot++ = mg_time_dot(s, direction);
   x = mg_pack(x, 12 * bodies, c->bodies.pose), x_dot = mg_pack(x_dot, 12 * bodies, s->at.pose);
   x = mg_pack(x, 6 * bodies, c->bodies.twist), x_dot = mg_pack(x_dot, 6 * bodies, s->at.twist);
   x = mg_pack(x, 6 * bodies, c->sensors.acceleration), x_dot = mg_pack(x_dot, 6 * bodies, s->at.acceleration);
-  x = mg_pack(x, 2 * system->n_pair, c->sensors.pair), x_dot = mg_pack(x_dot, 2 * system->n_pair, s->pair);
-  x = mg_pack(x, 6 * system->n_joint, c->sensors.joint), x_dot = mg_pack(x_dot, 6 * system->n_joint, s->joint);
+  x = mg_pack(x, 2 * system->n_pair, of_forces ? c->sensors.pair : 0),
+  x_dot = mg_pack(x_dot, 2 * system->n_pair, s->pair);
+  x = mg_pack(x, 6 * system->n_joint, of_forces ? c->sensors.joint : 0),
+  x_dot = mg_pack(x_dot, 6 * system->n_joint, s->joint);
   x = mg_pack(x, 3, system->gravity);
   x_dot = mg_pack(x_dot, 3, mg_row_of_direction(s, s->directions->gravity, 3, direction));
   x = mg_pack(x, n, system->parameters + system->sensor_parameters);
