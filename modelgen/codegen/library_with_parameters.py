@@ -65,8 +65,8 @@ class Moved:
     def __init__(self, library: Library, variants: _Variants, parameter: str) -> None:
         self._library, self._variants, self._parameter = library, variants, parameter
         _, motion = variants.along(parameter, 0.0)
-        self.kink = next(iter(motion.kinks), "")
-        """The place of a number that is on a kink, or an empty text."""
+        self.kink = max(motion.kinks, key=lambda kink: kink.is_lost, default=None)
+        """A number that is on a kink, one that has no derivative if there is any."""
         self.unit = min(((abs(each.value) or 1.0) / abs(each.rate) for each in motion.moved), default=inf)
         """By which the first number changes by as much as itself, or, from zero, by 1; infinite where none
         moves."""

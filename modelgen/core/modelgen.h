@@ -718,8 +718,17 @@ typedef struct {
 /* How far a derivative can be trusted. */
 enum {
   MG_VERDICT_DIFFERENTIABLE = 0, /* the run is differentiable */
-  MG_VERDICT_ONE_SIDED = 1,      /* it holds for changes in the sense in which the events keep their order */
+  MG_VERDICT_ONE_SIDED = 1,      /* along some directions it holds for changes to one side alone (mg_tangent.sides) */
   MG_VERDICT_UNDECIDED = 2       /* the reason says what stands against it */
+};
+
+/* For which changes along a direction a derivative holds, as bits: on a kink the run is on a branch that changes to one
+   side, or to none, keep. */
+enum {
+  MG_SIDE_LARGER = 1,  /* changes by positive multiples of the direction */
+  MG_SIDE_SMALLER = 2, /* by negative ones */
+  MG_SIDES = 3,        /* both */
+  MG_SIDE_UNKNOWN = 4  /* something else stands against it; the other bits say nothing then */
 };
 
 /* Why a derivative is not certain. */
@@ -792,6 +801,8 @@ typedef struct {
   int *iwork;           /* [mg_sensitivity_int_size] */
   mg_tape *tape;        /* receives the steps, or null */
   int is_lost;          /* 1: something of the run is not differentiated, and all derivatives from there on are NaN */
+  int *sides; /* [n] MG_SIDE_LARGER .. as bits: for which changes along each direction the derivatives hold. Null: the
+                 caller does not ask, and a kink makes the verdict MG_VERDICT_UNDECIDED */
 } mg_tangent;
 
 /* Derivatives of runs, from here to mg_go_back_to_start: in libraries that are generated with derivatives alone. */
@@ -813,10 +824,11 @@ MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settin
                               mg_record *record, mg_events *events, mg_real *work, int *iwork);
 
 /* Derivatives [n kernels->n_sensor] of what the sensors show at the state of the run, direction after direction.
-   reasons: [kernels->n_sensor] why those of a sensor do not hold for this state, or MG_NO_REASON. */
+   reasons: [kernels->n_sensor] why those of a sensor do not hold for this state, or not for both sides, or
+   MG_NO_REASON. sides: [n kernels->n_sensor] for which changes they hold, beside mg_tangent.sides, or null. */
 MG_API void mg_sense_tangent(const mg_system *system, const mg_settings *settings, mg_run *run,
                              const mg_directions *directions, mg_tangent *tangent, mg_real *sensors, int *reasons,
-                             mg_real *work, int *iwork);
+                             int *sides, mg_real *work, int *iwork);
 
 /* Adds to the cotangents of state and numbers those that follow from the cotangents of what the sensors show at the
    state of the run. */

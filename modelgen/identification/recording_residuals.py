@@ -190,7 +190,7 @@ class RecordedRuns:
             )
             for name, rows in common.items()
         }
-        return DirectionRows(arrays, of_all.kinks)
+        return DirectionRows(arrays, (*of_all.kinks, *[None] * n))
 
     def _common(self, library: Library, x: Array) -> DirectionRows:
         """The common unknowns, which all recordings share."""
@@ -211,12 +211,14 @@ class RecordedRuns:
         arrays = directions.arrays
         tangent = TangentRun(session, arrays, len(arrays["start"]), directions.kinks)
         found = [tangent.go_on(float(time)).shown(outputs) for time in run.recording.t[:rows]]
-        values, slopes, verdicts = zip(*found, strict=True)
         if tangent.outcome is not None:
             name, outcome = run.recording.name, tangent.outcome
             told = f"its run ended at t = {float(session.run.t):.6g} s: {outcome.name.lower()}"
             raise SimulationError(name, told, "", outcome.value)
-        return np.array(values), np.array(slopes), list(verdicts)
+        values, slopes = (
+            np.array(each) for each in zip(*((row.value, row.jacobian) for row in found), strict=True)
+        )
+        return values, slopes, [row.verdict for row in found]
 
     def _whole(self, run: RecordedRun, shown: Array) -> Array:
         """What is shown, if it is finite."""

@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.table import Table
 
 from modelgen.report.schema_parts import NUMBER, entry, record
-from modelgen.runtime.sensitivity import DOUBTS, VERDICTS, Sensitivity
+from modelgen.runtime.sensitivity import DOUBTS, SIDES, VERDICTS, Sensitivity
 from modelgen.runtime.tables.ctypes_structures import Array
 
 
@@ -20,6 +20,7 @@ def sensitivity_facts(found: Sensitivity, differences: Array | None) -> dict[str
         "by": list(found.by),
         "value": found.value.tolist(),
         "jacobian": found.jacobian.tolist(),
+        "sides": found.sides.tolist(),
         "error": None if found.error is None else found.error.tolist(),
         "differences": None if differences is None else differences.tolist(),
         "verdicts": [
@@ -47,6 +48,9 @@ def _table_at(facts: dict[str, Any], k: int, t: float) -> Table:
     columns = {"derivative": (facts["jacobian"], ".8g")}
     columns |= {"error": (facts["error"], ".1e")} if facts["error"] else {}
     columns |= {"differences": (facts["differences"], ".8g")} if facts["differences"] else {}
+    sides = facts["sides"][k]
+    if any(side != SIDES[0] for row in sides for side in row):
+        columns |= {"holds for": (facts["sides"], "")}
     for heading in ("", "value", "by", *columns):
         table.add_column(heading, justify="left" if heading in ("", "by") else "right", no_wrap=True)
     for i, name in enumerate(facts["of"]):
@@ -60,8 +64,8 @@ def _table_at(facts: dict[str, Any], k: int, t: float) -> Table:
 def sensitivity_schema() -> dict[str, Any]:
     """The JSON Schema of that object."""
 
-    def nested(depth: int, meaning: str, **more: Any) -> dict[str, Any]:
-        items: dict[str, Any] = {"type": NUMBER}
+    def nested(depth: int, meaning: str, of: Any = NUMBER, **more: Any) -> dict[str, Any]:
+        items: dict[str, Any] = {"type": of}
         for _ in range(depth):
             items = {"type": "array", "items": items}
         return items | {"description": meaning} | more
@@ -87,6 +91,9 @@ def sensitivity_schema() -> dict[str, Any]:
             "by": {**names, "description": "numbers by which they are differentiated"},
             "value": nested(2, "by time and component; null: the run ended before"),
             "jacobian": nested(3, "derivatives by time, component and number; null: the run ended before"),
+            "sides": nested(
+                3, f"for changes to which side each derivative holds: {', '.join(SIDES)}", "string"
+            ),
             "error": nested(
                 3, "estimated errors of them; null: the companion run ended early", **array_or_null
             ),

@@ -14,11 +14,23 @@ from modelgen.runtime.accuracy import RUN_DIFFERENCE, Accuracy
 from modelgen.runtime.arguments import with_parameters
 from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.inputs import Inputs
-from modelgen.runtime.sensitivity import APART, VERDICTS, Outputs, Sensitivity, TangentRun, Verdict, times_of
+from modelgen.runtime.sensitivity import (
+    APART,
+    LARGER,
+    SIDES,
+    SMALLER,
+    VERDICTS,
+    Outputs,
+    Sensitivity,
+    TangentRun,
+    Verdict,
+    times_of,
+)
 from modelgen.runtime.sensitivity_directions import (
     Direction,
     direction_arrays,
     directions_of,
+    extrapolated_from_one_side,
     extrapolated_with_error,
 )
 from modelgen.runtime.settings import accuracy_of
@@ -72,24 +84,42 @@ def checked(
     found: Sensitivity, library: Library, t: Sequence[float] | float, *, by: Sequence[str], **settings: Any
 ) -> tuple[Sensitivity, Array]:
     """Derivatives with the verdicts that remain beside differences of runs, and these differences; arguments
-    are those of `run_differences`."""
-    runs = Runs(library, times_of(t), **settings)
-    differences, errors = differences_with_errors(runs, directions_of(library.manifest.instance, by))
+    are those of `run_differences`. Where a derivative holds for one side, they are of runs to that side."""
+    runs, directions = Runs(library, times_of(t), **settings), directions_of(library.manifest.instance, by)
+    differences, errors = differences_with_errors(runs, directions)
+    for k, direction in enumerate(directions):
+        for side, sign in ((SIDES[LARGER], 1.0), (SIDES[SMALLER], -1.0)):
+            of_side = found.sides[..., k] == side
+            if np.any(of_side):
+                value, error = _of_one_side(runs, direction, sign)
+                differences[..., k] = np.where(of_side, value, differences[..., k])
+                errors[..., k] = np.where(of_side, error, errors[..., k])
     return compared(found, differences, errors), differences
+
+
+def _of_one_side(runs: Runs, direction: Direction, sign: float) -> tuple[Array, Array]:
+    """Differences of runs to one side of a direction, and their errors, both (nt, n_of)."""
+    longest = sign * STEP * runs.size(direction)
+    value, error = extrapolated_from_one_side(runs.along(direction), longest, LEVELS + 1)
+    return value, error + runs.roughness * 2 ** (LEVELS + 1) / abs(longest)
 
 
 def compared(found: Sensitivity, differences: Array, errors: Array) -> Sensitivity:
     """Derivatives with the verdicts that remain beside differences of runs.
 
     A derivative agrees if |derivative - difference| <= SAFE error + RUN_DIFFERENCE |difference|.
-    Where one does not, the verdict is "undecided" from that time on.
+    Where one that is said to hold, for both sides or for one, does not agree, it is "unknown" for which
+    changes it does, and the verdict is "undecided" from that time on.
     """
     apart = np.abs(found.jacobian - differences) > SAFE * errors + RUN_DIFFERENCE * np.abs(differences)
+    apart &= np.isin(found.sides, SIDES[:3])
     verdicts, from_here = [], False
     for verdict, t, at in zip(found.verdicts, found.t, apart, strict=True):
         from_here |= bool(np.any(at))
-        verdicts.append(Verdict(VERDICTS[2], APART, float(t)) if from_here and verdict else verdict)
-    return replace(found, verdicts=tuple(verdicts))
+        stays = not from_here or verdict.kind == VERDICTS[2]
+        verdicts.append(verdict if stays else Verdict(VERDICTS[2], APART, float(t)))
+    sides = np.where(np.logical_or.accumulate(apart), SIDES[4], found.sides)
+    return replace(found, verdicts=tuple(verdicts), sides=sides)
 
 
 class Runs:

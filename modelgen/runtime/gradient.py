@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Unpack
 
@@ -17,7 +17,7 @@ from modelgen.runtime.arguments import check_keywords, shown, values_by_name, wi
 from modelgen.runtime.core_session import Session
 from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.interruptible_advance import interruptible
-from modelgen.runtime.sensitivity import VERDICTS, Outputs, TangentRun, Verdict, times_of
+from modelgen.runtime.sensitivity import AT_EVENT, VERDICTS, Outputs, TangentRun, Verdict, times_of
 from modelgen.runtime.sensitivity_directions import direction_rows, directions_of
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.tables.ctypes_structures import COTANGENT_ARRAYS, INTEGER, Array, address
@@ -36,7 +36,9 @@ class Gradient:
     value: float
     by: tuple[str, ...]
     gradient: Array  # (n_by,)
-    verdict: Verdict  # along a combination of all directions
+    verdict: (
+        Verdict  # along a combination of all directions; "undecided" on kinks, of which no sides are told
+    )
     forward_difference: float
     """Difference between the derivative along that combination, forward, and the same from the gradient,
     relative to the sizes of its terms."""
@@ -100,19 +102,22 @@ def gradient(
     if run.outcome is not None:
         found = f"the run ended at t = {float(session.run.t):.6g} s: {run.outcome.name.lower()}"
         raise SimulationError("gradient", found, "", run.outcome.value)
-    values = np.array([value for value, _, _ in shown])
-    along = np.array([slope[:, 0] for _, slope, _ in shown])
+    values = np.array([each.value for each in shown])
+    along = np.array([each.jacobian[:, 0] for each in shown])
     number = loss(values)
     seeds = np.array(loss.reverse(1)(values, number, 1.0)).reshape(shape)
     bars = run.cotangents(outputs, marks, seeds)
     terms = [(rows["start"] @ bars["x"]), *(rows[name] @ bars[name] for name in COTANGENT_ARRAYS[1:])]
     found_gradient = np.sum(terms, axis=0)
+    verdict = max((at_start, *(each.verdict for each in shown)), key=lambda each: VERDICTS.index(each.kind))
+    if verdict.kind == VERDICTS[1] and verdict.reason != AT_EVENT:
+        verdict = replace(verdict, kind=VERDICTS[2])  # the combination tells no side of each number
     forward, size = float(np.sum(seeds * along)), float(np.sum(np.abs(seeds * along)))
     return Gradient(
         value=float(number),
         by=tuple(direction.name for direction in directions),
         gradient=found_gradient,
-        verdict=max((at_start, *(each for _, _, each in shown)), key=lambda each: VERDICTS.index(each.kind)),
+        verdict=verdict,
         forward_difference=abs(forward - float(weights @ found_gradient)) / size if size else 0.0,
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Unpack
+from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.error_estimate import ROUNDED, SAFE, nudge
 from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.interruptible_advance import interruptible
-from modelgen.runtime.sensitivity_directions import direction_rows, directions_of
+from modelgen.runtime.sensitivity_directions import NumberOnKink, direction_rows, directions_of
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.start import begin
 from modelgen.runtime.tables.ctypes_structures import DIRECTION_ARRAYS, INTEGER, Array, address
@@ -68,13 +68,16 @@ NOT_FINITE = "a derivative is not finite"
 APART = "differences of runs do not agree"
 OF_NUMBERS = "numbers that follow from a parameter are on a kink"
 DOUBTS = (*REASONS, AT_EVENT, NOT_FINITE, APART, OF_NUMBERS)  # every reason of a verdict
+LARGER, SMALLER, BOTH, UNKNOWN = 1, 2, 3, 4  # MG_SIDE_LARGER ..
+SIDES = ("both", "larger", "smaller", "neither", "unknown")
+NAME_OF_SIDES = {BOTH: SIDES[0], LARGER: SIDES[1], SMALLER: SIDES[2], 0: SIDES[3]}
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """Whether a derivative holds: "differentiable", "one-sided" for changes by which an event at this very
-    time comes sooner, or "undecided"; with the first cause of that, its time, and its contact, or the number
-    of the scene that is on a kink."""
+    """Whether derivatives hold: "differentiable"; "one-sided", some for changes to one side alone, which
+    `Sensitivity.sides` tells; or "undecided"; with the first cause of that, its time, and its contact, or the
+    number of the scene that is on a kink."""
 
     kind: str
     reason: str = ""
@@ -103,6 +106,10 @@ class Sensitivity:
     by: tuple[str, ...]
     value: Array  # (nt, n_of)
     jacobian: Array  # (nt, n_of, n_by); NaN after a run has ended early
+    sides: Array
+    """(nt, n_of, n_by) of text: whether each derivative holds for changes to "both" sides, to "larger" or to
+    "smaller" values alone, to "neither", as on two kinks of which each change leaves one (the derivative
+    is then that of a branch that none keeps); "unknown" where the verdict is undecided for another reason."""
     verdicts: tuple[Verdict, ...]  # up to each time
     events: tuple[EventSensitivity, ...]
     outcome: Outcome | None  # how the run ended early
@@ -165,7 +172,7 @@ def sensitivity(
     known = direction_rows(library, directions, inputs or {})
     run = TangentRun(session, known.arrays, len(directions), known.kinks)
     rows = [run.go_on(float(time)).shown(outputs) for time in times]
-    jacobian = np.array([jacobian for _, jacobian, _ in rows])
+    jacobian = np.array([row.jacobian for row in rows])
     error = None
     if estimate:
         epsilon = float(np.finfo(session.tables.dtype).eps)
@@ -177,10 +184,11 @@ def sensitivity(
         t=times,
         of=outputs.names,
         by=tuple(direction.name for direction in directions),
-        value=np.array([value for value, _, _ in rows]),
+        value=np.array([row.value for row in rows]),
         jacobian=jacobian,
+        sides=np.array([row.sides for row in rows]),
         error=error,
-        verdicts=tuple(verdict for _, _, verdict in rows),
+        verdicts=tuple(row.verdict for row in rows),
         events=run.events(),
         outcome=run.outcome,
     )
@@ -188,7 +196,7 @@ def sensitivity(
 
 def _error(jacobian: Array, twin: TangentRun, outputs: Outputs, times: Array, epsilon: float) -> Array:
     """The error of derivatives from those of a companion run."""
-    other = np.array([twin.go_on(float(time)).shown(outputs)[1] for time in times])
+    other = np.array([twin.go_on(float(time)).shown(outputs).jacobian for time in times])
     apart = SAFE * np.abs(jacobian - other) + ROUNDED * epsilon * np.abs(jacobian)
     return np.where(np.isfinite(apart), apart, np.inf)
 
@@ -278,14 +286,28 @@ def _states_of(body: Mapping[str, Any], n_q: int) -> list[tuple[str, int, int]]:
     return found + (turning if body["motion"] == "free" else [])
 
 
+def _common_sides(one: Array, other: Array) -> Array:
+    """The sides for which both hold."""
+    return np.asarray((one & other & BOTH) | ((one | other) & UNKNOWN))
+
+
+class Shown(NamedTuple):
+    """What a run shows at one time."""
+
+    value: Array  # (n_of,)
+    jacobian: Array  # (n_of, n_by) derivatives of the branch on which the run is
+    sides: Array  # (n_of, n_by) names of sides, as Sensitivity.sides
+    verdict: Verdict
+
+
 class TangentRun:
     """A run with the derivatives of its state."""
 
     def __init__(
-        self, session: Session, arrays: Mapping[str, Array], n: int, kinks: Sequence[str] = ()
+        self, session: Session, arrays: Mapping[str, Array], n: int, kinks: Sequence[NumberOnKink | None] = ()
     ) -> None:
         """`arrays` and `kinks`: those of DirectionRows, n rows."""
-        self.session, self._n, self._arrays, self._kinks = session, n, arrays, tuple(filter(None, kinks))
+        self.session, self._n, self._arrays, self._kinks = session, n, arrays, tuple(kinks)
         tables, dtype = session.tables, session.tables.dtype
         self._cdll = cdll = session.library.cdll
         if not hasattr(cdll, "mg_begin_tangent"):
@@ -303,6 +325,7 @@ class TangentRun:
         size = cdll.mg_sensitivity_size(ctypes.byref(session.system), self._n)
         int_size = cdll.mg_sensitivity_int_size(ctypes.byref(session.system))
         self._dx = np.zeros((self._n, session.n_x), dtype=dtype)
+        self._sides = np.zeros(max(self._n, 1), dtype=INTEGER)
         self._event_t = np.zeros(EVENTS, dtype=dtype)
         self._event_contact = np.zeros(EVENTS, dtype=INTEGER)
         self._event_rates = np.zeros((EVENTS, self._n), dtype=dtype)
@@ -320,6 +343,7 @@ class TangentRun:
             *(address(each) for each in self._memory),
             None,
             0,
+            address(self._sides),
         )
         self._record = tables.Record()
         self._code = 0
@@ -352,47 +376,68 @@ class TangentRun:
     def on_full(self) -> None:
         """Make room where the core has none left."""
 
-    def shown(self, outputs: Outputs) -> tuple[Array, Array, Verdict]:
-        """Values (n_of,), derivatives (n_of, n_by), verdict."""
+    def shown(self, outputs: Outputs) -> Shown:
+        """What the run shows now."""
         session, n_sensor = self.session, self.session.shared.n_sensor
         sensed = np.zeros((self._n, max(n_sensor, 1)), dtype=session.tables.dtype)
+        sides_sensed = np.full((self._n, max(n_sensor, 1)), BOTH, dtype=INTEGER)
         reasons = np.zeros(max(n_sensor, 1), dtype=INTEGER)
         if n_sensor and self._n:
-            to = ctypes.c_void_p(address(sensed)), ctypes.c_void_p(address(reasons))
+            to = (ctypes.c_void_p(address(each)) for each in (sensed, reasons, sides_sensed))
             self._cdll.mg_sense_tangent(*self._head, *self._given, *to, *self._scratch)
         pairs = list(zip(outputs.sensors, outputs.states, strict=True))
         value = outputs.values(session)
         jacobian = np.array([sensed[:, i] if i >= 0 else self._dx[:, j] for i, j in pairs], dtype=float)
+        of_sensors = np.array(
+            [sides_sensed[:, i] if i >= 0 else BOTH + 0 * self._sides for i in outputs.sensors]
+        )
+        sides = _common_sides(self._common_sides(), of_sensors)
         if self._code:
             value[:], jacobian[:] = np.nan, np.nan
         shown = [int(reasons[i]) for i in outputs.sensors if i >= 0]
-        verdict = self.verdict(next(filter(None, shown), 0))
-        if verdict and not np.all(np.isfinite(jacobian)):
-            verdict = Verdict(VERDICTS[2], NOT_FINITE, float(session.run.t))
-        return value, jacobian, verdict
+        verdict = self._judged(sides, next(filter(None, shown), 0), bool(np.all(np.isfinite(jacobian))))
+        names = [[NAME_OF_SIDES.get(int(each), SIDES[4]) for each in row] for row in sides]
+        return Shown(value, jacobian, np.array(names).reshape(sides.shape), verdict)
 
-    def verdict(self, of_sensors: int = 0) -> Verdict:
-        """Of the derivatives up to now; `of_sensors`: number of a reason why those of sensors do not hold."""
-        tangent = self._tangent
-        if self._kinks:
-            return Verdict(VERDICTS[2], OF_NUMBERS, 0.0, self._kinks[0])
-        if not tangent.verdict and of_sensors:
-            return Verdict(VERDICTS[2], REASONS[of_sensors], float(self.session.run.t))
-        if not tangent.verdict:
-            return self._verdict_at_event()
-        reason = REASONS[tangent.reason]
-        return Verdict(
-            VERDICTS[tangent.verdict], reason, float(tangent.reason_t), self._contact(tangent.reason_contact)
-        )
+    def verdict(self) -> Verdict:
+        """Of the derivatives of the state up to now."""
+        return self._judged(self._common_sides()[None, :], 0, True)
 
-    def _verdict_at_event(self) -> Verdict:
-        """One-sided at the very time of an event that comes sooner in some changed runs, later in others."""
+    def _common_sides(self) -> Array:
+        """(n,) sides of all outputs together: of the run, and of an event at this very time."""
+        kinks = self._kinks or (None,) * self._n
+        of_numbers = np.array([UNKNOWN if k and k.is_lost else LARGER if k else BOTH for k in kinks])
+        sides = _common_sides(self._sides[: self._n], of_numbers.astype(INTEGER))
+        event = self._event_now()
+        sooner = np.select([event.by < 0, event.by > 0], [LARGER, SMALLER], BOTH) if event else BOTH
+        return _common_sides(sides, np.asarray(sooner, dtype=INTEGER))
+
+    def _judged(self, sides: Array, of_sensors: int, is_finite: bool) -> Verdict:
+        """The verdict on derivatives with sides (n_of, n_by); `of_sensors`: number of a sensor's reason."""
+        now, tangent = float(self.session.run.t), self._tangent
+        is_undecided = bool(np.any((sides == 0) | (sides >= UNKNOWN)))
+        if np.all(sides == BOTH):
+            return Verdict(VERDICTS[0]) if is_finite else Verdict(VERDICTS[2], NOT_FINITE, now)
+        kind = VERDICTS[2] if is_undecided or not is_finite else VERDICTS[1]
+        number = next(filter(None, self._kinks), None)
+        if number:
+            return Verdict(kind, OF_NUMBERS, 0.0, number.place)
+        if tangent.verdict and (tangent.verdict == VERDICTS.index(kind) or not of_sensors):
+            contact = self._contact(tangent.reason_contact)
+            return Verdict(kind, REASONS[tangent.reason], float(tangent.reason_t), contact)
+        if of_sensors:
+            return Verdict(kind, REASONS[of_sensors], now)
+        event = self._event_now()
+        return Verdict(kind, AT_EVENT, event.t, event.contact) if event else Verdict(kind, NOT_FINITE, now)
+
+    def _event_now(self) -> EventSensitivity | None:
+        """An event at this very time that comes sooner in some changed runs, later in others."""
         session = self.session
         near = float(session.settings.event_tolerance) * session.instance["scales"]["time"]
         for event in reversed(self.events()):
             if abs(event.t - float(session.run.t)) <= near and np.any(event.by):
-                return Verdict(VERDICTS[1], AT_EVENT, event.t, event.contact)
-        return Verdict(VERDICTS[0])
+                return event
+        return None
 
     def _contact(self, index: int) -> str:
         return self.session.contact_name(index) if index >= 0 else ""

@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import inf
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -71,12 +71,19 @@ def _named(instance: Mapping[str, Any], name: str) -> list[Direction]:
     return [Direction(f"{name}_{axis}", "start", body, quantity, k) for k, axis in enumerate("xyz")]
 
 
+class NumberOnKink(NamedTuple):
+    """A number of the scene that is on a kink where it moves with a parameter."""
+
+    place: str
+    is_lost: bool  # it has no derivative; else that for larger values of the parameter
+
+
 @dataclass(frozen=True)
 class DirectionRows:
     """Directions as the core reads them."""
 
     arrays: dict[str, Array]  # the fields of mg_directions, a row for each direction
-    kinks: tuple[str, ...]  # of each direction the number of the scene that is on a kink, or an empty text
+    kinks: tuple[NumberOnKink | None, ...]  # of each direction the number of the scene that is on a kink
 
 
 def direction_arrays(
@@ -103,7 +110,7 @@ def direction_rows(
     names = [each["name"] for each in library.manifest.instance["inputs"]]
     found["input"] = np.zeros((n, SETTING_SIZE * len(names)))
     at_default = np.array([name not in inputs for name in names], dtype=bool)
-    kinks = [""] * n
+    kinks: list[NumberOnKink | None] = [None] * n
     for row, direction in enumerate(directions):
         if direction.kind == "parameter":
             change, kinks[row] = _table_derivatives(library, direction.owner)
@@ -165,9 +172,8 @@ def _tables(library: Library) -> dict[str, Array]:
     return {**tables, "gravity": gravity, "start": shared.start, "defaults": defaults}
 
 
-def _table_derivatives(library: Library, name: str) -> tuple[dict[str, Array], str]:
-    """Derivatives of all tables by a parameter, and the number of the scene that is on a kink, or an empty
-    text."""
+def _table_derivatives(library: Library, name: str) -> tuple[dict[str, Array], NumberOnKink | None]:
+    """Derivatives of all tables by a parameter, and the number of the scene that is on a kink."""
     from modelgen.codegen.library_with_parameters import library_along  # reads the scene again, with CasADi
 
     keys = (*TABLES, "gravity", "start", "defaults")
@@ -179,10 +185,11 @@ def _table_derivatives(library: Library, name: str) -> tuple[dict[str, Array], s
         at = _tables(moved(step)) if step else tables
         return np.concatenate([np.asarray(at[key], dtype=float) for key in keys])
 
+    kink = NumberOnKink(*moved.kink) if moved.kink else None
     if moved.unit == inf:  # no number moves
-        return dict(zip(keys, map(np.zeros, sizes), strict=True)), moved.kink
+        return dict(zip(keys, map(np.zeros, sizes), strict=True)), kink
     found = Tables(read, moved.unit, moved.scale, float(np.finfo(library.dtype).eps)).derivative()
-    kink = moved.kink or ("" if found.is_smooth else f"what follows from {name}")
+    kink = kink if found.is_smooth else NumberOnKink(f"what follows from {name}", True)
     return dict(zip(keys, np.split(found.value, np.cumsum(sizes)[:-1]), strict=True)), kink
 
 
@@ -208,6 +215,21 @@ def extrapolated_with_error(
     change = np.zeros_like(table[0])
     for order in range(1, levels):
         factor, last = 4.0**order, table[-1]
+        table = [(factor * b - a) / (factor - 1) for a, b in pairwise(table)]
+        change = np.abs(table[-1] - last)
+    return table[0], change
+
+
+def extrapolated_from_one_side(
+    function: Callable[[float], Array], step: float, levels: int
+) -> tuple[Array, Array]:
+    """Derivative at 0 by differences from 0 with steps step, step/2, .., extrapolated, to the side of the
+    sign of the step, and by how much the last extrapolation changes it."""
+    start = function(0.0)
+    table = [(function(h) - start) / h for h in (step / 2**k for k in range(levels))]
+    change = np.zeros_like(start)
+    for order in range(1, levels):
+        factor, last = 2.0**order, table[-1]
         table = [(factor * b - a) / (factor - 1) for a, b in pairwise(table)]
         change = np.abs(table[-1] - last)
     return table[0], change

@@ -8,7 +8,7 @@ from dataclasses import replace
 from modelgen.scene.expression import CONSTANTS, Expression, parse_expression
 from modelgen.scene.expression_functions import FUNCTIONS
 from modelgen.scene.scalar_types import NUMBER, ExpressionText, Text
-from modelgen.scene.source_location import Motion, Place
+from modelgen.scene.source_location import Kink, Motion, Place
 from modelgen.scene.table_types import NamedNumbers
 
 VARIABLES = ("t", "u", "v", "x", "y", "z", "vx", "vy", "vz", "wx", "wy", "wz", "qw", "qx", "qy", "qz")
@@ -66,7 +66,7 @@ def _find_rate(
     found = place.tangent(expression, rates)
     rates[name] = found.rate
     if found.is_kink:
-        motion.kinks.append(place.path)
+        motion.kinks.append(Kink(place.path, found.is_lost))
 
 
 def _parsed(written: object, place: Place) -> Mapping[str, Expression]:

@@ -26,6 +26,13 @@ class Use(NamedTuple):
         return f"{self.path} ({self.label})" if self.label else self.path
 
 
+class Kink(NamedTuple):
+    """A number of a scene that is on a kink where it moves with a parameter."""
+
+    place: str
+    is_lost: bool  # it has no derivative; else that for larger values of the parameter
+
+
 @dataclass(frozen=True, slots=True)
 class Motion:
     """A change of all numbers of a scene with one parameter: each by `step` times its derivative."""
@@ -33,12 +40,12 @@ class Motion:
     rates: Mapping[str, float]  # derivatives of that parameter and of the constants that follow from it
     step: float
     moved: list[Tangent]  # numbers that it moves, as they are read
-    kinks: list[str]  # places of numbers that are on a kink
+    kinks: list[Kink]  # numbers that are on a kink
 
     def of(self, found: Tangent, place: str) -> float:
         """The number after the change."""
         if found.is_kink:
-            self.kinks.append(place)
+            self.kinks.append(Kink(place, found.is_lost))
         if found.rate:
             self.moved.append(found)
         return found.value + self.step * found.rate

@@ -17,6 +17,7 @@ from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.error_estimate import nudge
 from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.sensitivity import Outputs, TangentRun, Verdict
+from modelgen.runtime.sensitivity import Shown as Derivatives
 from modelgen.runtime.sensitivity_directions import Direction, direction_arrays
 from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.start import begin
@@ -296,7 +297,7 @@ class Pairs:
         steps = [LARGEST * size / 2**k for k in range(HALVINGS)]
         runs = self._changed(direction, along, steps)
         for index, t in enumerate(self.times):
-            _, jacobian, verdict = found[index]
+            _, jacobian, _, verdict = found[index]
             exact = jacobian[:, 0] / self._scales * size
             quotients = self._quotients(runs, steps, index)
             if len(quotients) < FEWEST or not np.all(np.isfinite(exact)):
@@ -310,7 +311,7 @@ class Pairs:
             error = float(np.max(np.abs(exact - value)))
             yield Pair(direction.name, t, verdict, error, float(np.max(np.abs(value))), noise)
 
-    def _derivatives(self, direction: Direction) -> tuple[list[tuple[Array, Array, Verdict]], Array]:
+    def _derivatives(self, direction: Direction) -> tuple[list[Derivatives], Array]:
         """What `TangentRun.shown` says at each time, and the change of the settled start."""
         arrays = direction_arrays(self.library, [direction])
         record = accuracy_of(self.library.manifest.instance, self._accuracy, {})

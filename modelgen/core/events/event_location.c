@@ -145,17 +145,18 @@ static mg_real mg_step_to_event(mg_context *c, const mg_located_event *event, mg
 /* Time within a part of the step at which a gap that shrinks and grows again is low enough for an event, as a
    share of the step; 0 if it nowhere is. */
 static mg_real mg_find_gap_minimum_event(mg_context *c, int contact, mg_real h, mg_real low, mg_real high) {
-  mg_real least = MG_MAX;
+  mg_real least = MG_MAX, at = 1;
   for (int j = 0; j < 50; j++) {
     const mg_real middle = (low + high) / 2;
     mg_mark_triggered_events_at(c, h, middle);
     if (c->events.triggered[contact]) return middle;
-    least = mg_min(least, c->rows.d[contact]);
+    if (c->rows.d[contact] < least) least = c->rows.d[contact], at = middle;
     if (c->rows.d[contact] > fabs(c->rows.d_dot[contact]) * (high - low) * h) break;
     if (c->rows.d_dot[contact] < 0) low = middle;
     else high = middle;
   }
-  if (c->step.follower && least <= c->settings->start_gap * c->system->length) c->step.follower->grazed = contact;
+  if (c->step.follower && least <= c->settings->start_gap * c->system->length)
+    c->step.follower->grazed = contact, c->step.follower->grazed_part = at;
   return 0;
 }
 

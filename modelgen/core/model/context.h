@@ -54,6 +54,7 @@ typedef struct {
   mg_real h;   /* length of the step whose stages in c->step.slopes are followed, s; 0: none */
   int is_open; /* 1: the step now taken is one that is tried, not one towards an event */
   int grazed;  /* contact whose gap had a minimum of hardly more than zero in the step, without an event; or -1 */
+  mg_real grazed_part; /* of the step up to that minimum */
   /* After each stage, and with stage 12 at the end; stage 0 comes before the others and is not evaluated. */
   void (*stage)(mg_context *c, void *of, int is_composed, int stage, mg_real t, mg_real h);
   mg_real (*error)(mg_context *c, void *of, mg_real h); /* of what goes along, of what it may be; or 0 */

@@ -24,11 +24,11 @@ MG_API long mg_sensitivity_size(const mg_system *s, int n) {
   return 2 * mg_count_reals(mg_save_size(s), 1) + mg_count_reals(1, sizeof(mg_blow)) + 36L * s->n_body +
          4 * mg_sensitivity_rows(s) + s->n_friction_row + (12L * (n ? n : 1) + 2 * n + 3) * states +
          3 * mg_packed_size(s) + 18 + s->n_switch + 2 * n + 1 + s->n_friction + s->n_patch_slot + 2L * s->n_pair +
-         6L * s->n_joint + 12L * s->n_load + 6L * s->n_patch_slot + mg_packed_size(s) + 5L * s->kernels->n_sensor;
+         6L * s->n_joint + 12L * s->n_load + 6L * s->n_patch_slot + mg_packed_size(s) + 10L * s->kernels->n_sensor;
 }
 
 MG_API long mg_sensitivity_int_size(const mg_system *s) {
-  return 2 * ((long)s->n_contact + s->n_friction + s->n_patch_slot) + s->kernels->n_sensor;
+  return 3L * s->n_contact + 2L * ((long)s->n_friction + s->n_patch_slot) + 2L * s->kernels->n_sensor;
 }
 
 /* Ends the step that derivatives have been carried over: writes it to the tape, if there is one. */
@@ -59,7 +59,7 @@ static void mg_begin_followed_step(mg_context *c, void *of) {
   if (!step->is_stored) mg_store_run(c->system, run, step->before);
   memcpy(s->start, s->tangent->x, (size_t)s->directions->n * (size_t)c->layout.n_states * sizeof(mg_real));
   mg_note_loads(c, s, run->t);
-  s->follower.h = 0, s->follower.grazed = -1;
+  s->follower.h = 0, s->follower.grazed = -1, s->follower.grazed_part = 1;
   step->is_stored = step->is_settled = step->is_carried = 0, step->begun++;
   step->n_event = step->events->count, step->n_record = step->record->count;
   step->n_differentiated = s->tangent->count;
@@ -67,22 +67,68 @@ static void mg_begin_followed_step(mg_context *c, void *of) {
   step->passages = run->singular_passages, step->fallbacks = run->fallbacks + run->chatters;
 }
 
-/* Notes the first reason why the derivatives are not certain. */
-static void mg_doubt_tangent(mg_tangent *tangent, int reason, mg_real t, int contact) {
-  if (!reason || tangent->verdict == MG_VERDICT_UNDECIDED) return;
-  tangent->verdict = MG_VERDICT_UNDECIDED, tangent->reason = reason, tangent->reason_t = t,
-  tangent->reason_contact = contact;
+/* Notes a reason for a verdict; the first of the worst verdict stays. */
+static void mg_note_verdict(mg_tangent *tangent, int verdict, int reason, mg_real t, int contact) {
+  if (verdict <= tangent->verdict) return;
+  tangent->verdict = verdict, tangent->reason = reason, tangent->reason_t = t, tangent->reason_contact = contact;
+}
+
+/* Notes a reason why no derivative is certain. */
+static void mg_doubt_tangent(const mg_sensitivity *s, int reason, mg_real t, int contact) {
+  if (!reason) return;
+  mg_note_verdict(s->tangent, MG_VERDICT_UNDECIDED, reason, t, contact);
+  for (int j = 0; j < s->directions->n && s->tangent->sides; j++) s->tangent->sides[j] |= MG_SIDE_UNKNOWN;
+}
+
+/* Notes a reason why the derivative along a direction holds for changes in `sides` alone. */
+static void mg_keep_sides_of(const mg_sensitivity *s, int direction, int sides, int reason, mg_real t, int contact) {
+  mg_tangent *tangent = s->tangent;
+  int *kept = tangent->sides ? tangent->sides + direction : 0;
+  if (!reason) return;
+  if (kept) *kept = mg_common_sides(*kept, sides);
+  const int holds = kept && *kept && *kept <= MG_SIDES;
+  mg_note_verdict(tangent, holds ? MG_VERDICT_ONE_SIDED : MG_VERDICT_UNDECIDED, reason, t, contact);
+}
+
+/* True if the derivative along some direction may still hold for changes to some side. */
+static int mg_holds_somewhere(const mg_sensitivity *s) {
+  const mg_tangent *tangent = s->tangent;
+  if (s->is_lost || tangent->is_lost) return 0;
+  if (tangent->verdict != MG_VERDICT_UNDECIDED) return 1;
+  for (int j = 0; j < s->directions->n && tangent->sides; j++)
+    if (tangent->sides[j] && tangent->sides[j] <= MG_SIDES) return 1;
+  return 0;
+}
+
+/* Notes for which changes the run keeps its branch where it is on a kink at (t, x), at which c is evaluated. */
+static void mg_note_kinks(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x, int when) {
+  if (!mg_mark_kinks(c, s, t, when)) return;
+  mg_gather_wrenches(c, s, t);
+  for (int j = 0; j < s->directions->n; j++) {
+    const int reason = mg_leave_kinks(c, s, j, t, x, when);
+    mg_keep_sides_of(s, j, s->sides, reason, t, s->doubtful);
+  }
+  s->doubtful = -1;
+}
+
+/* Notes for which changes a gap that has all but closed, at the time `before` before t, stays open. */
+static void mg_note_graze(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x, int contact, mg_real before) {
+  mg_gather_wrenches(c, s, t);
+  for (int j = 0; j < s->directions->n; j++) {
+    const int then = mg_opening_of(c, s, j, t, x, contact, before), now = mg_opening_of(c, s, j, t, x, contact, 0);
+    const int sides = then * now < 0 ? MG_SIDE_UNKNOWN : then > 0 ? MG_SIDE_LARGER : MG_SIDE_SMALLER;
+    if (then || now) mg_keep_sides_of(s, j, then ? sides : MG_SIDE_UNKNOWN, MG_BY_GRAZE, t, contact);
+  }
 }
 
 /* Notes whether the run has stayed on a kink in a step to (t, x), at which c is evaluated, or a gap has all but closed.
  */
 static void mg_doubt_step(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x) {
-  if (s->tangent->verdict == MG_VERDICT_UNDECIDED || s->tangent->is_lost) return;
-  const int reason = mg_find_kink(c, s, t, x, MG_AFTER_STEP, -1), grazed = s->follower.grazed;
-  mg_doubt_tangent(s->tangent, reason, t, s->doubtful);
-  if (grazed < 0 || !mg_is_on_feature_pair(c, grazed)) return;
-  mg_gather_wrenches(c, s, t);
-  if (mg_does_contact_move(c, s, t, x, grazed)) mg_doubt_tangent(s->tangent, MG_BY_GRAZE, t, grazed);
+  const int grazed = s->follower.grazed;
+  if (!mg_holds_somewhere(s)) return;
+  mg_note_kinks(c, s, t, x, MG_AFTER_STEP);
+  if (grazed >= 0 && mg_is_on_feature_pair(c, grazed))
+    mg_note_graze(c, s, t, x, grazed, (t - s->step.t) * (1 - s->follower.grazed_part));
 }
 
 static void mg_settle_step(mg_context *c, void *of) {
@@ -119,7 +165,7 @@ MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int
   s->crossing = none;
   s->is_time = s->is_at_event = s->is_singular = s->is_lost = 0, s->t_bar = 0, s->doubtful = -1;
   s->follower = (mg_follower){
-      s, 0, 0, -1, mg_follow_stage, mg_followed_error, mg_begin_followed_step, mg_settle_step, mg_end_followed_step};
+      s, 0, 0, -1, 1, mg_follow_stage, mg_followed_error, mg_begin_followed_step, mg_settle_step, mg_end_followed_step};
   s->blow = mg_take_memory(&work, 1, sizeof(mg_blow));
   s->at.pose = mg_take_reals(&work, 12 * b), s->at.twist = mg_take_reals(&work, 6 * b);
   s->at.acceleration = mg_take_reals(&work, 6 * b), s->at.wrench = mg_take_reals(&work, 6 * b);
@@ -141,8 +187,10 @@ MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int
   s->slip_begins = mg_take_ints(&iwork, system->n_friction + system->n_patch_slot);
   s->on_kink = mg_take_ints(&iwork, system->n_contact + system->n_friction + system->n_patch_slot);
   s->reasons = mg_take_ints(&iwork, system->kernels->n_sensor);
+  s->sensor_sides = mg_take_ints(&iwork, system->kernels->n_sensor);
+  s->held = mg_take_ints(&iwork, system->n_contact);
   s->moved = mg_take_reals(&work, mg_packed_size(system)),
-  s->shown = mg_take_reals(&work, 5L * system->kernels->n_sensor);
+  s->shown = mg_take_reals(&work, 10L * system->kernels->n_sensor);
 }
 
 /* Opens the memory of derivatives along directions; the bytes of the run before and after a step come first. */
@@ -176,15 +224,17 @@ static void mg_lose_tangents(mg_sensitivity *s, int n_states) {
   mg_show_lost_tangents(s->directions, tangent, n_states, 0);
 }
 
-/* Notes whether a contact that touches, a load, or forces at the start are on a kink. */
+/* Notes for which changes of a start the run keeps its branch: open contacts that touch, and loads at a jump. */
 static void mg_doubt_start(mg_context *c, mg_sensitivity *s) {
   const mg_run *run = c->run;
+  const mg_real touching = c->settings->contact_gap * c->system->length,
+                slow = c->settings->rest_speed * c->system->length / c->system->time;
   mg_evaluate_run_state(c);
-  mg_gather_wrenches(c, s, run->t);
-  const int touching = mg_find_touching_contact(c, s);
-  if (touching >= 0) mg_doubt_tangent(s->tangent, MG_BY_GRAZE, run->t, touching);
-  const int reason = mg_find_kink(c, s, run->t, run->x, MG_AT_START, -1);
-  mg_doubt_tangent(s->tangent, reason, run->t, s->doubtful);
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
+    if (!run->closed[i] && mg_is_on_feature_pair(c, i) && fabs(c->rows.d[i]) <= touching &&
+        fabs(c->rows.d_dot[i]) <= slow)
+      mg_note_graze(c, s, run->t, run->x, i, 0);
+  mg_note_kinks(c, s, run->t, run->x, MG_AT_START);
 }
 
 MG_API int mg_begin_tangent(const mg_system *system, const mg_settings *settings, mg_run *run,
@@ -203,10 +253,11 @@ MG_API int mg_begin_tangent(const mg_system *system, const mg_settings *settings
   }
   tangent->count = 0, tangent->verdict = MG_VERDICT_DIFFERENTIABLE, tangent->reason = MG_NO_REASON,
   tangent->reason_t = 0, tangent->reason_contact = -1, tangent->is_lost = 0;
+  for (int j = 0; j < directions->n && tangent->sides; j++) tangent->sides[j] = MG_SIDES;
   if (tangent->tape) tangent->tape->lost = 0;
   mg_evaluate_run_state(&c);
-  mg_doubt_tangent(tangent, mg_start_tangent(&c, &s, directions->given), run->t, -1);
-  if (mg_is_time_stepping(&c)) mg_doubt_tangent(tangent, MG_BY_TIME_STEPPING, run->t, -1);
+  mg_doubt_tangent(&s, mg_start_tangent(&c, &s, directions->given), run->t, -1);
+  if (mg_is_time_stepping(&c)) mg_doubt_tangent(&s, MG_BY_TIME_STEPPING, run->t, -1);
   else mg_doubt_start(&c, &s);
   mg_lose_tangents(&s, n);
   mg_show_lost_tangents(directions, tangent, n, 1);
@@ -230,6 +281,7 @@ static int mg_carry_over_step(const mg_system *system, const mg_settings *settin
   if (!reason) reason = unsure;
   mg_crossing crossing = s->crossing = mg_find_crossing(&c, step->events, step->n_event);
   if (step->events->count == step->n_event) { /* the modes are those of the step */
+    mg_mark_held_contacts(&c, s, 0);
     mg_project_tangents(&c, s, end, c.step.end);
     if (!reason && !s->is_lost) mg_doubt_step(&c, s, end, c.step.end);
     return reason;
@@ -240,6 +292,7 @@ static int mg_carry_over_step(const mg_system *system, const mg_settings *settin
   mg_restore_run(system, run, step->after);
   mg_open_context(&c, system, settings, run, work, iwork);
   const int of_event = mg_cross_event(&c, s, &crossing);
+  mg_mark_held_contacts(&c, s, 0);
   mg_project_tangents(&c, s, run->t, run->x);
   return reason ? reason : of_event;
 }
@@ -301,7 +354,7 @@ MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settin
   mg_show_lost_tangents(directions, tangent, n_states, 0);
   int outcome = mg_advance(system, settings, run, t_stop, 0, record, events, work, iwork); /* inputs take effect */
   mg_open_context(&c, system, settings, run, work, iwork);
-  if (mg_has_state_jump(&c, s.before)) mg_doubt_tangent(tangent, MG_BY_JUMP, run->t, -1);
+  if (mg_has_state_jump(&c, s.before)) mg_doubt_tangent(&s, MG_BY_JUMP, run->t, -1);
   mg_approach approach = {0, 0};
   while (outcome == MG_CONTINUE) {
     mg_followed_step *step = &s.step;
@@ -332,7 +385,7 @@ MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settin
     }
     const int of_event =
         s.crossing.kind == MG_CROSSES_NOTHING || s.crossing.kind == MG_CROSSES_SWITCH ? -1 : s.crossing.contact;
-    mg_doubt_tangent(tangent, reason, end, s.doubtful >= 0 ? s.doubtful : of_event);
+    mg_doubt_tangent(&s, reason, end, s.doubtful >= 0 ? s.doubtful : of_event);
     mg_restore_run(system, run, step->after);
     mg_lose_tangents(&s, n_states);
     mg_keep_step(system, &s);
@@ -343,12 +396,13 @@ MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settin
 
 MG_API void mg_sense_tangent(const mg_system *system, const mg_settings *settings, mg_run *run,
                              const mg_directions *directions, mg_tangent *tangent, mg_real *sensors, int *reasons,
-                             mg_real *work, int *iwork) {
+                             int *sides, mg_real *work, int *iwork) {
   mg_context c;
   mg_sensitivity s;
   const int n_sensor = system->kernels->n_sensor;
   mg_run copy = *run;
   for (int k = 0; k < n_sensor; k++) reasons[k] = MG_NO_REASON;
+  for (long i = 0; i < (long)directions->n * n_sensor && sides; i++) sides[i] = MG_SIDES;
   if (tangent->is_lost) {
     mg_fill_reals(sensors, (long)directions->n * n_sensor, (mg_real)NAN);
     return;
@@ -360,9 +414,13 @@ MG_API void mg_sense_tangent(const mg_system *system, const mg_settings *setting
   mg_read_sensors(&c, run->t, run->x + system->n_q + system->n_u, run->force, 1, s.y_dot);
   for (int k = 0; k < n_sensor; k++) s.reasons[k] = MG_NO_REASON;
   mg_doubt_redundant_forces(&c, &s);
+  for (int k = 0; k < n_sensor; k++) reasons[k] = s.reasons[k];
   for (int j = 0; j < directions->n; j++) {
     mg_find_sensors_tangent(&c, &s, j);
-    for (int k = 0; k < n_sensor; k++) sensors[(long)j * n_sensor + k] = s.y_dot[k];
+    for (int k = 0; k < n_sensor; k++) {
+      sensors[(long)j * n_sensor + k] = s.y_dot[k];
+      if (sides) sides[(long)j * n_sensor + k] = s.sensor_sides[k];
+      if (!reasons[k]) reasons[k] = s.reasons[k];
+    }
   }
-  for (int k = 0; k < n_sensor; k++) reasons[k] = s.reasons[k];
 }

@@ -9,7 +9,7 @@ static void mg_switch_adjoint(mg_context *c, mg_sensitivity *s, mg_real t, int w
   const mg_system *system = c->system;
   const int load = mg_load_of_switch(system, which), n = c->kernels->load_kinds[system->load_kind[load]].n_parameters,
             bodies[2] = {system->load_a[load], system->load_b[load]};
-  const mg_real *by_input, *g = mg_switch_gradient(c, t, load, which, &by_input);
+  const mg_real *by_input, *g = mg_differentiated_switch(c, s, t, load, which, &by_input);
   for (int side = 0; side < 2; side++) {
     const int body = bodies[side];
     if (body < 0) continue;
@@ -66,6 +66,7 @@ MG_INTERNAL mg_real mg_event_adjoint(mg_context *c, mg_sensitivity *s, const mg_
   const int moving = c->system->n_q + c->system->n_u;
   mg_real *after = c->step.slopes, of_time = 0;
   mg_evaluate_run_state(c);
+  mg_mark_held_contacts(c, s, 0);
   mg_project_adjoint(c, s, c->run->t, c->run->x, x_bar);
   mg_evaluate_run_state(c);
   mg_settle_eta_adjoint(c, s, c->run->t, c->run->x, x_bar);

@@ -141,7 +141,7 @@ MG_INTERNAL void mg_differentiate_event(mg_context *c, mg_sensitivity *s, mg_cro
     const mg_real *dx = s->is_time ? s->slope_before : s->tangent->x + (long)j * states;
     mg_rhs_tangent(c, s, j, t, c->step.end, dx, s->stage);
     if (crossing->kind == MG_CROSSES_SWITCH) {
-      s->event_rate[j] = mg_switch_tangent(c, s, j, t, contact);
+      s->event_rate[j] = mg_switch_tangent(c, s, j, t, contact, 0);
       continue;
     }
     const int eta = c->system->n_q + c->system->n_u + c->system->contact_eta[contact];

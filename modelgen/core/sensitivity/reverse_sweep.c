@@ -27,6 +27,7 @@ static void mg_go_back_over_step(const mg_system *system, const mg_settings *set
   const mg_real h = t - run->t + (roundoff - run->t_roundoff), end = run->t + h; /* of the step that is taken again */
   mg_open_context(&c, system, settings, run, work, iwork);
   mg_restore_step(&c, s, h, slopes);
+  mg_mark_held_contacts(&c, s, 0);
   if (crossing.kind == MG_CROSSES_NOTHING && !crossing.blow) mg_project_adjoint(&c, s, end, c.step.end, s->adjoint->x);
   else {
     mg_differentiate_event(&c, s, &crossing, end);

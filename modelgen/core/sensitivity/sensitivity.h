@@ -136,10 +136,13 @@ typedef struct {
   mg_crossing crossing;  /* of the step treated last */
   int is_time;           /* 1: the direction looked at is time: no number changes */
   int is_at_event;       /* 1: derivatives are those at the event of a changed run, whose time changes (event_rate) */
-  int *on_kink;          /* [n_contact + n_friction + n_patch_slot] 1 or 2: on a kink, as kinks.c marks it */
+  int *on_kink;          /* [n_contact + n_friction + n_patch_slot] not 0: on a kink, as kinks.c marks it */
+  int sides;             /* MG_SIDE_LARGER ..: changes along the direction looked at last that keep the run's branch */
+  int *held;             /* [n_contact] 1: holds the derivatives of its gap and of its gap velocity at zero */
   int *reasons;          /* [n_sensor] why what a sensor shows is not differentiable, or 0 */
+  int *sensor_sides;     /* [n_sensor] for which changes along the direction looked at last its derivative holds */
   mg_real *moved;        /* packed arguments of the sensors, moved along a direction */
-  mg_real *shown;        /* [5 n_sensor] what they show at five places */
+  mg_real *shown;        /* [10 n_sensor] what they show at five places, and their derivatives there */
   int is_lost;           /* 1: the step or start treated last is not differentiated */
   mg_real t_bar;         /* in the adjoint: cotangent of the time of paths and of motions of joints */
   int doubtful;          /* contact for which the step treated last is not certain, or -1 */
@@ -150,11 +153,21 @@ typedef struct {
 
 /* tangent_kernels.c: results in s->y_dot */
 
-/* Packs the branches of a load, and the quaternion of its body, into the weights. */
+/* The branch of a switching function on which a load is differentiated: that of the run, or where the function stays
+   zero the negative one. */
+MG_INTERNAL mg_real mg_differentiated_branch(const mg_context *c, int which);
+
+/* mg_switch_gradient on these branches. */
+MG_INTERNAL const mg_real *mg_differentiated_switch(mg_context *c, const mg_sensitivity *s, mg_real t, int load,
+                                                    int which, const mg_real **by_input);
+
+/* Packs these branches of a load, and the quaternion of its body, into the weights. */
 MG_INTERNAL void mg_pack_branches(const mg_context *c, mg_sensitivity *s, int load);
 
-/* Derivative of a switching function of a load along a direction. Needs the tangents of the bodies. */
-MG_INTERNAL mg_real mg_switch_tangent(mg_context *c, const mg_sensitivity *s, int direction, mg_real t, int which);
+/* Derivative of a switching function of a load along a direction; terms: sum of the sizes of its terms, or null. Needs
+   the tangents of the bodies. */
+MG_INTERNAL mg_real mg_switch_tangent(mg_context *c, const mg_sensitivity *s, int direction, mg_real t, int which,
+                                      mg_real *terms);
 
 /* Number of the direction, or none while s->is_time. */
 MG_INTERNAL void mg_contact_tangent(mg_context *c, mg_sensitivity *s, int direction, int contact, const mg_real *eta,
@@ -291,7 +304,12 @@ MG_INTERNAL void mg_normalise_tangent(const mg_context *c, const mg_real *x, mg_
 /* Derivatives of eta of all contacts from those of the poses. */
 MG_INTERNAL void mg_settle_eta_tangents(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x);
 
-/* Removes from the derivatives what the held rows forbid. Needs the right-hand side at (t, x). */
+/* Marks in s->held the contacts that hold their bodies: those that are closed, at the start, where of a change of the
+   start what they permit is meant; later those that are active as well, as one that is let go is free to open. */
+MG_INTERNAL void mg_mark_held_contacts(const mg_context *c, mg_sensitivity *s, int is_start);
+
+/* Removes from the derivatives what the rows of joints and of the contacts in s->held forbid. Needs the right-hand side
+   at (t, x). */
 MG_INTERNAL void mg_project_tangents(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x);
 
 /* Adds the corrections of positions and orientations, or of velocities, in c->bodies.wrench to a derivative. */
@@ -348,19 +366,26 @@ MG_INTERNAL mg_real mg_gap_tangent_size(const mg_context *c, const mg_sensitivit
 /* When a kink counts: at the start where something jumps, after a step that has stayed on it, at a sample always. */
 enum { MG_AT_START = 0, MG_AFTER_STEP = 1, MG_AT_SAMPLE = 2 };
 
-/* Why the run is on a kink that a direction, or any for -1, leaves, or 0. Needs the right-hand side at (t, x). */
-MG_INTERNAL int mg_find_kink(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x, int when, int direction);
+/* The sides for which both hold, MG_SIDE_LARGER ..; unknown if either is. */
+MG_INTERNAL int mg_common_sides(int one, int other);
 
-/* True if a direction changes gap or gap velocity of a contact by more than rounding. Needs mg_gather_wrenches. */
-MG_INTERNAL int mg_does_contact_move(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x, int contact);
+/* Marks in s->on_kink contacts, friction constraints and faces that are on a kink; returns 0 if there are none, and no
+   load is on one or may jump. Needs the right-hand side at (t, x). */
+MG_INTERNAL int mg_mark_kinks(mg_context *c, mg_sensitivity *s, mg_real t, int when);
 
-/* The first open contact that touches without approach, and that a direction moves, or -1. Needs mg_gather_wrenches. */
-MG_INTERNAL int mg_find_touching_contact(mg_context *c, mg_sensitivity *s);
+/* Why changes along a direction leave marked kinks, or 0; s->sides: those that do not. Needs mg_gather_wrenches. */
+MG_INTERNAL int mg_leave_kinks(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x, int when);
+
+/* 1 if a change by a positive multiple of a direction opens a gap, -1 if it closes it, 0 if it moves it by no more than
+   rounding: by its gap at the time t - before, with the acceleration at t, else by its gap
+   velocity. Needs mg_gather_wrenches. */
+MG_INTERNAL int mg_opening_of(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x, int contact,
+                              mg_real before);
 
 /* sensor_tangent.c */
 
 /* Derivatives of what the sensors show along a direction, in s->y_dot. Needs the state evaluated, the sensors read and
-   mg_rhs_tangent. Adds reasons to s->reasons where they are on a kink. */
+   mg_gather_wrenches. Writes s->sensor_sides, and adds reasons to s->reasons where they are on a kink. */
 MG_INTERNAL void mg_find_sensors_tangent(mg_context *c, mg_sensitivity *s, int direction);
 
 /* Adds reasons for sensors that show forces which are not unique. */

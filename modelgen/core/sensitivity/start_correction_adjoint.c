@@ -13,6 +13,7 @@ static void mg_start_blow_adjoint(mg_context *c, mg_sensitivity *s, const mg_rea
 }
 
 MG_INTERNAL void mg_start_adjoint(mg_context *c, mg_sensitivity *s, const mg_real *given, mg_real *x_bar) {
+  mg_mark_held_contacts(c, s, 1);
   mg_project_adjoint(c, s, c->run->t, c->run->x, x_bar);
   mg_evaluate_run_state(c);
   mg_start_blow_adjoint(c, s, given, MG_CONTACTS_STRIKE, x_bar);

@@ -115,6 +115,7 @@ MG_INTERNAL int mg_start_tangent(mg_context *c, mg_sensitivity *s, const mg_real
   const int of_joints = mg_start_blow_tangent(c, s, given, MG_JOINTS_HOLD),
             of_contacts = mg_start_blow_tangent(c, s, given, MG_CONTACTS_STRIKE),
             lets_go = mg_opens_start(c, s, c->run->closed);
+  mg_mark_held_contacts(c, s, 1);
   mg_project_tangents(c, s, c->run->t, c->run->x);
   if (mg_rests_on_moving_points(c, s)) return MG_BY_BORDER;
   const int reason = of_joints ? of_joints : of_contacts;

@@ -66,9 +66,9 @@ MG_INTERNAL void mg_project_adjoint(mg_context *c, mg_sensitivity *s, mg_real t,
   mg_zero_reals(s->stage, c->layout.n_states);
   mg_clear_cotangents(c, s);
   mg_take_correction_cotangents(c, s, 0, x, x_bar);
-  mg_row_correction_adjoint(c, s, c->run->closed, 1, s->at.value);
+  mg_row_correction_adjoint(c, s, s->held, 1, s->at.value);
   mg_take_correction_cotangents(c, s, 1, x, x_bar);
-  mg_row_correction_adjoint(c, s, c->run->closed, 1, s->at.rate);
+  mg_row_correction_adjoint(c, s, s->held, 1, s->at.rate);
   mg_zero_reals(s->at.acceleration, 6L * c->system->n_body);
   for (int i = c->layout.friction_row_begin; i < c->layout.friction_row_end; i++) s->at.value[i] = 0;
   mg_rows_adjoint(c, s, t, x, s->stage, x_bar);

@@ -311,6 +311,7 @@ MG_INTERNAL int mg_settle_followed_step(mg_context *c, mg_sensitivity *s, mg_rea
   if (mg_has_load_jump(c, s, c->run->t, c->run->x, c->step.slopes, h)) return 0;
   mg_take_end_tangents(c, s, s->before);
   mg_settle_eta_tangents(c, s, c->run->t, c->run->x);
+  mg_mark_held_contacts(c, s, 0);
   mg_project_tangents(c, s, c->run->t, c->run->x);
   return 1;
 }
@@ -362,6 +363,12 @@ static int mg_has_held_bodies(const mg_context *c) {
   return c->system->n_joint_row > 0;
 }
 
+MG_INTERNAL void mg_mark_held_contacts(const mg_context *c, mg_sensitivity *s, int is_start) {
+  const mg_run *run = c->run;
+  for (int i = 0; i < c->system->n_contact; i++)
+    s->held[i] = run->closed[i] && (is_start || run->active[i] || run->rolling_start[i]);
+}
+
 MG_INTERNAL void mg_project_tangents(mg_context *c, mg_sensitivity *s, mg_real t, const mg_real *x) {
   MG_NEEDS(c, MG_VALID_FORCES, t, x);
   if (!c->settings->project) return;
@@ -369,11 +376,11 @@ MG_INTERNAL void mg_project_tangents(mg_context *c, mg_sensitivity *s, mg_real t
   c->lcp.n_assembled = 0;
   for (int j = 0; j < n; j++) {
     mg_real *dx = s->tangent->x + (long)j * c->layout.n_states;
-    mg_rows_tangent(c, s, j, t, x, dx, c->run->closed, s->stage);
-    mg_solve_row_correction(c, c->run->closed, s->at.value);
+    mg_rows_tangent(c, s, j, t, x, dx, s->held, s->stage);
+    mg_solve_row_correction(c, s->held, s->at.value);
     c->lcp.keeps_matrix = c->lcp.n_assembled == 1;
     mg_add_correction(c, x, 0, dx);
-    mg_solve_row_correction(c, c->run->closed, s->at.rate);
+    mg_solve_row_correction(c, s->held, s->at.rate);
     mg_add_correction(c, x, 1, dx);
   }
   c->lcp.keeps_matrix = 0;

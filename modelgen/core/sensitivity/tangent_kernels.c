@@ -72,28 +72,50 @@ static const mg_real *mg_inputs_dot(const mg_context *c, const mg_sensitivity *s
   return mg_row_of_direction(s, s->directions->input, 3L * c->system->n_input, direction);
 }
 
+MG_INTERNAL mg_real mg_differentiated_branch(const mg_context *c, int which) {
+  return c->run->branch[which] != 0 ? c->run->branch[which] : -1;
+}
+
 MG_INTERNAL void mg_pack_branches(const mg_context *c, mg_sensitivity *s, int load) {
-  const int first = mg_switch_begin(c->system, load);
-  mg_real *w = mg_pack(s->weights, mg_switch_end(c->system, load) - first, c->run->branch + first);
+  mg_real *w = s->weights;
+  for (int k = mg_switch_begin(c->system, load); k < mg_switch_end(c->system, load); k++)
+    *w++ = mg_differentiated_branch(c, k);
   mg_pack(w, 4, c->bodies.quaternion + 4 * c->system->load_a[load]);
 }
 
-MG_INTERNAL mg_real mg_switch_tangent(mg_context *c, const mg_sensitivity *s, int direction, mg_real t, int which) {
+MG_INTERNAL const mg_real *mg_differentiated_switch(mg_context *c, const mg_sensitivity *s, mg_real t, int load,
+                                                    int which, const mg_real **by_input) {
+  const int first = mg_switch_begin(c->system, load), end = mg_switch_end(c->system, load);
+  mg_real *branch = c->run->branch;
+  for (int k = first; k < end; k++) s->weights[k - first] = branch[k], branch[k] = mg_differentiated_branch(c, k);
+  const mg_real *gradient = mg_switch_gradient(c, t, load, which, by_input);
+  for (int k = first; k < end; k++) branch[k] = s->weights[k - first];
+  return gradient;
+}
+
+static void mg_add_products(int n, const mg_real *a, const mg_real *b, mg_real *sum, mg_real *size) {
+  for (int k = 0; k < n; k++) *sum += a[k] * b[k], *size += fabs(a[k] * b[k]);
+}
+
+MG_INTERNAL mg_real mg_switch_tangent(mg_context *c, const mg_sensitivity *s, int direction, mg_real t, int which,
+                                      mg_real *terms) {
   const mg_system *system = c->system;
   const int load = mg_load_of_switch(system, which), n = c->kernels->load_kinds[system->load_kind[load]].n_parameters,
             bodies[2] = {system->load_a[load], system->load_b[load]};
-  const mg_real *by_input, *g = mg_switch_gradient(c, t, load, which, &by_input),
+  const mg_real *by_input, *g = mg_differentiated_switch(c, s, t, load, which, &by_input),
                            *numbers = mg_parameters_dot(c, s, direction, system->load_parameters[load]),
                            *inputs = mg_inputs_dot(c, s, direction);
-  mg_real sum = g[0] * mg_time_dot(s, direction);
+  const mg_real by_time = g[0] * mg_time_dot(s, direction);
+  mg_real sum = by_time, size = fabs(by_time);
   for (int side = 0; side < 2; side++) {
     const int body = bodies[side];
     if (body < 0) continue;
-    for (int k = 0; k < 12; k++) sum += g[1 + 18 * side + k] * s->at.pose[12 * body + k];
-    for (int k = 0; k < 6; k++) sum += g[13 + 18 * side + k] * s->at.twist[6 * body + k];
+    mg_add_products(12, g + 1 + 18 * side, s->at.pose + 12 * body, &sum, &size);
+    mg_add_products(6, g + 13 + 18 * side, s->at.twist + 6 * body, &sum, &size);
   }
-  for (int k = 0; k < n && numbers; k++) sum += g[MG_SWITCH_COLUMNS + k] * numbers[k];
-  for (int k = 0; k < 3 * system->n_input && inputs; k++) sum += by_input[k] * inputs[k];
+  if (numbers) mg_add_products(n, g + MG_SWITCH_COLUMNS, numbers, &sum, &size);
+  if (inputs) mg_add_products(3 * system->n_input, by_input, inputs, &sum, &size);
+  if (terms) *terms = size;
   return sum;
 }
 

@@ -330,6 +330,7 @@ class Tables:
                 *[("event_t", pointer), ("event_contact", pointer), ("event_t_dot", pointer)],
                 *[("verdict", integer), ("reason", integer), ("reason_t", real), ("reason_contact", integer)],
                 *[("work", pointer), ("iwork", pointer), ("tape", pointer), ("is_lost", integer)],
+                ("sides", pointer),
             ],
         )
         self.Tape = structure(
