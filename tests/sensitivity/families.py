@@ -21,15 +21,15 @@ class Member:
     by: tuple[str, ...]
 
 
-def _parameters(values: Mapping[str, float]) -> str:
+def parameters(values: Mapping[str, float]) -> str:
     return "".join(f'[[parameter]]\nname = "{name}"\nvalue = {value!r}\n' for name, value in values.items())
 
 
-def _sensors(**of: str) -> str:
+def sensors(**of: str) -> str:
     return "".join(f'[[sensor]]\nname = "{name}"\nof = "{each}"\n' for name, each in of.items())
 
 
-def _shown(**values: str) -> str:
+def shown(**values: str) -> str:
     return "".join(f'[[sensor]]\nname = "{name}"\nvalue = "{each}"\n' for name, each in values.items())
 
 
@@ -63,7 +63,7 @@ def _stool(random: Random) -> Member:
         f'[[contact]]\nbetween = ["stool/leg{k}", "floor"]\nfriction = "mu"\n' for k in range(feet)
     )
     values = {"heavy": _between(random, 1, 4), "mu": _between(random, 0.5, 0.9)}
-    text = f"""{_parameters(values)}{FLOOR}
+    text = f"""{parameters(values)}{FLOOR}
 [[body]]
 name = "stool"
 shape = [{", ".join(legs)}]
@@ -76,7 +76,7 @@ default = {_between(random, 0.1, 0.5)!r}
 [[force]]
 body = "stool"
 force = ["push*(1 + t)", "0.3*push", "0"]
-{contacts}{_sensors(first="stool/leg0-floor/plane.force", p="stool.position")}{_shown(twice="2*first")}"""
+{contacts}{sensors(first="stool/leg0-floor/plane.force", p="stool.position")}{shown(twice="2*first")}"""
     return Member(text, 0.2, ("heavy", "mu", "push", "stool.velocity"))
 
 
@@ -96,24 +96,22 @@ axis_angle = {{ axis = [1, 0, 0], angle = "-pi/2" }}
         for k, y in enumerate(at)
     )
     values = {"heavy": _between(random, 0.5, 2), "long": _between(random, 0.3, 0.7)}
-    sensors = {f"f{k}": f"h{k}.force" for k in range(len(at))} | {
-        f"m{k}": f"h{k}.torque" for k in range(len(at))
-    }
+    of = {f"f{k}": f"h{k}.force" for k in range(len(at))} | {f"m{k}": f"h{k}.torque" for k in range(len(at))}
     total = " + ".join(f"f{k}_z" for k in range(len(at)))
-    text = f"""{_parameters(values)}
+    text = f"""{parameters(values)}
 [[body]]
 name = "arm"
 mass = "heavy"
 inertia = [0.1, 0.2, 0.3]
 position = ["long", 0.1, 0]
-{joints}{_sensors(**sensors, turn="h0.coordinate", speed="arm.velocity")}{_shown(total=total)}"""
+{joints}{sensors(**of, turn="h0.coordinate", speed="arm.velocity")}{shown(total=total)}"""
     return Member(text, _between(random, 0.05, 0.4), ("heavy", "long"))
 
 
 def _weight(random: Random) -> Member:
     """A weight that a push balances, or nearly."""
     heavy = _between(random, 0.5, 2)
-    text = f"""{_parameters({"heavy": heavy, "lift": heavy * 9.81 * (1 + _beside(random))})}{FLOOR}
+    text = f"""{parameters({"heavy": heavy, "lift": heavy * 9.81 * (1 + _beside(random))})}{FLOOR}
 [[body]]
 name = "ball"
 shape = {{ kind = "sphere", radius = 0.1 }}
@@ -128,7 +126,7 @@ body = "ball"
 force = ["0", "0", "push"]
 [[contact]]
 between = ["ball", "floor"]
-{_sensors(p="ball.position", load="ball-floor.force", gap="ball-floor.gap")}"""
+{sensors(p="ball.position", load="ball-floor.force", gap="ball-floor.gap")}"""
     return Member(text, _between(random, 0.1, 0.6), ("heavy", "lift", "push", "ball.velocity"))
 
 
@@ -137,7 +135,7 @@ def _motor(random: Random) -> Member:
     limit, inertia = _between(random, 0.5, 2), _between(random, 0.5, 2)
     push = limit * (1 + _beside(random))
     t = sqrt(2 * inertia * (pi if random.integers(3) == 0 else _between(random, 0.5, 2)) / min(push, limit))
-    text = f"""{_parameters({"inertia": inertia, "limit": limit})}
+    text = f"""{parameters({"inertia": inertia, "limit": limit})}
 [[input]]
 name = "push"
 default = {push!r}
@@ -153,7 +151,7 @@ between = ["world", "wheel"]
 joint = "axle"
 force = "push"
 limits = ["-limit", "limit"]
-{_sensors(turn="axle.coordinate", rate="axle.rate", w="wheel.angular_velocity", a="wheel.acceleration")}"""
+{sensors(turn="axle.coordinate", rate="axle.rate", w="wheel.angular_velocity", a="wheel.acceleration")}"""
     return Member(text, t, ("push", "inertia", "limit"))
 
 
@@ -168,7 +166,7 @@ def _flight(random: Random) -> Member:
         "w": turn,
     }
     text = f"""gravity = [0, 0, 0]
-{_parameters(values)}
+{parameters(values)}
 [constants]
 slow = "max(s, 0.1) + 0.01*sin(w*s)"
 [[body]]
@@ -177,8 +175,8 @@ mass = "1 + abs(s)"
 inertia = [0.01, 0.01, 0.01]
 position = ["place", 0.2, 0]
 velocity = ["fast", "slow", "min(2*s, s + 0.1)"]
-{_sensors(p="ball.position", speed="ball.velocity")}{
-        _shown(
+{sensors(p="ball.position", speed="ball.velocity")}{
+        shown(
             off=f"3*abs(p_x - {kink!r})",
             most=f"max(p_x, 2*p_x - {kink!r})",
             least="min(p_y, 0.2 + p_z)",
@@ -195,7 +193,7 @@ def _throw(random: Random) -> Member:
     high = _between(random, 0.4, 1)
     fast = sqrt(2 * 9.81 * (high - 0.1)) * (1 + _beside(random))
     values = {"up": fast, "bounce": _between(random, 0.3, 0.8), "high": high}
-    text = f"""{_parameters(values)}
+    text = f"""{parameters(values)}
 [[body]]
 name = "ceiling"
 motion = "fixed"
@@ -213,7 +211,7 @@ angular_velocity = [0, 3, 0]
 between = ["ball", "ceiling"]
 restitution = {{ value = "bounce", law = "{law}" }}
 friction = 0.1
-{_sensors(p="ball.position", speed="ball.velocity", w="ball.angular_velocity", gap="ball-ceiling.gap")}"""
+{sensors(p="ball.position", speed="ball.velocity", w="ball.angular_velocity", gap="ball-ceiling.gap")}"""
     return Member(text, 1.3 * fast / 9.81, ("up", "bounce", "high", "ball.velocity"))
 
 
@@ -222,7 +220,7 @@ def _roll(random: Random) -> Member:
     heavy, mu, inertia = _between(random, 0.5, 2), _between(random, 0.2, 0.6), 0.003
     bound = mu * heavy * 9.81 * (inertia + heavy * 0.01) / inertia
     values = {"heavy": heavy, "mu": mu, "pull": bound * (1 + min(_beside(random), 0.0))}
-    text = f"""{_parameters(values)}{FLOOR}
+    text = f"""{parameters(values)}{FLOOR}
 [[body]]
 name = "ball"
 shape = {{ kind = "sphere", radius = 0.1 }}
@@ -238,14 +236,14 @@ force = ["push", "0", "0"]
 [[contact]]
 between = ["ball", "floor"]
 friction = "mu"
-{_sensors(p="ball.position", w="ball.angular_velocity", load="ball-floor.force")}"""
+{sensors(p="ball.position", w="ball.angular_velocity", load="ball-floor.force")}"""
     return Member(text, _between(random, 0.1, 0.5), ("heavy", "mu", "pull", "push", "ball.velocity"))
 
 
 def _level(random: Random) -> Member:
     """A box over a floor, level or tilted: the gap is that of one corner or of several."""
     tilt = float(random.choice([0.0, 0.0, 1.0])) * _between(random, 0.05, 0.3)
-    text = f"""{_parameters({"tilt": tilt, "high": _between(random, 0.5, 0.8)})}{FLOOR}
+    text = f"""{parameters({"tilt": tilt, "high": _between(random, 0.5, 0.8)})}{FLOOR}
 [[body]]
 name = "box"
 shape = {{ kind = "box", size = [0.4, 0.3, 0.2] }}
@@ -254,7 +252,7 @@ position = [0, 0, "high"]
 rpy = [0, "tilt", 0]
 [[contact]]
 between = ["box", "floor"]
-{_sensors(gap="box-floor.gap", p="box.position")}"""
+{sensors(gap="box-floor.gap", p="box.position")}"""
     return Member(text, 0.1, ("tilt", "high", "box.velocity"))
 
 
@@ -266,7 +264,7 @@ def _start(random: Random) -> Member:
         "place": _beside(random),
         "along": float(random.choice([0.0, 0.8])),
     }
-    text = f"""{_parameters(values)}{FLOOR}
+    text = f"""{parameters(values)}{FLOOR}
 [[body]]
 name = "ball"
 shape = {{ kind = "sphere", radius = 0.1 }}
@@ -280,7 +278,7 @@ force = ["{force}", "0", "0"]
 [[contact]]
 between = ["ball", "floor"]
 restitution = 0.5
-{_sensors(p="ball.position", speed="ball.velocity", a="ball.acceleration")}"""
+{sensors(p="ball.position", speed="ball.velocity", a="ball.acceleration")}"""
     return Member(text, 0.03, ("up", "place", "along"))
 
 

@@ -2,7 +2,8 @@
 
 Differences are extrapolated with halved steps, from both sides together and from each alone (Ridders), each
 with its own error. A derivative that is called differentiable is wrong if differences that are resolved, of
-both sides or of one, are another number.
+both sides or of one, are another number; one that is said to hold for larger or smaller values, if those of
+that side are.
 """
 
 from __future__ import annotations
@@ -37,9 +38,10 @@ class Judged:
     by: str
     of: str
     verdict: Verdict
+    side: str  # for which changes it is said to hold
     found: Array  # (n,)
     expected: Array  # (n,), of the differences that decided
-    outcome: str  # "agrees", "wrong", "unresolved"; "kink": sides differ, and so it is not differentiable
+    outcome: str  # "agrees", "wrong", "unresolved"; "kink": sides differ, and none is said
 
 
 def judged(library: Library, member: Member, accuracy: str = "tight") -> Iterator[Judged]:
@@ -58,12 +60,25 @@ def judged(library: Library, member: Member, accuracy: str = "tight") -> Iterato
         plain, at = runs.shown(None, 0.0)[0], 0
         for name in names:
             of_one = Outputs(session, [name])
-            _, jacobian, verdict = run.shown(of_one)
+            _, jacobian, sides, verdict = run.shown(of_one)
             part = slice(at, at + len(of_one.names))
             at = part.stop
+            side = common_side(sides[:, 0])
             yield _judged(
-                direction.name, name, verdict, jacobian[:, 0] * size, plain[part], [v[part] for v in values]
+                direction.name,
+                name,
+                verdict,
+                side,
+                jacobian[:, 0] * size,
+                plain[part],
+                [v[part] for v in values],
             )
+
+
+def common_side(sides: Array) -> str:
+    """The side for which all components hold."""
+    found = {str(each) for each in sides} - {"both"}
+    return found.pop() if len(found) == 1 else "neither" if found else "both"
 
 
 def _shown(runs: Runs, direction: object, change: float) -> Array:
@@ -73,7 +88,9 @@ def _shown(runs: Runs, direction: object, change: float) -> Array:
         return np.full(len(runs.shown(None, 0.0)[0]), np.nan)
 
 
-def _judged(by: str, of: str, verdict: Verdict, found: Array, plain: Array, values: list[Array]) -> Judged:
+def _judged(
+    by: str, of: str, verdict: Verdict, side: str, found: Array, plain: Array, values: list[Array]
+) -> Judged:
     """`values`: after changes by LONGEST, -LONGEST, LONGEST/2, .. of the size of the number."""
     steps = [LONGEST / 2**k for k in range(HALVINGS)]
     above, below = values[::2], values[1::2]
@@ -86,9 +103,10 @@ def _judged(by: str, of: str, verdict: Verdict, found: Array, plain: Array, valu
         extrapolated([(v - plain) / h for v, h in zip(side, steps, strict=True)], 2.0, rough)
         for side, steps in ((above, steps), (below, [-h for h in steps]))
     ]
+    judges = {"larger": sides[:1], "smaller": sides[1:]}.get(side, (central, *sides))
     resolved = [
         (value, error)
-        for value, error in (central, *sides)
+        for value, error in judges
         if np.all(SAFE * error <= WRONG / 2 * np.max(np.abs(value)) + ROUNDED * scale)
     ]
     outcome, expected = "unresolved", central[0]
@@ -96,9 +114,11 @@ def _judged(by: str, of: str, verdict: Verdict, found: Array, plain: Array, valu
         apart = np.abs(found - value) > WRONG * np.max(np.abs(value)) + SAFE * error + ROUNDED * scale
         outcome = "agrees" if outcome == "unresolved" else outcome
         if np.any(apart) or not np.all(np.isfinite(found)):
-            outcome, expected = ("wrong" if verdict else "kink"), value
+            outcome, expected = ("kink" if side in ("neither", "unknown") else "wrong"), value
             break
-    return Judged(by, of, verdict, found, expected, outcome)
+    if bool(verdict) != (side == "both"):
+        outcome = "wrong"  # the verdict is that of all sides together
+    return Judged(by, of, verdict, side, found, expected, outcome)
 
 
 def extrapolated(quotients: list[Array], base: float, rough: float) -> tuple[Array, Array]:
