@@ -133,6 +133,33 @@ friction = {mu!r}
         check(found, beside, t**2 / 2 / (mass + inertia / radius**2), t**2 / 2 / mass)
 
 
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_push_across_one_at_the_threshold_of_friction(seed: int) -> None:
+    """The bound does not change to first order, so both sides keep it, whatever rounding says."""
+    random = np.random.default_rng(seed)
+    mass, mu = float(np.exp(random.uniform(-4, 4))), float(random.uniform(0.2, 0.6))
+    text = f"""{FLOOR}
+[[input]]
+name = "across"
+[[body]]
+name = "box"
+shape = {{ kind = "box", size = [0.4, 0.3, 0.1] }}
+mass = {mass!r}
+inertia = [{0.02 * mass!r}, {0.03 * mass!r}, {0.04 * mass!r}]
+position = [0, 0, 0.05]
+[[force]]
+body = "box"
+point = [0, 0, -0.05]
+force = ["{mu * mass * 9.81!r}", "across", "0"]
+[[contact]]
+between = ["box", "floor"]
+friction = {mu!r}
+"""
+    found = found_in(text, 0.2, ["across"], ["box.position"])
+    assert found.verdict, found.verdict
+    assert np.all(np.abs(found.jacobian) <= 1e-12 / mass)
+
+
 @pytest.mark.parametrize("beside", BESIDE)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_throw_that_just_reaches_a_ceiling(seed: int, beside: float) -> None:
