@@ -30,6 +30,8 @@ CLOSE_CALLS = [
     ("torus", "helix", 3),  # a curve of which a part in a thousand is near
     ("torus", "cone", 0),  # a needle of 0.3 degrees
     ("line", "line", 0),
+    ("half_torus", "edge", 12),  # Newton's method leaves the cells that hold the closest points
+    ("ellipse_curve", "solid", 8),
 ]
 
 

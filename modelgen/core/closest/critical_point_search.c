@@ -24,9 +24,9 @@ typedef struct {
   int is_centred[2];                /* 1: the first, the other feature is seen as its spine */
   mg_spine centre[2];               /* that curve; tube is 0 where there is none */
   mg_feature_limits allowed[2];     /* coordinates of the first and of the other side */
-  int n_known;                      /* critical points known */
-  mg_real known[MG_CRITICAL][6];    /* their points on the first and the other feature, axes of the first shape, m */
-  mg_real known_uv[MG_CRITICAL][4]; /* their coordinates on both; MG_MAX where eta does not hold them */
+  int n_known;                          /* critical points known; the one found last is behind them */
+  mg_real known[MG_CRITICAL + 1][6];    /* their points on the first and the other feature, axes of the first shape, m */
+  mg_real known_uv[MG_CRITICAL + 1][4]; /* their coordinates on both; MG_MAX where eta does not hold them */
   int seen[2];                      /* cells of both features looked at last; -1: none */
   mg_cell_view view[2];             /* their views */
   int is_beyond[2];                 /* 1: they lie where no contact is allowed */
@@ -107,17 +107,20 @@ static int mg_contains_coordinates(const mg_critical_search *s, int side, const 
   return 1;
 }
 
+/* True if the critical point `i` lies in both cells. */
+static int mg_is_critical_point_within(const mg_critical_search *s, int i, const mg_cell_view *a,
+                                       const mg_cell_view *b) {
+  if (mg_square_distance(s->known[i], a->centre) > a->radius * a->radius ||
+      !mg_contains_coordinates(s, s->first, a->cell, s->known_uv[i]))
+    return 0;
+  return !s->has_cells || (mg_square_distance(s->known[i] + 3, b->centre) <= b->radius * b->radius &&
+                           mg_contains_coordinates(s, 1 - s->first, b->cell, s->known_uv[i] + 2));
+}
+
 /* True if a known critical point lies in both cells. */
 static int mg_is_critical_point_known(const mg_critical_search *s, const mg_cell_view *a, const mg_cell_view *b) {
-  for (int i = 0; i < s->n_known; i++) {
-    if (mg_square_distance(s->known[i], a->centre) > a->radius * a->radius ||
-        !mg_contains_coordinates(s, s->first, a->cell, s->known_uv[i]))
-      continue;
-    if (!s->has_cells) return 1;
-    if (mg_square_distance(s->known[i] + 3, b->centre) <= b->radius * b->radius &&
-        mg_contains_coordinates(s, 1 - s->first, b->cell, s->known_uv[i] + 2))
-      return 1;
-  }
+  for (int i = 0; i < s->n_known; i++)
+    if (mg_is_critical_point_within(s, i, a, b)) return 1;
   return 0;
 }
 
@@ -145,16 +148,17 @@ static void mg_point_of_view(const mg_critical_search *s, int which, const mg_re
   if (which) mg_turn_to_first_axes(s, x, s->origin, x);
 }
 
-/* Keeps the points of the placement evaluated last, at eta, as known. One for which there is no room is found again in
-   each cell about it, at the cost of effort. */
-static void mg_add_known_point(mg_critical_search *s, const mg_real *eta) {
-  if (s->n_known == MG_CRITICAL) return;
+/* Keeps the points of the placement evaluated last, at eta, as known; returns their number. One for which there is no
+   room is found again in each cell about it, at the cost of effort. */
+static int mg_add_known_point(mg_critical_search *s, const mg_real *eta) {
   const mg_real *placed = s->c->search.placement, *at = eta;
+  const int number = s->n_known;
   for (int side = 0; side < 2; side++)
-    at = mg_coordinates_in_eta(s->c, s->feature_pair, side, at, s->known_uv[s->n_known] + (side == s->first ? 0 : 2));
-  mg_real *known = s->known[s->n_known++];
-  mg_point_of_view(s, 0, placed + (s->first ? 11 : 8), known);
-  mg_point_of_view(s, 1, placed + (s->first ? 8 : 11), known + 3);
+    at = mg_coordinates_in_eta(s->c, s->feature_pair, side, at, s->known_uv[number] + (side == s->first ? 0 : 2));
+  mg_point_of_view(s, 0, placed + (s->first ? 11 : 8), s->known[number]);
+  mg_point_of_view(s, 1, placed + (s->first ? 8 : 11), s->known[number] + 3);
+  if (number < MG_CRITICAL) s->n_known++;
+  return number;
 }
 
 /* Sample of a side in the middle of a cell; of a side without cells the point nearest to that of the first. */
@@ -220,7 +224,8 @@ static int mg_converge_search(const mg_critical_search *s, mg_real *eta) {
   return 1;
 }
 
-/* Converges from the middles of two cells and keeps what it finds. Returns 0 if it does not converge. */
+/* Converges from the middles of two cells and keeps what it finds, which may lie elsewhere. Returns 0 if it does not
+   converge, 2 if the cells hold what it finds, else 1. */
 static int mg_converge_from_cells(mg_critical_search *s, int a, int b) {
   mg_context *c = s->c;
   mg_sample at[2];
@@ -234,10 +239,10 @@ static int mg_converge_from_cells(mg_critical_search *s, int a, int b) {
   mg_start_eta(c, s->feature_pair, at, at + 1, eta);
   if (!mg_converge_search(s, eta)) return 0;
   mg_note_singular_point(c, s->feature_pair, eta);
-  mg_add_known_point(s, eta);
+  const int found = mg_add_known_point(s, eta), is_within = mg_is_critical_point_within(s, found, &A, &B);
   mg_keep_minimum_at(c, s->feature_pair, eta, s->least, s->kept);
   mg_leave_out_farther_gaps(s);
-  return 1;
+  return is_within ? 2 : 1;
 }
 
 /* The points of contacts that are on the feature pair already. */
@@ -367,7 +372,7 @@ static int mg_treat_cells(mg_critical_search *s, int a, int b, int count, int *i
   const int is_small = A->radius + B->radius <= s->smallest;
   if (verdict == MG_CELLS_SINGLE && mg_is_critical_point_known(s, A, B)) return count;
   if (verdict == MG_CELLS_REGULAR || is_small) {
-    if (mg_is_critical_point_known(s, A, B) || mg_converge_from_cells(s, a, b)) return count;
+    if (mg_is_critical_point_known(s, A, B) || mg_converge_from_cells(s, a, b) > !is_small) return count;
     if (is_small) {
       const mg_real gap = mg_best_least_distance(A, B);
       if (gap >= -s->smallest) mg_note_open_gap(s->c, gap);
