@@ -32,6 +32,7 @@ CLOSE_CALLS = [
     ("line", "line", 0),
     ("half_torus", "edge", 12),  # Newton's method leaves the cells that hold the closest points
     ("ellipse_curve", "solid", 8),
+    ("capsule", "cam", 17),  # and finds those of a chart beyond its domain, from the other side
 ]
 
 

@@ -27,6 +27,7 @@ typedef struct {
   int n_known;                          /* critical points known; the one found last is behind them */
   mg_real known[MG_CRITICAL + 1][6];    /* their points on the first and the other feature, axes of the first shape, m */
   mg_real known_uv[MG_CRITICAL + 1][4]; /* their coordinates on both; MG_MAX where eta does not hold them */
+  mg_real known_out[MG_CRITICAL + 1][3]; /* exterior normal of the first feature there, against that of the other */
   int seen[2];                      /* cells of both features looked at last; -1: none */
   mg_cell_view view[2];             /* their views */
   int is_beyond[2];                 /* 1: they lie where no contact is allowed */
@@ -107,9 +108,12 @@ static int mg_contains_coordinates(const mg_critical_search *s, int side, const 
   return 1;
 }
 
-/* True if the critical point `i` lies in both cells. */
+/* True if the critical point `i` lies in both cells. Beyond its domain a chart may cover the same points from the other
+   side. */
 static int mg_is_critical_point_within(const mg_critical_search *s, int i, const mg_cell_view *a,
                                        const mg_cell_view *b) {
+  if (a->kind == MG_VIEW_SURFACE && a->spread <= 1 && mg_dot3(s->known_out[i], a->direction) < 0) return 0;
+  if (b->kind == MG_VIEW_SURFACE && b->spread <= 1 && mg_dot3(s->known_out[i], b->direction) > 0) return 0;
   if (mg_square_distance(s->known[i], a->centre) > a->radius * a->radius ||
       !mg_contains_coordinates(s, s->first, a->cell, s->known_uv[i]))
     return 0;
@@ -157,6 +161,10 @@ static int mg_add_known_point(mg_critical_search *s, const mg_real *eta) {
     at = mg_coordinates_in_eta(s->c, s->feature_pair, side, at, s->known_uv[number] + (side == s->first ? 0 : 2));
   mg_point_of_view(s, 0, placed + (s->first ? 11 : 8), s->known[number]);
   mg_point_of_view(s, 1, placed + (s->first ? 8 : 11), s->known[number] + 3);
+  mg_real axes[9];
+  mg_shape_rotation(s->c, s->feature_pair, s->first, axes);
+  mg_rotate_back(axes, placed + 5, s->known_out[number]);
+  for (int k = 0; k < 3 && s->first; k++) s->known_out[number][k] = -s->known_out[number][k];
   if (number < MG_CRITICAL) s->n_known++;
   return number;
 }
