@@ -48,11 +48,12 @@ MG_INTERNAL int mg_place_all_contacts(mg_context *c, mg_real t, mg_real *x) {
 
 MG_INTERNAL int mg_is_residual_small(const mg_real *pose_o, const mg_real *pose_f, mg_real tolerance, mg_real length,
                                      const mg_real *placed) {
-  mg_real size = 0;
+  mg_real size = 0, reach = 0; /* m, of the positions, and of the points from there */
   for (int k = 0; k < 3; k++) {
-    const mg_real o = placed[8 + k], f = placed[11 + k];
-    size += fabs(pose_o[k]) + fabs(pose_f[k]) + fabs(o - pose_o[k]) + fabs(f - pose_f[k]);
+    size += fabs(pose_o[k]) + fabs(pose_f[k]);
+    reach += fabs(placed[8 + k] - pose_o[k]) + fabs(placed[11 + k] - pose_f[k]);
   }
+  if (reach <= MG_MAX) size += reach; /* not so of concentric balls, which have no points */
   return placed[1] <= tolerance * length + 16 * MG_EPS * size && placed[2] <= tolerance;
 }
 
