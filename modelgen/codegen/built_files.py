@@ -14,7 +14,7 @@ import secrets
 import shutil
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 
@@ -45,14 +45,17 @@ def made_once(path: Path, texts: Mapping[str, str], make: Callable[[Path], None]
         return path
     with _locked(path.name):
         if not is_sealed(path):
-            scratch = _scratch(path)
+            _remove_abandoned(path.parent)
+            own = path.parent / f"{SCRATCH}{path.name}"
+            shutil.rmtree(own, ignore_errors=True)
+            scratch = own / secrets.token_hex(8)  # compilers of a build that was killed may still write
             try:
                 for file, text in texts.items():
                     put(scratch / file, text)
                 make(scratch)
                 content = (scratch / path.name).read_bytes()
             finally:
-                shutil.rmtree(scratch, ignore_errors=True)
+                shutil.rmtree(own, ignore_errors=True)
             put(path, content)
             seal(path)
     return path
@@ -126,21 +129,11 @@ def _seal_of(path: Path) -> Path:
     return path.with_name(path.name + SEAL)
 
 
-def _scratch(path: Path) -> Path:
-    """A new folder beside a file whose lock is held; those in which builds that were killed have compiled are
-    removed. Compilers of such a build may still write into its folder, so that no two builds share one."""
-    from modelgen.file_writing import unwritable
-
-    for left in path.parent.glob(f"{SCRATCH}*"):
-        name = left.name.removeprefix(SCRATCH).rpartition("-")[0]
-        with suppress(BlockingIOError), nullcontext() if name == path.name else _locked(name, fcntl.LOCK_NB):
-            shutil.rmtree(left, ignore_errors=True)
-    scratch = path.with_name(f"{SCRATCH}{path.name}-{secrets.token_hex(8)}")
-    try:
-        scratch.mkdir(parents=True)
-    except OSError as cause:
-        raise unwritable(path, cause) from cause
-    return scratch
+def _remove_abandoned(folder: Path) -> None:
+    """Remove the folders in which builds that were killed have compiled."""
+    for scratch in folder.glob(f"{SCRATCH}*"):
+        with suppress(BlockingIOError), _locked(scratch.name.removeprefix(SCRATCH), fcntl.LOCK_NB):
+            shutil.rmtree(scratch, ignore_errors=True)
 
 
 @contextmanager

@@ -3,9 +3,9 @@
 libraries N: N times a built library is damaged, and the next command must give what it gave before.
 caches N: the same of the cache folder: core, seal, key, a folder in the way, what a killed build left.
 planted: libraries that somebody else built lie where those of the scene do; their constructors must not run.
-disk N: each writing command on a disk that is full after so many bytes, at N instants: the older files must
-be as they were, and the message must name the file. Bytes are counted in `write`, `pwrite` and `writev` of a
-preloaded library.
+disk N [COMMANDS]: each writing command on a disk that is full after so many bytes, at N instants: the older
+files must be as they were, and the message must name the file. Bytes are counted in `write`, `pwrite` and
+`writev` of a preloaded library.
 """
 
 from __future__ import annotations
@@ -222,7 +222,7 @@ def of_planted(place: Place, _: int) -> Iterator[tuple[str, bool]]:
             yield f"{command[0]}, planted {way}", loads and right and not mark.exists()
 
 
-def of_full_disks(folder: Path, count: int) -> Iterator[tuple[str, bool]]:
+def of_full_disks(folder: Path, count: int, only: list[str]) -> Iterator[tuple[str, bool]]:
     """In one process, in which the preloaded library counts the bytes."""
     from click.testing import CliRunner
 
@@ -238,6 +238,10 @@ def of_full_disks(folder: Path, count: int) -> Iterator[tuple[str, bool]]:
     scene, run = str(SCENE), str(folder / "run.npz")
     assert told(["simulate", scene, "--out", run]).exit_code == 0
     assert told(["export", scene, "--to", "mjcf", "--out", str(folder / "mjcf")]).exit_code == 0
+    wheel, rolling = (str(ROOT / "scenes" / f"{name}.toml") for name in ("balancing_wheel", "bicycle"))
+    short = ["--until", "0.1"]
+    recorded = ["--input", "torque=1.5", *short, "--samples", "10", "--out", "wheel.csv"]
+    assert told(["simulate", wheel, *recorded]).exit_code == 0
     (model,) = (folder / "mjcf").glob("*.xml")
     commands = {
         "simulate .npz": ["simulate", scene, "--out", "run.npz"],
@@ -252,25 +256,52 @@ def of_full_disks(folder: Path, count: int) -> Iterator[tuple[str, bool]]:
         "export c": ["export", scene, "--to", "c", "--no-figures", "--out", "c"],
         "export mjcf": ["export", scene, "--to", "mjcf", "--out", "mjcf"],
         "build": ["build", scene, "--out", "built"],
+        "sweep": ["sweep", wheel, "--vary", "torque=0:1:6", *short, "--threads", "1", "--out", "swept"],
+        "sweep, whole runs": [
+            *("sweep", wheel, "--vary", "torque=0:1:3", *short, "--keep", "trajectories", "--threads", "1"),
+            *("--out", "kept"),
+        ],
+        "tune": ["tune", scene, "--error", "1e-4", "--knobs", "tolerance", *short, "--out", "tuned.toml"],
+        "measure": ["measure", scene, "--knobs", "tolerance", *short, "--plot", "front.svg"],
+        "measure, store": ["measure", scene, "--fresh", "--knobs", "tolerance", *short],
+        "fit": ["fit", wheel, "wheel.csv", "--of", "axle,lean", "--by", "torque", "--plot", "left.svg"],
+        "linearise": ["linearise", rolling, "--vary", "speed=4:8:3", "--plot", "speeds.svg"],
     }
+    made_anew = ("build", "sweep", "sweep, whole runs")  # where the older result is kept, nothing is written
     for name, words in commands.items():
-        words = [*words[:-1], str(disk / words[-1])]
+        if only and name.partition(",")[0].partition(" ")[0] not in only:
+            continue
+        if name == "measure, store":  # in the folder in which the scene is built
+            os.chdir(disk)
+        else:
+            words = [*words[:-1], str(disk / words[-1])]
         library.disk_has(str(disk).encode(), ctypes.c_long(-1))
         answer = told(words)
         assert answer.exit_code == 0, (name, answer.output)
-        total, whole = library.disk_took(), files(disk)
+        total, whole, older = library.disk_took(), files(disk), files(disk)
         for number in range(count):
-            if name == "build":
-                shutil.rmtree(disk / "built")
-                whole = files(disk)
+            if name in made_anew:
+                shutil.rmtree(words[-1])
+                older = files(disk)
             library.disk_has(str(disk).encode(), ctypes.c_long(total * number // count))
             answer = told(words)
             library.disk_has(b"", ctypes.c_long(-1))
-            same = files(disk) == whole or (name == "build" and told(words).exit_code == 0)
+            same = files(disk) == older
+            if name in made_anew:
+                same = told(words).exit_code == 0 and all(is_as(files(disk), each) for each in (whole, older))
+            elif name == "measure, store":
+                same = all(files(disk)[path].startswith(content) for path, content in older.items())
             names_it = str(disk) in answer.output and "No space left" in answer.output
             yield name, answer.exit_code == 2 and same and names_it
             if not (answer.exit_code == 2 and same and names_it):
                 print(name, number, answer.exit_code, same, answer.output[-300:], answer.exception)
+
+
+def is_as(found: dict[str, bytes], expected: dict[str, bytes]) -> bool:
+    """Whether files are there, and hold what is expected, but for runs, which tell times on the clock."""
+    return all(
+        path in found and (path.endswith(".npz") or found[path] == expected[path]) for path in expected
+    )
 
 
 def files(folder: Path) -> dict[str, bytes]:
@@ -290,7 +321,7 @@ def main() -> None:
             own = os.environ | {"LD_PRELOAD": str(preloaded)}
             sys.exit(subprocess.run([sys.executable, "-m", __spec__.name, *sys.argv[1:]], env=own).returncode)
         if what == "disk":
-            found = of_full_disks(folder, count)
+            found = of_full_disks(folder, count, sys.argv[3:])
         else:
             study = {"libraries": of_libraries, "caches": of_caches, "planted": of_planted}[what]
             found = study(Place(folder), count)

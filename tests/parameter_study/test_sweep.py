@@ -240,7 +240,7 @@ def test_bad_arguments_are_refused(
 
 def test_without_pyarrow_the_remedy_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with pytest.raises(ModelgenError, match=r"modelgen\[sweep\]"):
+    with pytest.raises(ModelgenError, match=r"modelgen-contact\[sweep\]"):
         swept(tmp_path / "a")
     assert not (tmp_path / "a").exists()
     assert len(swept(None)) == 16  # in memory, it is not needed
