@@ -106,16 +106,20 @@ class Placed:
 
     def may_be_touched(self, x: Array, other: Placed, step: Array) -> bool:
         """Whether the other shape may touch it at a point of the world: away from its open edges, and from
-        outside if it is an outline; `step`: a part of the way of the point towards the other shape, m."""
+        outside if it is an outline, whose tangent is normal to one of the normals that the other shape has
+        there; `step`: a part of the way of the point towards the other shape, m."""
         local, extra = (x - self.p) @ self.R, self.solid.extra
         if "within" in extra:
             return bool(extra["within"](local))
         if "outward" not in extra:
             return True
         outward, h = self.R @ extra["outward"](local), float(np.linalg.norm(step)) / 10
-        around = x - step + h * np.vstack([np.eye(3), -np.eye(3)])
-        d = other.distance(around)
-        return float((d[:3] - d[3:]) @ outward) < 0
+        normals = _normals_around(other, x, h)
+        off = normals @ np.cross(self.R[:, 2], outward)
+        normal = normals.mean(axis=0)
+        if off.min() < 0 < off.max():
+            normal = off.max() * normals[off.argmin()] - off.min() * normals[off.argmax()]
+        return float(normal @ outward) < 0
 
     def points(self, x: Array) -> Array:
         found: Array = self.p + x @ self.R.T
@@ -187,6 +191,16 @@ def ways(
         a[wide], b[wide] = np.where(inside, a[wide], middle), np.where(inside, middle, b[wide])
     found[hit] = b
     return found.reshape(shape)
+
+
+def _normals_around(towards: Placed, x: Array, h: float) -> Array:
+    """Gradients (n,3) of the distance from a shape at points around x, h away from it, m."""
+    around = np.array([at for at in product((-1.0, 0.0, 1.0), repeat=3) if any(at)])
+    around *= h / np.linalg.norm(around, axis=1)[:, None]
+    steps = h / 10 * np.vstack([np.eye(3), -np.eye(3)])
+    d = towards.distance(x + around[:, None] + steps)
+    found: Array = (d[:, :3] - d[:, 3:]) / (h / 5)
+    return found
 
 
 @dataclass(frozen=True)

@@ -131,7 +131,7 @@ def tables_of(shape: Shape) -> dict[str, Any]:
             "quaternion": list(feature.shape.pose.quaternion),
         }
         if feature.shape.kind == "conical_side":  # no kind of the scene: a cone, seen from its apex
-            part |= _cone_of(**dict(feature.shape.parameters))
+            part |= _cone_of(conditions, **dict(feature.shape.parameters))
         elif feature.dimension == 0:
             part["at"] = [value for _, value in feature.shape.parameters]
         else:
@@ -140,16 +140,16 @@ def tables_of(shape: Shape) -> dict[str, Any]:
     return tables
 
 
-def _cone_of(radius: float, taper: float) -> dict[str, Any]:
-    """The face of the frustum of height 1.5 whose top is the wider end."""
-    assert taper < 0
-    depth = radius / taper  # of the apex
-    conditions = [
-        {"kind": "quadric", "numbers": [0.75 - depth, 0, 0, 1, *[0] * 6], "next": "rim_top"},
-        {"kind": "quadric", "numbers": [0.75 + depth, 0, 0, -1, *[0] * 6], "next": "rim_bottom"},
+def _cone_of(conditions: list[dict[str, Any]], radius: float, taper: float) -> dict[str, Any]:
+    """The side of a frustum, with conditions of the height z over its middle, as a cone that opens to -z."""
+    depth, sign = radius / taper, 1 if taper > 0 else -1  # of the apex; of the axis of the cone
+    slopes = [(each["numbers"][0], each["numbers"][3]) for each in conditions]
+    moved = [
+        each | {"numbers": [c + depth * b, 0, 0, sign * b, *[0] * 6]}
+        for each, (c, b) in zip(conditions, slopes, strict=True)
     ]
-    pose = {"position": [0, 0, depth], "quaternion": [0, 1, 0, 0]}
-    return {"shape": {"kind": "cone", "half_angle": atan(-taper), **pose}, "conditions": conditions}
+    pose = {"position": [0, 0, depth], "quaternion": [1, 0, 0, 0] if taper > 0 else [0, 1, 0, 0]}
+    return {"shape": {"kind": "cone", "half_angle": atan(abs(taper)), **pose}, "conditions": moved}
 
 
 CATALOGUE = {
@@ -159,6 +159,7 @@ CATALOGUE = {
     "disc": build.disc(1),
     "capsule": build.capsule(0.3, 1),
     "frustum of a cone": build.solid(**tables_of(build.frustum(1, 2, 1.5))),
+    "frustum that narrows": build.solid(**tables_of(build.frustum(2, 1, 1.5))),
     "dome": build.dome(1, 0.4),
     "half_torus": build.half_torus(1, 0.3),
     "polyhedron": build.polyhedron(CORNERS),

@@ -449,7 +449,8 @@ static int mg_comes_out(mg_context *c, int feature_pair, int side, const mg_real
 }
 
 /* True if a way from the edge or vertex of one side into its body, no longer than it takes to reach the plane through
-   the point of the other side or the size of its body, leaves the other body before it leaves its own. */
+   the point of the other side or the size of its body, leaves the other body before it leaves its own. A body without
+   surfaces it leaves at once. */
 static int mg_is_other_body_within(mg_context *c, int feature_pair, int side, const mg_real *eta) {
   mg_real inward[3], start[3], end[3];
   const int pair = c->system->feature_pair_owner[feature_pair];
@@ -461,7 +462,7 @@ static int mg_is_other_body_within(mg_context *c, int feature_pair, int side, co
   for (int k = 0; k < 3; k++) end[k] = point[k] + length * inward[k];
   const mg_real part =
       mg_part_in_surfaces(c, feature_pair, side, point, end, mg_least_part(c, feature_pair, side), 0, 0);
-  if (!(part > MG_SEGMENT_START)) return 0;
+  if (!(part > MG_SEGMENT_START) || !(part < MG_MAX)) return 0;
   for (int k = 0; k < 3; k++) {
     start[k] = point[k] + mg_min(part, (mg_real)1) * length * inward[k];
     end[k] = point[k] + MG_SEGMENT_START * length * inward[k];
