@@ -19,6 +19,7 @@ class Member:
     text: str
     t: float
     by: tuple[str, ...]
+    size: float = 1.0  # of its lengths, m
 
 
 def parameters(values: Mapping[str, float]) -> str:

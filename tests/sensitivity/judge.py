@@ -27,7 +27,7 @@ from tests.sensitivity.families import Member
 LONGEST, HALVINGS = 1e-3, 6  # change of a number, of its size; and how often it is halved
 WRONG = 1e-6  # of the size of a derivative
 ROUNDED = 1e-7  # derivatives, by the sizes of number and output, that are not told from zero
-LEAST = 1e-3  # size of an output that is zero, of scenes of the size of a metre
+LEAST = 1e-3  # size of an output that is zero, of that of the scene
 SAFE = 10.0  # times the error of an extrapolation
 
 
@@ -72,6 +72,7 @@ def judged(library: Library, member: Member, accuracy: str = "tight") -> Iterato
                 jacobian[:, 0] * size,
                 plain[part],
                 [v[part] for v in values],
+                LEAST * member.size,
             )
 
 
@@ -89,12 +90,19 @@ def _shown(runs: Runs, direction: object, change: float) -> Array:
 
 
 def _judged(
-    by: str, of: str, verdict: Verdict, side: str, found: Array, plain: Array, values: list[Array]
+    by: str,
+    of: str,
+    verdict: Verdict,
+    side: str,
+    found: Array,
+    plain: Array,
+    values: list[Array],
+    least: float,
 ) -> Judged:
     """`values`: after changes by LONGEST, -LONGEST, LONGEST/2, .. of the size of the number."""
     steps = [LONGEST / 2**k for k in range(HALVINGS)]
     above, below = values[::2], values[1::2]
-    scale = LEAST + float(np.max(np.abs(plain))) + float(np.nanmax(np.abs(found), initial=0.0))
+    scale = least + float(np.max(np.abs(plain))) + float(np.nanmax(np.abs(found), initial=0.0))
     rough = 1e-13 * scale / steps[-1]
     central = extrapolated(
         [(u - d) / (2 * h) for u, d, h in zip(above, below, steps, strict=True)], 4.0, rough

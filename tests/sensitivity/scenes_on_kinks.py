@@ -264,7 +264,7 @@ velocity = ["fast", "slow", {size!r}]
             bent="abs(p_x)*p_z + p_x*p_x",
         )
     }"""
-    return Member(text, t, ("place", "fast", "slow", "level", "apart", "ball.velocity"))
+    return Member(text, t, ("place", "fast", "slow", "level", "apart", "ball.velocity"), size)
 
 
 def _level(random: Random) -> Member:
