@@ -21,6 +21,7 @@ from modelgen.codegen.built_files import put
 from modelgen.codegen.library import REAL_FLAGS
 from modelgen.errors import CompilerMissing, LibraryError, install
 
+KILLED_S = 1.0  # s, longest wait for programs that were killed
 CANDIDATES = ("cc", "gcc", "clang")
 LEVELS, LEVEL = ("O1", "O2", "O3"), "O2"
 FLAGS = ("-std=c99", "-fno-math-errno", "-ffp-contract=off", "-fvisibility=hidden", "-fPIC")
@@ -188,8 +189,9 @@ def run_program(command: Sequence[str], folder: Path | None = None) -> subproces
         try:
             out, err = program.communicate()
         except BaseException:
-            with suppress(ProcessLookupError):  # all have ended
+            with suppress(ProcessLookupError, subprocess.TimeoutExpired):
                 os.killpg(program.pid, signal.SIGKILL)
+                program.communicate(timeout=KILLED_S)  # until the last of them has closed its output
             raise
     return subprocess.CompletedProcess(command, program.returncode, out, err)
 

@@ -273,7 +273,9 @@ def of_full_disks(folder: Path, count: int, only: list[str]) -> Iterator[tuple[s
             continue
         if name == "measure, store":  # in the folder in which the scene is built
             os.chdir(disk)
+            told(words)
         else:
+            os.chdir(folder)
             words = [*words[:-1], str(disk / words[-1])]
         library.disk_has(str(disk).encode(), ctypes.c_long(-1))
         answer = told(words)

@@ -47,6 +47,7 @@ SCENE = ROOT / "scenes" / "balancing_wheel.toml"
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGKILL)
 INTERRUPTED = 130
 END_S = 1.0  # s, most time between a signal and the end of the process
+PATIENCE_S = 300.0  # s, after which a command is ended
 COMPILED_S = 20.0  # s, most time until compilers of a killed command have ended
 BEYOND = 1.1  # times the undisturbed command, over which the instants are spread
 LINE = 200  # letters of a message, at most
@@ -145,7 +146,7 @@ class Place:
                 begun = time.perf_counter()
                 child.send_signal(number)
             try:
-                child.wait(60)
+                child.wait(PATIENCE_S)
             except subprocess.TimeoutExpired:
                 child.kill()
                 child.wait()
