@@ -6,10 +6,11 @@ Each pair of kinds of the scene format is drawn `--count` times, by turns with i
 hollow or without end: poses at random, ratios of sizes from 1e-3 to 1e3, aspect ratios, wall thicknesses
 and half-angles by decades. The time of the first touch follows from the least way down of any point of
 one shape into the other, by rays from dense points of curved faces, edges and corners, refined where they
-are shortest: each of them is an overlap that is certain; of two curves it follows from where they cross
-as seen from above. A member fails if the run has its first touch later than that (missed), or earlier
-(spurious), or refuses the start. One line for each member that fails or is not trusted, why pairs are
-left out, then a table of the pairs that have such a member, with the commits at which members ran. With
+are shortest: each of them is an overlap that is certain; of two curves, and of a curve and the edges of a
+solid that rays between points may miss, it follows from where they cross as seen from above. A member
+fails if the run has its first touch later than that (missed), or earlier (spurious), or refuses the
+start. One line for each member that fails or is not trusted, why pairs are left out, then a table of the
+pairs that have such a member, with the commits at which members ran. With
 `--out`, verdicts are appended to FILE (JSON lines), and a member that is there is not run again.
 MODELGEN_POOL=FOLDER keeps compiled libraries.
 """
@@ -329,6 +330,8 @@ def touch(moving: Placed, fixed: Placed, limit: float, parts: int = 1, most: int
             way, at = side.refined(w[open_], parts)
             if way < least:
                 least, place = way, side.own.points(side.at(*at)) + (way * DOWN if side.own is moving else 0)
+    if parts > 1 and moving.is_curve != fixed.is_curve:
+        return min((least, place), _crossing(moving, fixed, limit, parts), key=lambda each: each[0])
     return least, place
 
 
@@ -338,7 +341,8 @@ def travel(moving: Placed, fixed: Placed, limit: float, parts: int = 1, most: in
 
 
 def _crossing(moving: Placed, fixed: Placed, limit: float, parts: int) -> tuple[float, Array]:
-    """The same for curves: where they cross as seen from above, by Newton's method from their polylines."""
+    """The same for curves and edges: where they cross as seen from above, by Newton's method from their
+    polylines."""
     least, place = np.inf, np.full(3, np.nan)
     first, second = (
         np.linspace(0, 1, 2 if of.solid.shape.kind in STRAIGHT else POLYLINE * parts + 1)

@@ -135,7 +135,8 @@ def tables_of(shape: Shape) -> dict[str, Any]:
         elif feature.dimension == 0:
             part["at"] = [value for _, value in feature.shape.parameters]
         else:
-            part["shape"] = {"kind": feature.shape.kind, **dict(feature.shape.parameters), **pose}
+            hollow = {"cavity": True} if feature.shape.cavity else {}
+            part["shape"] = {"kind": feature.shape.kind, **dict(feature.shape.parameters), **pose, **hollow}
         tables[("vertex", "edge", "face")[feature.dimension]].append(part)
     return tables
 
