@@ -304,7 +304,9 @@ def ring(rng: Random) -> str:
 
 def spun(rng: Random) -> str:
     """Upright bodies that spin, and may slide, against an integration without the core."""
-    of = test_spun_faces.member(int(rng.integers(1 << 30)), (0.02, 0.99), bool(rng.integers(2)))
+    of = test_spun_faces.member(
+        int(rng.integers(1 << 30)), (0.02, 0.99), test_spun_faces.SLIDES if rng.integers(2) else None
+    )
     try:
         end = ending(of.body, of.v, of.w)
     except ArithmeticError:  # the integration finds no pressure to go on with

@@ -12,7 +12,7 @@ finite time decays exponentially, whatever the ratio of velocity and spin tends 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -182,7 +182,7 @@ def pressure(
     p = np.array(start)
     miss, matrix, force, torque = equations(p)
     for _ in range(60):
-        step = np.linalg.solve(matrix, miss)
+        step = np.linalg.lstsq(matrix, miss)[0]
         part = 1.0
         while True:
             tried = equations(p - part * step)
@@ -200,6 +200,22 @@ def pressure(
     return p, force, torque
 
 
+def pressure_from_uniform(body: Spun, pieces: list, twist: np.ndarray) -> np.ndarray:
+    """The pressure that grows from the uniform one with the height of the centre of mass; ArithmeticError if
+    it ends before."""
+    found, part, step = uniform(body), 0.0, 0.25
+    while part < 1:
+        try:
+            tried = min(part + step, 1.0)
+            found = pressure(replace(body, height=tried * body.height), pieces, twist, found)[0]
+            part = tried
+        except ArithmeticError:
+            step /= 2
+            if step < 1e-4:
+                raise
+    return found
+
+
 class End(NamedTuple):
     """How slip on the whole face ends, or is at a time."""
 
@@ -207,7 +223,7 @@ class End(NamedTuple):
     place: np.ndarray  # (2,) m
     turned: float  # rad
     ratio: float  # |v|/(R |w|), of which the limit is that of 0/0
-    margin: float  # distance of the centre of pressure from the edge of the face, in radii
+    margin: float  # of the centre of pressure inside the edge of the face, in radii; -1: no pressure
 
 
 def uniform(body: Spun) -> np.ndarray:
@@ -227,32 +243,57 @@ def inside(piece: Disc | Polygon, x: np.ndarray) -> float:
     return float(np.min((ahead[:, 0] * arm[:, 1] - ahead[:, 1] * arm[:, 0]) / np.hypot(*ahead.T)))
 
 
-def ending(body: Spun, v: np.ndarray, w: float, until: float = np.inf, rtol: float = 1e-12) -> End:
-    """The end of slip that has the velocity v (2,) m/s and the spin w rad/s at the time 0, by friction, by
-    tipping (from NEARLY_TIPPING on) or at a time in s."""
+def course(
+    body: Spun, v: np.ndarray, w: float, margins: tuple[float, ...], until: float, rtol: float
+) -> list[End]:
+    """Slip that has the velocity v (2,) m/s and the spin w rad/s at the time 0: when the centre of pressure
+    is first as near to the edge as each of the falling `margins`, in radii, and the end: at the last of
+    these, by friction, at the time `until` in s, or where no pressure goes on. ArithmeticError if none
+    begins."""
     r, size = body.radius, float(np.sqrt(v @ v + (body.radius * w) ** 2))
-    last = uniform(body)
+    twist = np.array([*v, w]) / size
+    settled = np.append(twist, 0.0), pressure_from_uniform(body, list(body.pieces), twist)
 
-    def friction(y: np.ndarray) -> tuple[np.ndarray, float]:
-        nonlocal last
-        twist, pieces = np.array([y[0], y[1], y[2] / r]) / np.sqrt(y[:3] @ y[:3]), body.turned(y[5])
-        try:
-            last, force, torque = pressure(body, pieces, twist, last)
-        except ArithmeticError:
-            last, force, torque = pressure(body, pieces, twist, uniform(body))
-        return force, torque
+    def followed(y: np.ndarray) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray, float]:
+        """The pressure, its force and torque, followed from the end of the last step that was accepted;
+        ArithmeticError if it does not go on."""
+        n = y[:3] / np.sqrt(y[:3] @ y[:3])
+        (begin, p), end = settled, np.array([n[0], n[1], n[2] / r, y[5]])
+        part, step = 0.0, 1.0
+        while True:
+            tried = min(part + step, 1.0)
+            at = begin + tried * (end - begin)
+            try:
+                p, force, torque = pressure(body, body.turned(at[3]), at[:3], p)
+            except ArithmeticError:
+                step /= 4
+                if step < 1 / 16:
+                    raise
+                continue
+            part = tried
+            if part == 1:
+                return (end, p), force, torque
 
     def rate(s: float, y: np.ndarray) -> np.ndarray:
         """Of the directions of v and R w (3), the place (2), the angle, log S and the time."""
+        if not np.isfinite(y).all():
+            return np.full(8, np.nan)
         n, speed = y[:3] / np.sqrt(y[:3] @ y[:3]), np.exp(y[6])
-        force, torque = friction(y)
+        try:
+            _, force, torque = followed(y)
+        except ArithmeticError:
+            return np.full(8, np.nan)  # the step is too long, and is cut
         slowing = -body.mu * G * np.array([*force, torque / (body.inertia * r)])
         along = slowing @ n
         return np.array([*(slowing - along * n), *(speed**2 * n[:2]), speed**2 * n[2] / r, along, speed])
 
     def margin(s: float, y: np.ndarray) -> float:
-        centre = body.mu * body.height * friction(y)[0]
-        return inside(body.turned(y[5])[0][1], centre) / r - NEARLY_TIPPING
+        nonlocal settled
+        try:
+            settled, force, _ = followed(y)
+        except ArithmeticError:
+            return -1.0
+        return inside(body.turned(y[5])[0][1], body.mu * body.height * force) / r
 
     def stops(s: float, y: np.ndarray) -> float:
         return y[6] - np.log(size) - np.log(1e-16)
@@ -260,10 +301,24 @@ def ending(body: Spun, v: np.ndarray, w: float, until: float = np.inf, rtol: flo
     def is_over(s: float, y: np.ndarray) -> float:
         return until - y[7]
 
-    margin.terminal = stops.terminal = is_over.terminal = True  # type: ignore[attr-defined]
+    nears = [lambda s, y, near=near: margin(s, y) - near for near in margins]
+    nears[-1].terminal = stops.terminal = is_over.terminal = True  # type: ignore[attr-defined]
     y = np.array([*(np.append(v, r * w) / size), 0, 0, 0, np.log(size), 0])
     span = (0, 1e3 * size / (body.mu * G))
-    way = solve_ivp(rate, span, y, "DOP853", rtol=rtol, atol=1e-14, events=(margin, stops, is_over))
-    s, y = way.t[-1], way.y[:, -1]
-    left = margin(s, y) + NEARLY_TIPPING
-    return End(y[7], y[3:5], y[5], float(np.hypot(*y[:2]) / abs(y[2])), left)
+    first = min(span[1], 1 / (body.mu * G)) / 1000
+    way = solve_ivp(
+        rate, span, y, "DOP853", rtol=rtol, atol=1e-14, first_step=first, events=(*nears, stops, is_over)
+    )
+
+    def end_at(y: np.ndarray, margin: float) -> End:
+        return End(y[7], y[3:5], y[5], float(np.hypot(*y[:2]) / abs(y[2])), margin)
+
+    passed = zip(way.y_events[: len(margins) - 1], margins[:-1], strict=True)
+    last = way.y[:, -1]
+    return [end_at(y[0], near) for y, near in passed if len(y)] + [end_at(last, margin(0.0, last))]
+
+
+def ending(body: Spun, v: np.ndarray, w: float, until: float = np.inf, rtol: float = 1e-12) -> End:
+    """The end of slip that has the velocity v (2,) m/s and the spin w rad/s at the time 0, by friction, by
+    tipping (from NEARLY_TIPPING on) or at a time in s."""
+    return course(body, v, w, (NEARLY_TIPPING,), until, rtol)[-1]
