@@ -29,8 +29,7 @@ from modelgen.export.shared_library import shared_library
 from modelgen.runtime.core_session import Session
 from modelgen.runtime.settings import accuracy_of
 
-SYSTEMS = {"linux": "linux", "darwin": "darwin", "win32": "windows"}
-ENDINGS = {"linux": ".so", "darwin": ".dylib", "win32": ".dll"}
+ENDINGS = {"darwin": ".dylib"}  # of libraries, where they are not .so
 DATE = (1980, 1, 1, 0, 0, 0)  # of all files in the archives, so that equal scenes give equal bytes
 
 NUMBERS = """/* Numbers of the variables of the FMU, in the order of modelDescription.xml. */
@@ -112,12 +111,9 @@ def _archive(
 def _platform(version: int) -> str:
     """The folder of the binary of this machine, as the version of FMI names it."""
     machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(platform.machine().lower(), platform.machine())
-    system = SYSTEMS.get(sys.platform, sys.platform)
     if version == 3:
-        return f"{machine}-{system}"
-    return {"linux": "linux", "darwin": "darwin", "windows": "win"}.get(system, system) + (
-        "64" if sys.maxsize > 2**32 else "32"
-    )
+        return f"{machine}-{sys.platform}"
+    return sys.platform + ("64" if sys.maxsize > 2**32 else "32")
 
 
 def _compiled(sources: Mapping[str, str], interface: str, real: str) -> bytes:

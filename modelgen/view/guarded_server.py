@@ -41,7 +41,7 @@ def serve_page(host: str, port: int, label: str) -> viser.ViserServer:
     if not guarded:
         server.stop()
         found = f"viser {viser.__version__}, whose server cannot be kept to its own page"
-        raise ModelgenError("view", found, "viser 1.0 is known to work", 'run: pip install "viser==1.0.*"')
+        raise ModelgenError("view", found, "viser 1.1 is known to work", 'run: pip install "viser==1.1.*"')
     return server
 
 

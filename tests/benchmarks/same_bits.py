@@ -30,6 +30,7 @@ from tests.registry import REGISTRY
 from tests.running import SCENES, scene_of
 
 NATIVE = ("-O3", "-march=native")  # of one more target
+AARCH64 = ("aarch64-linux-gnu-gcc", "qemu-aarch64")  # compiler and emulator
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fno-math-errno")
 UNITS = ("scene.c", "selftest.c")
 MACHINES = (
@@ -51,6 +52,10 @@ def targets(folder: Path) -> Iterator[Target]:
     if shutil.which("gcc"):
         yield Target("x86-64 gcc, glibc", ["gcc"], ())
         yield Target("x86-64 gcc, this processor", ["gcc"], (), NATIVE)
+    if shutil.which("clang"):
+        yield Target("x86-64 clang, glibc", ["clang"], ())
+    if all(map(shutil.which, AARCH64)):
+        yield Target("aarch64 gcc, glibc", AARCH64[:1], AARCH64[1:], ("-static",))
     for machine in MACHINES:
         by = runner(machine, folder)
         if by is not None:

@@ -31,7 +31,9 @@ GROUPS = ("body", "contact", "load", "joint", "limit")
 OF_A_KERNEL = (  # what casadi.external asks of a function, by suffix
     *("", "_n_in", "_n_out", "_name_in", "_name_out", "_sparsity_in", "_sparsity_out"),
 )
-OF_THE_FILE = {f"mg_kernels_casadi_{name}" for name in ("real_size", "int_size", "version")}
+OF_THE_FILE = {
+    f"mg_kernels_casadi_{name}" for name in ("real_size", "int_size", "version")
+}  # from CasADi 3.8.2 on
 
 
 @cache
@@ -109,7 +111,8 @@ def test_the_built_library_exports_these_functions_and_the_core_and_nothing_else
     library = scene_of(name)
     kernels = {f"{kernel}{suffix}" for kernel in library.manifest.functions for suffix in OF_A_KERNEL}
     symbols = exported(library)
-    assert symbols == kernels | OF_THE_FILE | api()
+    written = {name for name in OF_THE_FILE if name in (library.path.parent / "kernels.c").read_text()}
+    assert symbols == kernels | written | api()
 
 
 @ON_LINUX
