@@ -2,8 +2,9 @@
 
 Its nodes lie on the least-squares spline of some intervals, which are halved where the points, on average
 over a part of an interval, lie off the spline through the nodes by more than a tolerance (de Boor, A
-Practical Guide to Splines, 2001, ch. XIV). The noise is taken from fourth divided differences. Where
-intervals cannot be halved any more, because the profile turns as in a corner, the fit is refused.
+Practical Guide to Splines, 2001, ch. XIV). The noise is taken from fourth divided differences. The points of
+an interval that has too few to be halved are nodes themselves. Where it would have to be halved because the
+profile turns as in a corner, the fit is refused.
 """
 
 from __future__ import annotations
@@ -31,6 +32,8 @@ SURE = 4.0  # standard deviations of an average that are no chance
 OUTLIER = 6.0  # standard deviations of a point that is none of the profile
 BESIDE = 8  # points beside a spike that shares in what makes its neighbours no cubic
 MOST_OUTLIERS = 0.02  # part of all points
+JUMP = 1 / 8  # of a jump of curvature and the square of the distance of points
+ISOLATED = 2.0  # curvature at a corner over that of the points beside it
 ROUNDS = 40
 PROJECTIONS = 3  # times that points find their parameters anew on the spline
 DENSE = 100  # samples of an interval, to find the least radius of curvature
@@ -76,10 +79,11 @@ def fit_profile(
     x, kept = _checked(np.asarray(points, dtype=float), closed, source)
     noise = noise_of(x, closed)
     allowed = noise if tolerance is None else tolerance
-    near = _spikes(x, closed, OUTLIER * max(noise, allowed))
-    outliers, x, kept = kept[near], x[~near], kept[~near]
+    limit = OUTLIER * max(noise, allowed) + _jump(x, closed)
+    near = _spikes(x, closed, limit)
+    outliers, x, kept, limit = kept[near], x[~near], kept[~near], limit[~near]
     nodes, off = _refined(x, closed, allowed, noise, source)
-    bad = np.abs(off) > OUTLIER * max(noise, allowed)
+    bad = np.abs(off) > limit
     if bad.any():
         if bad.mean() > MOST_OUTLIERS:
             _refuse_noise(x, bad, source)
@@ -125,8 +129,16 @@ def _part_across(span: Array, along: Array) -> Array:
     return np.asarray(np.divide(across, length, out=np.linalg.norm(span, axis=1), where=length > 0))
 
 
-def _spikes(x: Array, closed: bool, limit: float) -> Mask:
-    """(n,) whether a point is far from a cubic through its neighbours, and they are not without it.
+def _jump(x: Array, closed: bool) -> Array:
+    """(n,) m, by how much points of a smooth profile may lie off a cubic through their neighbours, where its
+    curvature jumps by all that it is beside them, as between a line and an arc."""
+    bend, width, _ = _bends(x, closed, 0.0)
+    return np.asarray(JUMP * np.maximum(bend[:, 0], bend[:, 4]) * width**2)
+
+
+def _spikes(x: Array, closed: bool, limit: Array) -> Mask:
+    """(n,) whether a point is farther than a limit (n,) from a cubic through its neighbours, and they are not
+    without it.
 
     Where they still are, the profile is not smooth there, and its points are kept.
     """
@@ -134,7 +146,8 @@ def _spikes(x: Array, closed: bool, limit: float) -> Mask:
     kept, removed = np.arange(len(x)), np.zeros(len(x), dtype=bool)
     for last in (False, False, False, True):
         off = np.abs(_differences(x[kept], closed))
-        peaks = np.nonzero((off > limit) & (off >= _highest_beside(off)))[0] + first
+        far = off > limit[kept][first : len(kept) - first]
+        peaks = np.nonzero(far & (off >= _highest_beside(off)))[0] + first
         if last:
             for place in kept[peaks]:
                 removed[max(0, place - BESIDE) : place + BESIDE + 1] = False
@@ -192,18 +205,27 @@ def _refined(x: Array, closed: bool, tolerance: float, noise: float, source: str
     u = _chords(np.vstack([x, x[:1]]) if closed else x)
     knots = np.linspace(0.0, u[-1], FIRST + 1)
     u = u[: len(x)]
+    as_measured = np.zeros(FIRST, dtype=bool)  # intervals whose points are nodes
     for _ in range(ROUNDS):
         spline = _least_squares(x, u, knots, closed, source)
         for _ in range(PROJECTIONS):
             u = _projected(x, u, spline, knots, closed)
             spline = _least_squares(x, u, knots, closed, source)
-        nodes = _nodes(knots, spline, closed)
-        off = _across(x, u, knots, nodes, closed)
-        split = _to_halve(off, u, knots, tolerance, noise)
+        at, nodes = _nodes(x, u, knots, spline, as_measured, closed)
+        off = _across(x, u, at, nodes, closed)
+        split = _to_halve(off, u, knots, tolerance, noise) & ~as_measured
         if not split.any():
             break
-        _check_halves(x, u, knots, split, source)
-        knots = np.sort(np.append(knots, (knots[:-1] + knots[1:])[split] / 2))
+        counts = np.histogram(u, knots)[0]
+        _check_corners(x, u, knots, split & (counts < 2 * FEWEST), noise, closed, source)
+        halved = split & (counts >= FEWEST)
+        as_measured = np.repeat(as_measured | (split & ~halved), 1 + halved)
+        knots = np.sort(np.append(knots, (knots[:-1] + knots[1:])[halved] / 2))
+        if len(nodes) + halved.sum() > MOST:
+            raise ModelgenError(
+                source, "a profile that so few nodes do not follow", f"{MOST} nodes at most",
+                "split the file, or raise --tolerance",
+            )  # fmt: skip
     return nodes, off
 
 
@@ -257,13 +279,12 @@ def _step_along(span: Array, along: Array) -> Array:
     )
 
 
-def _across(x: Array, u: Array, knots: Array, nodes: Array, closed: bool) -> Array:
+def _across(x: Array, u: Array, at: Array, nodes: Array, closed: bool) -> Array:
     """Signed distances of points from the spline of the scene through nodes, across it.
 
     Its parameter is the length of the chords; that of a point is sought from where it is between its nodes.
     """
     spline = _interpolated(nodes, closed)
-    at = knots if closed else _open_sites(knots)
     t = np.interp(u, at, spline.x)
     for _ in range(PROJECTIONS):
         t = t + _step_along(x - spline(t), spline(t, 1))
@@ -284,7 +305,7 @@ def _interpolated(nodes: Array, closed: bool) -> Any:
 def _to_halve(off: Array, u: Array, knots: Array, tolerance: float, noise: float) -> Mask:
     """(k,) whether the points of an interval lie off the spline, on average over a part of it, by more than
     the tolerance and other than by chance."""
-    place = np.clip(np.searchsorted(knots, u, side="right") - 1, 0, len(knots) - 2)
+    place = _intervals_of(u, knots)
     found = np.zeros(len(knots) - 1, dtype=bool)
     for k in range(len(knots) - 1):
         own = off[place == k]
@@ -296,20 +317,49 @@ def _to_halve(off: Array, u: Array, knots: Array, tolerance: float, noise: float
     return found
 
 
-def _check_halves(x: Array, u: Array, knots: Array, split: Mask, source: str) -> None:
-    """Raises ModelgenError where an interval has too few points to be halved: at a corner."""
-    counts, places = np.histogram(u, knots)[0], np.nonzero(split)[0]
-    if len(knots) + len(places) < MOST - 2 and all(counts[k] >= 2 * FEWEST for k in places):
-        return
-    widths, middles = np.diff(knots)[places], (knots[:-1] + knots[1:])[places] / 2
-    turns = [_turn(x, u, middle, width) for middle, width in zip(middles, widths, strict=True)]
-    sharpest = int(np.argmax(turns))
-    at = x[np.abs(u - middles[sharpest]).argmin()]
-    raise ModelgenError(
-        source, f"a corner, or too few points, near ({at[0]:.4g}, {at[1]:.4g}) m: the profile turns by "
-        f"{np.degrees(turns[sharpest]):.0f} degrees within {4 * widths[sharpest]:.2g} m",
-        "a profile is smooth", "split the file there, measure it more densely, or raise --tolerance",
-    )  # fmt: skip
+def _intervals_of(u: Array, knots: Array) -> Places:
+    return np.clip(np.searchsorted(knots, u, side="right") - 1, 0, len(knots) - 2)
+
+
+def _check_corners(
+    x: Array, u: Array, knots: Array, few: Mask, noise: float, closed: bool, source: str
+) -> None:
+    """Raises ModelgenError where the profile turns at one or two points of an interval and not beside them.
+
+    The curvature at a point of a smooth profile, whose points show it, is not above twice that of both its
+    neighbours and of both points beyond them by more than noise makes of it.
+    """
+    bend, _, chance = _bends(x, closed, noise)
+    smooth = np.maximum(np.minimum(bend[:, 1], bend[:, 3]), np.maximum(bend[:, 0], bend[:, 4]))
+    bend, place = bend[:, 2], _intervals_of(u, knots)
+    corner = few[place] & (bend > ISOLATED * smooth + chance)
+    if corner.any():
+        k = int(np.argmax(np.where(corner, bend, 0.0)))
+        reach = float(np.diff(knots)[place[k]])
+        raise ModelgenError(
+            source, f"a corner, or too few points, near ({x[k][0]:.4g}, {x[k][1]:.4g}) m: the profile "
+            f"turns by {np.degrees(_turn(x, u, u[k], reach)):.0f} degrees within {4 * reach:.2g} m",
+            "a profile is smooth", "split the file there, measure it more densely, or raise --tolerance",
+        )  # fmt: skip
+
+
+def _bends(x: Array, closed: bool, noise: float) -> tuple[Array, Array, Array]:
+    """Curvature of circles through three points each.
+
+    Returns:
+        (n, 5) of points (n, 2) and the two on both sides of them, 1/m, 0 at and beyond the ends; (n,) the
+        mean distance of a point from its neighbours, m; (n,) the curvature that noise may make, 1/m.
+    """
+    steps = np.diff(np.vstack([x[-3:], x, x[:3]]) if closed else x, axis=0)
+    before, after = steps[:-1], steps[1:]
+    sine = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+    width = np.lib.stride_tricks.sliding_window_view(np.linalg.norm(steps, axis=1), 2).mean(axis=1)
+    bend = np.abs(np.arctan2(sine, (before * after).sum(axis=1))) / width
+    if not closed:
+        bend, width = np.pad(bend, 3), np.pad(width, 3, mode="edge")
+    width = width[2:-2]
+    beside = np.lib.stride_tricks.sliding_window_view(bend, 5)
+    return beside, width, SURE * np.sqrt(6) * noise / width**2
 
 
 def _turn(x: Array, u: Array, middle: float, width: float) -> float:
@@ -332,9 +382,23 @@ def _refuse_noise(x: Array, bad: Mask, source: str) -> None:
     )  # fmt: skip
 
 
-def _nodes(knots: Array, spline: Any, closed: bool) -> Array:
-    """Points at the knots of a spline that are nodes of the spline of the scene."""
-    return np.asarray(spline(knots[:-1] if closed else _open_sites(knots)))
+def _nodes(
+    x: Array, u: Array, knots: Array, spline: Any, as_measured: Mask, closed: bool
+) -> tuple[Array, Array]:
+    """Nodes of the spline of the scene, and their parameters: points of a spline at its knots, and the points
+    of the intervals that stay as they were measured. The parameters of a closed one end after one turn."""
+    sites = knots[:-1] if closed else _open_sites(knots)
+    touched = as_measured | np.roll(as_measured, 1)  # intervals, and those after them
+    at_knot = np.append(touched, as_measured[-1])
+    if not closed:
+        at_knot[0] = as_measured[0]
+    free = sites[~(as_measured[_intervals_of(sites, knots)] | np.isin(sites, knots[at_knot]))]
+    own = np.nonzero(as_measured[_intervals_of(u, knots)])[0]
+    at = np.concatenate([free, u[own]])
+    order = np.argsort(at, kind="stable")
+    nodes = np.vstack([spline(free), x[own]])[order]
+    at = at[order]
+    return (np.append(at, at[0] + knots[-1]) if closed else at), nodes
 
 
 def _open_sites(knots: Array) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -60,6 +61,43 @@ def test_a_tolerance_is_kept_where_there_is_no_noise() -> None:
     assert fitted.largest < 5e-7
     assert off(fitted.nodes, exact).max() == pytest.approx(fitted.largest, rel=1e-3)
     assert len(fit_profile(exact, tolerance=1e-5).nodes) < len(fitted.nodes) / 2
+
+
+@pytest.mark.parametrize(("profile", "count"), [(rail_head, 300), (wheel_tread, 263)])
+@pytest.mark.parametrize("digits", [6, 7, 15])
+@pytest.mark.parametrize("seed", range(4))
+def test_sparse_points_of_arcs_are_followed(profile: Any, count: int, digits: int, seed: int) -> None:
+    """Points that are exact or rounded, at distances that differ by up to 40 %, too few to be averaged where
+    arcs meet: they are followed within six times the noise, and what a jump of curvature, of 160 1/m at most,
+    makes of a distance of points: 2.8 um at most."""
+    exact = profile(20 * count)
+    apart = 20 * (1 + 0.2 * np.random.default_rng(seed).uniform(-1, 1, count))
+    places = np.cumsum(apart) - apart[0]
+    points = exact[np.round(places / places[-1] * (len(exact) - 1)).astype(int)].round(digits)
+    fitted = fit_profile(points)
+    longest = float(np.linalg.norm(np.diff(points, axis=0), axis=1).max())
+    assert len(fitted.outliers) <= 1
+    assert len(fitted.nodes) <= count + 2
+    assert off(fitted.nodes, exact).max() < 6 * fitted.noise + 160 * longest**2 / 32 < 6 * fitted.noise + 3e-6
+
+
+@pytest.mark.parametrize("closed", [False, True])
+@pytest.mark.parametrize("noise", [0.0, 1e-7])
+@pytest.mark.parametrize("seed", range(5))
+def test_a_corner_is_refused_where_it_is(closed: bool, noise: float, seed: int) -> None:
+    """A curve around the origin that turns by 10 to 120 degrees at one place, at a point or between two; a
+    closed one begins there."""
+    rng = np.random.default_rng(seed)
+    slope = np.tan(np.radians(rng.uniform(5, 60)))  # r'/r on both sides of the corner
+    angle = (np.linspace(0, 2 * np.pi, 600, endpoint=False) if closed else np.linspace(-1.5, 1.5, 300)) + (
+        seed % 2
+    ) * rng.uniform(0, 0.01)
+    radius = 0.05 * (1 + 2 * slope * np.abs(np.sin(angle / 2)))
+    points = measured(radius[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1), noise, seed)
+    with pytest.raises(ModelgenError, match=r"a corner, .*turns by") as refused:
+        fit_profile(points, closed=closed)
+    x, y = map(float, re.findall(r"-?[\d.e-]+(?=[,)])", refused.value.found)[:2])
+    assert np.hypot(x - 0.05, y) < 2e-3
 
 
 def test_noise_is_found_whatever_the_distances_of_points() -> None:
