@@ -135,7 +135,7 @@ def mujoco() -> Any:
         raise ModelgenError("modelgen import", "no package 'mujoco'", "", install("import")) from None
     if not hasattr(mujoco.MjSpec, "delete"):
         raise ModelgenError(
-            "modelgen import", f"mujoco {mujoco.__version__}", "3.3.4 or newer is needed",
+            "modelgen import", f"mujoco {mujoco.__version__}", "3.3.6 or newer is needed",
             "run: pip install -U mujoco",
         )  # fmt: skip
     return mujoco

@@ -228,5 +228,5 @@ def test_inputs_out_of_range_are_refused_by_name_and_in_transformed_functions_by
 
 @pytest.mark.skipif(find_spec("jax") is not None, reason="JAX is there")
 def test_without_jax_the_export_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ModelgenError, match=r"no package 'jax'.*modelgen\[jax\]"):
+    with pytest.raises(ModelgenError, match=r"no package 'jax'.*modelgen-contact\[jax\]"):
         exported("bouncing_ball", "jax", tmp_path)
