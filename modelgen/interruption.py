@@ -27,6 +27,11 @@ def hear_no_more() -> None:
         signal.signal(number, signal.SIG_IGN)
 
 
+def was_heard() -> bool:
+    """Whether a signal came."""
+    return _heard > 0
+
+
 @contextmanager
 def nothing_swallowed() -> Iterator[None]:
     """Raise KeyboardInterrupt at the end of the block if it was raised within and caught there."""

@@ -8,7 +8,7 @@ import os
 import sys
 
 from modelgen.cli.standard_streams import guard_streams
-from modelgen.interruption import hear_no_more, hear_signals
+from modelgen.interruption import hear_no_more, hear_signals, was_heard
 
 INTERRUPTED = 130  # 128 and the number of the signal, as shells have it
 
@@ -22,6 +22,12 @@ def main() -> None:
 
         app()
     except KeyboardInterrupt:
+        hear_no_more()
+        print("interrupted", file=sys.stderr)
+        _leave_interrupted()
+    except Exception:
+        if not was_heard():  # of what CasADi makes where it swallows an interruption
+            raise
         hear_no_more()
         print("interrupted", file=sys.stderr)
         _leave_interrupted()

@@ -96,7 +96,7 @@ main()
 
 
 @pytest.mark.parametrize("number", ["SIGINT", "SIGTERM"])
-@pytest.mark.parametrize("act", ["press()", "exec('press()', globals())", "swallowed()"])
+@pytest.mark.parametrize("act", ["press()", "exec('press()', globals())", "swallowed()", "swallowed() + 1"])
 def test_a_signal_in_an_import_ends_with_its_code(number: str, act: str) -> None:
     """In text that Python executes, after which it would end as killed; where a module catches everything."""
     swallowed = "\ndef swallowed():\n    try:\n        press()\n    except:\n        pass\n"
