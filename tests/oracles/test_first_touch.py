@@ -32,6 +32,7 @@ CLOSE_CALLS = [
     ("line", "line", 0),
     ("half_torus", "edge", 12),  # Newton's method leaves the cells that hold the closest points
     ("ellipse_curve", "solid", 8),
+    ("box", "point", 36),  # a vertex is nearest until just before
     ("capsule", "cam", 17),  # and finds those of a chart beyond its domain, from the other side
 ]
 
@@ -61,6 +62,30 @@ def test_the_first_touch_of_two_kinds_is_not_missed(first: str, second: str) -> 
 def test_touches_that_were_missed_or_refused(first: str, second: str, seed: int) -> None:
     verdict = judge(first, second, seed)
     assert verdict.outcome == "right", str(verdict)
+
+
+@pytest.mark.cases(6)
+@pytest.mark.parametrize("seed", range(60))
+def test_a_thin_plate_does_not_pass_a_point_whose_nearest_point_is_a_vertex(seed: int) -> None:
+    """No contact follows the point and the vertex while the plate comes down; the way is that of a ray."""
+    rng = np.random.default_rng(seed)
+    sizes = np.array([10 ** rng.uniform(-4, -1), *rng.uniform(0.2, 1.0, 2)])
+    turn = Rotation.random(random_state=seed)
+    corner = sizes / 2 * rng.choice([-1, 1], 3)
+    struck = corner * (1 - np.array([rng.uniform(0, 2), *rng.uniform(0.001, 0.05, 2)]))
+    up = turn.inv().apply([0.0, 0.0, 1.0])  # axes of the plate: the point moves along it, seen from there
+    with np.errstate(divide="ignore"):
+        enters = ((-np.sign(up) * sizes / 2 - struck) / up).max()  # of the three slabs, before the point
+    drop = float(rng.uniform(0.02, 0.3))
+    position = -turn.apply(struck + (enters - drop) * up)
+    plate = make.dynamic(
+        "plate", make.box(*map(float, sizes)), mass=1.0, inertia=[0.1] * 3,
+        position=[*map(float, position)], quaternion=[*map(float, np.roll(turn.as_quat(), 1))],
+    )  # fmt: skip
+    time = float(np.sqrt(2 * drop / G))
+    path = ran([make.fixed("pin", make.point()), plate], 1.2 * time, [{"between": ["plate", "pin"]}])
+    touched = [event.t for event in path.events if event.kind == "touch-down"]
+    assert touched[:1] == [pytest.approx(time, abs=1e-9)]
 
 
 @pytest.mark.cases(8)

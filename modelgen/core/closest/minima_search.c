@@ -39,6 +39,11 @@ MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair) {
   return separation;
 }
 
+MG_INTERNAL mg_real mg_gap_of_vertices(const mg_context *c, mg_real least, const mg_minima *found) {
+  if (found->count || !(least > -MG_MAX / 2)) return MG_MAX;
+  return mg_max(least + c->settings->start_gap * c->system->length, (mg_real)0);
+}
+
 MG_INTERNAL mg_real mg_least_movement(const mg_context *c, int pair) {
   return c->settings->appear_depth / MG_SEARCHES_IN_DEPTH * mg_pair_length(c, pair);
 }
@@ -286,6 +291,7 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
     c->run->unfollowed_gap[pair] = mg_min(c->run->unfollowed_gap[pair], mg_max(found.list[k].d, (mg_real)0));
     if (fabs(found.list[k].d) <= c->settings->start_gap * s->length) mg_report_unfollowed_minimum(c, found.list + k);
   }
+  c->run->unfollowed_gap[pair] = mg_min(c->run->unfollowed_gap[pair], mg_gap_of_vertices(c, least, &found));
   return MG_DONE;
 }
 
