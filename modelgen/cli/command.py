@@ -23,6 +23,11 @@ from modelgen.errors import ModelgenError
 LONG = re.compile(r"(\S{60})\S{300,}(\S{60})")  # a word that is printed in part
 
 
+def shortened(message: str) -> str:
+    """A message with long words in part."""
+    return LONG.sub(lambda word: f"{word[1]}..{word[2]}", message)
+
+
 class Argument(NamedTuple):
     """A parameter that is written without a name."""
 
@@ -82,7 +87,7 @@ class Command(click.Command):
             message = str(error)
         except OSError as error:
             message = f"{error.filename or 'a temporary file'}: {error.strerror or error}"
-        click.echo(LONG.sub(lambda word: f"{word[1]}..{word[2]}", message), err=True)
+        click.echo(shortened(message), err=True)
         raise click.exceptions.Exit(REFUSED)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
@@ -10,8 +12,7 @@ from click.exceptions import NoSuchCommand
 
 from modelgen import __version__
 from modelgen.cli import INTERRUPTED
-from modelgen.cli.command import command_of
-from modelgen.cli.shell_completion import completion_options
+from modelgen.cli.command import command_of, option_that, shortened
 from modelgen.interruption import nothing_swallowed
 
 MODULES = {  # of `modelgen.cli`, each with a function of the name of its command
@@ -57,19 +58,50 @@ class Commands(click.Group):
         except NoSuchCommand as error:
             raise NoSuchCommand(error.command_name, possibilities=MODULES, ctx=ctx) from None
 
+    def make_context(self, *args: Any, **keys: Any) -> click.Context:
+        with _shortened_errors():
+            return super().make_context(*args, **keys)
+
     def invoke(self, ctx: click.Context) -> Any:
         """Ctrl-C ends a command without a traceback, also while its modules are imported."""
         try:
-            return super().invoke(ctx)
+            with _shortened_errors():
+                return super().invoke(ctx)
         except KeyboardInterrupt:
             click.echo("interrupted", err=True)
             ctx.exit(INTERRUPTED)
 
 
+@contextmanager
+def _shortened_errors() -> Iterator[None]:
+    """Print long words of what was called wrongly in part."""
+    try:
+        yield
+    except click.UsageError as error:
+        raise click.UsageError(shortened(error.format_message()), ctx=error.ctx) from None
+
+
+def _install_completion() -> None:
+    from modelgen.cli.shell_completion import install_completion
+
+    install_completion()
+
+
+def _show_completion() -> None:
+    from modelgen.cli.shell_completion import show_completion
+
+    show_completion()
+
+
 app = Commands(
     "modelgen",
     help="From a scene file to a compiled model of rigid bodies in smooth contact, and its trajectory.",
-    params=completion_options(),
+    params=[
+        option_that(
+            _install_completion, "--install-completion", "set up completion for the shell that SHELL names"
+        ),
+        option_that(_show_completion, "--show-completion", "print the script of completion for that shell"),
+    ],
 )
 click.version_option(
     __version__, prog_name="modelgen", message="%(prog)s %(version)s", help="print the version"

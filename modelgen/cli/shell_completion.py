@@ -8,8 +8,6 @@ from typing import NamedTuple
 
 import click
 
-from modelgen.cli.command import option_that
-
 
 class Shell(NamedTuple):
     """Where a shell finds a script of completion, in the home folder, and the line of its start for that."""
@@ -28,14 +26,6 @@ SHELLS = {
 }
 
 
-def completion_options() -> list[click.Parameter]:
-    """`--install-completion` and `--show-completion`."""
-    return [
-        option_that(_install, "--install-completion", "set up completion for the shell that SHELL names"),
-        option_that(_show, "--show-completion", "print the script of completion for that shell"),
-    ]
-
-
 def _shell() -> str:
     name = Path(os.environ.get("SHELL", "")).name
     if name not in SHELLS:
@@ -51,11 +41,11 @@ def _script(shell: str) -> str:
     return writer(click.get_current_context().command, {}, "modelgen", "_MODELGEN_COMPLETE").source()
 
 
-def _show() -> None:
+def show_completion() -> None:
     click.echo(_script(_shell()))
 
 
-def _install() -> None:
+def install_completion() -> None:
     """Write the script where the shell looks for it, and one line, once, into the file of its start."""
     from modelgen.file_writing import write_file
 

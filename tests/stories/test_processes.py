@@ -58,6 +58,14 @@ def test_what_is_missing_is_told_in_one_short_message(text: str, message: str, t
     assert told.stderr.count("\n") == 1
 
 
+@pytest.mark.parametrize("called", [LONG, f"--{LONG}", f"check --{LONG}"])
+def test_long_names_of_what_there_is_not_are_told_in_part(called: str, tmp_path: Path) -> None:
+    told = shell(f"{MODELGEN} {called}", tmp_path)
+    assert told.returncode == 2
+    assert "No such" in told.stderr
+    assert len(told.stderr) < 400
+
+
 @pytest.mark.parametrize("closed", ["2>&-", "<&-", "2> /dev/full"])
 def test_other_streams_are_not_needed(closed: str, tmp_path: Path) -> None:
     """A file that is opened does not become standard error, and a command goes on without it."""
