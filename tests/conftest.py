@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from os import environ
 from pathlib import Path
 from shutil import rmtree
@@ -33,7 +34,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     """Compile the core at level O1 and kernels without optimisation, which compute the same bits as O2; let
-    workers find each other's libraries."""
+    workers find each other's libraries. Let Ctrl-C end what the tests start."""
+    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:  # as in the background of a script
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     build.LEVEL = LEVEL
     build.compile_library = compile_without_optimisation
     if hasattr(config, "workerinput"):
