@@ -346,10 +346,12 @@ MG_INTERNAL void mg_report_lost_points(const mg_context *c, int pair);
    features of the other; -MG_MAX if no faces are known. An extremum below it is not a minimum of the distance. */
 MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair);
 
-/* Gap down to which planes part the bodies of a pair at least, given mg_separating_plane_gap, if a search has found
-   nothing: the nearest points may be two vertices, which no feature pair has, or a point and a vertex. MG_MAX where a
-   search shows more, or planes do not part the bodies. */
-MG_INTERNAL mg_real mg_gap_of_vertices(const mg_context *c, mg_real least, const mg_minima *found);
+/* Notes that no contact follows a minimum of a pair with the gap d. */
+MG_INTERNAL void mg_note_unfollowed_gap(mg_context *c, int pair, mg_real d);
+
+/* The same of two vertices, or of a point and a vertex, which no feature pair has: where a search has found nothing,
+   planes part the bodies by mg_separating_plane_gap at least, which is `least` and start_gap. */
+MG_INTERNAL void mg_note_gap_of_vertices(mg_context *c, int pair, mg_real least, const mg_minima *found);
 
 /* Least movement of a pair between searches that are not due at every step, m. */
 MG_INTERNAL mg_real mg_least_movement(const mg_context *c, int pair);

@@ -13,24 +13,24 @@
 typedef struct {
   mg_context *c;
   int feature_pair;
-  int first;                        /* side whose cells are A: 0 or 1 */
-  int has_cells;                    /* 1: the other side has cells too */
-  mg_search_limits limits;          /* gaps of interest */
-  mg_real smallest;                 /* m: cells with smaller radii are not divided */
-  mg_real rotation[9];              /* from the axes of the other shape to those of the first */
-  mg_real origin[3];                /* origin of the other shape, axes of the first, m */
-  mg_cell_view other;               /* the other side, if it has no cells */
-  int curves;                       /* bit 0: the first feature is seen as a curve, bit 1: the other */
-  int is_centred[2];                /* 1: the first, the other feature is seen as its spine */
-  mg_spine centre[2];               /* that curve; tube is 0 where there is none */
-  mg_feature_limits allowed[2];     /* coordinates of the first and of the other side */
-  int n_known;                          /* critical points known; the one found last is behind them */
-  mg_real known[MG_CRITICAL + 1][6];    /* their points on the first and the other feature, axes of the first shape, m */
-  mg_real known_uv[MG_CRITICAL + 1][4]; /* their coordinates on both; MG_MAX where eta does not hold them */
+  int first;                         /* side whose cells are A: 0 or 1 */
+  int has_cells;                     /* 1: the other side has cells too */
+  mg_search_limits limits;           /* gaps of interest */
+  mg_real smallest;                  /* m: cells with smaller radii are not divided */
+  mg_real rotation[9];               /* from the axes of the other shape to those of the first */
+  mg_real origin[3];                 /* origin of the other shape, axes of the first, m */
+  mg_cell_view other;                /* the other side, if it has no cells */
+  int curves;                        /* bit 0: the first feature is seen as a curve, bit 1: the other */
+  int is_centred[2];                 /* 1: the first, the other feature is seen as its spine */
+  mg_spine centre[2];                /* that curve; tube is 0 where there is none */
+  mg_feature_limits allowed[2];      /* coordinates of the first and of the other side */
+  int n_known;                       /* critical points known; the one found last is behind them */
+  mg_real known[MG_CRITICAL + 1][6]; /* their points on the first and the other feature, axes of the first shape, m */
+  mg_real known_uv[MG_CRITICAL + 1][4];  /* their coordinates on both; MG_MAX where eta does not hold them */
   mg_real known_out[MG_CRITICAL + 1][3]; /* exterior normal of the first feature there, against that of the other */
-  int seen[2];                      /* cells of both features looked at last; -1: none */
-  mg_cell_view view[2];             /* their views */
-  int is_beyond[2];                 /* 1: they lie where no contact is allowed */
+  int seen[2];                           /* cells of both features looked at last; -1: none */
+  mg_cell_view view[2];                  /* their views */
+  int is_beyond[2];                      /* 1: they lie where no contact is allowed */
   mg_real best_merit; /* m: distance of the middles of the likeliest pair of cells, and mismatch of directions */
   int best[2];        /* its cells */
   mg_real least;      /* m: minima with smaller gaps are dropped */
@@ -232,8 +232,10 @@ static int mg_converge_search(const mg_critical_search *s, mg_real *eta) {
   return 1;
 }
 
-/* Converges from the middles of two cells and keeps what it finds, which may lie elsewhere. Returns 0 if it does not
-   converge, 2 if the cells hold what it finds, else 1. */
+enum { MG_NOT_CONVERGED = 0, MG_CONVERGED_ELSEWHERE = 1, MG_CONVERGED_WITHIN = 2 };
+
+/* Converges from the middles of two cells and keeps what it finds, also where that lies elsewhere:
+   MG_NOT_CONVERGED .. . */
 static int mg_converge_from_cells(mg_critical_search *s, int a, int b) {
   mg_context *c = s->c;
   mg_sample at[2];
@@ -245,12 +247,12 @@ static int mg_converge_from_cells(mg_critical_search *s, int a, int b) {
   if (s->is_centred[1]) mg_sample_about_centre(s, 1, &B, &A, at + 1 - s->first);
   else mg_sample_cell(s, 1 - s->first, b, at + s->first, at + 1 - s->first);
   mg_start_eta(c, s->feature_pair, at, at + 1, eta);
-  if (!mg_converge_search(s, eta)) return 0;
+  if (!mg_converge_search(s, eta)) return MG_NOT_CONVERGED;
   mg_note_singular_point(c, s->feature_pair, eta);
   const int found = mg_add_known_point(s, eta), is_within = mg_is_critical_point_within(s, found, &A, &B);
   mg_keep_minimum_at(c, s->feature_pair, eta, s->least, s->kept);
   mg_leave_out_farther_gaps(s);
-  return is_within ? 2 : 1;
+  return is_within ? MG_CONVERGED_WITHIN : MG_CONVERGED_ELSEWHERE;
 }
 
 /* The points of contacts that are on the feature pair already. */
@@ -380,7 +382,8 @@ static int mg_treat_cells(mg_critical_search *s, int a, int b, int count, int *i
   const int is_small = A->radius + B->radius <= s->smallest;
   if (verdict == MG_CELLS_SINGLE && mg_is_critical_point_known(s, A, B)) return count;
   if (verdict == MG_CELLS_REGULAR || is_small) {
-    if (mg_is_critical_point_known(s, A, B) || mg_converge_from_cells(s, a, b) > !is_small) return count;
+    if (mg_is_critical_point_known(s, A, B)) return count;
+    if (mg_converge_from_cells(s, a, b) >= (is_small ? MG_CONVERGED_ELSEWHERE : MG_CONVERGED_WITHIN)) return count;
     if (is_small) {
       const mg_real gap = mg_best_least_distance(A, B);
       if (gap >= -s->smallest) mg_note_open_gap(s->c, gap);

@@ -39,9 +39,13 @@ MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair) {
   return separation;
 }
 
-MG_INTERNAL mg_real mg_gap_of_vertices(const mg_context *c, mg_real least, const mg_minima *found) {
-  if (found->count || !(least > -MG_MAX / 2)) return MG_MAX;
-  return mg_max(least + c->settings->start_gap * c->system->length, (mg_real)0);
+MG_INTERNAL void mg_note_unfollowed_gap(mg_context *c, int pair, mg_real d) {
+  c->run->unfollowed_gap[pair] = mg_min(c->run->unfollowed_gap[pair], mg_max(d, (mg_real)0));
+}
+
+MG_INTERNAL void mg_note_gap_of_vertices(mg_context *c, int pair, mg_real least, const mg_minima *found) {
+  if (!found->count && least > -MG_MAX / 2)
+    mg_note_unfollowed_gap(c, pair, least + c->settings->start_gap * c->system->length);
 }
 
 MG_INTERNAL mg_real mg_least_movement(const mg_context *c, int pair) {
@@ -288,10 +292,10 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
     k++;
   }
   for (; k < found.count; k++) {
-    c->run->unfollowed_gap[pair] = mg_min(c->run->unfollowed_gap[pair], mg_max(found.list[k].d, (mg_real)0));
+    mg_note_unfollowed_gap(c, pair, found.list[k].d);
     if (fabs(found.list[k].d) <= c->settings->start_gap * s->length) mg_report_unfollowed_minimum(c, found.list + k);
   }
-  c->run->unfollowed_gap[pair] = mg_min(c->run->unfollowed_gap[pair], mg_gap_of_vertices(c, least, &found));
+  mg_note_gap_of_vertices(c, pair, least, &found);
   return MG_DONE;
 }
 
@@ -319,7 +323,7 @@ MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
     if (mg_is_search_stopped(c)) return MG_CONTINUE;
     if (outcome) return outcome;
     mg_note_missed_gap(c, pair, incomplete);
-    c->run->unfollowed_gap[pair] = mg_min(c->run->unfollowed_gap[pair], mg_max(c->search.open_gap, (mg_real)0));
+    mg_note_unfollowed_gap(c, pair, c->search.open_gap);
     c->run->moved_since_search[pair] = c->run->watched_movement[pair] = 0;
     c->run->is_search_due[pair] = c->search.open_gap < MG_MAX;
   }

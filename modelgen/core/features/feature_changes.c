@@ -341,11 +341,6 @@ static mg_real mg_resolved_movement(const mg_context *c, int pair) {
   return c->settings->search_merge_distance * mg_pair_length(c, pair);
 }
 
-/* Notes that no contact follows a minimum of a pair with the gap d. */
-static void mg_note_unfollowed_gap(mg_context *c, int pair, mg_real d) {
-  c->run->unfollowed_gap[pair] = mg_min(c->run->unfollowed_gap[pair], mg_max(d, (mg_real)0));
-}
-
 /* Whether a contact follows a minimum. */
 enum { MG_NOT_FOLLOWED = 0, MG_FOLLOWED_BEFORE = 1, MG_FOLLOWED_NOW = 2 };
 
@@ -392,8 +387,8 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
     c->run->is_search_due[pair] = 1, c->run->moved_since_search[pair] = moved;
     return 0;
   }
-  c->run->unfollowed_gap[pair] =
-      mg_min(mg_max(c->search.open_gap, (mg_real)0), mg_gap_of_vertices(c, least, &found));
+  c->run->unfollowed_gap[pair] = mg_max(c->search.open_gap, (mg_real)0);
+  mg_note_gap_of_vertices(c, pair, least, &found);
   for (int k = 0; k < found.count; k++) {
     const mg_minimum *each = found.list + k;
     if (mg_is_minimum_ignored(c, each)) continue;
@@ -633,8 +628,7 @@ MG_INTERNAL mg_real mg_search_step_limit(const mg_context *c) {
     if (mg_is_search_needless(c, pair)) continue;
     const int unwatched = mg_is_pair_without_contacts(c, pair);
     if (!unwatched && mg_has_guiding_contacts(c, pair)) continue;
-    const mg_real travel =
-        mg_max(mg_remaining_search_range(c, pair) / (unwatched ? 2 : 1), mg_pair_clearance(c, pair));
+    const mg_real travel = mg_max(mg_remaining_search_range(c, pair) / (unwatched ? 2 : 1), mg_pair_clearance(c, pair));
     const mg_motion_bound motion = mg_pair_motion_bound(c, pair, unwatched);
     const mg_real mean = (motion.speed + sqrt(motion.speed * motion.speed + 2 * motion.acceleration * travel)) / 2;
     if (mean * longest_step > travel) longest_step = travel / mean;

@@ -242,9 +242,8 @@ static int mg_sides_of_switch(mg_context *c, mg_sensitivity *s, int direction, m
   mg_real terms;
   const mg_real change = mg_switch_tangent(c, s, direction, t, which, &terms),
                 branch = mg_differentiated_branch(c, which);
-  const int sides =
-      mg_growing_sides(branch > 0 ? change : -change,
-                       MG_ROUNDED_TANGENT * mg_max(s->size[direction] * c->switches.size[which], terms));
+  const int sides = mg_growing_sides(branch > 0 ? change : -change,
+                                     MG_ROUNDED_TANGENT * mg_max(s->size[direction] * c->switches.size[which], terms));
   const int is_known = fabs(branch) == 1 && (c->run->branch[which] != 0 || !mg_jumps_over_switch(c, t, which));
   return is_known || sides == MG_SIDES ? sides : MG_SIDE_UNKNOWN;
 }

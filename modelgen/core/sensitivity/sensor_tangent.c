@@ -241,8 +241,7 @@ MG_INTERNAL void mg_find_sensors_tangent(mg_context *c, mg_sensitivity *s, int d
   mg_sensors_tangent(c, s, direction, t);
   for (int k = 0; k < c->kernels->n_sensor; k++) {
     s->sensor_sides[k] = MG_SIDES;
-    if (s->reasons[k] == MG_BY_FORCES || isnan(s->y_dot[k]))
-      mg_keep_sensor_sides(s, k, MG_SIDE_UNKNOWN, MG_BY_FORCES);
+    if (s->reasons[k] == MG_BY_FORCES || isnan(s->y_dot[k])) mg_keep_sensor_sides(s, k, MG_SIDE_UNKNOWN, MG_BY_FORCES);
   }
   mg_find_kinks_of_sensors(c, s);
   if (reason) mg_find_sides_of_force_sensors(c, s, direction, sides, reason);
