@@ -8,9 +8,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from modelgen import Accuracy, simulate
+from modelgen.errors import SimulationError
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene import python_scenes as make
-from modelgen.scene.scene_types import Body
+from modelgen.scene.scene_types import Body, Scene, Shape
 from tests.running import library_of
 
 G = 9.81
@@ -47,6 +48,24 @@ def ran(
     return simulate(
         library_of(scene), until=until, accuracy=accuracy or Accuracy.tight(), samples=samples, estimate=False
     )
+
+
+def near_start(fixed: Shape, free: Shape, turns: Sequence[Rotation], at: np.ndarray) -> Scene:
+    """A fixed body and a free one at `at`, turned, which may touch; without gravity."""
+    poses = [{"quaternion": turn.as_quat()[[3, 0, 1, 2]].tolist()} for turn in turns]
+    bodies = [
+        make.fixed("fixed", fixed, **poses[0]),
+        make.dynamic("free", free, mass=1.0, inertia=[1.0] * 3, position=at.tolist(), **poses[1]),
+    ]
+    return make.scene("starts", bodies, contact=[{"between": ["free", "fixed"]}], gravity=[0.0, 0.0, 0.0])
+
+
+def is_start_refused(scene: Scene) -> bool:
+    try:
+        simulate(library_of(scene), until=1e-6, estimate=False)
+    except SimulationError:
+        return True
+    return False
 
 
 def imbalance(path: Trajectory) -> float:

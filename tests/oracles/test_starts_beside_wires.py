@@ -11,12 +11,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from modelgen import derive, emit, require, simulate
-from modelgen.errors import SimulationError
-from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Scene
 from tests.benchmarks.solids_by_decades import KINDS
-from tests.running import compiled
+from tests.oracles.pieces import is_start_refused, near_start
 
 MEMBERS = 24
 POINTS = np.linspace(0, 1, 20_000)
@@ -36,21 +33,8 @@ def _member(wire: str, solid: str, seed: int) -> tuple[Scene, bool | None]:
     size = min(thin.size, thick.size)
     at = rim[rng.integers(len(rim))] - surface[0] + 0.3 * size * rng.normal(size=3)
     least = float(thick.distance(turns[1].inv().apply(rim - at)).min())
-    poses = [{"quaternion": turn.as_quat()[[3, 0, 1, 2]].tolist()} for turn in turns]
-    bodies = [
-        make.fixed("fixed", thin.shape, **poses[0]),
-        make.dynamic("free", thick.shape, mass=1.0, inertia=[1.0] * 3, position=at.tolist(), **poses[1]),
-    ]
-    scene = make.scene("starts", bodies, contact=[{"between": ["free", "fixed"]}], gravity=[0.0, 0.0, 0.0])
+    scene = near_start(thin.shape, thick.shape, turns, at)
     return scene, None if abs(least) < 0.01 * size else least < 0
-
-
-def _is_refused(scene: Scene) -> bool:
-    try:
-        simulate(compiled(emit(derive(require(scene)))), until=1e-6, estimate=False)
-    except SimulationError:
-        return True
-    return False
 
 
 @pytest.mark.cases(3)
@@ -60,4 +44,4 @@ def test_a_wire_is_refused_if_and_only_if_it_is_in_a_solid(wire: str, solid: str
     members = [_member(wire, solid, seed) for seed in range(MEMBERS)]
     known = [(scene, inside) for scene, inside in members if inside is not None]
     assert {inside for _, inside in known} == {False, True}
-    assert [_is_refused(scene) for scene, _ in known] == [inside for _, inside in known]
+    assert [is_start_refused(scene) for scene, _ in known] == [inside for _, inside in known]

@@ -16,11 +16,9 @@ import pytest
 from scipy.optimize import linprog
 from scipy.spatial.transform import Rotation
 
-from modelgen import derive, emit, require, simulate
-from modelgen.errors import SimulationError
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Scene, Shape
-from tests.running import compiled
+from tests.oracles.pieces import is_start_refused, near_start
 
 Array = np.ndarray[Any, Any]
 LARGER, SMALLER = 1.03, 0.85
@@ -88,21 +86,8 @@ def _member(kinds: tuple[str, str], seed: int) -> tuple[Scene, bool | None]:
     one, two = (some[rng.integers(len(some), size=4)].T @ rng.dirichlet([1] * 4) for some in (near, free))
     at = one - two + 0.2 * (size + np.abs(near).max()) * rng.normal(size=3)
     answers = {_do_meet(_scaled(fixed, k), _scaled(free + at, k)) for k in (SMALLER, LARGER)}
-    first_pose, second_pose = ({"quaternion": turn.as_quat()[[3, 0, 1, 2]].tolist()} for turn in turns)
-    bodies = [
-        make.fixed("fixed", first, **first_pose),
-        make.dynamic("free", second, mass=1.0, inertia=[1.0] * 3, position=at.tolist(), **second_pose),
-    ]
-    scene = make.scene("starts", bodies, contact=[{"between": ["free", "fixed"]}], gravity=[0.0, 0.0, 0.0])
+    scene = near_start(first, second, turns, at)
     return scene, answers.pop() if len(answers) == 1 else None
-
-
-def _is_refused(scene: Scene) -> bool:
-    try:
-        simulate(compiled(emit(derive(require(scene)))), until=1e-6, estimate=False)
-    except SimulationError:
-        return True
-    return False
 
 
 @pytest.mark.cases(4)
@@ -111,4 +96,4 @@ def test_a_start_is_refused_if_and_only_if_convex_shapes_overlap(kinds: tuple[st
     members = [_member(kinds, seed) for seed in range(MEMBERS)]
     known = [(scene, overlap) for scene, overlap in members if overlap is not None]
     assert {overlap for _, overlap in known} == {False, True}
-    assert [_is_refused(scene) for scene, _ in known] == [overlap for _, overlap in known]
+    assert [is_start_refused(scene) for scene, _ in known] == [overlap for _, overlap in known]
