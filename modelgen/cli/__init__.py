@@ -21,13 +21,9 @@ def main() -> None:
         from modelgen.cli.command_group import app
 
         app()
-    except KeyboardInterrupt:
-        hear_no_more()
-        print("interrupted", file=sys.stderr)
-        _leave_interrupted()
-    except Exception:
-        if not was_heard():  # of what CasADi makes where it swallows an interruption
-            raise
+    except (KeyboardInterrupt, Exception) as error:
+        if not isinstance(error, KeyboardInterrupt) and not was_heard():
+            raise  # another may come of what CasADi makes where it swallows an interruption
         hear_no_more()
         print("interrupted", file=sys.stderr)
         _leave_interrupted()

@@ -57,16 +57,7 @@ SMALL = {
     ("simulate.py", 1e-6): "keeps a measured wall time from being zero",
 }
 C_HEADERS = {"math.h", "tgmath.h", "float.h", "stddef.h", "string.h", "assert.h"}  # the last: debug core
-TOP_LEVEL = {
-    "pyproject.toml",
-    "README.md",
-    "LICENSE",
-    "CITATION.cff",
-    "modelgen",
-    "generated",
-    "tests",
-    "scenes",
-}
+TOP_LEVEL = {"pyproject.toml", "README.md", "LICENSE", "modelgen", "generated", "tests", "scenes"}
 
 
 def called_names(path: Path) -> set[str]:

@@ -27,7 +27,7 @@ def test_the_readme_leads_to_every_page() -> None:
 def test_changelog_names_the_version() -> None:
     assert f"## {__version__}" in text_of(MANUAL / "changelog.md")
     assert f'version = "{__version__}"' in text_of(ROOT / "pyproject.toml")
-    assert f"version: {__version__}\n" in text_of(ROOT / "CITATION.cff")
+    assert f"version: {__version__}\n" in text_of(ROOT / ".github" / "CITATION.cff")
     assert f"modelgen_contact-{__version__}-" in text_of(MANUAL / "first_steps.md")
 
 
