@@ -15,7 +15,7 @@ import re
 import secrets
 import shutil
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
@@ -41,31 +41,12 @@ def replaced(path: Path, mode: int | None = None) -> Iterator[Path]:
     Raises:
         ModelgenError: the file cannot be written; it is as it was before.
     """
-    try:
-        place = Path(os.path.realpath(path))
-        if place.exists() and not place.is_file():
-            yield place
-            return
-        place.parent.mkdir(parents=True, exist_ok=True)
-        if place.parent not in _cleared:
-            remove_abandoned(place.parent)
-            _cleared.add(place.parent)
-        scratch, lock = _beside(place, 0o666 if mode is None else mode)
-        try:
-            if mode is None and place.exists():
-                place.open("ab").close()  # one that may not be written is not replaced either
-                scratch.chmod(place.stat().st_mode & 0o7777)
-            yield scratch
+    with _named(path), _beside(path, mode) as (scratch, place):
+        yield scratch
+        if scratch != place:
             _flush(scratch)
             os.replace(scratch, place)
-            with suppress(OSError):  # a folder that may not be read
-                _flush(place.parent)
-        finally:
-            with suppress(OSError):
-                scratch.unlink(missing_ok=True)
-            os.close(lock)
-    except OSError as cause:
-        raise unwritable(path, cause) from cause
+            _flush_folders([place.parent])
 
 
 @contextmanager
@@ -74,49 +55,105 @@ def scratch_folder() -> Iterator[Path]:
     removed before."""
     top = Path(tempfile.gettempdir())
     for left in top.glob(f"{FOLDER}*"):
-        lock = _lock(left)
-        if lock is not None:
-            shutil.rmtree(left, ignore_errors=True)
-            os.close(lock)
-    while True:
-        folder = Path(tempfile.mkdtemp(prefix=FOLDER))
-        lock = _lock(folder)
-        if folder.is_dir():  # not taken for one that was left, before it was locked
-            break
-    try:
+        _remove_if_abandoned(left)
+    with _held_folder(lambda: Path(tempfile.mkdtemp(prefix=FOLDER))) as folder:
         yield folder
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
-        if lock is not None:
-            os.close(lock)
 
 
 def write_file(path: Path, content: str | bytes, mode: int | None = None) -> None:
     """Write a file, as `replaced` does; text in UTF-8."""
     with replaced(path, mode) as scratch:
-        scratch.write_bytes(content.encode() if isinstance(content, str) else content)
+        scratch.write_bytes(_encoded(content))
 
 
 def write_files(contents: Mapping[Path, str | bytes]) -> None:
-    """Write several files: all, or, if one cannot be written, none."""
+    """Write several files: all, or, if one cannot be written, none.
+
+    All are on the disk, beside their places, before the first is moved. The files of one new folder appear at
+    once, with the folder. Others are moved one right after the other: a process that is killed between two of
+    these moves leaves some new files and some older ones, each of them whole. A move that fails is undone,
+    and so are those before it; on a file system without hard links only those of new files.
+    """
+    tops = {_first_missing(path) for path in contents}
+    (top,) = tops if len(tops) == 1 else (None,)
+    if top is None or not _write_folder(top, contents):
+        _write_beside(contents)
+
+
+def _write_folder(top: Path, contents: Mapping[Path, str | bytes]) -> bool:
+    """Write files into a folder that is not there; False if another process has made it meanwhile."""
+    with _named(top):
+        top.parent.mkdir(parents=True, exist_ok=True)
+        _clear(top.parent)
+        with _held_folder(lambda: _made(_scratch_name(top))) as scratch:
+            for path, content in contents.items():
+                with _named(path):
+                    own = scratch / Path(os.path.realpath(path)).relative_to(top)
+                    own.parent.mkdir(parents=True, exist_ok=True)
+                    own.write_bytes(_encoded(content))
+                    _flush(own)
+            _flush_folders(Path(place) for place, _, _ in os.walk(scratch))
+            try:
+                os.rename(scratch, top)
+            except OSError as cause:
+                if cause.errno in (errno.ENOTEMPTY, errno.EEXIST, errno.ENOTDIR):
+                    return False
+                raise
+            _flush_folders([top.parent])
+    return True
+
+
+def _write_beside(contents: Mapping[Path, str | bytes]) -> None:
+    """Write files of which some may be there."""
+    moves: list[tuple[Path, Path, Path]] = []
     with ExitStack() as stack:
         for path, content in contents.items():
-            scratch = stack.enter_context(replaced(path))
-            scratch.write_bytes(content.encode() if isinstance(content, str) else content)
-            _flush(scratch)
+            stack.enter_context(_named(path))
+            scratch, place = stack.enter_context(_beside(path))
+            scratch.write_bytes(_encoded(content))
+            if scratch != place:
+                _flush(scratch)
+                moves.append((path, scratch, place))
+        undo = [stack.enter_context(_older(place)) for _, _, place in moves]
+        try:
+            for path, scratch, place in moves:
+                with _named(path):
+                    os.replace(scratch, place)
+        except BaseException:
+            for bring_back in undo:
+                with suppress(OSError):
+                    bring_back()
+            raise
+        _flush_folders({place.parent for _, _, place in moves})
+
+
+@contextmanager
+def _older(place: Path) -> Iterator[Callable[[], object]]:
+    """A function that brings back what a place holds now: its file, which has a second name meanwhile, or
+    nothing."""
+    if not place.exists():
+        yield lambda: place.unlink(missing_ok=True)
+        return
+    kept = _scratch_name(place)
+    try:
+        os.link(place, kept)
+    except OSError:  # a disk without links
+        yield lambda: None
+        return
+    lock = _lock(kept)
+    try:
+        yield lambda: os.replace(kept, place)
+    finally:
+        with suppress(OSError):
+            kept.unlink(missing_ok=True)
+        if lock is not None:
+            os.close(lock)
 
 
 def check_writable(path: Path) -> None:
     """Raise ModelgenError if `replaced` could not begin; leaves no file behind."""
-    place = Path(os.path.realpath(path))
-    try:
-        if place.exists():
-            place.open("ab").close()
-        scratch, lock = _beside(place, 0o666)
-        scratch.unlink()
-        os.close(lock)
-    except OSError as cause:
-        raise unwritable(path, cause) from cause
+    with _named(path), _beside(path):
+        pass
 
 
 def unwritable(path: Path, cause: OSError) -> ModelgenError:
@@ -128,25 +165,110 @@ def unwritable(path: Path, cause: OSError) -> ModelgenError:
 
 
 def remove_abandoned(folder: Path) -> None:
-    """Remove the files that processes which were killed have left half written in a folder."""
+    """Remove the files and folders that processes which were killed have left half written in a folder."""
     with suppress(OSError):
         for name in os.listdir(folder):
-            if SCRATCH_NAME.match(name) and (lock := _lock(folder / name)) is not None:
-                with suppress(OSError):
-                    os.unlink(folder / name)
-                os.close(lock)
+            if SCRATCH_NAME.match(name):
+                _remove_if_abandoned(folder / name)
 
 
-def _beside(place: Path, mode: int) -> tuple[Path, int]:
-    """A new file in the folder of a place, with the same ending, and the handle that holds its lock."""
+def _remove_if_abandoned(path: Path) -> None:
+    """Remove a temporary file or folder, unless a process holds its lock."""
+    lock = _lock(path)
+    if lock is None:
+        return
+    with suppress(OSError):
+        if path.is_dir():
+            shutil.rmtree(path, ignore_errors=True)
+        else:
+            os.unlink(path)
+    os.close(lock)
+
+
+def _clear(folder: Path) -> None:
+    """Remove what others left in a folder, once a process."""
+    if folder not in _cleared:
+        remove_abandoned(folder)
+        _cleared.add(folder)
+
+
+@contextmanager
+def _named(path: Path) -> Iterator[None]:
+    """Errors of the operating system are those of this file."""
+    try:
+        yield
+    except OSError as cause:
+        raise unwritable(path, cause) from cause
+
+
+@contextmanager
+def _beside(path: Path, mode: int | None = None) -> Iterator[tuple[Path, Path]]:
+    """A new file, which is removed if it is still there when the block ends, and the place that it is to
+    take; of what is no file, the place itself."""
+    place = Path(os.path.realpath(path))
+    if place.exists() and not place.is_file():
+        yield place, place
+        return
+    place.parent.mkdir(parents=True, exist_ok=True)
+    _clear(place.parent)
     while True:
-        scratch = place.with_name(f"{SCRATCH}{secrets.token_hex(8)}{place.suffix}")
-        handle = os.open(scratch, os.O_RDWR | os.O_CREAT | os.O_EXCL, mode)
-        with suppress(OSError):  # a disk without locks: then nothing there is ever taken for abandoned
-            fcntl.flock(handle, fcntl.LOCK_EX)
-        if scratch.exists():  # not taken for one that was left, before it was locked
-            return scratch, handle
-        os.close(handle)
+        scratch = _scratch_name(place)
+        lock = os.open(scratch, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666 if mode is None else mode)
+        if _hold(scratch, lock):
+            break
+    try:
+        if mode is None and place.exists():
+            place.open("ab").close()  # one that may not be written is not replaced either
+            scratch.chmod(place.stat().st_mode & 0o7777)
+        yield scratch, place
+    finally:
+        with suppress(OSError):
+            scratch.unlink(missing_ok=True)
+        os.close(lock)
+
+
+@contextmanager
+def _held_folder(make: Callable[[], Path]) -> Iterator[Path]:
+    """A new folder, which is removed if it is still there when the block ends."""
+    while True:
+        folder = make()
+        with suppress(FileNotFoundError):
+            lock = os.open(folder, os.O_RDONLY)
+            if _hold(folder, lock):
+                break
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+        os.close(lock)
+
+
+def _made(folder: Path) -> Path:
+    folder.mkdir()
+    return folder
+
+
+def _scratch_name(place: Path) -> Path:
+    """A name for what is to take a place, in the same folder, with the same ending."""
+    return place.with_name(f"{SCRATCH}{secrets.token_hex(8)}{place.suffix}")
+
+
+def _first_missing(path: Path) -> Path | None:
+    """The highest folder of a file that is not there; None where all are."""
+    with _named(path):
+        place = Path(os.path.realpath(path))
+        return next((each for each in reversed(place.parents) if not each.exists()), None)
+
+
+def _hold(path: Path, handle: int) -> bool:
+    """Lock a new file or folder; False, with the handle closed, where another process has taken it for one
+    that was left, and removed it, before."""
+    with suppress(OSError):  # a disk without locks: then nothing there is ever taken for abandoned
+        fcntl.flock(handle, fcntl.LOCK_EX)
+    if path.exists():
+        return True
+    os.close(handle)
+    return False
 
 
 def _lock(path: Path) -> int | None:
@@ -164,6 +286,10 @@ def _lock(path: Path) -> int | None:
     return handle
 
 
+def _encoded(content: str | bytes) -> bytes:
+    return content.encode() if isinstance(content, str) else content
+
+
 def _flush(path: Path) -> None:
     """Wait until a file or folder is on the disk."""
     handle = os.open(path, os.O_RDONLY)
@@ -171,3 +297,10 @@ def _flush(path: Path) -> None:
         os.fsync(handle)
     finally:
         os.close(handle)
+
+
+def _flush_folders(folders: Iterable[Path]) -> None:
+    """Wait until the names in folders are on the disk; nothing for those that may not be read."""
+    for folder in folders:
+        with suppress(OSError):
+            _flush(folder)

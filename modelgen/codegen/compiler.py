@@ -204,10 +204,11 @@ def run_compiler(command: list[str], folder: Path, log: Path) -> None:
     if answer.returncode == 0 and made.is_file() and made.stat().st_size:
         return
     put(log, f"$ {shlex.join(command)}\n{answer.stdout}{answer.stderr}")
-    first = next((line for line in answer.stderr.splitlines() if "error" in line), f"no file {made.name!r}")
-    raise LibraryError(
-        shlex.join(command),
-        f"the compiler ended with {answer.returncode}: {first}",
-        "",
-        f"its output is in {log}",
-    )
+    found = f"the compiler ended with {answer.returncode}: {first_error(answer) or f'no file {made.name!r}'}"
+    wrong = "" if answer.returncode else "CC names no C compiler: correct or unset it; "
+    raise LibraryError(shlex.join(command), found, "", f"{wrong}its output is in {log}")
+
+
+def first_error(answer: subprocess.CompletedProcess[str]) -> str:
+    """The first line in which a program tells of an error; empty where there is none."""
+    return next((line for line in answer.stderr.splitlines() if "error" in line), "")

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.assembly import require
+from modelgen.codegen.built_files import cache_folder
 from modelgen.codegen.compiler import LEVEL, Compiler, compiler_version, run_compiler
 from modelgen.codegen.core_cache import runtime_object
 from modelgen.codegen.emit import Package
@@ -189,5 +190,6 @@ def _module(compiler: Compiler, texts: Mapping[str, str]) -> bytes:
         for file, text in texts.items():
             (folder / file).write_text(text, encoding="utf-8")
         units: Sequence[str] = ("page.c", str(core))
-        run_compiler([*compiler.command, *FLAGS, *LINK, "-o", MODULE, *units], folder, folder / LOG)
+        command = [*compiler.command, *FLAGS, *LINK, "-o", MODULE, *units]
+        run_compiler(command, folder, cache_folder() / LOG)
         return (folder / MODULE).read_bytes()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,7 +11,8 @@ from pathlib import Path
 
 from modelgen.benchmark.callgrind_counts import counted, why_not_counted
 from modelgen.codegen.amalgamation import header_text
-from modelgen.codegen.compiler import run_program
+from modelgen.codegen.compiler import first_error, run_program
+from modelgen.errors import ModelgenError
 from modelgen.export.scene_header_and_tables import source
 from modelgen.file_writing import scratch_folder
 
@@ -47,7 +49,10 @@ class Footprint:
 
 
 def footprint_of(files: Mapping[str, str], defines: tuple[str, ...]) -> Footprint | None:
-    """The figures of an exported folder, given as texts; None without gcc."""
+    """The figures of an exported folder, given as texts; None without gcc.
+
+    Raises ModelgenError where gcc, or what it has made, fails.
+    """
     gcc = shutil.which("gcc")
     if gcc is None:
         return None
@@ -109,12 +114,13 @@ class _Tools:
 
     def compile(self, *words: str) -> None:
         """Run gcc on files of the folder."""
-        command = [self.gcc, *FLAGS, *self.defines, *words]
-        run_program(command, self.folder).check_returncode()
+        self._said([self.gcc, *FLAGS, *self.defines, *words])
 
     def _said(self, command: list[str]) -> str:
         done = run_program(command, self.folder)
-        done.check_returncode()
+        if done.returncode:
+            found = f"it ended with {done.returncode}: {first_error(done) or done.stderr.strip()}"
+            raise ModelgenError(shlex.join(command), found, "", "export with --no-figures")
         return done.stdout.strip()
 
 

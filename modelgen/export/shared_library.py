@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from modelgen.codegen.built_files import cache_folder
 from modelgen.codegen.compiler import LIBRARIES, SHARED, Compiler, run_compiler
 from modelgen.file_writing import scratch_folder
 
@@ -15,11 +16,11 @@ def shared_library(
 ) -> bytes:
     """The library of `units`, which are files of `texts` or objects with their full path.
 
-    Raises LibraryError where the compiler fails.
+    Raises LibraryError where the compiler fails; the message names the log, which lies in the cache folder.
     """
     with scratch_folder() as folder:
         for file, text in texts.items():
             (folder / file).write_text(text, encoding="utf-8")
         command = [*compiler.command, *flags, *SHARED, "-o", NAME, *units, *LIBRARIES]
-        run_compiler(command, folder, folder / LOG)
+        run_compiler(command, folder, cache_folder() / LOG)
         return (folder / NAME).read_bytes()

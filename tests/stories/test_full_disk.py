@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import resource
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,7 +14,8 @@ from typing import Any
 
 import pytest
 
-from modelgen.file_writing import replaced, write_file, write_files
+from modelgen.file_writing import SCRATCH, replaced, write_file, write_files
+from tests.stories.failing_operations import FILES, KILLED, OVERCOME, REFUSED, UNTOUCHED, texts
 
 Modelgen = Callable[..., Any]
 ROOT = Path(__file__).parents[2]
@@ -103,3 +107,40 @@ def test_of_several_files_all_are_written_or_none(tmp_path: Path) -> None:
     assert not contents(tmp_path)
     write_files(files)
     assert len(contents(tmp_path)) == 5
+
+
+def attempts(mode: str, folder: Path, before: dict[str, str]) -> list[tuple[int, dict[str, str]]]:
+    """How writing FILES ended and what it left, for each operation that fails, or is not reached alive."""
+    command = [sys.executable, "-m", "tests.stories.failing_operations", mode, folder, json.dumps(before)]
+    told = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    *found, last = json.loads(told.stdout)
+    assert last == [UNTOUCHED, before | FILES]
+    assert len(found) > 3 * len(FILES)
+    assert set(texts(folder.parent)) == {f"{folder.name}/{name}" for name in before | FILES}
+    return [(code, left) for code, left in found]
+
+
+def test_files_of_a_new_folder_appear_at_once(tmp_path: Path) -> None:
+    folder = tmp_path / "set"
+    for code, left in attempts("fails", folder, {}):
+        assert (code, left) in ((REFUSED, {}), (OVERCOME, FILES))
+    for code, left in attempts("killed", folder, {}):
+        assert code == KILLED
+        assert left in ({}, FILES)
+
+
+def test_files_in_a_folder_that_is_there_are_all_new_or_all_old(tmp_path: Path) -> None:
+    """Unless the process is killed between two of the moves: then some are new and some old, each whole."""
+    folder, before = tmp_path / "set", {"a.c": "old", "b.h": "old", "notes": "own"}
+    for code, left in attempts("fails", folder, before):
+        assert (code, left) in ((REFUSED, before), (OVERCOME, before | FILES))
+    mixed = 0
+    for code, left in attempts("killed", folder, before):
+        assert code == KILLED
+        named = {name: text for name, text in left.items() if not Path(name).name.startswith(SCRATCH)}
+        assert all(text in (before.get(name), FILES.get(name)) for name, text in named.items())
+        assert before.keys() <= named.keys()
+        mixed += named not in (before, before | FILES)
+    assert mixed < len(FILES)
+    write_files({folder / name: text for name, text in FILES.items()})
+    assert texts(folder) == before | FILES
