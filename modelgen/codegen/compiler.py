@@ -108,6 +108,8 @@ def _command() -> tuple[str, ...]:
     except ValueError as error:
         found = f"{os.environ['CC']!r} is no command: {error}"
         raise CompilerMissing("CC", found, "", "correct CC, or unset it to use cc, gcc or clang") from None
+    if named and os.sep in named[0] and shutil.which(named[0]):  # relative to here, and run in other folders
+        return (os.path.abspath(named[0]), *named[1:])
     return named or _first_installed()
 
 

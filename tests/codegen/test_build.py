@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import random
+import shlex
 import shutil
 import stat
 import subprocess
@@ -23,10 +24,10 @@ from modelgen.codegen.emit import Package
 from modelgen.codegen.library import Library
 from modelgen.codegen.manifest import INSTANCE, STRUCTURE
 from modelgen.errors import CompilerMissing, LibraryError
+from tests.c_compiler import CC, needs_c
 from tests.model.scenes import TABLE, contact, egg, scene
 
-CC = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
-pytestmark = pytest.mark.skipif(CC is None, reason="needs a C compiler")
+pytestmark = needs_c
 
 
 def package(axes: str = "[0.12, 0.09, 0.07]", more: str = "density = 1000.0", form: str = "auto") -> Package:
@@ -40,8 +41,8 @@ def quick_compiler(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A compiler that does not optimise and writes its arguments as one line to the file that CALLS names."""
     script = tmp_path_factory.mktemp("compiler") / "cc"
     script.write_text(
-        f'#!/bin/sh\ncase "$*" in *--version*) exec {CC} --version;; esac\n'
-        f'echo "$*" >> "$CALLS"\nexec {CC} "$@" -O0\n'
+        f'#!/bin/sh\ncase "$*" in *--version*) exec {shlex.join(CC)} --version;; esac\n'
+        f'echo "$*" >> "$CALLS"\nexec {shlex.join(CC)} "$@" -O0\n'
     )
     script.chmod(script.stat().st_mode | stat.S_IXUSR)
     return script
@@ -185,6 +186,16 @@ def test_without_a_compiler_what_was_built_for_this_processor_is_taken(
         build(package(), folder=tmp_path / "out")
 
 
+def test_a_compiler_may_be_named_from_the_current_folder(
+    calls: Path, quick_compiler: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What it compiles lies in other folders."""
+    monkeypatch.chdir(quick_compiler.parent)
+    monkeypatch.setenv("CC", f"./{quick_compiler.name}")
+    assert build(package(), folder=tmp_path / "out").path.is_file()
+    assert count(calls) == 1
+
+
 @pytest.mark.parametrize("command", ["no-such-compiler", "false", "'", '"cc'])
 def test_a_wrong_cc_is_named(command: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("CC", command)
@@ -245,7 +256,7 @@ def test_a_renamed_foreign_or_missing_library_is_refused(calls: Path, tmp_path: 
     shutil.copy(library.path, renamed)
     (tmp_path / "text.so").write_text("not a library")
     (tmp_path / "empty.c").write_text("int nothing;\n")
-    os.system(f"{CC} -shared -fPIC -o {tmp_path}/foreign.so {tmp_path}/empty.c")
+    subprocess.run([*CC, "-shared", "-fPIC", "-o", "foreign.so", "empty.c"], cwd=tmp_path, check=True)
     (tmp_path / "planted.so").write_bytes((tmp_path / "foreign.so").read_bytes())
     for name in (renamed.name, "text.so", "foreign.so"):
         seal(tmp_path / name)
