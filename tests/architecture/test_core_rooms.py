@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import re
-import shutil
 import subprocess
 from collections.abc import Iterator
 from graphlib import TopologicalSorter
 from pathlib import Path
 
-import pytest
-
 from tests.architecture.sources import PACKAGE
+from tests.c_compiler import CC, needs_c
 
 CORE = PACKAGE / "core"
 ROOMS = (  # each may use those before it
@@ -19,7 +17,6 @@ ROOMS = (  # each may use those before it
     *("integrate", "features", "patch", "impact", "events", "timestep", "run", "sensitivity"),
 )
 BODILESS = ("elementary", "base", "solve/lcp", "solve/friction", "region")  # they know no body and no scene
-CC = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
 FUNCTION = re.compile(r"^(?:MG_API|MG_INTERNAL|static)\b[^;{}=]*?\b(mg_\w+)\([^;{]*\)\s*\{", re.MULTILINE)
 
 
@@ -115,9 +112,9 @@ def test_functions_that_one_file_uses_are_static() -> None:
     assert not {name for name in shared - named if len(users[name]) < 2}
 
 
-@pytest.mark.skipif(CC is None, reason="needs a C compiler")
+@needs_c
 def test_each_file_compiles_by_itself() -> None:
     strict = ["-std=c99", "-fsyntax-only", "-Wall", "-Wextra", "-Werror", "-Wmissing-prototypes", "-Wshadow"]
-    command = [str(CC), *strict, "-DMG_INTERNAL=", f"-I{CORE}"]
+    command = [*CC, *strict, "-DMG_INTERNAL=", f"-I{CORE}"]
     done = subprocess.run([*command, *map(str, sources())], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr[:4000]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import sys
 from itertools import pairwise
@@ -15,9 +14,9 @@ from modelgen import derive, emit, require
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import REAL_FLAGS
 from modelgen.scene.scene_types import Scene
+from tests.c_compiler import CC, needs_c
 from tests.model.scenes import TABLE, WIDE, ball_on_table, contact, egg, scene
 
-CC = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
 PRINT_HASH = """
 import hashlib
 from modelgen import derive, emit, require
@@ -53,12 +52,12 @@ def test_text_is_the_same_in_every_process() -> None:
 @pytest.mark.cases(2)
 @pytest.mark.parametrize("real", REAL_FLAGS)
 @pytest.mark.parametrize("made", [WIDE, ball_on_table()], ids=["wide", "ball"])
-@pytest.mark.skipif(CC is None, reason="needs a C compiler")
+@needs_c
 def test_text_compiles_without_a_warning(made: Scene, real: str, tmp_path: Path) -> None:
     source = write(emit(derive(require(made))), tmp_path)
     strict = ["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", "-pedantic", *REAL_FLAGS[real]]
     answer = subprocess.run(
-        [str(CC), *strict, "-c", source.name, "-o", "model.o"], cwd=tmp_path, capture_output=True, text=True
+        [*CC, *strict, "-c", source.name, "-o", "model.o"], cwd=tmp_path, capture_output=True, text=True
     )
     assert answer.returncode == 0, answer.stderr[:2000]
 

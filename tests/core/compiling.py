@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import shutil
 import subprocess
 from dataclasses import dataclass
 from hashlib import sha256
@@ -12,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from tests.c_compiler import CC
 from tests.running import held, pool
 
 CORE = Path(__file__).parents[2] / "modelgen" / "core"
@@ -33,10 +33,6 @@ class CoreBuild:
     dtype: Any
 
 
-def compiler() -> str | None:
-    return next((found for name in ("cc", "gcc", "clang") if (found := shutil.which(name))), None)
-
-
 def includes(*rooms: str) -> str:
     """Lines that include the sources of some rooms of the core, of all if none is named."""
     folders = [CORE / room for room in rooms] or [CORE]
@@ -51,7 +47,7 @@ def compile_core(text: str, *flags: str) -> Path:
 
 def compile_text(text: str, *flags: str) -> Path:
     """The file that a text of C gives with the core beside it, compiled once in a test run."""
-    command = [str(compiler()), *WARNINGS, f"-I{CORE}", *flags]
+    command = [*CC, *WARNINGS, f"-I{CORE}", *flags]
     folder = pool() / sha256("\0".join([*command, text]).encode()).hexdigest()[:16]
     folder.mkdir(parents=True, exist_ok=True)
     unit, out = folder / "unit.c", folder / "unit.out"

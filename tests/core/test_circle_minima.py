@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.core.compiling import compile_text, compiler, includes
+from tests.c_compiler import CC
+from tests.core.compiling import compile_text, includes
 
 EXPORT = """
 MG_API int tell(const mg_real *place, const mg_real *size, mg_real gap) {
@@ -31,8 +32,8 @@ Tell = Callable[[Circles, float], int]
 
 @pytest.fixture(scope="module")
 def tell() -> Tell:
-    if compiler() is None:
-        pytest.skip("no C compiler on the path")
+    if not CC:
+        pytest.skip("needs a C compiler")
     function = ctypes.CDLL(str(compile_text(includes() + EXPORT, "-O1", "-w", "-shared", "-fPIC"))).tell
 
     def call(circles: Circles, gap: float) -> int:

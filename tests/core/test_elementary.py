@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import ctypes
 import math
-import shlex
 import struct
 import subprocess
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from pathlib import Path
 
@@ -17,10 +16,11 @@ from mpmath import mp, mpf
 
 from tests.benchmarks import elementary_constants
 from tests.benchmarks.same_bits import MACHINES
-from tests.core.compiling import CORE, WARNINGS, compiler, includes
+from tests.c_compiler import CC, needs_c
+from tests.core.compiling import CORE, WARNINGS, includes
 from tests.export.folders import ZIG, needs_zig, runner, said
 
-pytestmark = pytest.mark.skipif(compiler() is None, reason="needs a C compiler")
+pytestmark = needs_c
 
 ONE = ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "asinh")
 TWO = ("atan2", "pow", "hypot")
@@ -28,12 +28,12 @@ POINTS = 60  # of each decade or place
 PRECISION = 200  # bits of the reference; arguments are doubles, reduced by mpmath exactly
 
 
-def compiled(folder: Path, command: str, *flags: str, text: str = "") -> Path:
+def compiled(folder: Path, command: Sequence[str], *flags: str, text: str = "") -> Path:
     """The room of the functions, and `text` after it, in one file."""
     unit, out = folder / "unit.c", folder / "unit.out"
     unit.write_text(includes("elementary") + text)
     words = [
-        *command.split(),
+        *command,
         *WARNINGS,
         "-ffp-contract=off",
         f"-I{CORE}",
@@ -52,7 +52,7 @@ def compiled(folder: Path, command: str, *flags: str, text: str = "") -> Path:
 def own(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Callable[..., float]]:
     """The functions of the core by name, each from doubles to a double."""
     folder = tmp_path_factory.mktemp("elementary")
-    library = ctypes.CDLL(str(compiled(folder, str(compiler()), "-O2", "-shared", "-fPIC")))
+    library = ctypes.CDLL(str(compiled(folder, CC, "-O2", "-shared", "-fPIC")))
     found = {}
     for name in (*ONE, *TWO):
         function = getattr(library, f"mg_{name}")
@@ -262,11 +262,11 @@ int main(void) {
 
 @pytest.fixture(scope="module")
 def digest(tmp_path_factory: pytest.TempPathFactory) -> str:
-    return said(compiled(tmp_path_factory.mktemp("digest"), str(compiler()), "-O0", text=DIGEST))[0]
+    return said(compiled(tmp_path_factory.mktemp("digest"), CC, "-O0", text=DIGEST))[0]
 
 
 def test_bits_do_not_depend_on_optimisation(digest: str, tmp_path: Path) -> None:
-    fast = compiled(tmp_path, str(compiler()), "-O3", "-march=native", text=DIGEST)
+    fast = compiled(tmp_path, CC, "-O3", "-march=native", text=DIGEST)
     assert said(fast)[0] == digest
 
 
@@ -277,7 +277,7 @@ def test_bits_do_not_depend_on_the_machine(machine: str, digest: str, tmp_path: 
     by = runner(machine, tmp_path)
     if by is None:
         pytest.skip(f"nothing runs programs of {machine} here")
-    program = compiled(tmp_path, shlex.join(ZIG), "-O2", "-target", machine, text=DIGEST)
+    program = compiled(tmp_path, ZIG, "-O2", "-target", machine, text=DIGEST)
     assert said(program, by=by)[0] == digest
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
 
+from tests.c_compiler import CC
 from tests.core.compiling import CORE, includes
 
 HERE = Path(__file__).parent
@@ -26,13 +26,10 @@ def impact_times(count: int) -> list[float]:
 
 
 def run_driver(folder: Path, flags: list[str]) -> list[list[str]]:
-    compiler = shutil.which("gcc") or shutil.which("cc")
-    if compiler is None:
-        pytest.skip("no C compiler")
     unit = folder / "unit.c"
     before, after = (f'#include "{HERE / name}"\n' for name in ("bouncing_kinds.c", "bouncing_driver.c"))
     unit.write_text(before + includes() + after)
-    command = [compiler, "-std=c99", "-O0", "-Wall", "-Wextra", "-Werror"]
+    command = [*CC, "-std=c99", "-O0", "-Wall", "-Wextra", "-Werror"]
     command += [*flags, f"-I{CORE}", str(unit), "-o", str(folder / "driver"), "-lm"]
     subprocess.run(command, check=True)
     done = subprocess.run([folder / "driver"], check=True, capture_output=True, text=True)

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.core.compiling import compile_text, compiler, includes
+from tests.c_compiler import CC
+from tests.core.compiling import compile_text, includes
 
 EXPORT = """
 MG_API void rotate(mg_real *e, const mg_real *angle) { mg_rotate_quaternion(e, angle); }
@@ -19,8 +20,8 @@ MG_API void rotate(mg_real *e, const mg_real *angle) { mg_rotate_quaternion(e, a
 @pytest.fixture(scope="module")
 def rotate() -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
     """The core's first-order rotation of a quaternion (w, x, y, z) by a vector in body axes, rad."""
-    if compiler() is None:
-        pytest.skip("no C compiler on the path")
+    if not CC:
+        pytest.skip("needs a C compiler")
     function = ctypes.CDLL(str(compile_text(includes() + EXPORT, "-O0", "-w", "-shared", "-fPIC"))).rotate
 
     def call(quaternion: np.ndarray, angle: np.ndarray) -> np.ndarray:

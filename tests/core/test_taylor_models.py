@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 
 from modelgen.codegen.bounds_programs import bounds_program
-from tests.core.compiling import CORE, compile_core, compiler
+from tests.c_compiler import needs_c
+from tests.core.compiling import CORE, compile_core
 
-pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
+pytestmark = needs_c
 
 HEADER = (CORE / "base" / "taylor_models.h").read_text()
 CODES = {name: code for code, name in enumerate(re.findall(r"^  MG_OP_(\w+)", HEADER, re.MULTILINE))}

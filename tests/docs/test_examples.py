@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import shlex
-import shutil
 import subprocess
 from collections.abc import Iterable
 from pathlib import Path
@@ -16,9 +15,8 @@ from modelgen import require
 from modelgen.cli.command_group import app
 from modelgen.cli.manual import page, script_of
 from modelgen.scene.read import read_text
+from tests.c_compiler import needs_c
 from tests.docs.pages import EXAMPLES, MANUAL, PAGES, blocks
-
-CC = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
 
 # What a block without bodies of its own is put into: keys of a contact or of the scene, or whole tables.
 TABLES = """
@@ -126,7 +124,7 @@ def run_commands(lines: Iterable[str]) -> None:
         assert result.exit_code == 0, f"{line}\n{result.output}"
 
 
-@pytest.mark.skipif(CC is None, reason="no C compiler")
+@needs_c
 def test_the_c_program_compiles_and_runs(workplace: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """By the line that the manual prints, without optimisation, which takes longer than the rest."""
     monkeypatch.chdir(workplace)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.c_compiler import CC, needs_c
 from tests.export.folders import ZIG, compiled, exported, needs_gcc, needs_zig, runner, said
 
 TARGETS = ("aarch64-linux-musl", "arm-linux-musleabihf", "x86_64-windows-gnu", "wasm32-wasi")
@@ -16,10 +17,10 @@ SCENES_OF_KINDS = (  # patches, inputs, joints, limits
 )
 
 
-@needs_gcc
+@needs_c
 def test_the_self_test_compiles_without_a_warning_and_passes(tmp_path: Path) -> None:
     folder = exported("sphere_slide_to_roll", "c", tmp_path)
-    _, told = said(compiled(folder, ["gcc"], "selftest", "-O0"))
+    _, told = said(compiled(folder, CC, "selftest", "-O0"))
     assert re.search(r"11 of 11 vectors, .*saved state goes on alike; passed", told)
 
 
@@ -33,7 +34,7 @@ def test_the_self_test_passes_under_sanitizers(name: str, real: str, tmp_path: P
     assert "equal to the last bit" in told
 
 
-@needs_gcc
+@needs_c
 @pytest.mark.slow
 def test_a_self_test_fails_where_a_number_is_another(tmp_path: Path) -> None:
     folder = exported("sphere_slide_to_roll", "c", tmp_path)
@@ -41,7 +42,7 @@ def test_a_self_test_fails_where_a_number_is_another(tmp_path: Path) -> None:
     assert "scene->input" in text
     (folder / "scene.c").write_text(text.replace("-0x1.39eb851eb851fp+3", "-0x1.39eb951eb851fp+3"))
     with pytest.raises(AssertionError, match="FAILED"):
-        said(compiled(folder, ["gcc"], "selftest", "-O0"))
+        said(compiled(folder, CC, "selftest", "-O0"))
 
 
 @needs_zig

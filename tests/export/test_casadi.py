@@ -10,7 +10,8 @@ import casadi as ca
 import numpy as np
 
 from modelgen import derive, read, require
-from tests.export.folders import exported, needs_gcc
+from tests.c_compiler import needs_c
+from tests.export.folders import exported
 from tests.running import SCENES
 
 BARRED = """
@@ -39,7 +40,7 @@ print(len(functions), *[repr(float(x)) for v in values for x in v.full().ravel()
 )
 
 
-@needs_gcc
+@needs_c
 def test_the_folder_loads_where_modelgen_cannot_be_imported(tmp_path: Path) -> None:
     folder = exported("ellipsoid_on_plane", "casadi", tmp_path)
     derivation = derive(require(read(SCENES / "ellipsoid_on_plane.toml")))

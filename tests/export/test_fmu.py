@@ -14,7 +14,8 @@ from modelgen import simulate
 from modelgen.codegen.compiler import FLAGS
 from modelgen.errors import ModelgenError
 from modelgen.export import fmu
-from tests.export.folders import exported, needs_gcc
+from tests.c_compiler import needs_c
+from tests.export.folders import exported
 from tests.running import scene_of
 
 fmpy = pytest.importorskip("fmpy")
@@ -91,7 +92,7 @@ class Slave:
         return (self.fmu.deSerializeFMUstate if self.is_2 else self.fmu.deserializeFMUState)(data)
 
 
-@needs_gcc
+@needs_c
 @VERSIONS
 def test_an_fmu_is_valid_and_holds_its_sources(fmus: Path, version: int) -> None:
     from fmpy.validation import validate_fmu
@@ -101,7 +102,7 @@ def test_an_fmu_is_valid_and_holds_its_sources(fmus: Path, version: int) -> None
     assert {"sources/scene.c", "sources/modelgen_runtime.c", f"sources/fmi{version}.c"} <= set(names)
 
 
-@needs_gcc
+@needs_c
 @VERSIONS
 def test_an_fmu_runs_as_simulate_does(fmus: Path, version: int, tmp_path: Path) -> None:
     """Steps of the importer cut those of the run short, so that the two differ within the run's estimate."""
@@ -119,7 +120,7 @@ def test_an_fmu_runs_as_simulate_does(fmus: Path, version: int, tmp_path: Path) 
     assert (np.abs(np.array(told) - path.p[:, wheel]).max(axis=1) <= allowed).all()
 
 
-@needs_gcc
+@needs_c
 @VERSIONS
 def test_a_saved_state_goes_on_bit_for_bit_also_in_another_instance(
     fmus: Path, version: int, tmp_path: Path
@@ -141,7 +142,7 @@ def test_a_saved_state_goes_on_bit_for_bit_also_in_another_instance(
     assert then == first.get(*names) == second.get(*names)
 
 
-@needs_gcc
+@needs_c
 @VERSIONS
 def test_a_value_outside_of_the_range_of_its_input_is_refused(
     fmus: Path, version: int, tmp_path: Path
@@ -159,7 +160,7 @@ def test_a_scene_that_shows_nothing_is_refused(tmp_path: Path) -> None:
         exported("ball_in_bowl", "fmu", tmp_path)
 
 
-@needs_gcc
+@needs_c
 @pytest.mark.slow
 def test_an_fmu_of_a_scene_with_impacts_returns_early_at_each(tmp_path: Path) -> None:
     exported("bouncing_ball", "fmu", tmp_path, states=True)

@@ -18,8 +18,9 @@ import pytest
 from modelgen import ModelgenError, build, derive, emit, gradient, read, require
 from modelgen.codegen.library import Library
 from modelgen.runtime.sensitivity_directions import turned
+from tests.c_compiler import needs_c
 from tests.docs.pages import MANUAL, blocks
-from tests.export.folders import exported, needs_gcc
+from tests.export.folders import exported
 from tests.export.test_casadi import BARRED
 from tests.running import SCENES, folder
 
@@ -128,7 +129,7 @@ def own_gradient(name: str, found: dict[str, Any]) -> tuple[float, np.ndarray, n
     return mine.value, mine.gradient, np.array(theirs)
 
 
-@needs_gcc
+@needs_c
 @needs_jax
 @pytest.mark.parametrize("name", NAMED)
 def test_gradients_are_those_of_modelgen(name: str) -> None:
@@ -141,7 +142,7 @@ def test_gradients_are_those_of_modelgen(name: str) -> None:
     assert found["outcome"] == 0
 
 
-@needs_gcc
+@needs_c
 @needs_jax
 @pytest.mark.parametrize("name", NAMED)
 def test_lanes_and_compiled_functions_have_the_same_bits(name: str) -> None:
@@ -151,7 +152,7 @@ def test_lanes_and_compiled_functions_have_the_same_bits(name: str) -> None:
     assert found["jitted"]
 
 
-@needs_gcc
+@needs_c
 @needs_jax
 @pytest.mark.slow
 def test_inputs_of_each_interval_are_differentiated() -> None:
@@ -163,7 +164,7 @@ def test_inputs_of_each_interval_are_differentiated() -> None:
     assert along == pytest.approx(difference, rel=1e-8)
 
 
-@needs_gcc
+@needs_c
 @needs_jax
 def test_a_start_that_is_refused_has_an_outcome() -> None:
     assert told("bouncing_ellipsoid")["late"] != 0
@@ -205,7 +206,7 @@ print(json.dumps({"told": told, "allowed": allowed, "text": scene.outcomes["-2"]
 )
 
 
-@needs_gcc
+@needs_c
 @needs_jax
 def test_inputs_out_of_range_are_refused_by_name_and_in_transformed_functions_by_nan() -> None:
     """And other lanes have the bits of a run alone."""

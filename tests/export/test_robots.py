@@ -16,7 +16,8 @@ from modelgen.rotations import rotation_of
 from modelgen.scene.pose_input import _from_rpy
 from modelgen.scene.read import read_text
 from modelgen.scene.scene_types import Pose
-from tests.export.folders import exported, needs_gcc
+from tests.c_compiler import needs_c
+from tests.export.folders import exported
 from tests.running import scene_of
 
 ARM = """
@@ -73,7 +74,7 @@ def test_roll_pitch_and_yaw_turn_as_the_quaternion_does(rpy: tuple[float, float,
     assert again == pytest.approx(rotation_of(pose.quaternion), abs=1e-11)
 
 
-@needs_gcc
+@needs_c
 def test_mujoco_places_the_links_of_a_urdf_where_the_scene_has_its_bodies(tmp_path: Path) -> None:
     file = folder_of(ARM, "urdf", tmp_path) / "arm.urdf"
     root = ElementTree.parse(file).getroot()
@@ -112,7 +113,7 @@ limits = [-0.5, 1.0]
 """
 
 
-@needs_gcc
+@needs_c
 @pytest.mark.parametrize("is_turned", [False, True])
 @pytest.mark.parametrize(
     ("base", "arm", "joint"),
@@ -142,7 +143,7 @@ def test_names_of_a_scene_and_the_order_of_joints_are_free(
     assert found == pytest.approx([0.1 - 0.5 * np.sin(turn), 0.2 + 0.5 * np.cos(turn), 0.3], abs=1e-12)
 
 
-@needs_gcc
+@needs_c
 @pytest.mark.parametrize("name", ["ball", "world"])
 def test_a_body_of_any_name_is_in_mjcf(name: str, tmp_path: Path) -> None:
     mujoco = pytest.importorskip("mujoco")
@@ -169,7 +170,7 @@ def test_a_body_of_any_name_is_in_mjcf(name: str, tmp_path: Path) -> None:
     assert ("body world is called world_" in file.read_text()) == (name == "world")
 
 
-@needs_gcc
+@needs_c
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["ellipsoid_on_plane", "sphere_slide_to_roll", "ellipsoid_on_ellipsoid", "linked_rings"]

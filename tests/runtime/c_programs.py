@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 from pathlib import Path
-
-import pytest
 
 from modelgen import Accuracy, derive, emit, read, require
 from modelgen.codegen.amalgamation import HEADER, header_text
 from modelgen.runtime.c_initialisers import driver_text
 from modelgen.runtime.core_session import Session
+from tests.c_compiler import CC
 from tests.running import SCENES, scene_of
-
-CC = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
-
-needs_c = pytest.mark.skipif(CC is None, reason="needs a C compiler")
 
 
 def program_of(name: str, folder: Path, main: str, accuracy: Accuracy) -> Path:
@@ -29,6 +23,6 @@ def program_of(name: str, folder: Path, main: str, accuracy: Accuracy) -> Path:
     files = {**package.files, HEADER: header_text(), "run.c": text + main.format(size=size)}
     for file, content in files.items():
         (folder / file).write_text(content)
-    command = [str(CC), "-O1", "-std=c11", "run.c", str(library.path), f"-Wl,-rpath,{library.path.parent}"]
+    command = [*CC, "-O1", "-std=c11", "run.c", str(library.path), f"-Wl,-rpath,{library.path.parent}"]
     subprocess.run([*command, "-o", "run"], cwd=folder, check=True)
     return folder / "run"

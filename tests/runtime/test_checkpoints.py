@@ -19,8 +19,9 @@ from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError
 from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.trajectory import Event
+from tests.c_compiler import needs_c
 from tests.running import NAMES, SCENES, library_of, scene_of
-from tests.runtime.c_programs import needs_c, program_of
+from tests.runtime.c_programs import program_of
 
 HERE = Path(__file__).parent
 PER_SCENE = 6  # with 40 scenes, more than 200 instants

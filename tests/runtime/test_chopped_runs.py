@@ -16,9 +16,10 @@ from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.trajectory import SEARCH_EVENTS, Event
 from modelgen.scene.read import read_text
 from modelgen.scene.scene_types import Scene
+from tests.c_compiler import needs_c
 from tests.oracles import test_flat_places as flat_places
 from tests.running import NAMES, library_of, scene_of
-from tests.runtime.c_programs import needs_c, program_of
+from tests.runtime.c_programs import program_of
 
 BALANCED, TIGHT = Accuracy.balanced(), Accuracy.tight()
 LONGEST = 1.0  # s: how much of a run is compared

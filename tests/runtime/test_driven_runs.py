@@ -17,12 +17,12 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from modelgen import ModelgenError, simulate, start
-from modelgen.codegen.compiler import find_compiler
 from modelgen.codegen.library import Library
 from modelgen.errors import SceneError
 from modelgen.runtime.core_session import Session
 from modelgen.runtime.stepped_simulation import Simulation
 from modelgen.scene.read import read_text
+from tests.c_compiler import CC
 from tests.running import library_of, scene_of
 
 PUCK = """
@@ -251,7 +251,7 @@ def c_feedback(folder: Path) -> ctypes.CDLL:
         encoding="utf-8",
     )
     words = [
-        *find_compiler().command,
+        *CC,
         "-O1",
         "-shared",
         "-fPIC",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import shutil
 import subprocess
 import sys
@@ -18,6 +19,7 @@ from modelgen.cli import built_library_lookup
 from modelgen.cli.built_library_lookup import NAME, recall, scene_key
 from modelgen.cli.command_group import MODULES, app
 from modelgen.codegen.built_files import seal
+from tests.c_compiler import CC
 
 Modelgen = Callable[..., Any]
 ROOT = Path(__file__).parents[2]
@@ -123,7 +125,7 @@ def change_the_package(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def change_the_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("CC", f"{shutil.which('cc') or 'cc'} -fno-tree-vectorize")
+    monkeypatch.setenv("CC", f"{shlex.join(CC)} -fno-tree-vectorize")
 
 
 def change_the_processor(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -206,7 +208,7 @@ def test_a_library_beside_the_scene_of_another_user_is_not_loaded(
         "#include <stdio.h>\n__attribute__((constructor)) static void run(void)"
         f'{{ FILE *f = fopen("{mark}", "w"); if (f) fclose(f); }}\n'
     )
-    subprocess.run([shutil.which("cc") or "gcc", "-shared", "-fPIC", "-o", path, source], check=True)
+    subprocess.run([*CC, "-shared", "-fPIC", "-o", path, source], check=True)
     with monkeypatch.context() as other:
         other.setenv("MODELGEN_CACHE", str(tmp_path / "other user"))
         seal(path)

@@ -13,7 +13,8 @@ from modelgen.codegen.library import Library
 from modelgen.export.export_formats import Choices, export
 from modelgen.model import Model
 from modelgen.view.page import write_page
-from tests.export.folders import STRICT, needs_gcc
+from tests.c_compiler import CC, needs_c
+from tests.export.folders import STRICT
 
 DOUBT = "rounding decided whether an edge in the plane of a face was struck"
 SCENE = """
@@ -81,14 +82,14 @@ def test_groups_batches_and_environments(height: str, kinds: tuple[str, ...], tm
     assert infos == [{}, {}, {"doubts": "flush"} if kinds else {}]
 
 
-@needs_gcc
+@needs_c
 @JUDGED
 def test_exported_programs(height: str, kinds: tuple[str, ...], tmp_path: Path) -> None:
     export(
         derive(model_at(height, tmp_path)), "c", tmp_path / "c", tmp_path / "library", Choices(figures=False)
     )
     sources = ("scene.c", "modelgen_runtime.c", "example.c")
-    command = ["gcc", *STRICT, "-O0", *sources, "-lm", "-o", "example"]
+    command = [*CC, *STRICT, "-O0", *sources, "-lm", "-o", "example"]
     subprocess.run(command, cwd=tmp_path / "c", check=True)
     ran = subprocess.run([tmp_path / "c" / "example"], capture_output=True, text=True, check=True)
     assert ran.stderr == (f"not trusted: {DOUBT}\n" if kinds else "")
