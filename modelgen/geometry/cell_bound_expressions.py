@@ -5,23 +5,31 @@ The core evaluates these expressions in Taylor models over cells of the coordina
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 
 import casadi as ca
 
 from modelgen.geometry.charts import Jet
-from modelgen.geometry.curves import curve_of, is_curve
+from modelgen.geometry.curves import CurveJet, curve_of, is_curve, spline_derivative
 from modelgen.geometry.frames import cross, dot
 from modelgen.geometry.points import is_point
-from modelgen.geometry.surface_catalogue import exterior_sign, surface_of
+from modelgen.geometry.surface_catalogue import exterior_sign, spline_columns, surface_of
 from modelgen.geometry.surface_kernel import shape_parameters
 from modelgen.model import ShapeKind
+from modelgen.scene.expression import Cubic, Name
+from modelgen.scene.expression_algebra import cubics_in
+
+ORDERS = range(3)  # of the derivatives of a spline
+COORDINATES = {"t": 0, "u": 0, "v": 1}
 
 
 @cache
 def shape_bounds(kind: ShapeKind) -> ca.Function | None:
-    """The function of (coordinates, parameters) that the core bounds over cells; None for a point.
+    """The function of (coordinates, parameters, splines) that the core bounds over cells; None for a point.
 
+    The third argument has the values of shape_splines.
     Of a surface (12 numbers): x (m), unit exterior normal n, and W (1/m) with dn = W dx, as xx, yy, zz, xy,
     xz, yz.
     Of a curve (9 numbers): x (m), unit tangent, curvature vector (1/m). Axes of the shape.
@@ -29,27 +37,58 @@ def shape_bounds(kind: ShapeKind) -> ca.Function | None:
     if is_point(kind):
         return None
     argument, parameters = shape_parameters(kind)
+    names = {spline: f"spline_{k}" for k, spline in enumerate(shape_splines(kind))}
+    splines = ca.SX.sym("splines", len(names))
+    symbols = {name: parameters[k] for k, name in enumerate(kind.parameter_names)}
+    symbols |= {name: splines[k] for k, name in enumerate(names.values())}
     if is_curve(kind):
         coordinates = ca.SX.sym("t")
-        bounded = _of_curve(kind, coordinates, parameters)
+        bounded = _of_curve(_curve_jet(kind, coordinates, parameters, symbols, names))
     else:
         coordinates = ca.SX.sym("uv", 2)
-        bounded = _of_surface(kind, coordinates, parameters)
+        bounded = _of_surface(kind, _surface_jet(kind, coordinates, parameters, symbols, names), parameters)
     outputs = ca.cse([ca.densify(ca.simplify(bounded))])
-    return ca.Function(f"mg_{kind.name}_bounds", [coordinates, argument], outputs)
+    return ca.Function(f"mg_{kind.name}_bounds", [coordinates, argument, splines], outputs)
 
 
-def _of_curve(kind: ShapeKind, t: ca.SX, parameters: ca.SX) -> ca.SX:
-    jet = curve_of(kind).jet(t, parameters)
+@cache
+def shape_splines(kind: ShapeKind) -> tuple[Cubic, ...]:
+    """The splines of the coordinates in a chart or a curve, and their derivatives."""
+    own = kind.curve or kind.chart
+    found = [each for component in own.components for each in cubics_in(component.tree)] if own else []
+    of_coordinates = [
+        each for each in dict.fromkeys(found) if isinstance(each.x, Name) and each.x.id in COORDINATES
+    ]
+    return tuple(replace(each, order=order) for each in of_coordinates for order in ORDERS)
+
+
+def _curve_jet(
+    kind: ShapeKind, t: ca.SX, parameters: ca.SX, symbols: Mapping[str, ca.SX], names: Mapping[Cubic, str]
+) -> CurveJet:
+    if kind.curve is None or not names:
+        return curve_of(kind).jet(t, parameters)
+    at = {**symbols, "t": t}
+    return CurveJet(*(spline_derivative(kind.curve, order, at, names) for order in ORDERS))
+
+
+def _surface_jet(
+    kind: ShapeKind, uv: ca.SX, parameters: ca.SX, symbols: Mapping[str, ca.SX], names: Mapping[Cubic, str]
+) -> Jet:
+    if kind.chart is None or not names:
+        return surface_of(kind).jet(uv, parameters)
+    columns = ca.horzsplit(spline_columns(kind.chart, {**symbols, "u": uv[0], "v": uv[1]}, names))
+    return Jet(columns[0], ca.horzcat(*columns[1:3]), ca.horzcat(*columns[3:]))
+
+
+def _of_curve(jet: CurveJet) -> ca.SX:
     speed = ca.sqrt(dot(jet.first, jet.first))
     tangent = jet.first / speed
     bend = jet.second / (speed * speed)
     return ca.vertcat(jet.x, tangent, bend - tangent * dot(tangent, bend))
 
 
-def _of_surface(kind: ShapeKind, uv: ca.SX, parameters: ca.SX) -> ca.SX:
+def _of_surface(kind: ShapeKind, jet: Jet, parameters: ca.SX) -> ca.SX:
     surface = surface_of(kind)
-    jet = surface.jet(uv, parameters)
     if surface.implicit is None:
         normal, bend = _curvature_of_chart(jet)
     else:

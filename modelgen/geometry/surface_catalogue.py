@@ -21,7 +21,8 @@ from modelgen.geometry.expression_translation import lower
 from modelgen.geometry.implicit_surfaces import Implicit
 from modelgen.geometry.support_maps import Support
 from modelgen.model import ShapeKind
-from modelgen.scene.expression_algebra import derivatives, has_cubic
+from modelgen.scene.expression import Cubic, Expression
+from modelgen.scene.expression_algebra import derivatives, expression_of, has_cubic, name_cubics
 from modelgen.scene.scene_types import Chart, Shape
 
 SAMPLES = 33  # per direction of a user's chart, for its bounding radius
@@ -128,11 +129,22 @@ def _spline_jet(chart: Chart, names: tuple[str, ...]) -> ca.Function:
     """uv (2), parameters -> (3,6) c, c_u, c_v, c_uu, c_uv, c_vv, by the derivatives of its splines."""
     uv, p = ca.SX.sym("uv", 2), ca.SX.sym("p", len(names))
     symbols = {"u": uv[0], "v": uv[1]} | {name: p[i] for i, name in enumerate(names)}
-    columns = [
-        ca.vertcat(*(lower(each, symbols) for each in derivatives(chart.components, order)))
-        for order in ("", "u", "v", "uu", "uv", "vv")
-    ]
-    return ca.Function("jet", [uv, p], ca.cse([ca.densify(ca.horzcat(*columns))]))
+    return ca.Function("jet", [uv, p], ca.cse([ca.densify(spline_columns(chart, symbols, {}))]))
+
+
+def spline_columns(chart: Chart, symbols: Mapping[str, ca.SX], splines: Mapping[Cubic, str]) -> ca.SX:
+    """(3,6) c, c_u, c_v, c_uu, c_uv, c_vv of a chart whose splines are symbols of the names that they have in
+    `splines`, or are written out."""
+
+    def lowered(component: Expression) -> ca.SX:
+        return lower(expression_of(name_cubics(component.tree, splines)), symbols)
+
+    return ca.horzcat(
+        *(
+            ca.vertcat(*map(lowered, derivatives(chart.components, order)))
+            for order in ("", "u", "v", "uu", "uv", "vv")
+        )
+    )
 
 
 @lru_cache(maxsize=64)

@@ -79,10 +79,10 @@ class Call:
 class Cubic:
     """A derivative of a piecewise cubic of x with continuous second derivatives, as no text has it.
 
-    Between the parameters k_i and k_(i+1), with s the distance from k_i, the cubic is that at k_i plus
-    (c3_i s + c2_i) s^2 + c1_i s, of which the names begin with the axis. It is evaluated as a sum over all
-    pieces, each of s cut off at its ends: no piece depends on which of them x is in, and bounds over an
-    interval that has a knot within stay as narrow as it is.
+    Between the parameters k_i and k_(i+1), with s the distance from k_i, the cubic is c0_i + c1_i s +
+    (c3_i s + c2_i) s^2, where the names begin with the axis instead of c. It is evaluated as a sum over all
+    pieces, each of s cut off at its ends: no piece depends on which of them x is in. Bounds over an interval
+    need the pieces alone that it meets (core/base/taylor_models.c).
     """
 
     x: Node
@@ -93,7 +93,7 @@ class Cubic:
     def tree(self) -> Node:
         """The sum over all pieces."""
         axis, order = self.axis, self.order
-        lead: Node = (Name(f"{axis}0"), Name(f"{axis}1_0"), _scaled(2, Name(f"{axis}2_0")))[order]
+        lead: Node = (Name(f"{axis}0_0"), Name(f"{axis}1_0"), _scaled(2, Name(f"{axis}2_0")))[order]
         return Binary("+", lead, _halves([self._piece(i) for i in range(self.pieces)]))
 
     def _piece(self, i: int) -> Node:
@@ -131,15 +131,19 @@ class Cubic:
                 terms.append((2.0 * square + 3.0 * cube * s) * s)
             else:
                 terms.append((slope + (square + cube * s) * s) * s)
-        lead = (f"{axis}0", f"{axis}1_0", f"{axis}2_0")[order]
+        lead = (f"{axis}0_0", f"{axis}1_0", f"{axis}2_0")[order]
         return (2.0 * values[lead] if order == 2 else values[lead]) + _sum_in_halves(terms)
 
     def numbers(
-        self, value: float, slopes: Iterable[float], squares: Iterable[float], cubes: Iterable[float]
+        self,
+        values: Iterable[float],
+        slopes: Iterable[float],
+        squares: Iterable[float],
+        cubes: Iterable[float],
     ) -> dict[str, float]:
-        """The parameters beside the knots: the value at the first one, then the coefficients by piece."""
-        named = {f"{self.axis}0": value}
-        for k, column in enumerate((slopes, squares, cubes), start=1):
+        """The parameters beside the knots: the coefficients by piece."""
+        named: dict[str, float] = {}
+        for k, column in enumerate((values, slopes, squares, cubes)):
             named |= {f"{self.axis}{k}_{i}": float(each) for i, each in enumerate(column)}
         return named
 

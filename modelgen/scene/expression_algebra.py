@@ -53,33 +53,42 @@ def substitute(node: Node, by: Mapping[str, Node]) -> Node:
 
 def has_cubic(node: Node) -> bool:
     """Whether a piecewise cubic is part of the tree."""
+    return bool(cubics_in(node))
+
+
+def cubics_in(node: Node) -> tuple[Cubic, ...]:
+    """The piecewise cubics of a tree, one for each place."""
     match node:
         case Unary(_, x):
-            return has_cubic(x)
+            return cubics_in(x)
         case Binary(_, a, b):
-            return has_cubic(a) or has_cubic(b)
+            return cubics_in(a) + cubics_in(b)
         case Call(_, args):
-            return any(has_cubic(arg) for arg in args)
-    return isinstance(node, Cubic)
+            return tuple(each for arg in args for each in cubics_in(arg))
+        case Cubic():
+            return (node,)
+    return ()
+
+
+def name_cubics(node: Node, names: Mapping[Cubic, str]) -> Node:
+    """The tree with a name for each of the piecewise cubics that have one in `names`."""
+    match node:
+        case Unary(op, x):
+            return Unary(op, name_cubics(x, names))
+        case Binary(op, a, b):
+            return Binary(op, name_cubics(a, names), name_cubics(b, names))
+        case Call(fn, args):
+            return Call(fn, tuple(name_cubics(arg, names) for arg in args))
+        case Cubic() if node in names:
+            return Name(names[node])
+    return node
 
 
 def knots_along(components: Sequence[Expression], name: str, values: Mapping[str, float]) -> list[float]:
     """The knots of the piecewise cubics of a name, in order; `values` are those of the parameters."""
-    pieces = max((_pieces(each.tree, name) for each in components), default=0)
+    cubics = [cubic for each in components for cubic in cubics_in(each.tree) if cubic.x == Name(name)]
+    pieces = max((cubic.pieces for cubic in cubics), default=0)
     return [values[f"k_{i}"] for i in range(pieces + 1)] if pieces else []
-
-
-def _pieces(node: Node, name: str) -> int:
-    match node:
-        case Unary(_, x):
-            return _pieces(x, name)
-        case Binary(_, a, b):
-            return max(_pieces(a, name), _pieces(b, name))
-        case Call(_, args):
-            return max(_pieces(arg, name) for arg in args)
-        case Cubic(Name(of), pieces=pieces) if of == name:
-            return pieces
-    return 0
 
 
 def derivative(node: Node, name: str) -> Node:

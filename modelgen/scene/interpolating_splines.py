@@ -142,6 +142,6 @@ def _written(knots: Array, coefficients: Array, axes: str, reach: float) -> Poin
         pieces = PPoly.from_spline(BSpline(knots, column, 3))
         cubic = Cubic(Name("t"), axis, len(inner) - 1)
         cubes, squares, slopes, values = pieces.c[:, np.searchsorted(pieces.x, inner[:-1], side="right") - 1]
-        numbers |= cubic.numbers(float(values[0]), slopes, squares, cubes)
+        numbers |= cubic.numbers(values, slopes, squares, cubes)
         components.append(expression_of(cubic))
     return PointSpline(tuple(components), tuple(numbers.items()), reach)

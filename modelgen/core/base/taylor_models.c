@@ -1,6 +1,7 @@
 /* Taylor models of second order. A function of one variable is replaced by its Taylor polynomial at the middle, with a
    bound of its third derivative for the rest; where it is not smooth over the range, by its range. Rounding counts as
-   rest. */
+   rest. A piecewise cubic is replaced by the quadratic function through its values at the ends and in the middle, with
+   the largest difference over the pieces that the box meets for the rest. */
 #include "base/base.h"
 
 static const mg_taylor_model mg_no_bound = {0, {0, 0}, {0, 0, 0}, MG_MAX};
@@ -312,6 +313,80 @@ static mg_taylor_model mg_taylor_operation(int operation, const mg_taylor_model 
   }
 }
 
+/* Coefficients of piece i of a spline, by the distance from its knot. */
+static void mg_spline_piece(const mg_bounds_spline *spline, const mg_real *coefficients, int i, mg_real *a) {
+  const mg_real *c = coefficients + i;
+  const int n = spline->pieces;
+  a[0] = c[0], a[1] = c[n], a[2] = c[2 * n], a[3] = c[3 * n];
+  for (int order = 0; order < spline->order; order++) a[0] = a[1], a[1] = 2 * a[2], a[2] = 3 * a[3], a[3] = 0;
+}
+
+/* Number of the piece of a spline in which x is. */
+static int mg_piece_at(const mg_bounds_spline *spline, const mg_real *knots, mg_real x) {
+  int low = 0, high = spline->pieces;
+  while (high - low > 1) {
+    const int middle = (low + high) / 2;
+    if (x < knots[middle]) high = middle;
+    else low = middle;
+  }
+  return low;
+}
+
+static mg_real mg_cubic_at(const mg_real *a, mg_real s) { return a[0] + (a[1] + (a[2] + a[3] * s) * s) * s; }
+
+/* Largest |b0 + b1 t + b2 t^2 + b3 t^3| for -1 <= t <= 1. */
+static mg_real mg_largest_of_cubic(const mg_real *b) {
+  mg_real largest = mg_max(fabs(mg_cubic_at(b, -1)), fabs(mg_cubic_at(b, 1)));
+  const mg_real discriminant = b[2] * b[2] - 3 * b[1] * b[3];
+  if (!(discriminant > 0)) return largest;
+  const mg_real root = b[2] < 0 ? sqrt(discriminant) - b[2] : -b[2] - sqrt(discriminant); /* not small by cancelling */
+  if (fabs(root) < fabs(3 * b[3])) largest = mg_max(largest, fabs(mg_cubic_at(b, root / (3 * b[3]))));
+  if (fabs(b[1]) < fabs(root)) largest = mg_max(largest, fabs(mg_cubic_at(b, b[1] / root)));
+  return largest;
+}
+
+/* The knot within a range nearest to its middle as a kink; kink as in mg_bound_over_box. */
+static void mg_note_knot(const mg_real *knots, int first, int last, mg_real middle, mg_real half, mg_real *kink) {
+  for (int i = first + 1; i <= last; i++)
+    if (fabs(knots[i] - middle) < fabs(half * *kink)) *kink = (knots[i] - middle) / half;
+}
+
+/* A spline over the range of its coordinate. The kernels add up the pieces, which differs by the rounding of as many
+   terms. */
+static mg_taylor_model mg_taylor_spline(const mg_bounds_spline *spline, const mg_real *numbers, const mg_real *box,
+                                        mg_real *kink) {
+  const mg_real *knots = numbers + spline->knots, *coefficients = numbers + spline->coefficients;
+  const mg_real low = box[2 * spline->coordinate], high = box[2 * spline->coordinate + 1], half = (high - low) / 2,
+                middle = low + half;
+  const int first = mg_piece_at(spline, knots, low), last = mg_piece_at(spline, knots, high),
+            between = mg_piece_at(spline, knots, middle);
+  mg_real a[4], ends[2], rest = 0, size = 0;
+  if (!(half < MG_MAX / 8)) return mg_no_bound;
+  mg_spline_piece(spline, coefficients, first, a), ends[0] = mg_cubic_at(a, low - knots[first]);
+  mg_spline_piece(spline, coefficients, last, a), ends[1] = mg_cubic_at(a, high - knots[last]);
+  mg_spline_piece(spline, coefficients, between, a);
+  const mg_real value = mg_cubic_at(a, middle - knots[between]), slope = (ends[1] - ends[0]) / 2,
+                bend = (ends[1] + ends[0]) / 2 - value;
+  for (int i = first; i <= last; i++) {
+    const mg_real from = i > first ? knots[i] : low, to = i < last ? knots[i + 1] : high, width = (to - from) / 2,
+                  at = from + width, s = at - knots[i];
+    mg_spline_piece(spline, coefficients, i, a);
+    const mg_real place = half > 0 ? (at - middle) / half : 0, part = half > 0 ? width / half : 0,
+                  steepness = a[1] + (2 * a[2] + 3 * a[3] * s) * s;
+    const mg_real b[4] = {mg_cubic_at(a, s) - value - (slope + bend * place) * place,
+                          steepness * width - (slope + 2 * bend * place) * part,
+                          (a[2] + 3 * a[3] * s) * width * width - bend * part * part, a[3] * width * width * width};
+    const mg_real reach = fabs(s) + width;
+    rest = mg_max(rest, mg_largest_of_cubic(b));
+    size = mg_max(size, fabs(a[0]) + (fabs(a[1]) + (fabs(a[2]) + fabs(a[3]) * reach) * reach) * reach +
+                            fabs(steepness) * (fabs(middle) + half));
+  }
+  mg_taylor_model out = {value, {0, 0}, {0, 0, 0}, rest + 8 * spline->pieces * MG_EPS * size};
+  out.slope[spline->coordinate] = slope, out.bend[2 * spline->coordinate] = bend;
+  mg_note_knot(knots, first, last, middle, half, kink + spline->coordinate);
+  return mg_rounded(out);
+}
+
 MG_INTERNAL void mg_bound_over_box(const mg_bounds_program *program, const mg_real *box, const mg_real *parameters,
                                    int wanted, mg_taylor_model *memory, mg_taylor_model *out, mg_real *kink) {
   kink[0] = kink[1] = 1;
@@ -322,6 +397,10 @@ MG_INTERNAL void mg_bound_over_box(const mg_bounds_program *program, const mg_re
       const mg_real low = box[2 * at->b], half = (box[2 * at->b + 1] - low) / 2;
       const mg_taylor_model coordinate = {low + half, {at->b == 0 ? half : 0, at->b == 1 ? half : 0}, {0, 0, 0}, 0};
       memory[at->result] = mg_rounded(coordinate);
+    } else if (at->operation == MG_OP_SPLINE) {
+      const mg_bounds_spline *spline = program->splines + at->a;
+      memory[at->result] =
+          mg_taylor_spline(spline, spline->is_constant ? program->constants : parameters, box, kink);
     } else if (at->operation == MG_OP_INPUT || at->operation == MG_OP_CONSTANT) {
       const mg_taylor_model number = {
           at->operation == MG_OP_INPUT ? parameters[at->b] : program->constants[at->a], {0, 0}, {0, 0, 0}, 0};

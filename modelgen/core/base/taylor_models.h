@@ -46,15 +46,28 @@ enum {
   MG_OP_AND,
   MG_OP_OR,
   MG_OP_IF_ELSE_ZERO,
-  MG_OP_SHARE
+  MG_OP_SHARE,
+  MG_OP_SPLINE
 };
 
 /* One instruction: `result` and the operands a, b are places in the memory. Of CONSTANT, a is the number of the
    constant; of INPUT, a is 0 for a coordinate and 1 for a parameter, b its number; of OUTPUT, `result` is the number
-   of the output. SHARE is a condition over a number of conditions that hold, one of which it is: at most 1. */
+   of the output; of SPLINE, a is the number of the spline. SHARE is a condition over a number of conditions that hold, one of which it is: at most 1. */
 typedef struct {
   unsigned short operation, result, a, b;
 } mg_instruction;
+
+/* A derivative of a piecewise cubic of a coordinate with continuous second derivatives. Between the knots i and i + 1,
+   with s the distance from the knot i, the cubic is c0[i] + c1[i] s + c2[i] s^2 + c3[i] s^3; the first and the last
+   piece go on beyond the ends. */
+typedef struct {
+  int coordinate;   /* 0 or 1 */
+  int order;        /* of the derivative, 0 to 2 */
+  int pieces;       /* pieces */
+  int is_constant;  /* 1: the places are those of constants, 0: of parameters */
+  int knots;        /* place of the first one of pieces + 1 */
+  int coefficients; /* place of c0[pieces], c1[pieces], c2[pieces], c3[pieces] */
+} mg_bounds_spline;
 
 /* A function of coordinates and parameters. */
 typedef struct {
@@ -63,6 +76,7 @@ typedef struct {
   int n_parameters;                   /* parameters */
   const mg_instruction *instructions; /* [n_instruction] */
   const mg_real *constants;           /* constants */
+  const mg_bounds_spline *splines;    /* splines; 0: there are none */
 } mg_bounds_program;
 
 /* middle + slope[0] r + slope[1] s + bend[0] r^2 + bend[1] r s + bend[2] s^2 + e, for the place -1 <= r, s <= 1 in the
