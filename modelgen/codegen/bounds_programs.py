@@ -94,7 +94,7 @@ def programs_text(kinds: Sequence[ShapeKind], searched: Sequence[bool]) -> str:
     for kind, wanted in zip(kinds, searched, strict=True):
         function = shape_bounds(kind) if wanted else None
         if function is None:
-            rows.append(f"  {{0, 0, 0, 0, 0}}, /* {kind.name} */")
+            rows.append(f"  {{0, 0, 0, 0, 0, 0}}, /* {kind.name} */")
             continue
         instructions, constants = bounds_program(function)
         name = f"mg_{kind.name}_bounds"
@@ -107,15 +107,14 @@ def programs_text(kinds: Sequence[ShapeKind], searched: Sequence[bool]) -> str:
             f"static const mg_instruction {name}[] = {{", *lines, "};",
             f"static const mg_real {name}_constants[] = {{{numbers}}};\n",
         ]  # fmt: skip
-        tables = f"{name}, {name}_constants"
+        tables = f"{name}, {name}_constants, " + (f"{name}_splines" if rows_of_splines else "0")
         if rows_of_splines:
-            tables += f", {name}_splines"
             entries = [f"  {{{', '.join(map(str, each))}}}," for each in rows_of_splines]
             parts += [f"static const mg_bounds_spline {name}_splines[] = {{", *entries, "};\n"]
         sizes = len(instructions), function.sz_w(), function.numel_in(1)
         rows.append(f"  {{{', '.join(map(str, sizes))}, {tables}}}, /* {kind.name} */")
     table = [
         "static const mg_bounds_program mg_shape_bounds[] = {",
-        *(rows or ["  {0, 0, 0, 0, 0}, /* none */"]),
+        *(rows or ["  {0, 0, 0, 0, 0, 0}, /* none */"]),
     ]
     return "\n".join([*parts, *table, "};\n"])
