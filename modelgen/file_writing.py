@@ -20,6 +20,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from modelgen.errors import ModelgenError
+from modelgen.interruption import uninterrupted
 
 SCRATCH = ".modelgen-"  # start of the name of a file that is being written
 SCRATCH_NAME = re.compile(rf"{re.escape(SCRATCH)}([0-9a-f]{{16}}|\d+-\d+)(\.|$)")
@@ -120,9 +121,10 @@ def _write_beside(contents: Mapping[Path, str | bytes]) -> None:
                 with _named(path):
                     os.replace(scratch, place)
         except BaseException:
-            for bring_back in undo:
-                with suppress(OSError):
-                    bring_back()
+            with uninterrupted():
+                for bring_back in undo:
+                    with suppress(OSError):
+                        bring_back()
             raise
         _flush_folders({place.parent for _, _, place in moves})
 
@@ -144,10 +146,11 @@ def _older(place: Path) -> Iterator[Callable[[], object]]:
     try:
         yield lambda: os.replace(kept, place)
     finally:
-        with suppress(OSError):
-            kept.unlink(missing_ok=True)
-        if lock is not None:
-            os.close(lock)
+        with uninterrupted():
+            with suppress(OSError):
+                kept.unlink(missing_ok=True)
+            if lock is not None:
+                os.close(lock)
 
 
 def check_writable(path: Path) -> None:
@@ -222,9 +225,10 @@ def _beside(path: Path, mode: int | None = None) -> Iterator[tuple[Path, Path]]:
             scratch.chmod(place.stat().st_mode & 0o7777)
         yield scratch, place
     finally:
-        with suppress(OSError):
-            scratch.unlink(missing_ok=True)
-        os.close(lock)
+        with uninterrupted():
+            with suppress(OSError):
+                scratch.unlink(missing_ok=True)
+            os.close(lock)
 
 
 @contextmanager
@@ -239,8 +243,9 @@ def _held_folder(make: Callable[[], Path]) -> Iterator[Path]:
     try:
         yield folder
     finally:
-        shutil.rmtree(folder, ignore_errors=True)
-        os.close(lock)
+        with uninterrupted():
+            shutil.rmtree(folder, ignore_errors=True)
+            os.close(lock)
 
 
 def _made(folder: Path) -> Path:

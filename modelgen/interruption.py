@@ -4,10 +4,12 @@ conversions, hashes and imports, where a result would then be taken for what it 
 from __future__ import annotations
 
 import signal
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
+ENDING = (signal.SIGINT, signal.SIGTERM)  # signals that end a command
 _heard = 0  # signals so far
 
 
@@ -16,14 +18,14 @@ def hear_signals() -> None:
 
     SIGINT stays ignored where the process was started so, as by `nohup` or in the background of a script.
     """
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in ENDING:
         if signal.getsignal(number) != signal.SIG_IGN:
             signal.signal(number, _interrupt)
 
 
 def hear_no_more() -> None:
     """Let no signal break into the end of the process: the command is done."""
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in ENDING:
         signal.signal(number, signal.SIG_IGN)
 
 
@@ -39,6 +41,28 @@ def nothing_swallowed() -> Iterator[None]:
     yield
     if _heard != before:
         raise KeyboardInterrupt
+
+
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Let SIGINT and SIGTERM wait until the block has ended: for one that clears up.
+
+    Python calls handlers in the main thread alone, so that blocks in other threads need nothing.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    waiting: list[tuple[int, FrameType | None]] = []
+    usual = {number: handler for number in ENDING if callable(handler := signal.getsignal(number))}
+    try:
+        for number in usual:
+            signal.signal(number, lambda *call: waiting.append(call))
+        yield
+    finally:
+        for number, handler in usual.items():
+            signal.signal(number, handler)
+        for came, frame in waiting[:1]:
+            usual[signal.Signals(came)](came, frame)
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:

@@ -19,6 +19,7 @@ from functools import cache
 from pathlib import Path
 
 from modelgen.errors import LibraryError
+from modelgen.interruption import uninterrupted
 
 CACHE = "MODELGEN_CACHE"  # environment variable that names another folder
 USUAL = "~/Library/Caches" if sys.platform == "darwin" else "~/.cache"
@@ -55,7 +56,8 @@ def made_once(path: Path, texts: Mapping[str, str], make: Callable[[Path], None]
                 make(scratch)
                 content = (scratch / path.name).read_bytes()
             finally:
-                shutil.rmtree(own, ignore_errors=True)
+                with uninterrupted():
+                    shutil.rmtree(own, ignore_errors=True)
             put(path, content)
             seal(path)
     return path

@@ -6,6 +6,7 @@ import os
 import random
 import shlex
 import shutil
+import signal
 import stat
 import subprocess
 import sys
@@ -13,17 +14,19 @@ import time
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
+from types import FrameType
 
 import pytest
 
 from modelgen import build, derive, emit, require
 from modelgen.codegen import compiler
 from modelgen.codegen.amalgamation import SOURCE
-from modelgen.codegen.built_files import _key, made_once, seal
+from modelgen.codegen.built_files import _key, made_once, put, seal
 from modelgen.codegen.emit import Package
 from modelgen.codegen.library import Library
 from modelgen.codegen.manifest import INSTANCE, STRUCTURE
 from modelgen.errors import CompilerMissing, LibraryError
+from modelgen.file_writing import scratch_folder
 from tests.c_compiler import CC, needs_c
 from tests.model.scenes import TABLE, contact, egg, scene
 
@@ -426,3 +429,32 @@ def test_a_library_for_its_own_processor_fuses_no_products_and_sums() -> None:
     asked = [*found.command, *found.flags("double"), "-dM", "-E", "-x", "c", os.devnull]
     defined = subprocess.run(asked, capture_output=True, text=True, check=True).stdout
     assert "__FMA" not in defined or not compiler.IS_X86 or found.is_zig
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_while_folders_are_removed_waits_until_they_are(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: signal.Signals
+) -> None:
+    """Each removal is broken into before it has begun, as by Ctrl-C while it runs."""
+    remove = shutil.rmtree
+
+    def interrupted(folder: Path, **options: bool) -> None:
+        if folder.exists():
+            os.kill(os.getpid(), number)
+            time.sleep(0)  # handlers run between two instructions of Python
+        remove(folder, **options)
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(shutil, "rmtree", interrupted)
+    before = signal.signal(number, interrupt)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            made_once(tmp_path / "out.o", {"in": "text"}, lambda folder: put(folder / "out.o", b"object"))
+        with pytest.raises(KeyboardInterrupt), scratch_folder() as folder:
+            put(folder / "file", "text")
+    finally:
+        signal.signal(number, before)
+    assert not folder.exists()
+    assert not list(tmp_path.iterdir())
