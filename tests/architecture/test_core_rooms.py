@@ -113,8 +113,9 @@ def test_functions_that_one_file_uses_are_static() -> None:
 
 
 @needs_c
-def test_each_file_compiles_by_itself() -> None:
-    strict = ["-std=c99", "-fsyntax-only", "-Wall", "-Wextra", "-Werror", "-Wmissing-prototypes", "-Wshadow"]
-    command = [*CC, *strict, "-DMG_INTERNAL=", f"-I{CORE}"]
-    done = subprocess.run([*command, *map(str, sources())], capture_output=True, text=True, check=False)
+def test_each_file_compiles_by_itself(tmp_path: Path) -> None:
+    check = "-c" if "ziglang" in CC else "-fsyntax-only"  # Zig fails without an object
+    strict = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-Wmissing-prototypes", "-Wshadow"]
+    command = [*CC, check, "-O0", *strict, "-DMG_INTERNAL=", f"-I{CORE}", *map(str, sources())]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr[:4000]
