@@ -10,6 +10,7 @@ import inspect
 import os
 import re
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import is_dataclass
 from pathlib import Path
 from types import NoneType, UnionType
@@ -74,21 +75,29 @@ def _missing(path: Path) -> ModelgenError:
     return missing_run(path) if path.suffix == ".npz" else no_such_file(path)
 
 
+@contextmanager
+def refused_in_words() -> Iterator[None]:
+    """Turn errors of the user into one message on standard error and an exit code, without a traceback."""
+    try:
+        yield
+        return
+    except ModelgenError as error:
+        message = str(error)
+    except OSError as error:
+        message = f"{error.filename or 'a temporary file'}: {error.strerror or error}"
+    click.echo(shortened(message), err=True)
+    raise click.exceptions.Exit(REFUSED)
+
+
 class Command(click.Command):
-    """Turns errors of the user into one message on standard error and an exit code, without a traceback."""
+    """A command whose errors are told in words."""
 
     def invoke(self, ctx: click.Context) -> Any:
         """Call the function, once all files that it reads are there."""
-        try:
+        with refused_in_words():
             _check_current_folder()
             check_inputs(ctx.params[each.name] for each in self.params if isinstance(each, click.Argument))
             return super().invoke(ctx)
-        except ModelgenError as error:
-            message = str(error)
-        except OSError as error:
-            message = f"{error.filename or 'a temporary file'}: {error.strerror or error}"
-        click.echo(shortened(message), err=True)
-        raise click.exceptions.Exit(REFUSED)
 
 
 def command_of(function: Callable[..., None], name: str) -> Command:
@@ -161,11 +170,12 @@ def _listed(_: click.Context, __: click.Parameter, values: tuple[Any, ...]) -> l
 
 
 def option_that(acts: Callable[[], None], name: str, help: str) -> click.Option:
-    """An option that does one thing in place of a command."""
+    """An option that does one thing in place of a command; its errors are told in words."""
 
     def called(ctx: click.Context, _: click.Parameter, given: bool) -> None:
         if given and not ctx.resilient_parsing:
-            acts()
+            with refused_in_words():
+                acts()
             ctx.exit()
 
     return click.Option([name], is_flag=True, is_eager=True, expose_value=False, help=help, callback=called)
