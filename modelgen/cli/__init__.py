@@ -5,12 +5,14 @@ Exit codes: 0 done; 1 the run ended early (what it computed is written); 2 bad i
 """
 
 import os
+import resource
 import sys
 
-from modelgen.cli.standard_streams import guard_streams
+from modelgen.cli.standard_streams import FAILED, guard_streams
 from modelgen.interruption import hear_no_more, hear_signals, was_heard
 
 INTERRUPTED = 130  # 128 and the number of the signal, as shells have it
+LEAST_STACK = 256  # KiB; C compilers and derivations end with a violation of memory below some 100
 
 
 def main() -> None:
@@ -18,6 +20,7 @@ def main() -> None:
     hear_signals()
     try:
         guard_streams()
+        _check_stack()
         from modelgen.cli.command_group import app
 
         app()
@@ -32,6 +35,15 @@ def main() -> None:
         if end.code == INTERRUPTED:
             _leave_interrupted()
         raise
+
+
+def _check_stack() -> None:
+    """End the process where its stack, or that of a compiler which it starts, would overflow."""
+    size, _ = resource.getrlimit(resource.RLIMIT_STACK)
+    if size != resource.RLIM_INFINITY and size < 1024 * LEAST_STACK:
+        found = f"its limit is {size // 1024} KiB; at least {LEAST_STACK} KiB are needed"
+        print(f"stack: {found}; run `ulimit -s 8192` before", file=sys.stderr)
+        raise SystemExit(FAILED)
 
 
 def _leave_interrupted() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+import json
 import os
 import shlex
 import signal
@@ -11,6 +12,7 @@ import sys
 import tempfile
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 from subprocess import PIPE
 from typing import Any
@@ -48,6 +50,10 @@ def shell(text: str, folder: Path, **more: str) -> subprocess.CompletedProcess[s
         (f"mkdir gone; cd gone; rmdir ../gone; {MODELGEN} check {BALL}", "the current folder: No such file"),
         (f"{MODELGEN} new top --out {LONG}.toml", "File name too long"),
         (f"{MODELGEN} check {LONG}.toml", "File name too long"),
+        (
+            f"ulimit -s 128; {MODELGEN} --version",
+            "stack: its limit is 128 KiB; at least 256 KiB are needed; run",
+        ),
     ],
 )
 def test_what_is_missing_is_told_in_one_short_message(text: str, message: str, tmp_path: Path) -> None:
@@ -73,6 +79,34 @@ def test_other_streams_are_not_needed(closed: str, tmp_path: Path) -> None:
     assert told.returncode == 0, told.stderr
     assert "written: top.toml" in told.stdout
     assert (tmp_path / "top.toml").read_text().startswith("#")
+
+
+def test_a_small_stack_is_enough(tmp_path: Path) -> None:
+    told = shell(f"ulimit -s 256; {MODELGEN} simulate {BALL} --until 0.2 --json", tmp_path)
+    assert told.returncode == 0, told.stderr
+    assert json.loads(told.stdout)["trusted"]
+
+
+@pytest.mark.parametrize(
+    ("named", "message"),
+    [
+        (
+            "'",
+            'CC: "\'" is no command: No closing quotation; correct CC, or unset it to use cc, gcc or clang',
+        ),
+        ("/bin/true", "CC names no C compiler: correct or unset it; its output is in {cache}/runtime-"),
+        (f"/bin/{'x' * 10_000}", "; correct CC, or unset it to use cc, gcc or clang"),
+    ],
+)
+def test_what_is_no_compiler_is_told_with_a_remedy(
+    named: str, message: str, modelgen: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("CC", named)
+    monkeypatch.setenv("MODELGEN_CACHE", str(tmp_path))
+    told = modelgen("build", BALL, "--out", tmp_path / "built")
+    assert told.code == 2
+    assert message.format(cache=tmp_path) in told.err.splitlines()[-1]
+    assert len(told.err) < 1000
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
