@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from modelgen.geometry.coordinate_domains import dimension_of
 from modelgen.geometry.curvature_bounds import is_hollow, touches_once
 from modelgen.geometry.shape_features import features_of, is_composite
 from modelgen.model import ENDS, WATCHED, FeaturePairEntry, Search
@@ -34,8 +35,8 @@ def contacts_of_pair(
     next, so that steps are kept short. Two convex shapes, one of them round, touch once. A body in a hollow
     may be near to several of its sides, though it touches one at a time; where the shapes are not so
     simple, it may touch all around. Others touch in several points, searched for as the bodies move, or after
-    every step where there are edges, which come down on faces all along, or open ends, over which closest
-    points come in that were none before, at any gap.
+    every step where there are edges, which come down on faces all along, open ends, over which closest points
+    come in that were none before, at any gap, or two curves, which do not show that they have passed.
     """
     hollow = is_hollow(a) or is_hollow(b)
     alone = touches_once(a, b)
@@ -57,7 +58,7 @@ def contacts_of_pair(
     smooth = is_smooth(a) and is_smooth(b)
     around = not alone and (a.cavity or b.cavity)
     count = pair.points or (SMOOTH if smooth and not around else MANY)
-    if not smooth or explicit or is_open:
+    if not smooth or explicit or is_open or dimension_of(a) == dimension_of(b) == 1:
         return PairContacts(count, False, "always")
     return PairContacts(count, False, "apart" if alone else "moved")
 

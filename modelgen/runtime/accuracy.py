@@ -162,7 +162,9 @@ class Accuracy:
             within this times L of the axis of a ring touches three parts of it.
         search_merge_distance: closest points nearer to each other than this times P are one.
         search_gap: a search follows contacts with gaps up to this times P.
-        search_movement: a pair that can touch more than once is searched again after moving by this times P.
+        search_movement: a pair that can touch more than once is searched again after moving by this times
+            the smaller radius of the balls around its shapes, or times P if that is less or the ball is a
+            point.
         flat_angle: rad; a rim closer to a plane than this angle stands on three of its points, and so does
             what is closer to coaxial with another body than this and this times L.
         parallel_angle: rad; straight sides and edges closer to parallel than this are held at both ends of

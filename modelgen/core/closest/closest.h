@@ -285,6 +285,10 @@ MG_INTERNAL int mg_judge_cells(const mg_cell_view *a, const mg_cell_view *b, con
 MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const mg_search_limits *limits,
                                           mg_real least, mg_minima *kept);
 
+/* Lower bound of the distance of all points of two features, critical or not, m: no less than about half of it where
+   that is more than `small`. */
+MG_INTERNAL mg_real mg_bound_distance(mg_context *c, int feature_pair, mg_real small);
+
 /* True if no points of the features touch, but at `found`, the minima of a complete search without penetration. Returns
    0 too where that is not shown. */
 MG_INTERNAL int mg_are_features_apart(mg_context *c, int feature_pair, const mg_minima *found);
@@ -349,9 +353,11 @@ MG_INTERNAL mg_real mg_separating_plane_gap(mg_context *c, int pair);
 /* Notes that no contact follows a minimum of a pair with the gap d. */
 MG_INTERNAL void mg_note_unfollowed_gap(mg_context *c, int pair, mg_real d);
 
-/* The same of two vertices, or of a point and a vertex, which no feature pair has: where a search has found nothing,
-   planes part the bodies by mg_separating_plane_gap at least, which is `least` and start_gap. */
-MG_INTERNAL void mg_note_gap_of_vertices(mg_context *c, int pair, mg_real least, const mg_minima *found);
+/* Lower bound of the gap at closest points of a pair of which a search has found none, m; MG_MAX if it found some. Two
+   vertices, or a point and a vertex, have no feature pair: planes part the bodies by mg_separating_plane_gap at least,
+   which is `least` and start_gap. Nor have open ends of curves and open edges of charts, which may be the nearest where
+   no contact is within reach. */
+MG_INTERNAL mg_real mg_bound_gap_not_found(mg_context *c, int pair, mg_real least, const mg_minima *found);
 
 /* Least movement of a pair between searches that are not due at every step, m. */
 MG_INTERNAL mg_real mg_least_movement(const mg_context *c, int pair);

@@ -526,6 +526,29 @@ MG_INTERNAL int mg_search_critical_points(mg_context *c, int feature_pair, const
   return 1;
 }
 
+MG_INTERNAL mg_real mg_bound_distance(mg_context *c, int feature_pair, mg_real small) {
+  const mg_search_limits limits = {MG_MAX, MG_MAX, MG_LEAST_EFFORT, 0};
+  mg_critical_search s = mg_begin_critical_search(c, feature_pair, &limits, 0, 0);
+  mg_real least = MG_MAX;
+  int count = 1, root[2];
+  for (int which = 0; which < 2; which++)
+    for (int k = 0; k < 3; k++) s.allowed[which].meridian[k] = 0;
+  if (!mg_plant_roots(&s, root)) return 0;
+  c->search.cell_pairs[0] = root[0], c->search.cell_pairs[1] = root[1];
+  for (long looked = 0; count > 0; looked++) {
+    const int *pair = c->search.cell_pairs + 2 * --count, a = pair[0], b = pair[1];
+    mg_look_at_pair(&s, a, b);
+    if (s.is_beyond[0] || s.is_beyond[1]) continue;
+    const mg_real size = s.view[0].radius + s.view[1].radius, distance = mg_best_least_distance(s.view, s.view + 1);
+    if (distance >= least) continue;
+    const int is_fine = size <= mg_max(distance / 2, small) || looked >= s.limits.effort || mg_is_search_stopped(c),
+              longer = is_fine ? count : mg_divide_pair(&s, a, b, mg_is_first_wider(&s, s.view, s.view + 1), count);
+    if (longer == count) least = distance;
+    count = longer;
+  }
+  return mg_max(least, (mg_real)0);
+}
+
 /* True if no points of the cells looked at last touch, but those of a minimum that is known: about it, where there is
    no other critical point, the gap grows. */
 static int mg_do_cells_not_touch(mg_critical_search *s, int a, int b) {

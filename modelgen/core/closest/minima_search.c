@@ -43,13 +43,8 @@ MG_INTERNAL void mg_note_unfollowed_gap(mg_context *c, int pair, mg_real d) {
   c->run->unfollowed_gap[pair] = mg_min(c->run->unfollowed_gap[pair], mg_max(d, (mg_real)0));
 }
 
-MG_INTERNAL void mg_note_gap_of_vertices(mg_context *c, int pair, mg_real least, const mg_minima *found) {
-  if (!found->count && least > -MG_MAX / 2)
-    mg_note_unfollowed_gap(c, pair, least + c->settings->start_gap * c->system->length);
-}
-
 MG_INTERNAL mg_real mg_least_movement(const mg_context *c, int pair) {
-  return c->settings->appear_depth / MG_SEARCHES_IN_DEPTH * mg_pair_length(c, pair);
+  return c->settings->appear_depth / MG_SEARCHES_IN_DEPTH * mg_pair_size(c, pair);
 }
 
 MG_INTERNAL void mg_note_missed_gap(mg_context *c, int pair, long before) {
@@ -79,6 +74,34 @@ static int mg_is_searched_by_cells(const mg_context *c, int feature_pair) {
   const int parametrisation = mg_parametrisation(c, feature_pair, 0);
   return mg_is_searched(c, feature_pair) && !mg_has_spines(c, feature_pair) && parametrisation != MG_TURN &&
          parametrisation != MG_SIGN;
+}
+
+/* True if the contacts of a feature pair end at the end of a curve or of a chart, where no other one follows. */
+static int mg_ends_openly(const mg_context *c, int feature_pair) {
+  const mg_system *s = c->system;
+  for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++)
+    if (s->condition_feature_pair[k] == MG_BEYOND_ENDS && s->condition_kind[k] == MG_CONDITION_PARAMETER) return 1;
+  return 0;
+}
+
+/* True if a contact of a pair follows closest points within reach. */
+static int mg_is_pair_followed_within_reach(const mg_context *c, int pair) {
+  for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
+    if (mg_is_on_feature_pair(c, i) && c->rows.d[i] <= mg_search_reach(c, pair)) return 1;
+  return 0;
+}
+
+MG_INTERNAL mg_real mg_bound_gap_not_found(mg_context *c, int pair, mg_real least, const mg_minima *found) {
+  const mg_system *s = c->system;
+  const mg_real small = 2 * mg_least_movement(c, pair);
+  mg_real bound = MG_MAX;
+  if (found->count) return MG_MAX;
+  if (least > -MG_MAX / 2) return mg_max(least + c->settings->start_gap * s->length, (mg_real)0);
+  if (mg_is_pair_followed_within_reach(c, pair)) return MG_MAX;
+  for (int each = s->pair_feature_pair[pair]; each < s->pair_feature_pair[pair + 1] && bound > small; each++)
+    if (mg_is_searched_by_cells(c, each) && mg_ends_openly(c, each) && !mg_is_out_of_reach(c, each))
+      bound = mg_min(bound, mg_max(mg_bound_distance(c, each, small), small));
+  return bound;
 }
 
 MG_INTERNAL int mg_find_minima_of_feature_pair(mg_context *c, int feature_pair, const mg_search_limits *limits,
@@ -295,7 +318,7 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
     mg_note_unfollowed_gap(c, pair, found.list[k].d);
     if (fabs(found.list[k].d) <= c->settings->start_gap * s->length) mg_report_unfollowed_minimum(c, found.list + k);
   }
-  mg_note_gap_of_vertices(c, pair, least, &found);
+  mg_note_unfollowed_gap(c, pair, mg_bound_gap_not_found(c, pair, least, &found));
   return MG_DONE;
 }
 

@@ -388,7 +388,7 @@ MG_INTERNAL int mg_search_pair_contacts(mg_context *c, mg_events *events, int pa
     return 0;
   }
   c->run->unfollowed_gap[pair] = mg_max(c->search.open_gap, (mg_real)0);
-  mg_note_gap_of_vertices(c, pair, least, &found);
+  mg_note_unfollowed_gap(c, pair, mg_bound_gap_not_found(c, pair, least, &found));
   for (int k = 0; k < found.count; k++) {
     const mg_minimum *each = found.list + k;
     if (mg_is_minimum_ignored(c, each)) continue;
@@ -447,13 +447,15 @@ static int mg_kind_of_unfollowed_minimum(const mg_context *c, const mg_minimum *
 }
 
 /* Searches a pair, which has moved since its last search, at the present poses for minima that no contact follows:
-   MG_ALL_FOLLOWED .. . In the last step it may have moved by `crossed`, m. */
-static int mg_find_unfollowed_minimum(mg_context *c, int pair, mg_real moved, mg_real crossed) {
+   MG_ALL_FOLLOWED .. . In the last step it may have moved by `crossed`, m. `gap`: the least of what else may be near,
+   m. */
+static int mg_find_unfollowed_minimum(mg_context *c, int pair, mg_real moved, mg_real crossed, mg_real *gap) {
   const mg_system *s = c->system;
   const mg_search_limits limits = mg_penetration_limits(c, pair, moved);
   const mg_real touching = c->settings->start_gap * s->length, least = mg_separating_plane_gap(c, pair) - touching;
   mg_minima found;
   mg_forget_noted_gaps(c);
+  *gap = MG_MAX;
   if (mg_is_only_minimum_followed(c, pair, limits.gap)) return MG_ALL_FOLLOWED;
   found.count = 0;
   mg_search_free_feature_pairs(c, pair, &limits, least, &found);
@@ -468,6 +470,8 @@ static int mg_find_unfollowed_minimum(mg_context *c, int pair, mg_real moved, mg
     const int found_kind = mg_kind_of_unfollowed_minimum(c, each, limits.depth, crossed);
     if (found_kind > kind) kind = found_kind;
   }
+  if (kind == MG_ALL_FOLLOWED)
+    *gap = mg_min(mg_max(c->search.open_gap, (mg_real)0), mg_bound_gap_not_found(c, pair, least, &found));
   return kind;
 }
 
@@ -501,7 +505,7 @@ static mg_real mg_least_closed_margin(const mg_context *c, int pair) {
    follows, so that they are seen before they touch. Beside a closed contact the gap is less by the factor of its
    margin, and so is the gap of closest points that become a minimum there. It is at least what a search resolves. */
 static mg_real mg_movement_until_search(const mg_context *c, int pair) {
-  const mg_real most = c->settings->search_movement * mg_least_closed_margin(c, pair) * mg_pair_length(c, pair);
+  const mg_real most = c->settings->search_movement * mg_least_closed_margin(c, pair) * mg_pair_size(c, pair);
   return mg_max(mg_min(most, c->run->unfollowed_gap[pair] / 2), mg_resolved_movement(c, pair));
 }
 
@@ -556,18 +560,18 @@ MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
     const mg_real crossed = h * mg_pair_speed_bound(c, pair), moved = c->run->moved_since_search[pair] + crossed;
     const int guided = mg_has_own_feature_pairs(c, pair) && s->pair_search[pair] != MG_SEARCH_NEVER &&
                        !mg_has_no_sides(c, s->pair_feature_pair[pair]);
-    mg_real gap;
+    mg_real gap, searched_gap;
     const int is_folded = mg_is_pair_at_fold(c, pair, &gap), is_due = mg_is_search_due(c, pair, moved) || is_folded;
     if (guided || !is_due || mg_pair_clearance(c, pair) > 0) continue;
     if (is_folded && crossed > mg_max(gap, mg_least_movement(c, pair))) return 1;
     c->run->x = c->step.settled;
-    const int found = mg_find_unfollowed_minimum(c, pair, moved, crossed);
+    const int found = mg_find_unfollowed_minimum(c, pair, moved, crossed, &searched_gap);
     c->run->x = start;
-    if (found == MG_ALL_FOLLOWED) c->search.searched_gap[pair] = mg_max(c->search.open_gap, (mg_real)0);
+    if (found == MG_ALL_FOLLOWED) c->search.searched_gap[pair] = searched_gap;
     if (found == MG_NEW_TOUCH) c->search.searched_gap[pair] = MG_TOUCH_FOUND;
     if (found != MG_NEW_PENETRATION) continue;
     mg_update_poses(c, c->run->t, start);
-    const int was_there = mg_find_unfollowed_minimum(c, pair, moved, crossed) == MG_NEW_PENETRATION;
+    const int was_there = mg_find_unfollowed_minimum(c, pair, moved, crossed, &gap) == MG_NEW_PENETRATION;
     mg_update_poses(c, c->run->t + h, c->step.settled);
     if (was_there) continue;
     c->run->watched_movement[pair] = mg_max(c->run->watched_movement[pair], crossed);
@@ -605,8 +609,9 @@ MG_INTERNAL int mg_request_penetration_searches(mg_context *c) {
   int count = 0;
   for (int pair = mg_next_pair(c, -1); pair < c->system->n_pair; pair = mg_next_pair(c, pair)) {
     const mg_real moved = c->run->moved_since_search[pair];
+    mg_real gap;
     if (!(moved > 0) || mg_is_search_needless(c, pair) || mg_pair_clearance(c, pair) > 0) continue;
-    if (mg_find_unfollowed_minimum(c, pair, moved, 0) != MG_NEW_PENETRATION) continue;
+    if (mg_find_unfollowed_minimum(c, pair, moved, 0, &gap) != MG_NEW_PENETRATION) continue;
     c->run->is_search_due[pair] = 1, count++;
   }
   return count;

@@ -36,6 +36,11 @@ MG_INTERNAL mg_real mg_pair_length(const mg_context *c, int pair) {
   return mg_max(smaller, c->system->length);
 }
 
+MG_INTERNAL mg_real mg_pair_size(const mg_context *c, int pair) {
+  const mg_real o = mg_pair_ball(c, pair, 0)[3], f = mg_pair_ball(c, pair, 1)[3], length = mg_pair_length(c, pair);
+  return mg_min(o > 0 ? mg_min(o, length) : length, f > 0 ? f : length);
+}
+
 MG_INTERNAL mg_real mg_search_reach(const mg_context *c, int pair) {
   return c->settings->search_gap * mg_pair_length(c, pair);
 }

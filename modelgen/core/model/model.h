@@ -457,6 +457,10 @@ MG_INTERNAL int mg_is_tilt_below_flat_limit(const mg_context *c, int contact);
    around its shapes, at least the characteristic length. */
 MG_INTERNAL mg_real mg_pair_length(const mg_context *c, int pair);
 
+/* Radius of the smaller ball around the shapes of a pair that is not a point, mg_pair_length at most, m: other points of
+   the pair are closest once it has moved by a part of that. */
+MG_INTERNAL mg_real mg_pair_size(const mg_context *c, int pair);
+
 /* Gap in m up to which a search follows the closest points of a pair. */
 MG_INTERNAL mg_real mg_search_reach(const mg_context *c, int pair);
 
