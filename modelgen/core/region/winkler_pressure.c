@@ -8,9 +8,6 @@
 
 #define MG_INWARD_PASSES 4 /* most edges and corners from which a point is moved inwards in turn */
 
-#define MG_HULL_EDGE_PART \
-  8192 /* extent of a hull over the least distance of the centre of pressure from its boundary */
-
 #define MG_NEWTON_PART_MIN 1e-6 /* least part of a Newton step */
 
 #define MG_CONTINUATION_PART_MIN 1e-3 /* least part of the rest of the way that the continuation takes in one step */
@@ -214,18 +211,42 @@ static mg_real mg_hull_middle(const mg_hull *h, mg_real *middle) {
   return reach;
 }
 
+/* Part of the length of the loaded region that its depth is at least. Friction about a centre of rotation is a difference
+   of integrals over triangles that are longer than the region is deep by its inverse, so that its rounding error is
+   eps over the square of this: the accuracy to which pressure and friction are made to agree. */
+static mg_real mg_least_depth(void) { return sqrt(sqrt(MG_EPS)); }
+
+/* How far a point is beyond the least distance from the boundary of a hull, m, by the nearest place or, where `worst`, by
+   the edge of which it lacks most; and the outward unit normal there. Behind a straight edge the loaded region is as long
+   as the edge. Behind a curved one, of a radius about the reach, it is as long as the root of reach times depth. */
+static mg_real mg_lack_of_distance(const mg_hull *h, mg_real reach, const mg_real *x, int worst,
+                                   mg_nearest_boundary *nearest) {
+  const mg_real part = mg_least_depth();
+  mg_real lack = part * part * reach - mg_hull_margin(h, x, nearest);
+  for (int i = 0; i < h->n_edge && (worst || !(lack > 0)); i++) {
+    const mg_hull_edge *e = h->edges + i;
+    const mg_real *p = h->vertices[e->from_vertex].point, arm[2] = {x[0] - p[0], x[1] - p[1]};
+    const mg_real off = mg_dot2(arm, e->normal) + part * e->length;
+    if (e->direction || !(off > lack)) continue;
+    lack = off;
+    for (int k = 0; k < 2; k++) nearest->normal[k] = e->normal[k];
+  }
+  return lack;
+}
+
 MG_INTERNAL int mg_move_inside_hull(const mg_hull *h, mg_real *x) {
   mg_nearest_boundary nearest;
   mg_real middle[2];
-  const mg_real reach = mg_hull_middle(h, middle), least = reach / MG_HULL_EDGE_PART;
-  mg_real margin = mg_hull_margin(h, x, &nearest);
-  if (margin >= least || h->n_edge == 0) return 0;
-  for (int pass = 0; pass < MG_INWARD_PASSES && margin < least * (1 - 64 * MG_EPS); pass++) {
-    for (int k = 0; k < 2; k++) x[k] -= (least - margin) * nearest.normal[k];
-    margin = mg_hull_margin(h, x, &nearest);
+  const mg_real reach = mg_hull_middle(h, middle), part = mg_least_depth(), least = part * part * reach;
+  if (h->n_edge == 0) return 0;
+  mg_real lack = mg_lack_of_distance(h, reach, x, 0, &nearest);
+  if (!(lack > 0)) return 0;
+  for (int pass = 0; pass < MG_INWARD_PASSES && lack > 64 * MG_EPS * reach; pass++) {
+    for (int k = 0; k < 2; k++) x[k] -= lack * nearest.normal[k];
+    lack = mg_lack_of_distance(h, reach, x, 1, &nearest);
   }
-  if (margin < least / 2)
-    for (int k = 0; k < 2; k++) x[k] = nearest.at[0].point[k] + least / reach * (middle[k] - nearest.at[0].point[k]);
+  if (mg_hull_margin(h, x, &nearest) < least / 2)
+    for (int k = 0; k < 2; k++) x[k] = nearest.at[0].point[k] + part * (middle[k] - nearest.at[0].point[k]);
   return 1;
 }
 
