@@ -474,6 +474,8 @@ typedef struct {
   int *patch_mode;             /* [n_patch_slot] mode of the friction of its patch, MG_FRICTION_OFF .. MG_SLIPPING */
   mg_real *patch_slip_direction; /* [4 n_patch_slot] direction of the slip of a patch: velocity in the middle of the
                                     support points (3) and spin times their radius; unit length */
+  mg_real *patch_support_share;  /* [3 n_patch_slot] shares of its support points in its force at the state before this
+                                    one: there the search for its pressure starts; 0: in the middle */
   mg_real *reference_force;      /* [n_contact + 1 + n_joint_row + n_friction_row] per row: force, N or N m, from which
                                     forces that are not unique deviate least; in time-stepping that of the last
                                     step */

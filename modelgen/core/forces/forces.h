@@ -23,10 +23,17 @@ enum {
 
 enum { MG_PATCH_ROWS = 3 }; /* friction rows of a patch: slip of its first support point along t1, t2, spin about N */
 
+/* Where the search for the pressure of a patch starts. */
+enum {
+  MG_CENTRE_UNKNOWN = 0, /* in the middle of its supports */
+  MG_CENTRE_KNOWN = 1,   /* at the centre found last */
+  MG_CENTRE_NOTED = 2    /* at the centre noted by the run (patch_support_share) */
+};
+
 /* Friction of the patch in a slot. */
 struct mg_patch_friction {
   int slips;                             /* 1: it slips */
-  int centre_known;                      /* 1: `centre` is known */
+  int centre_known;                      /* MG_CENTRE_UNKNOWN .. */
   int partly_unloaded;                   /* 1: the pressure vanishes in a part of the overlap, or was not found */
   int force_outside;                     /* 1: the centre of pressure is outside the hull */
   mg_real centre[2];                     /* centre of pressure, also outside the hull, in the axes of this, m */
@@ -457,9 +464,13 @@ MG_INTERNAL void mg_complete_orthonormal_basis(const mg_real *e, mg_real across[
 /* That direction and two directions across it. */
 MG_INTERNAL void mg_patch_slip_basis(const mg_context *c, int slot, mg_real e[3][3]);
 
-/* Forget the centres of pressure from which the pressures of patches are sought, so that the forces found next depend
-   on the state alone. */
-MG_INTERNAL void mg_forget_patch_pressures(mg_context *c);
+/* Notes where the searches for the pressures of patches start at the state that is accepted next: at the centres of the
+   forces of the run now. */
+MG_INTERNAL void mg_note_pressure_starts(mg_context *c);
+
+/* Starts the searches for the pressures of patches where it was noted, so that the forces found next depend on the run
+   alone. Needs the poses. */
+MG_INTERNAL void mg_start_patch_pressures(mg_context *c);
 
 /* Compute the pressure in a slot for a unit resultant at its centre of pressure; over the whole face while that
    centre is not known. */

@@ -9,7 +9,8 @@
 #include "region/region.h"
 #include "model/model.h"
 
-#define MG_PRESSURE_ROUNDS 60 /* most steps of Newton's method for pressure and forces */
+#define MG_PRESSURE_ROUNDS \
+  60 /* most steps of Newton's method for pressure and forces, from the start noted and again from the middle */
 
 #define MG_PRESSURE_STEP_MIN ((mg_real)1 / 16) /* least part of a step that does not bring the pressure nearer */
 
@@ -141,23 +142,44 @@ static int mg_patch_slip_twist(const mg_context *c, int slot, mg_real *twist) {
   return 0;
 }
 
-MG_INTERNAL void mg_forget_patch_pressures(mg_context *c) {
+MG_INTERNAL void mg_note_pressure_starts(mg_context *c) {
+  for (int slot = 0; slot < c->system->n_patch_slot && c->system->n_friction; slot++) {
+    const mg_real *force = c->run->force + mg_first_support(c, slot), sum = force[0] + force[1] + force[2];
+    for (int i = 0; i < 3; i++) c->run->patch_support_share[3 * slot + i] = sum > 0 ? force[i] / sum : 0;
+  }
+}
+
+MG_INTERNAL void mg_start_patch_pressures(mg_context *c) {
   for (int slot = 0; slot < c->system->n_patch_slot && c->system->n_friction; slot++)
-    c->patches.friction[slot].centre_known = 0;
+    c->patches.friction[slot].centre_known = MG_CENTRE_NOTED;
+}
+
+/* Places the centre of pressure where it was noted, or in the middle of the supports. */
+static void mg_place_starting_centre(mg_context *c, int slot) {
+  mg_patch_friction *r = c->patches.friction + slot;
+  const mg_real *share = c->run->patch_support_share + 3 * slot;
+  mg_patch_frame at;
+  mg_set_patch_frame(c, slot, &at);
+  if (share[0] == 0 && share[1] == 0 && share[2] == 0) r->centre_known = MG_CENTRE_UNKNOWN;
+  for (int k = 0; k < 2; k++) {
+    r->centre[k] = 0;
+    for (int i = 0; i < 3; i++)
+      r->centre[k] += (r->centre_known == MG_CENTRE_NOTED ? share[i] : (mg_real)1 / 3) * at.support[i][k];
+  }
 }
 
 MG_INTERNAL void mg_update_patch_pressure(mg_context *c, int slot) {
   mg_patch_friction *r = c->patches.friction + slot;
   mg_winkler_pressure_field *p = &c->patches.pressure;
-  mg_patch_frame at;
   mg_overlay_patch_regions(c, mg_patch_of_slot(c, slot));
   mg_open_pressure(p, &c->patches.hull, c->patches.strip_capacity, c->patches.strips);
+  if (r->centre_known != MG_CENTRE_KNOWN) mg_place_starting_centre(c, slot);
   mg_real inside[2] = {r->centre[0], r->centre[1]};
   r->force_outside = r->centre_known && mg_move_inside_hull(&c->patches.hull, inside);
   const int found = r->centre_known && mg_winkler_pressure(p, 1, inside), failed = r->centre_known && !found;
   if (!found) {
-    mg_set_patch_frame(c, slot, &at);
-    for (int k = 0; k < 2; k++) r->centre[k] = (at.support[0][k] + at.support[1][k] + at.support[2][k]) / 3;
+    r->centre_known = MG_CENTRE_UNKNOWN;
+    mg_place_starting_centre(c, slot);
     mg_uniform_pressure(p, r->centre);
     r->force_outside = 0;
   }
@@ -250,21 +272,23 @@ static mg_real mg_inner_part_of_step(mg_context *c, int slot, const mg_real *ste
 
 /* Takes a step of Newton's method from the centre of pressure for which the force ratios hold, of which the whole leads
    to the centre of the forces found with them; half of the step before if this one is hardly shorter. Returns whether
-   the ratios hold for the new centre: neither pressure lifts off part of the face, or the centres agree. */
+   the ratios hold for the new centre: neither pressure lifts off part of the face, or the centres agree. Steps that get
+   no shorter once they are small beside the hull are rounding, which a small loaded region amplifies. */
 static int mg_step_to_centre(mg_context *c, int slot, const mg_real *centre) {
   mg_patch_friction *r = c->patches.friction + slot;
   const int was_cut = r->partly_unloaded || r->force_outside;
   const mg_real step[2] = {centre[0] - r->centre[0], centre[1] - r->centre[1]}, size = sqrt(mg_dot2(step, step));
-  const int agrees = size <= sqrt(MG_EPS) * r->extent;
-  if (c->patches.pressure_rounds > 0 && !agrees && r->part > MG_PRESSURE_STEP_MIN &&
-      size > (1 - r->part / 4) * sqrt(mg_dot2(r->step, r->step))) {
+  const int stalls = c->patches.pressure_rounds % MG_PRESSURE_ROUNDS > 0 &&
+                     size > (1 - r->part / 4) * sqrt(mg_dot2(r->step, r->step)),
+            agrees = size <= sqrt(MG_EPS) * (stalls ? c->patches.hull.size : r->extent);
+  if (stalls && !agrees && r->part > MG_PRESSURE_STEP_MIN) {
     r->part /= 2;
     for (int k = 0; k < 2; k++) r->centre[k] -= r->part * r->step[k];
     return 0;
   }
   r->part = r->force_outside || agrees ? 1 : mg_inner_part_of_step(c, slot, step);
   for (int k = 0; k < 2; k++) r->step[k] = step[k], r->centre[k] += r->part * step[k];
-  r->centre_known = 1;
+  r->centre_known = MG_CENTRE_KNOWN;
   if (was_cut || r->part < 1) return agrees;
   mg_update_patch_pressure(c, slot);
   return !r->partly_unloaded && !r->force_outside;
@@ -281,11 +305,18 @@ MG_INTERNAL int mg_has_changed_patch_pressures(mg_context *c) {
     mg_set_patch_force_ratio(c, slot);
     count++;
   }
-  return count > 0 && ++c->patches.pressure_rounds < MG_PRESSURE_ROUNDS;
+  if (count == 0 || ++c->patches.pressure_rounds != MG_PRESSURE_ROUNDS)
+    return count > 0 && c->patches.pressure_rounds < 2 * MG_PRESSURE_ROUNDS;
+  for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
+    if (!c->patches.friction[slot].slips) continue;
+    c->patches.friction[slot].centre_known = MG_CENTRE_UNKNOWN;
+    mg_set_patch_force_ratio(c, slot);
+  }
+  return 1;
 }
 
 MG_INTERNAL int mg_are_patch_pressures_found(const mg_context *c) {
-  return c->patches.pressure_rounds < MG_PRESSURE_ROUNDS;
+  return c->patches.pressure_rounds < 2 * MG_PRESSURE_ROUNDS;
 }
 
 MG_INTERNAL int mg_list_patch_slip_rows(const mg_context *c, int row, int *list, mg_real *ratio) {

@@ -62,7 +62,7 @@ MG_INTERNAL mg_real mg_patch_friction_margin(mg_context *c, int slot, mg_real *t
   if (!(N > 0)) return N;
   mg_set_patch_frame(c, slot, &at);
   mg_world_to_local_point(at.pose, world, local);
-  r->centre[0] = local[0], r->centre[1] = local[1], r->centre_known = 1;
+  r->centre[0] = local[0], r->centre[1] = local[1], r->centre_known = MG_CENTRE_KNOWN;
   mg_update_patch_pressure(c, slot);
   mg_note_pressure_mean_distance(c, slot);
   const mg_real *centre = c->patches.pressure.centre,

@@ -214,7 +214,7 @@ MG_INTERNAL int mg_hold_rows(mg_context *c, const int *marked, int sticks, const
 }
 
 MG_INTERNAL void mg_evaluate_run_state(mg_context *c) {
-  mg_forget_patch_pressures(c);
+  mg_start_patch_pressures(c);
   mg_right_hand_side(c, c->run->t, c->run->x, c->step.slopes);
   mg_update_gap_rates(c);
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))

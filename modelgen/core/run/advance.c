@@ -39,6 +39,7 @@ static int mg_take_accurate_step(mg_context *c, mg_real *h) {
 
 /* Makes c->step.settled the state of the run. */
 static void mg_accept_state(mg_context *c, mg_real h) {
+  mg_note_pressure_starts(c);
   mg_copy_states(c, c->step.settled, c->run->x);
   mg_advance_time(c->run, h);
   c->run->steps++;

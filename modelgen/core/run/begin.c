@@ -106,6 +106,7 @@ static int mg_begin_run(mg_context *c, mg_events *events) {
   for (int k = 0; k < system->n_switch; k++)
     run->branch[k] = 0, run->switch_mode[k] = MG_BRANCH_ZERO, run->switch_leader[k] = 0;
   for (int i = 0; i < system->n_patch_slot; i++) run->patch_mode[i] = MG_FRICTION_OFF;
+  for (int k = 0; k < 3 * system->n_patch_slot; k++) run->patch_support_share[k] = 0;
   mg_zero_reals(run->search_bound, system->n_cell_tree);
   run->x[c->layout.work_state] = 0;
   mg_normalise_quaternions(c, run->x);

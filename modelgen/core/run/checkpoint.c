@@ -63,6 +63,7 @@ static void mg_move_run(mg_stream *stream, const mg_system *s, mg_run *run) {
   mg_move_reals(stream, run->slip_direction, 3L * s->n_friction);
   mg_move_ints(stream, run->patch_mode, s->n_patch_slot);
   mg_move_reals(stream, run->patch_slip_direction, 4L * s->n_patch_slot);
+  mg_move_reals(stream, run->patch_support_share, 3L * s->n_patch_slot);
   mg_move_reals(stream, run->reference_force, s->n_contact + 1L + s->n_joint_row + s->n_friction_row);
   mg_move_reals(stream, run->force, s->n_contact);
   mg_move_reals(stream, run->margin, s->n_contact);

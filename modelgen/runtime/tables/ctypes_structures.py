@@ -164,6 +164,7 @@ RUN_ARRAYS = (
         "slip_direction",
         "patch_mode",
         "patch_slip_direction",
+        "patch_support_share",
         "reference_force",
     ),
     *("force", "margin", "rolling_start", "tilt_direction", "input", "applied_input"),

@@ -139,6 +139,7 @@ def _sizes_of_run(
         "ball_at": 4 * int(system.n_ball) + 1,
         "slip_direction": 3 * groups + 1,
         "patch_slip_direction": 4 * slots + 1,
+        "patch_support_share": 3 * slots + 1,
         "reference_force": m + int(system.n_joint_row) + int(system.n_friction_row),
         "force": m,
         "margin": m,
