@@ -9,8 +9,9 @@
 #include "region/region.h"
 #include "model/model.h"
 
-#define MG_PRESSURE_ROUNDS \
-  60 /* most steps of Newton's method for pressure and forces, from the start noted and again from the middle */
+#define MG_PRESSURE_ROUNDS 60 /* most steps of Newton's method for pressure and forces from one start */
+
+#define MG_PRESSURE_STARTS 3 /* the centres found last, those noted by the run, the middles of the supports */
 
 #define MG_PRESSURE_STEP_MIN ((mg_real)1 / 16) /* least part of a step that does not bring the pressure nearer */
 
@@ -263,11 +264,11 @@ static mg_real mg_inner_part_of_step(mg_context *c, int slot, const mg_real *ste
   const mg_real *from = c->patches.friction[slot].centre;
   mg_overlay_patch_regions(c, mg_patch_of_slot(c, slot));
   const mg_real least = mg_hull_margin(&c->patches.hull, from, &nearest) / 4;
-  for (mg_real part = 1; part > MG_PRESSURE_STEP_MIN; part /= 2) {
+  for (mg_real part = 1; part > sqrt(MG_EPS); part /= 2) {
     const mg_real next[2] = {from[0] + part * step[0], from[1] + part * step[1]};
     if (mg_hull_margin(&c->patches.hull, next, &nearest) >= least) return part;
   }
-  return MG_PRESSURE_STEP_MIN;
+  return sqrt(MG_EPS);
 }
 
 /* Takes a step of Newton's method from the centre of pressure for which the force ratios hold, of which the whole leads
@@ -305,18 +306,20 @@ MG_INTERNAL int mg_has_changed_patch_pressures(mg_context *c) {
     mg_set_patch_force_ratio(c, slot);
     count++;
   }
-  if (count == 0 || ++c->patches.pressure_rounds != MG_PRESSURE_ROUNDS)
-    return count > 0 && c->patches.pressure_rounds < 2 * MG_PRESSURE_ROUNDS;
+  if (count == 0) return 0;
+  if (++c->patches.pressure_rounds % MG_PRESSURE_ROUNDS > 0) return 1;
+  const int found = mg_are_patch_pressures_found(c);
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
-    if (!c->patches.friction[slot].slips) continue;
-    c->patches.friction[slot].centre_known = MG_CENTRE_UNKNOWN;
-    mg_set_patch_force_ratio(c, slot);
+    mg_patch_friction *r = c->patches.friction + slot;
+    if (!r->slips) continue;
+    r->centre_known = found && c->patches.pressure_rounds > MG_PRESSURE_ROUNDS ? MG_CENTRE_UNKNOWN : MG_CENTRE_NOTED;
+    if (found) mg_set_patch_force_ratio(c, slot);
   }
-  return 1;
+  return found;
 }
 
 MG_INTERNAL int mg_are_patch_pressures_found(const mg_context *c) {
-  return c->patches.pressure_rounds < 2 * MG_PRESSURE_ROUNDS;
+  return c->patches.pressure_rounds < MG_PRESSURE_STARTS * MG_PRESSURE_ROUNDS;
 }
 
 MG_INTERNAL int mg_list_patch_slip_rows(const mg_context *c, int row, int *list, mg_real *ratio) {
