@@ -289,6 +289,8 @@ def course(
 
     def margin(s: float, y: np.ndarray) -> float:
         nonlocal settled
+        if not np.isfinite(y).all():  # between the ends of a step beyond which no pressure goes on
+            return -1.0
         try:
             settled, force, _ = followed(y)
         except ArithmeticError:

@@ -216,17 +216,20 @@ static mg_real mg_hull_middle(const mg_hull *h, mg_real *middle) {
    eps over the square of this: the accuracy to which pressure and friction are made to agree. */
 static mg_real mg_least_depth(void) { return sqrt(sqrt(MG_EPS)); }
 
+/* Least distance of the centre of pressure from a curved edge, whose radius is about the reach: the loaded region there is
+   as long as the root of reach times depth, and friction amplifies errors as the loaded point comes to rest. */
+static mg_real mg_least_curved_distance(mg_real reach) { return 16 * mg_least_depth() * mg_least_depth() * reach; }
+
 /* How far a point is beyond the least distance from the boundary of a hull, m, by the nearest place or, where `worst`, by
    the edge of which it lacks most; and the outward unit normal there. Behind a straight edge the loaded region is as long
-   as the edge. Behind a curved one, of a radius about the reach, it is as long as the root of reach times depth. */
+   as the edge. */
 static mg_real mg_lack_of_distance(const mg_hull *h, mg_real reach, const mg_real *x, int worst,
                                    mg_nearest_boundary *nearest) {
-  const mg_real part = mg_least_depth();
-  mg_real lack = part * part * reach - mg_hull_margin(h, x, nearest);
+  mg_real lack = mg_least_curved_distance(reach) - mg_hull_margin(h, x, nearest);
   for (int i = 0; i < h->n_edge && (worst || !(lack > 0)); i++) {
     const mg_hull_edge *e = h->edges + i;
     const mg_real *p = h->vertices[e->from_vertex].point, arm[2] = {x[0] - p[0], x[1] - p[1]};
-    const mg_real off = mg_dot2(arm, e->normal) + part * e->length;
+    const mg_real off = mg_dot2(arm, e->normal) + mg_least_depth() * e->length;
     if (e->direction || !(off > lack)) continue;
     lack = off;
     for (int k = 0; k < 2; k++) nearest->normal[k] = e->normal[k];
@@ -237,7 +240,7 @@ static mg_real mg_lack_of_distance(const mg_hull *h, mg_real reach, const mg_rea
 MG_INTERNAL int mg_move_inside_hull(const mg_hull *h, mg_real *x) {
   mg_nearest_boundary nearest;
   mg_real middle[2];
-  const mg_real reach = mg_hull_middle(h, middle), part = mg_least_depth(), least = part * part * reach;
+  const mg_real reach = mg_hull_middle(h, middle);
   if (h->n_edge == 0) return 0;
   mg_real lack = mg_lack_of_distance(h, reach, x, 0, &nearest);
   if (!(lack > 0)) return 0;
@@ -245,8 +248,9 @@ MG_INTERNAL int mg_move_inside_hull(const mg_hull *h, mg_real *x) {
     for (int k = 0; k < 2; k++) x[k] -= lack * nearest.normal[k];
     lack = mg_lack_of_distance(h, reach, x, 1, &nearest);
   }
-  if (mg_hull_margin(h, x, &nearest) < least / 2)
-    for (int k = 0; k < 2; k++) x[k] = nearest.at[0].point[k] + part * (middle[k] - nearest.at[0].point[k]);
+  if (mg_hull_margin(h, x, &nearest) < mg_least_curved_distance(reach) / 2)
+    for (int k = 0; k < 2; k++)
+      x[k] = nearest.at[0].point[k] + mg_least_depth() * (middle[k] - nearest.at[0].point[k]);
   return 1;
 }
 
