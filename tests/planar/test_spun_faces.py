@@ -155,8 +155,8 @@ def test_slip_that_ends_while_spinning_is_that_of_an_independent_integration(see
 
 
 def test_a_can_tips_as_the_loaded_point_of_its_rim_comes_to_rest_and_gains_no_energy_before() -> None:
-    """In the integration the centre of pressure is 1e-6 of the radius from the rim at 0.22433 s, and by the rate of
-    the root of that distance it is at the rim at 0.22487 s."""
+    """In the integration the centre of pressure is 1e-6 of the radius from the rim at 0.22433 s, and by the
+    rate of the root of that distance it is at the rim at 0.22487 s."""
     of = member(25, (1.05, 2.0), (-1, 0.1))
     run = run_of(of, 0.22433, "balanced")
     assert run.doubts == ()

@@ -221,20 +221,20 @@ static mg_real mg_least_depth(void) { return sqrt(sqrt(MG_EPS)); }
 static mg_real mg_least_curved_distance(mg_real reach) { return 16 * mg_least_depth() * mg_least_depth() * reach; }
 
 /* How far a point is beyond the least distance from the boundary of a hull, m, by the nearest place or, where `worst`, by
-   the edge of which it lacks most; and the outward unit normal there. Behind a straight edge the loaded region is as long
+   the edge for which it is the most; and the outward unit normal there. Behind a straight edge the loaded region is as long
    as the edge. */
-static mg_real mg_lack_of_distance(const mg_hull *h, mg_real reach, const mg_real *x, int worst,
+static mg_real mg_boundary_shortfall(const mg_hull *h, mg_real reach, const mg_real *x, int worst,
                                    mg_nearest_boundary *nearest) {
-  mg_real lack = mg_least_curved_distance(reach) - mg_hull_margin(h, x, nearest);
-  for (int i = 0; i < h->n_edge && (worst || !(lack > 0)); i++) {
+  mg_real shortfall = mg_least_curved_distance(reach) - mg_hull_margin(h, x, nearest);
+  for (int i = 0; i < h->n_edge && (worst || !(shortfall > 0)); i++) {
     const mg_hull_edge *e = h->edges + i;
     const mg_real *p = h->vertices[e->from_vertex].point, arm[2] = {x[0] - p[0], x[1] - p[1]};
     const mg_real off = mg_dot2(arm, e->normal) + mg_least_depth() * e->length;
-    if (e->direction || !(off > lack)) continue;
-    lack = off;
+    if (e->direction || !(off > shortfall)) continue;
+    shortfall = off;
     for (int k = 0; k < 2; k++) nearest->normal[k] = e->normal[k];
   }
-  return lack;
+  return shortfall;
 }
 
 MG_INTERNAL int mg_move_inside_hull(const mg_hull *h, mg_real *x) {
@@ -242,11 +242,11 @@ MG_INTERNAL int mg_move_inside_hull(const mg_hull *h, mg_real *x) {
   mg_real middle[2];
   const mg_real reach = mg_hull_middle(h, middle);
   if (h->n_edge == 0) return 0;
-  mg_real lack = mg_lack_of_distance(h, reach, x, 0, &nearest);
-  if (!(lack > 0)) return 0;
-  for (int pass = 0; pass < MG_INWARD_PASSES && lack > 64 * MG_EPS * reach; pass++) {
-    for (int k = 0; k < 2; k++) x[k] -= lack * nearest.normal[k];
-    lack = mg_lack_of_distance(h, reach, x, 1, &nearest);
+  mg_real shortfall = mg_boundary_shortfall(h, reach, x, 0, &nearest);
+  if (!(shortfall > 0)) return 0;
+  for (int pass = 0; pass < MG_INWARD_PASSES && shortfall > 64 * MG_EPS * reach; pass++) {
+    for (int k = 0; k < 2; k++) x[k] -= shortfall * nearest.normal[k];
+    shortfall = mg_boundary_shortfall(h, reach, x, 1, &nearest);
   }
   if (mg_hull_margin(h, x, &nearest) < mg_least_curved_distance(reach) / 2)
     for (int k = 0; k < 2; k++)
