@@ -4,12 +4,15 @@ conversions, hashes and imports, where a result would then be taken for what it 
 from __future__ import annotations
 
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
 ENDING = (signal.SIGINT, signal.SIGTERM)  # signals that end a command
+AGAIN = signal.SIGALRM  # raised by this process where Python ignored what one of them raised
+PAUSE_S = 1e-3  # s, before that
 _heard = 0  # signals so far
 
 
@@ -17,15 +20,18 @@ def hear_signals() -> None:
     """Let SIGINT and SIGTERM raise KeyboardInterrupt in the main thread, and be counted.
 
     SIGINT stays ignored where the process was started so, as by `nohup` or in the background of a script.
+    Python ignores what is raised in a callback of its garbage collection: then it is raised once more.
     """
     for number in ENDING:
         if signal.getsignal(number) != signal.SIG_IGN:
             signal.signal(number, _interrupt)
+    signal.signal(AGAIN, _interrupt)
+    sys.unraisablehook = _raise_again
 
 
 def hear_no_more() -> None:
     """Let no signal break into the end of the process: the command is done."""
-    for number in ENDING:
+    for number in (*ENDING, AGAIN):
         signal.signal(number, signal.SIG_IGN)
 
 
@@ -45,7 +51,7 @@ def nothing_swallowed() -> Iterator[None]:
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
-    """Let SIGINT and SIGTERM wait until the block has ended: for one that clears up.
+    """Let signals that end a command wait until the block has ended: for one that clears up.
 
     Python calls handlers in the main thread alone, so that blocks in other threads need nothing.
     """
@@ -53,7 +59,7 @@ def uninterrupted() -> Iterator[None]:
         yield
         return
     waiting: list[tuple[int, FrameType | None]] = []
-    usual = {number: handler for number in ENDING if callable(handler := signal.getsignal(number))}
+    usual = {number: handler for number in (*ENDING, AGAIN) if callable(handler := signal.getsignal(number))}
     try:
         for number in usual:
             signal.signal(number, lambda *call: waiting.append(call))
@@ -69,3 +75,10 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
     global _heard
     _heard += 1
     raise KeyboardInterrupt
+
+
+def _raise_again(ignored: sys.UnraisableHookArgs) -> None:
+    if isinstance(ignored.exc_value, KeyboardInterrupt):
+        signal.setitimer(signal.ITIMER_REAL, PAUSE_S)
+    else:
+        sys.__unraisablehook__(ignored)

@@ -127,8 +127,11 @@ def test_a_signal_keeps_what_was_computed(number: signal.Signals, tmp_path: Path
 
 
 INTERRUPTED_AT_IMPORT = """
-import os, signal, sys
+import os, signal, sys, time
 from modelgen.cli import command_group, main
+class Collected:
+    def __del__(self):
+        press()
 def press():
     os.kill(os.getpid(), signal.{number})
 command_group.import_module = lambda name: {act}
@@ -138,9 +141,19 @@ main()
 
 
 @pytest.mark.parametrize("number", ["SIGINT", "SIGTERM"])
-@pytest.mark.parametrize("act", ["press()", "exec('press()', globals())", "swallowed()", "swallowed() + 1"])
+@pytest.mark.parametrize(
+    "act",
+    [
+        "press()",
+        "exec('press()', globals())",
+        "swallowed()",
+        "swallowed() + 1",
+        "Collected() and time.sleep(9)",
+    ],
+)
 def test_a_signal_in_an_import_ends_with_its_code(number: str, act: str) -> None:
-    """In text that Python executes, after which it would end as killed; where a module catches everything."""
+    """In text that Python executes, after which it would end as killed; where a module catches everything;
+    where Python ignores what is raised."""
     swallowed = "\ndef swallowed():\n    try:\n        press()\n    except:\n        pass\n"
     code = swallowed + INTERRUPTED_AT_IMPORT.format(number=number, act=act)
     told = subprocess.run(
