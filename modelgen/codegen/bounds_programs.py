@@ -80,6 +80,8 @@ def spline_row(kind: ShapeKind, spline: Cubic, constants: int) -> tuple[int, ...
     names, first = kind.parameter_names, 0 if kind.folded is None else constants
     knots, coefficients = names.index("k_0"), names.index(f"{spline.axis}0_0")
     by_piece = [f"{spline.axis}{k}_{i}" for k in range(4) for i in range(spline.pieces)]
+    blocks = sum(spline.pieces >> level for level in range(1, spline.pieces.bit_length()))
+    by_piece += [f"{spline.axis}{4 + order}_{i}" for order in range(3) for i in range(blocks)]
     assert list(names[knots : knots + spline.pieces + 1]) == [f"k_{i}" for i in range(spline.pieces + 1)]
     assert list(names[coefficients : coefficients + len(by_piece)]) == by_piece
     is_folded = int(kind.folded is not None)

@@ -10,7 +10,7 @@ import ast
 import re
 import warnings
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from math import e as euler
 from math import isfinite, pi
@@ -146,6 +146,45 @@ class Cubic:
         for k, column in enumerate((values, slopes, squares, cubes)):
             named |= {f"{self.axis}{k}_{i}": float(each) for i, each in enumerate(column)}
         return named
+
+    def deviations(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Parameters that bounds over many pieces need: by how much the cubic, its slope and its
+        second derivative leave their chords at most over blocks of 2, 4, 8, ... pieces. A chord leaves those
+        of the halves of a block the most at the knot between them."""
+        n, axis = self.pieces, self.axis
+        knots = [values[f"k_{i}"] for i in range(n + 1)]
+        named: dict[str, float] = {}
+        for order in range(3):
+            at_order = replace(self, order=order)
+            at = [at_order._local(i, 0.0, values) for i in range(n)]
+            at.append(at_order._local(n - 1, knots[n] - knots[n - 1], values))
+            off = [at_order._off_chord(i, knots[i + 1] - knots[i], values) for i in range(n)]
+            found, size = [], 2
+            while len(off) > 1:
+                off = [max(off[i : i + 2]) for i in range(0, len(off), 2)]
+                for j in range(n // size):
+                    a, middle, b = j * size, j * size + size // 2, j * size + size
+                    share = (knots[middle] - knots[a]) / (knots[b] - knots[a])
+                    off[j] += abs(at[middle] - at[a] - share * (at[b] - at[a]))
+                found += off[: n // size]
+                size *= 2
+            named |= {f"{axis}{4 + order}_{i}": each for i, each in enumerate(found)}
+        return named
+
+    def _local(self, i: int, s: float, values: Mapping[str, float]) -> float:
+        """The value of a piece at a distance s from its knot."""
+        value, slope, square, cube = (values[f"{self.axis}{k}_{i}"] for k in range(4))
+        return (
+            value + (slope + (square + cube * s) * s) * s,
+            slope + (2 * square + 3 * cube * s) * s,
+            2 * square + 6 * cube * s,
+        )[self.order]
+
+    def _off_chord(self, i: int, width: float, values: Mapping[str, float]) -> float:
+        """Bound of the distance of a piece from its chord, by its greatest second derivative."""
+        square, cube = values[f"{self.axis}2_{i}"], values[f"{self.axis}3_{i}"]
+        bend = max(abs(2 * square), abs(2 * square + 6 * cube * width)), abs(6 * cube), 0.0
+        return bend[self.order] * width * width / 8
 
 
 def _scaled(factor: int, x: Node) -> Node:

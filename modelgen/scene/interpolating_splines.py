@@ -143,5 +143,6 @@ def _written(knots: Array, coefficients: Array, axes: str, reach: float) -> Poin
         cubic = Cubic(Name("t"), axis, len(inner) - 1)
         cubes, squares, slopes, values = pieces.c[:, np.searchsorted(pieces.x, inner[:-1], side="right") - 1]
         numbers |= cubic.numbers(values, slopes, squares, cubes)
+        numbers |= cubic.deviations(numbers)
         components.append(expression_of(cubic))
     return PointSpline(tuple(components), tuple(numbers.items()), reach)

@@ -11,7 +11,7 @@ MG_API void bound_spline(int coordinate, int order, int pieces, const mg_real *n
                          mg_taylor_model *out, mg_real *kink) {
   const mg_instruction instructions[2] = {{MG_OP_SPLINE, 0, 0, 0}, {MG_OP_OUTPUT, 0, 0, 0}};
   const mg_bounds_spline spline = {coordinate, order, pieces, 0, 0, pieces + 1};
-  const mg_bounds_program program = {2, 1, pieces * 5 + 1, instructions, numbers, &spline};
+  const mg_bounds_program program = {2, 1, 0, instructions, numbers, &spline};
   mg_taylor_model memory[1];
   mg_bound_over_box(&program, box, numbers, 1, memory, out, kink);
 }

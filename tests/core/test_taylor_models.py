@@ -14,6 +14,7 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import linprog
 
 from modelgen.codegen.bounds_programs import bounds_program
+from modelgen.scene.expression import Cubic, Name
 from tests.c_compiler import needs_c
 from tests.core.compiling import CORE, compile_core
 
@@ -122,13 +123,16 @@ def test_a_spline_over_a_box_is_bounded_as_tightly_as_it_bends(
 ) -> None:
     """Random splines with uneven knots, over boxes from a thousandth of a piece to twice the domain: the rest
     is no more than 2.5 times the least largest error of a quadratic function, by a linear program over
-    samples (that through three points has 2.25 times at most), and the kink is the knot nearest to the
+    samples (that through three points has 2.25 times at most) where the box meets up to 16 pieces, and 6
+    times where blocks of pieces are seen as chords, and the kink is the knot nearest to the
     middle."""
     rng = np.random.default_rng([order, coordinate, pieces])
     for _ in range(20):
         knots = np.concatenate([[0.0], np.cumsum(10 ** rng.uniform(-1.5, 0, pieces))]) / pieces
         spline = CubicSpline(knots, rng.normal(size=pieces + 1), bc_type="natural")
-        numbers = np.concatenate([knots, *spline.c[::-1]])
+        cubic = Cubic(Name("t"), "x", pieces)
+        named = {f"k_{k}": float(knot) for k, knot in enumerate(knots)} | cubic.numbers(*spline.c[::-1])
+        numbers = np.array(list((named | cubic.deviations(named)).values()))
         half = np.exp(rng.uniform(np.log(1e-3 * np.diff(knots).min()), np.log(knots[-1])))
         middle = rng.uniform(0, knots[-1])
         box = np.tile([-1.0, 1.0], 2)
@@ -140,12 +144,15 @@ def test_a_spline_over_a_box_is_bounded_as_tightly_as_it_bends(
         )  # fmt: skip
         inner = (knots[1:-1] - middle) / half
         r = np.concatenate([np.linspace(-1, 1, 2001), inner[np.abs(inner) < 1]])
+        met = inner[np.abs(inner) < 1]
         exact = spline(middle + half * r, order)
         found = model.middle + model.slope[coordinate] * r + model.bend[2 * coordinate] * r * r
         assert np.all(np.abs(exact - found) <= model.rest)
         assert model.slope[1 - coordinate] == model.bend[1] == model.bend[2 - 2 * coordinate] == 0
         most = sum(np.abs(spline(middle + half * r, order + k)).max() * (1 + half) ** k for k in (0, 1))
-        assert model.rest <= 2.5 * _least_error(r, exact) + 1e-13 * (8 + pieces) * most
+        assert (
+            model.rest <= (2.5 if len(met) < 15 else 6) * _least_error(r, exact) + 1e-13 * (8 + pieces) * most
+        )
         nearest = inner[np.argmin(np.abs(inner))] if len(inner) else 1.0
         assert kink[1 - coordinate] == 1.0
         assert kink[coordinate] == pytest.approx(nearest if abs(nearest) < 1 else 1.0, abs=1e-6)

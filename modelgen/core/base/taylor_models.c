@@ -4,6 +4,8 @@
    the largest difference over the pieces that the box meets for the rest. */
 #include "base/base.h"
 
+#define MG_SPLINE_BLOCKS 8 /* into which the pieces that a range meets are divided at least, for its bounds */
+
 static const mg_taylor_model mg_no_bound = {0, {0, 0}, {0, 0, 0}, MG_MAX};
 
 /* Bounds of the linear and of the quadratic part. */
@@ -345,13 +347,55 @@ static mg_real mg_largest_of_cubic(const mg_real *b) {
   return largest;
 }
 
-/* The knot within a range nearest to its middle as a kink; kink as in mg_bound_over_box. */
-static void mg_note_knot(const mg_real *knots, int first, int last, mg_real middle, mg_real half, mg_real *kink) {
-  for (int i = first + 1; i <= last; i++)
-    if (fabs(knots[i] - middle) < fabs(half * *kink)) *kink = (knots[i] - middle) / half;
+/* What is compared with a spline over a range: value + slope r + bend r^2, with r from -1 to 1 for the distance of the
+   coordinate from `middle` over `half`. */
+typedef struct {
+  mg_real middle, half, value, slope, bend;
+} mg_quadratic;
+
+static mg_real mg_quadratic_at(const mg_quadratic *q, mg_real r) { return q->value + (q->slope + q->bend * r) * r; }
+
+/* Largest difference of piece i from a quadratic function between two places; *size is that of the numbers. */
+static mg_real mg_piece_difference(const mg_bounds_spline *spline, const mg_real *coefficients, mg_real knot, int i,
+                                   mg_real from, mg_real to, const mg_quadratic *q, mg_real *size) {
+  const mg_real width = (to - from) / 2, at = from + width, s = at - knot, reach = fabs(s) + width;
+  const mg_real place = q->half > 0 ? (at - q->middle) / q->half : 0, part = q->half > 0 ? width / q->half : 0;
+  mg_real a[4];
+  mg_spline_piece(spline, coefficients, i, a);
+  const mg_real steepness = a[1] + (2 * a[2] + 3 * a[3] * s) * s;
+  const mg_real b[4] = {mg_cubic_at(a, s) - mg_quadratic_at(q, place),
+                        steepness * width - (q->slope + 2 * q->bend * place) * part,
+                        (a[2] + 3 * a[3] * s) * width * width - q->bend * part * part, a[3] * width * width * width};
+  *size = mg_max(*size, fabs(a[0]) + (fabs(a[1]) + (fabs(a[2]) + fabs(a[3]) * reach) * reach) * reach +
+                            fabs(steepness) * (fabs(q->middle) + q->half));
+  return mg_largest_of_cubic(b);
 }
 
-/* A spline over the range of its coordinate. The kernels add up the pieces, which differs by the rounding of as many
+/* The same of the block of 2^level pieces from piece i on, which is not the last one: by its chord. */
+static mg_real mg_block_difference(const mg_bounds_spline *spline, const mg_real *coefficients, const mg_real *knots,
+                                   int i, int level, const mg_quadratic *q, mg_real *size) {
+  const int end = i + (1 << level), n = spline->pieces;
+  const mg_real *off = coefficients + 4 * n;
+  for (int order = 0; order < spline->order; order++)
+    for (int k = 1; n >> k; k++) off += n >> k;
+  for (int k = 1; k < level; k++) off += n >> k;
+  mg_real a[4], b[4];
+  mg_spline_piece(spline, coefficients, i, a), mg_spline_piece(spline, coefficients, end, b);
+  const mg_real from = (knots[i] - q->middle) / q->half, to = (knots[end] - q->middle) / q->half, width = to - from;
+  const mg_real steepness = fabs(b[0] - a[0]) / (knots[end] - knots[i]);
+  *size = mg_max(*size, fabs(a[0]) + fabs(b[0]) + steepness * (fabs(q->middle) + q->half));
+  return mg_max(fabs(a[0] - mg_quadratic_at(q, from)), fabs(b[0] - mg_quadratic_at(q, to))) +
+         fabs(q->bend) * width * width / 4 + off[i >> level];
+}
+
+/* The knot within a range nearest to its middle, which is in the piece `between`, as a kink; kink as in mg_bound_over_box. */
+static void mg_note_knot(const mg_real *knots, int first, int between, int last, mg_real middle, mg_real half,
+                         mg_real *kink) {
+  for (int i = between; i <= between + 1; i++)
+    if (i > first && i <= last && fabs(knots[i] - middle) < fabs(half * *kink)) *kink = (knots[i] - middle) / half;
+}
+
+/* A spline over the range of its coordinate, by blocks of its pieces that are narrow beside the range. The kernels add up the pieces, which differs by the rounding of as many
    terms. */
 static mg_taylor_model mg_taylor_spline(const mg_bounds_spline *spline, const mg_real *numbers, const mg_real *box,
                                         mg_real *kink) {
@@ -367,23 +411,18 @@ static mg_taylor_model mg_taylor_spline(const mg_bounds_spline *spline, const mg
   mg_spline_piece(spline, coefficients, between, a);
   const mg_real value = mg_cubic_at(a, middle - knots[between]), slope = (ends[1] - ends[0]) / 2,
                 bend = (ends[1] + ends[0]) / 2 - value;
-  for (int i = first; i <= last; i++) {
-    const mg_real from = i > first ? knots[i] : low, to = i < last ? knots[i + 1] : high, width = (to - from) / 2,
-                  at = from + width, s = at - knots[i];
-    mg_spline_piece(spline, coefficients, i, a);
-    const mg_real place = half > 0 ? (at - middle) / half : 0, part = half > 0 ? width / half : 0,
-                  steepness = a[1] + (2 * a[2] + 3 * a[3] * s) * s;
-    const mg_real b[4] = {mg_cubic_at(a, s) - value - (slope + bend * place) * place,
-                          steepness * width - (slope + 2 * bend * place) * part,
-                          (a[2] + 3 * a[3] * s) * width * width - bend * part * part, a[3] * width * width * width};
-    const mg_real reach = fabs(s) + width;
-    rest = mg_max(rest, mg_largest_of_cubic(b));
-    size = mg_max(size, fabs(a[0]) + (fabs(a[1]) + (fabs(a[2]) + fabs(a[3]) * reach) * reach) * reach +
-                            fabs(steepness) * (fabs(middle) + half));
+  const mg_quadratic q = {middle, half, value, slope, bend};
+  for (int i = first, level = 0; i <= last; i += 1 << level) {
+    for (level = 0; i > first && (i >> level) % 2 == 0 && i + (2 << level) <= last &&
+                    (2 << level) * MG_SPLINE_BLOCKS <= last - first;)
+      level++;
+    rest = mg_max(rest, level ? mg_block_difference(spline, coefficients, knots, i, level, &q, &size)
+                              : mg_piece_difference(spline, coefficients, knots[i], i, i > first ? knots[i] : low,
+                                                    i < last ? knots[i + 1] : high, &q, &size));
   }
   mg_taylor_model out = {value, {0, 0}, {0, 0, 0}, rest + 8 * spline->pieces * MG_EPS * size};
   out.slope[spline->coordinate] = slope, out.bend[2 * spline->coordinate] = bend;
-  mg_note_knot(knots, first, last, middle, half, kink + spline->coordinate);
+  mg_note_knot(knots, first, between, last, middle, half, kink + spline->coordinate);
   return mg_rounded(out);
 }
 

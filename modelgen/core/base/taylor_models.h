@@ -66,7 +66,9 @@ typedef struct {
   int pieces;       /* pieces */
   int is_constant;  /* 1: the places are those of constants, 0: of parameters */
   int knots;        /* place of the first one of pieces + 1 */
-  int coefficients; /* place of c0[pieces], c1[pieces], c2[pieces], c3[pieces] */
+  int coefficients; /* place of c0[pieces], c1[pieces], c2[pieces], c3[pieces], and bounds of how far the cubic,
+                       its slope and its second derivative are from their chords over blocks of pieces: of each the
+                       pieces/2 blocks of 2, then the pieces/4 of 4, ... */
 } mg_bounds_spline;
 
 /* A function of coordinates and parameters. */
