@@ -159,7 +159,7 @@ def writing_commands(folder: Path) -> dict[str, Writing]:
         "simulate .png": Writing(("simulate", scene, "--plot", "run.png")),
         "simulate, first": Writing(("simulate", scene, *SHORT), there=False, within=True),
         "plot .svg": Writing(("plot", run, "--out", "run.svg")),
-        "plot .gif": Writing(("plot", run, "--out", "run.gif")),
+        "plot .gif": Writing(("plot", str(folder / "short.npz"), "--out", "run.gif")),
         "plot, sweep": Writing(("plot", str(folder / "swept"), "--out", "swept.png")),
         "view": Writing(("view", run, "--out", "run.html")),
         "view, scene": Writing(("view", scene, *SHORT, "--out", "scene.html")),
@@ -347,6 +347,7 @@ def prepare(folder: Path) -> None:
     recorded = ["--input", "torque=1.5", *short, "--samples", "10", "--out", "wheel.csv"]
     for words in (
         ["simulate", scene, "--out", "run.npz"],
+        ["simulate", scene, *short, "--out", "short.npz"],
         ["simulate", wheel, *recorded],
         ["export", scene, "--to", "mjcf", "--out", "mjcf"],
         ["sweep", wheel, "--vary", "torque=0:1:6", *short, "--threads", "1", "--out", "swept"],
@@ -478,9 +479,9 @@ def main() -> None:
         for case, is_right in study:
             cases[case] += 1
             right[case] += is_right
+            if cases[case] == count:
+                print(f"{case:45} {right[case]:4} of {count:4} right", flush=True)
         os.chdir("/")
-    for case, number in cases.items():
-        print(f"{case:45} {right[case]:4} of {number:4} right")
     print(f"{'all':45} {right.total():4} of {cases.total():4} right")
 
 
