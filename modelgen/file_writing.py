@@ -24,6 +24,7 @@ from modelgen.interruption import uninterrupted
 
 SCRATCH = ".modelgen-"  # start of the name of a file that is being written
 SCRATCH_NAME = re.compile(rf"{re.escape(SCRATCH)}([0-9a-f]{{16}}|\d+-\d+)(\.|$)")
+LONGEST_ENDING = 16  # letters of an ending that programs know files by; with a longer one names get too long
 FOLDER = "modelgen-scratch-"  # start of the name of a temporary folder
 _cleared: set[Path] = set()  # folders in which this process has removed what others left
 
@@ -254,8 +255,9 @@ def _made(folder: Path) -> Path:
 
 
 def _scratch_name(place: Path) -> Path:
-    """A name for what is to take a place, in the same folder, with the same ending."""
-    return place.with_name(f"{SCRATCH}{secrets.token_hex(8)}{place.suffix}")
+    """A name for what is to take a place, in the same folder, with the same ending if it is short."""
+    ending = place.suffix if len(place.suffix) < LONGEST_ENDING else ""
+    return place.with_name(f"{SCRATCH}{secrets.token_hex(8)}{ending}")
 
 
 def _first_missing(path: Path) -> Path | None:
@@ -292,7 +294,8 @@ def _lock(path: Path) -> int | None:
 
 
 def _encoded(content: str | bytes) -> bytes:
-    return content.encode() if isinstance(content, str) else content
+    """Text as UTF-8, with escapes of what is no text, as in names of files in another encoding."""
+    return content.encode(errors="backslashreplace") if isinstance(content, str) else content
 
 
 def _flush(path: Path) -> None:

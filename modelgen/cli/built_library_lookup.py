@@ -33,7 +33,7 @@ def scene_key(scene: Path, *choices: str) -> str | None:
         return None
     digest = hashlib.sha256(text)
     for part in (scene.name, *choices, sys.version, cpu_target(), *_tools()):
-        digest.update(f"{len(part)}:{part}".encode())
+        digest.update(f"{len(part)}:{part}".encode(errors="surrogateescape"))
     return digest.hexdigest()
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import inspect
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import is_dataclass
 from pathlib import Path
@@ -84,9 +84,36 @@ def refused_in_words() -> Iterator[None]:
     except ModelgenError as error:
         message = str(error)
     except OSError as error:
-        message = f"{error.filename or 'a temporary file'}: {error.strerror or error}"
+        where, remedy = error.filename, "name another file"
+        if where is None:
+            where, remedy = "a temporary file", "make room there, or name another folder in TMPDIR"
+        message = f"{where}: {error.strerror or error}; {remedy}"
     click.echo(shortened(message), err=True)
     raise click.exceptions.Exit(REFUSED)
+
+
+def check_outputs_apart(params: Iterable[click.Parameter], values: Mapping[str, object]) -> None:
+    """Raise ModelgenError for an option that names a file to write which the command reads."""
+    params = list(params)
+    sources = [values[each.name] for each in params if isinstance(each, click.Argument) and each.name]
+    for option in params:
+        target = values.get(option.name or "")
+        if not isinstance(option, click.Option) or not isinstance(target, Path):
+            continue
+        for source in sources:
+            for path in source if isinstance(source, list) else [source]:
+                if isinstance(path, str | Path) and _is_one_file(target, path):
+                    found = f"{target} is the {'scene' if target.suffix == '.toml' else 'input'} itself"
+                    remedy = "or give --in-place" if "in_place" in values else "name one"
+                    raise ModelgenError(option.opts[0], found, "another file", remedy)
+
+
+def _is_one_file(path: Path, other: str | Path) -> bool:
+    """Whether two names are of one file; False of what is none."""
+    try:
+        return path.is_file() and path.samefile(other)
+    except (OSError, ValueError):
+        return False
 
 
 class Command(click.Command):
@@ -97,6 +124,7 @@ class Command(click.Command):
         with refused_in_words():
             _check_current_folder()
             check_inputs(ctx.params[each.name] for each in self.params if isinstance(each, click.Argument))
+            check_outputs_apart(self.params, ctx.params)
             return super().invoke(ctx)
 
 

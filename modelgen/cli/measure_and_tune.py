@@ -183,8 +183,6 @@ def _target(scene: Path, out: Path | None, in_place: bool) -> Path:
     target = scene if in_place else out or scene.with_name(f"{scene.stem}_tuned.toml")
     if target.is_dir():
         raise ModelgenError("--out", f"{str(target)!r} is a folder", "a file", "name one")
-    if not in_place and target.exists() and scene.exists() and target.samefile(scene):
-        raise ModelgenError("--out", f"{target} is the scene itself", "another file", "or give --in-place")
     if target.suffix != ".toml":
         raise ModelgenError(
             "--out", repr(str(target)), "a scene file, .toml", f"write {target.with_suffix('.toml')}"

@@ -47,15 +47,17 @@ def needed(out: Path | None, example: str) -> Path:
 
 def check_file(path: Path) -> None:
     """Raise ModelgenError if the file cannot be written; leaves no file behind."""
-    if path.is_dir():
-        raise ModelgenError(str(path), "it is a folder", "a file", "name one")
-    if not path.parent.is_dir():
-        raise ModelgenError(str(path), f"no folder {str(path.parent)!r}", "", "make it first")
-    if path.exists() and not path.is_file():
-        return
-    from modelgen.file_writing import check_writable
+    from modelgen.file_writing import check_writable, unwritable
 
-    check_writable(path)
+    try:
+        if path.is_dir():
+            raise ModelgenError(str(path), "it is a folder", "a file", "name one")
+        if not path.parent.is_dir():
+            raise ModelgenError(str(path), f"no folder {str(path.parent)!r}", "", "make it first")
+        if not path.exists() or path.is_file():
+            check_writable(path)
+    except OSError as cause:
+        raise unwritable(path, cause) from cause
 
 
 def write_run(

@@ -62,7 +62,11 @@ GENERATED = (
 
 def check_folder(folder: Path, allowed: str = GENERATED[0], remedy: str = GENERATED[1]) -> None:
     """Raise ModelgenError for a folder that cannot be written, before anything is derived."""
-    nearest = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    try:
+        nearest = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    except OSError as cause:
+        found = f"it cannot be written: {cause.strerror}"
+        raise ModelgenError(str(folder), found, allowed, remedy) from cause
     if not nearest.is_dir():
         raise ModelgenError(str(folder), f"{str(nearest)!r} is a file", allowed, remedy)
     if not os.access(nearest, os.W_OK | os.X_OK):

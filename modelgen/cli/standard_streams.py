@@ -3,12 +3,14 @@ more, as `head` when it has enough, and with a message where it cannot be writte
 
 from __future__ import annotations
 
+import codecs
 import io
 import os
 import sys
 
 CLOSED = 141  # 128 and the number of SIGPIPE, as shells have it
 FAILED = 2  # as of every file that cannot be written
+ANYWAY = "modelgen.anyway"  # how what the encoding of a stream lacks is written
 
 
 class Output(io.TextIOWrapper):
@@ -39,6 +41,22 @@ class Output(io.TextIOWrapper):
             raise SystemExit(FAILED)
 
 
+def _written_anyway(error: UnicodeError) -> tuple[bytes, int]:
+    """The bytes of names of files that are no text, as they are; escapes of other letters."""
+    assert isinstance(error, UnicodeEncodeError)
+    letters = error.object[error.start : error.end]
+    raw = (
+        bytes([ord(each) - 0xDC00])
+        if 0xDC80 <= ord(each) <= 0xDCFF
+        else each.encode("ascii", "backslashreplace")
+        for each in letters
+    )
+    return b"".join(raw), error.end
+
+
+codecs.register_error(ANYWAY, _written_anyway)
+
+
 def guard_streams() -> None:
     """Let standard output and standard error be such streams; one that is closed cannot be written."""
     for number in range(3):
@@ -51,5 +69,6 @@ def guard_streams() -> None:
         if isinstance(stream, io.TextIOWrapper):
             encoding, errors, by_line = stream.encoding, stream.errors, stream.line_buffering
             at_once, raw = stream.write_through, stream.detach()
+            errors = ANYWAY if errors == "strict" else errors
             output = Output(raw, encoding, errors, line_buffering=by_line, write_through=at_once)
             setattr(sys, name, output)

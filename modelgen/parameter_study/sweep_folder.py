@@ -171,7 +171,8 @@ class SweepFolder:
         """The table of these runs in a file; ModelgenError where it is damaged or of other runs."""
         schema = self._schema()
         try:
-            table = self._parquet.read_table(path, page_checksum_verification=True)
+            with path.open("rb") as file:  # pyarrow takes no name that is not UTF-8
+                table = self._parquet.read_table(file, page_checksum_verification=True)
             table = table.select(schema.names).cast(schema)
             runs = table["run"].to_pylist()
         except Exception as error:  # of pyarrow: whatever it raises, the table is damaged
@@ -183,8 +184,8 @@ class SweepFolder:
         return table
 
     def _write_table(self, path: Path, table: Any) -> None:
-        with replaced(path) as scratch:
-            self._parquet.write_table(table, scratch, write_page_checksum=True)
+        with replaced(path) as scratch, scratch.open("wb") as file:
+            self._parquet.write_table(table, file, write_page_checksum=True)
 
 
 def _digest(plan: Mapping[str, Any]) -> str:

@@ -85,6 +85,18 @@ def test_a_link_stays_and_rights_are_kept(tmp_path: Path) -> None:
     assert real.stat().st_mode & 0o777 == 0o640
 
 
+def test_text_that_is_none_is_written_in_escapes(tmp_path: Path) -> None:
+    """As the name of a file in another encoding, on a page about it."""
+    write_file(tmp_path / "page", "of s\udcff.toml, µ")
+    assert (tmp_path / "page").read_text(encoding="utf-8") == "of s\\udcff.toml, µ"
+
+
+@pytest.mark.parametrize("name", ["a" * 255, "a" * 251 + ".npz", "a." + "b" * 253])
+def test_the_longest_names_are_written(name: str, tmp_path: Path) -> None:
+    write_file(tmp_path / name, "new")
+    assert contents(tmp_path) == {name: b"new"}
+
+
 def write_half(path: Path, cause: type[BaseException]) -> None:
     with replaced(path) as scratch:
         scratch.write_text("new")

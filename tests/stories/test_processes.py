@@ -81,6 +81,24 @@ def test_other_streams_are_not_needed(closed: str, tmp_path: Path) -> None:
     assert (tmp_path / "top.toml").read_text().startswith("#")
 
 
+def test_names_that_are_no_utf_8_are_told_as_they_are(tmp_path: Path) -> None:
+    named = "$(printf 's\\377').toml"
+    told = subprocess.run(
+        [
+            "sh",
+            "-c",
+            f"{MODELGEN} new bouncing_ball --out {named} && {MODELGEN} simulate {named} --until 0.1",
+        ],
+        cwd=tmp_path,
+        env=ENVIRONMENT | {"PYTHONUTF8": "0", "LC_ALL": "C.UTF-8"},
+        capture_output=True,
+        check=False,
+    )
+    assert told.returncode == 0, told.stderr
+    assert told.stdout.startswith(b"written: s\xff.toml\n")
+    assert b"Traceback" not in told.stderr
+
+
 def test_a_small_stack_is_enough(tmp_path: Path) -> None:
     told = shell(f"ulimit -s 256; {MODELGEN} simulate {BALL} --until 0.2 --json", tmp_path)
     assert told.returncode == 0, told.stderr

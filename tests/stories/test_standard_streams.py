@@ -25,6 +25,7 @@ BEFORE = (  # what others read
     ("simulate", WHEEL, "--input", "torque=1.5", *SHORT, "--samples", "10", "--out", "wheel.csv"),
     ("export", BALL, "--to", "mjcf", "--out", "mjcf"),
 )
+COMPILED = (("build", WHEEL, "--derivatives"),)  # which says that it compiles the core for them
 QUICK = (
     ("--help",),
     ("--version",),
@@ -82,12 +83,12 @@ def answers(cases: list[tuple[tuple[str, ...], str, str]], folder: Path) -> list
     return found
 
 
-def check(cases: list[tuple[tuple[str, ...], str, str]], folder: Path) -> None:
+def check(cases: list[tuple[tuple[str, ...], str, str]], folder: Path, *before: tuple[str, ...]) -> None:
     """Run commands; beside those whose output is a file the same with both streams."""
-    usual = [words for words, out, _ in cases if out == "file"]
-    found = answers([*((words, "file", "file") for words in (*BEFORE, *usual)), *cases], folder)
-    ends = found[len(BEFORE) + len(usual) :]
-    shown_usually = {words: shown for words, (_, shown, _) in zip((*BEFORE, *usual), found, strict=False)}
+    usual = [*before, *(words for words, out, _ in cases if out == "file")]
+    found = answers([*((words, "file", "file") for words in usual), *cases], folder)
+    shown_usually = {words: shown for words, (_, shown, _) in zip(usual, found, strict=False)}
+    ends = found[len(usual) :]
     for (words, out, err), (code, shown, message) in zip(cases, ends, strict=True):
         case = (words, out, err, code, message)
         assert code == CODES[out], case
@@ -100,10 +101,10 @@ def check(cases: list[tuple[tuple[str, ...], str, str]], folder: Path) -> None:
 
 def test_commands_without_a_stream_end_in_one_line(tmp_path: Path) -> None:
     """Each quick command, with one of the kinds of streams."""
-    check([(words, *STREAMS[k % len(STREAMS)]) for k, words in enumerate(QUICK)], tmp_path)
+    check([(words, *STREAMS[k % len(STREAMS)]) for k, words in enumerate(QUICK)], tmp_path, *BEFORE)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("out", "err"), STREAMS)
 def test_all_commands_without_a_stream_end_in_one_line(out: str, err: str, tmp_path: Path) -> None:
-    check([(words, out, err) for words in (*QUICK, *LONG)], tmp_path)
+    check([(words, out, err) for words in (*QUICK, *LONG)], tmp_path, *BEFORE, *COMPILED)
