@@ -28,8 +28,9 @@ MOST_S = 600.0  # on a machine that has much else to do
 # a compiler that keeps what it has compiled, so that a study of damages takes little time
 KEEPING = """#!/bin/sh
 case "$*" in *--version*) exec cc --version;; esac
-kept="$KEPT/$( (cat ./*.c ./*.h; echo "$*") | md5sum | cut -c1-32)"
-last=; for word in "$@"; do test "$last" = -o && out="$word"; last="$word"; done
+last=; rest=
+for word in "$@"; do test "$last" = -o && out="$word" || rest="$rest $word"; last="$word"; done
+kept="$KEPT/$( (cat ./*.c ./*.h; echo "$rest") | md5sum | cut -c1-32)"
 test -f "$kept" || { cc "$@" || exit; cp "$out" "$kept"; exit; }
 cp "$kept" "$out"
 """
@@ -64,23 +65,22 @@ def damaged(content: bytes, kind: str, draw: random.Random) -> bytes:
 KINDS = ("cut", "zeros from there on", "a page of noise", "noise", "another file", "longer", "flipped bits")
 
 
+def keeping_compiler(folder: Path) -> dict[str, str]:
+    """The environment in which a compiler in a folder, which keeps what it has compiled, is used."""
+    kept, compiler = folder / "kept", folder / "cc"
+    kept.mkdir()
+    compiler.write_text(KEEPING)
+    compiler.chmod(0o755)
+    return {"CC": str(compiler), "KEPT": str(kept)}
+
+
 class Place:
     """A folder with a cache and a compiler of its own, and what the commands answer there."""
 
     def __init__(self, folder: Path) -> None:
         self.folder, self.cache, self.built = folder, folder / "cache", folder / "generated" / SCENE.stem
-        kept = folder / "kept"
-        kept.mkdir()
-        compiler = folder / "cc"
-        compiler.write_text(KEEPING)
-        compiler.chmod(0o755)
-        own = {
-            "CC": str(compiler),
-            "KEPT": str(kept),
-            "MODELGEN_CACHE": str(self.cache),
-            "PYTHONPATH": str(ROOT),
-        }
-        self.environment = os.environ | own
+        own = {"MODELGEN_CACHE": str(self.cache), "PYTHONPATH": str(ROOT)}
+        self.environment = os.environ | keeping_compiler(folder) | own
         self.right = {command: self.answer(command) for command in COMMANDS}
 
     def answer(self, command: tuple[str, ...]) -> Any:

@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from tests.benchmarks.damaged_files import KEEPING, ROOT, SCENE
+from tests.benchmarks.damaged_files import ROOT, SCENE, keeping_compiler
 
 WHEEL, ROLLING, PENDULUM = (
     ROOT / "scenes" / f"{name}.toml" for name in ("balancing_wheel", "bicycle", "double_pendulum")
@@ -342,6 +342,7 @@ def begun(writing: Writing, folder: Path, disk: Path) -> list[str]:
 
 def prepare(folder: Path) -> None:
     """Make what the commands read."""
+    os.environ |= keeping_compiler(folder)
     os.chdir(folder)
     scene, wheel, short = str(SCENE), str(WHEEL), list(SHORT)
     recorded = ["--input", "torque=1.5", *short, "--samples", "10", "--out", "wheel.csv"]
@@ -384,14 +385,9 @@ def grown(now: Mapping[str, bytes], older: Mapping[str, bytes], goes_on: bool) -
 
 def of_small_disks(folder: Path, count: int, only: list[str]) -> Iterator[tuple[str, bool]]:
     """Output, built files, cache and temporary files in a file system of so many pages."""
-    place, kept = folder / "small", folder / "kept"
-    for each in (place, kept):
-        each.mkdir()
+    place = folder / "small"
+    place.mkdir()
     subprocess.run(["mount", "-t", "tmpfs", "tmpfs", place], check=True)
-    compiler = folder / "cc"
-    compiler.write_text(KEEPING)
-    compiler.chmod(0o755)
-    os.environ |= {"CC": str(compiler), "KEPT": str(kept)}
     prepare(folder)
     commands = writing_commands(folder)
     commands["build, empty cache"] = commands["build"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,8 @@ from tests.export.folders import ZIG, compiled, exported, needs_gcc, needs_zig, 
 
 TARGETS = ("aarch64-linux-musl", "arm-linux-musleabihf", "x86_64-windows-gnu", "wasm32-wasi")
 SANITIZED = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+DEEP = ("helix_on_cylinder", "slider_crank", "gears", "coin_in_bowl", "glass_on_table", "four_bar")
+STACK = 64 * 1024  # bytes, enough for every shipped scene
 SCENES_OF_KINDS = (  # patches, inputs, joints, limits
     *("box_dropped", "balancing_wheel", "four_bar", "rolling_disc", "double_pendulum"),
 )
@@ -19,9 +22,31 @@ SCENES_OF_KINDS = (  # patches, inputs, joints, limits
 
 @needs_c
 def test_the_self_test_compiles_without_a_warning_and_passes(tmp_path: Path) -> None:
+    """On a stack of 64 KiB."""
     folder = exported("sphere_slide_to_roll", "c", tmp_path)
-    _, told = said(compiled(folder, CC, "selftest", "-O0"))
+    program = compiled(folder, CC, "selftest", "-O0")
+    _, told = said(program, by=("sh", "-c", f'ulimit -s {STACK // 1024}; exec "$0"'))
     assert re.search(r"11 of 11 vectors, .*saved state goes on alike; passed", told)
+
+
+@needs_gcc
+@pytest.mark.slow
+@pytest.mark.parametrize("level", ["-O0", "-O2"])
+@pytest.mark.parametrize("name", DEEP)
+def test_a_run_writes_to_no_more_of_its_stack_than_the_readme_tells(
+    name: str, level: str, tmp_path: Path
+) -> None:
+    """And a thread of 64 KiB is enough for it."""
+    folder = exported(name, "c", tmp_path, figures=True)
+    found = re.search(r"\| stack \| (at least )?(\d+) bytes", (folder / "README.md").read_text())
+    assert found is not None
+    source = Path(__file__).with_name("stack_probe.c")
+    words = [level, "-std=gnu99", "-ffp-contract=off", "-I.", "scene.c", "modelgen_runtime.c", str(source)]
+    subprocess.run(["gcc", *words, "-lm", "-lpthread", "-o", "probe"], cwd=folder, check=True)
+    thread, run, code = map(int, said(folder / "probe", str(STACK))[0].split())
+    assert code == 0
+    assert thread + run < STACK
+    assert level != "-O2" or run < int(found[2])
 
 
 @needs_gcc
