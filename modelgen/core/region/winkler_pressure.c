@@ -211,20 +211,20 @@ static mg_real mg_hull_middle(const mg_hull *h, mg_real *middle) {
   return reach;
 }
 
-/* Part of the length of the loaded region that its depth is at least. Friction about a centre of rotation is a difference
-   of integrals over triangles that are longer than the region is deep by its inverse, so that its rounding error is
-   eps over the square of this: the accuracy to which pressure and friction are made to agree. */
+/* Part of the length of the loaded region that its depth is at least. Friction about a centre of rotation is a
+   difference of integrals over triangles that are longer than the region is deep by its inverse, so that its rounding
+   error is eps over the square of this: the accuracy to which pressure and friction are made to agree. */
 static mg_real mg_least_depth(void) { return sqrt(sqrt(MG_EPS)); }
 
-/* Least distance of the centre of pressure from a curved edge, whose radius is about the reach: the loaded region there is
-   as long as the root of reach times depth, and friction amplifies errors as the loaded point comes to rest. */
+/* Least distance of the centre of pressure from a curved edge, whose radius is about the reach: the loaded region there
+   is as long as the root of reach times depth, and friction amplifies errors as the loaded point comes to rest. */
 static mg_real mg_least_curved_distance(mg_real reach) { return 16 * mg_least_depth() * mg_least_depth() * reach; }
 
-/* How far a point is beyond the least distance from the boundary of a hull, m, by the nearest place or, where `worst`, by
-   the edge for which it is the most; and the outward unit normal there. Behind a straight edge the loaded region is as long
-   as the edge. */
+/* How far a point is beyond the least distance from the boundary of a hull, m, by the nearest place or, if `worst`, by
+   the edge for which it is the most; and the outward unit normal there. Behind a straight edge the loaded region is as
+   long as the edge. */
 static mg_real mg_boundary_shortfall(const mg_hull *h, mg_real reach, const mg_real *x, int worst,
-                                   mg_nearest_boundary *nearest) {
+                                     mg_nearest_boundary *nearest) {
   mg_real shortfall = mg_least_curved_distance(reach) - mg_hull_margin(h, x, nearest);
   for (int i = 0; i < h->n_edge && (worst || !(shortfall > 0)); i++) {
     const mg_hull_edge *e = h->edges + i;
