@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.integrate import solve_ivp
+from scipy.integrate import DOP853
 
 G = 9.81
 NEARLY_TIPPING = 2e-3  # least distance, in radii, of the centre of pressure from the edge that is integrated
@@ -244,12 +244,11 @@ def inside(piece: Disc | Polygon, x: np.ndarray) -> float:
 
 
 def course(
-    body: Spun, v: np.ndarray, w: float, margins: tuple[float, ...], until: float, rtol: float
+    body: Spun, v: np.ndarray, w: float, near: float, nearest: float, rtol: float = 1e-12
 ) -> list[End]:
-    """Slip that has the velocity v (2,) m/s and the spin w rad/s at the time 0: when the centre of pressure
-    is first as near to the edge as each of the falling `margins`, in radii, and the end: at the last of
-    these, by friction, at the time `until` in s, or where no pressure goes on. ArithmeticError if none
-    begins."""
+    """Slip that has the velocity v (2,) m/s and the spin w rad/s at the time 0: the ends of the steps after
+    which the centre of pressure is within `near` radii of the edge, and of the last step: where it is within
+    `nearest`, slip ends by friction, or no pressure goes on. ArithmeticError if none begins."""
     r, size = body.radius, float(np.sqrt(v @ v + (body.radius * w) ** 2))
     twist = np.array([*v, w]) / size
     settled = np.append(twist, 0.0), pressure_from_uniform(body, list(body.pieces), twist)
@@ -257,6 +256,8 @@ def course(
     def followed(y: np.ndarray) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray, float]:
         """The pressure, its force and torque, followed from the end of the last step that was accepted;
         ArithmeticError if it does not go on."""
+        if not np.isfinite(y).all():
+            raise ArithmeticError("the step is too long")
         n = y[:3] / np.sqrt(y[:3] @ y[:3])
         (begin, p), end = settled, np.array([n[0], n[1], n[2] / r, y[5]])
         part, step = 0.0, 1.0
@@ -276,51 +277,35 @@ def course(
 
     def rate(s: float, y: np.ndarray) -> np.ndarray:
         """Of the directions of v and R w (3), the place (2), the angle, log S and the time."""
-        if not np.isfinite(y).all():
-            return np.full(8, np.nan)
+        _, force, torque = followed(y)
         n, speed = y[:3] / np.sqrt(y[:3] @ y[:3]), np.exp(y[6])
-        try:
-            _, force, torque = followed(y)
-        except ArithmeticError:
-            return np.full(8, np.nan)  # the step is too long, and is cut
         slowing = -body.mu * G * np.array([*force, torque / (body.inertia * r)])
         along = slowing @ n
         return np.array([*(slowing - along * n), *(speed**2 * n[:2]), speed**2 * n[2] / r, along, speed])
 
-    def margin(s: float, y: np.ndarray) -> float:
-        nonlocal settled
-        if not np.isfinite(y).all():  # between the ends of a step beyond which no pressure goes on
-            return -1.0
-        try:
-            settled, force, _ = followed(y)
-        except ArithmeticError:
-            return -1.0
-        return inside(body.turned(y[5])[0][1], body.mu * body.height * force) / r
-
-    def stops(s: float, y: np.ndarray) -> float:
-        return y[6] - np.log(size) - np.log(1e-16)
-
-    def is_over(s: float, y: np.ndarray) -> float:
-        return until - y[7]
-
-    nears = [lambda s, y, near=near: margin(s, y) - near for near in margins]
-    nears[-1].terminal = stops.terminal = is_over.terminal = True  # type: ignore[attr-defined]
     y = np.array([*(np.append(v, r * w) / size), 0, 0, 0, np.log(size), 0])
-    span = (0, 1e3 * size / (body.mu * G))
-    first = min(span[1], 1 / (body.mu * G)) / 1000
-    way = solve_ivp(
-        rate, span, y, "DOP853", rtol=rtol, atol=1e-14, first_step=first, events=(*nears, stops, is_over)
-    )
+    first = 1 / (body.mu * G) / 1000
+    way = DOP853(rate, 0.0, y, np.inf, rtol=rtol, atol=1e-14, first_step=first)
+    reached: list[End] = []
+    margin = np.inf
+    while margin > nearest and way.y[6] > np.log(1e-16 * size):
+        try:
+            way.step()
+        except ArithmeticError:  # no pressure goes on to the end of the step
+            way.h_abs /= 4
+            if way.h_abs < 1e-10 * first:
+                break
+            continue
+        settled, force, _ = followed(way.y)
+        margin = inside(body.turned(way.y[5])[0][1], body.mu * body.height * force) / r
+        ratio = float(np.hypot(*way.y[:2]) / abs(way.y[2]))
+        end = End(way.y[7], way.y[3:5], way.y[5], ratio, margin)
+        if margin <= near:
+            reached.append(end)
+    return reached if margin <= near else [*reached, end]
 
-    def end_at(y: np.ndarray, margin: float) -> End:
-        return End(y[7], y[3:5], y[5], float(np.hypot(*y[:2]) / abs(y[2])), margin)
 
-    passed = zip(way.y_events[: len(margins) - 1], margins[:-1], strict=True)
-    last = way.y[:, -1]
-    return [end_at(y[0], near) for y, near in passed if len(y)] + [end_at(last, margin(0.0, last))]
-
-
-def ending(body: Spun, v: np.ndarray, w: float, until: float = np.inf, rtol: float = 1e-12) -> End:
-    """The end of slip that has the velocity v (2,) m/s and the spin w rad/s at the time 0, by friction, by
-    tipping (from NEARLY_TIPPING on) or at a time in s."""
-    return course(body, v, w, (NEARLY_TIPPING,), until, rtol)[-1]
+def ending(body: Spun, v: np.ndarray, w: float, rtol: float = 1e-12) -> End:
+    """The end of slip that has the velocity v (2,) m/s and the spin w rad/s at the time 0, by friction or by
+    tipping (from NEARLY_TIPPING on)."""
+    return course(body, v, w, NEARLY_TIPPING, NEARLY_TIPPING, rtol)[-1]
