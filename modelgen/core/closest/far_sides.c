@@ -122,9 +122,9 @@ static mg_real mg_part_about_spine(const mg_context *c, int feature_pair, int si
   mg_real below = -1, part = 0;
   mg_read_spine(c, feature_pair, side, &spine);
   mg_real least = fabs(mg_height_over_spine(&spine, segment, 0)) <= rounding ? rounding : 0;
-  while (part <= 1) {
+  for (;;) {
     const mg_real height = mg_height_over_spine(&spine, segment, part);
-    if (height > least && below >= 0) {
+    if (height > (part < 1 ? least : rounding) && below >= 0) {
       mg_real x[3];
       const mg_real at = mg_part_at_height(&spine, segment, least, below, part);
       mg_point_of_segment(segment, at, x);
@@ -132,9 +132,9 @@ static mg_real mg_part_about_spine(const mg_context *c, int feature_pair, int si
     }
     below = height > least ? -1 : part;
     if (height < -least) least = 0;
-    part += mg_max(fabs(height), segment->size / MG_SEGMENT_STEPS) / length;
+    if (!(part < 1)) return 1;
+    part = mg_min(part + mg_max(fabs(height), segment->size / MG_SEGMENT_STEPS) / length, (mg_real)1);
   }
-  return 1;
 }
 
 /* Where a segment is nearest to the middle of a cell, as a part of it that may be less than 0 or more than 1. */

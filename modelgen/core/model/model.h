@@ -457,8 +457,8 @@ MG_INTERNAL int mg_is_tilt_below_flat_limit(const mg_context *c, int contact);
    around its shapes, at least the characteristic length. */
 MG_INTERNAL mg_real mg_pair_length(const mg_context *c, int pair);
 
-/* Radius of the smaller ball around the shapes of a pair that is not a point, mg_pair_length at most, m: other points of
-   the pair are closest once it has moved by a part of that. */
+/* Radius of the smaller ball around the shapes of a pair that is no point, mg_pair_length at most, m: once the pair has
+   moved by a part of that, other points of it are closest. */
 MG_INTERNAL mg_real mg_pair_size(const mg_context *c, int pair);
 
 /* Gap in m up to which a search follows the closest points of a pair. */
