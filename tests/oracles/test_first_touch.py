@@ -34,6 +34,10 @@ CLOSE_CALLS = [
     ("ellipse_curve", "solid", 8),
     ("box", "point", 36),  # a vertex is nearest until just before
     ("capsule", "cam", 17),  # and finds those of a chart beyond its domain, from the other side
+    ("tube", "curve", 48),  # a way that leaves a tube just before it ends
+    ("half_torus", "segment", 45),
+    ("dome", "curve", 41),  # an open end of a small wire is nearest until just before
+    ("circle", "curve", 19),  # closest points that were none when the small wire was searched last
 ]
 
 
