@@ -124,8 +124,7 @@ def test_a_spline_over_a_box_is_bounded_as_tightly_as_it_bends(
     """Random splines with uneven knots, over boxes from a thousandth of a piece to twice the domain: the rest
     is no more than 2.5 times the least largest error of a quadratic function, by a linear program over
     samples (that through three points has 2.25 times at most) where the box meets up to 16 pieces, and 6
-    times where blocks of pieces are seen as chords, and the kink is the knot nearest to the
-    middle."""
+    times where blocks of pieces are seen as chords, and the kink is the knot nearest to the middle."""
     rng = np.random.default_rng([order, coordinate, pieces])
     for _ in range(20):
         knots = np.concatenate([[0.0], np.cumsum(10 ** rng.uniform(-1.5, 0, pieces))]) / pieces

@@ -388,15 +388,16 @@ static mg_real mg_block_difference(const mg_bounds_spline *spline, const mg_real
          fabs(q->bend) * width * width / 4 + off[i >> level];
 }
 
-/* The knot within a range nearest to its middle, which is in the piece `between`, as a kink; kink as in mg_bound_over_box. */
+/* The knot within a range nearest to its middle, which is in the piece `between`, as a kink; kink as in
+   mg_bound_over_box. */
 static void mg_note_knot(const mg_real *knots, int first, int between, int last, mg_real middle, mg_real half,
                          mg_real *kink) {
   for (int i = between; i <= between + 1; i++)
     if (i > first && i <= last && fabs(knots[i] - middle) < fabs(half * *kink)) *kink = (knots[i] - middle) / half;
 }
 
-/* A spline over the range of its coordinate, by blocks of its pieces that are narrow beside the range. The kernels add up the pieces, which differs by the rounding of as many
-   terms. */
+/* A spline over the range of its coordinate, by blocks of its pieces that are narrow beside the range. The kernels add
+   up the pieces, which differs by the rounding of as many terms. */
 static mg_taylor_model mg_taylor_spline(const mg_bounds_spline *spline, const mg_real *numbers, const mg_real *box,
                                         mg_real *kink) {
   const mg_real *knots = numbers + spline->knots, *coefficients = numbers + spline->coefficients;
@@ -416,9 +417,11 @@ static mg_taylor_model mg_taylor_spline(const mg_bounds_spline *spline, const mg
     for (level = 0; i > first && (i >> level) % 2 == 0 && i + (2 << level) <= last &&
                     (2 << level) * MG_SPLINE_BLOCKS <= last - first;)
       level++;
-    rest = mg_max(rest, level ? mg_block_difference(spline, coefficients, knots, i, level, &q, &size)
+    const mg_real off = level ? mg_block_difference(spline, coefficients, knots, i, level, &q, &size)
                               : mg_piece_difference(spline, coefficients, knots[i], i, i > first ? knots[i] : low,
-                                                    i < last ? knots[i + 1] : high, &q, &size));
+                                                    i < last ? knots[i + 1] : high, &q, &size);
+    if (!(off < MG_MAX / 8)) return mg_no_bound;
+    rest = mg_max(rest, off);
   }
   mg_taylor_model out = {value, {0, 0}, {0, 0, 0}, rest + 8 * spline->pieces * MG_EPS * size};
   out.slope[spline->coordinate] = slope, out.bend[2 * spline->coordinate] = bend;
