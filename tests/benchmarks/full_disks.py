@@ -440,7 +440,8 @@ def of_small_disks(folder: Path, count: int, only: list[str]) -> Iterator[tuple[
             if not right:
                 print(f"{name}, {number}: {told.code} {told.text[-400:]}", flush=True)
             yield name, right
-        begun(Writing((), within=False), folder, folder)
+        os.chdir(folder)
+    subprocess.run(["umount", place], check=True)
 
 
 def sized(place: Path, pages: int | None) -> None:
