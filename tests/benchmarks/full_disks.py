@@ -25,6 +25,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from modelgen import file_writing
 from tests.benchmarks.damaged_files import ROOT, SCENE, keeping_compiler
 
 WHEEL, ROLLING, PENDULUM = (
@@ -324,6 +325,7 @@ def is_whole_after_kill(
         grows = writing.goes_on and content.startswith(older.get(path, b""))
         partial = not writing.there and not writing.at_once and path not in whole  # parts of a table
         right = right and (same or grows or partial)
+    file_writing._cleared.clear()  # the next command is a process of its own
     told = Told(words)
     after = files(disk.folder)
     left = [path for path in after if LEFT.search(path)]
