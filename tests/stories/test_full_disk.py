@@ -15,7 +15,16 @@ from typing import Any
 import pytest
 
 from modelgen.file_writing import SCRATCH, replaced, write_file, write_files
-from tests.stories.failing_operations import FILES, KILLED, OVERCOME, REFUSED, UNTOUCHED, texts
+from tests.stories.failing_operations import (
+    FILES,
+    KILLED,
+    OVERCOME,
+    REFUSED,
+    UNTOUCHED,
+    WRITERS,
+    texts,
+    written_by,
+)
 
 Modelgen = Callable[..., Any]
 ROOT = Path(__file__).parents[2]
@@ -121,11 +130,23 @@ def test_of_several_files_all_are_written_or_none(tmp_path: Path) -> None:
     assert len(contents(tmp_path)) == 5
 
 
+def told(mode: str, folder: Path, given: Any) -> Any:
+    command = [sys.executable, "-m", "tests.stories.failing_operations", mode, folder, json.dumps(given)]
+    return json.loads(subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout)
+
+
+def test_processes_that_write_at_once_leave_whole_files_and_nothing_else(tmp_path: Path) -> None:
+    folder = tmp_path / "set"
+    for failed, left in told("races", folder, 20):
+        assert failed == 0
+        assert left.keys() == {f"{folder.name}/{name}" for name in FILES}
+        for name in FILES:
+            assert left[f"{folder.name}/{name}"] in [written_by(k, name) for k in range(WRITERS)]
+
+
 def attempts(mode: str, folder: Path, before: dict[str, str]) -> list[tuple[int, dict[str, str]]]:
     """How writing FILES ended and what it left, for each operation that fails, or is not reached alive."""
-    command = [sys.executable, "-m", "tests.stories.failing_operations", mode, folder, json.dumps(before)]
-    told = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
-    *found, last = json.loads(told.stdout)
+    *found, last = told(mode, folder, before)
     assert last == [UNTOUCHED, before | FILES]
     assert len(found) > 3 * len(FILES)
     assert set(texts(folder.parent)) == {f"{folder.name}/{name}" for name in before | FILES}
