@@ -37,8 +37,10 @@ Array = np.ndarray[Any, Any]
 Face = Callable[[Array, Array], Array]
 Edge = Callable[[Array], Array]
 INNER = 0.97  # of a shape with open edges, where it may be touched
+TURNS = 40  # of a helix that are seen on each side, at most
 WALL = 8.0  # half the length of a wall, against the size of its profile
-SHEET = 1e-11  # half the thickness, against its size, by which a disc or a curve is given an inside
+SHEET = 1e-11  # half the thickness, against its size, by which a curve is given an inside
+FLAT = 1e-13  # the same of a disc, which rays need not find
 
 
 @dataclass(frozen=True)
@@ -309,7 +311,7 @@ def vase(rng: np.random.Generator, s: float) -> Solid:
 
 def disc(rng: np.random.Generator, s: float) -> Solid:
     def distance(x: Array) -> Array:
-        found: Array = np.hypot(np.maximum(_radial(x) - 1, 0), x[..., 2]) - SHEET
+        found: Array = np.hypot(np.maximum(_radial(x) - 1, 0), x[..., 2]) - FLAT
         return found
 
     return sized(s, make.disc(s), 1.0, distance, [], [ring(1.0)])
@@ -468,7 +470,7 @@ def helix(rng: np.random.Generator, s: float) -> Endless:
         return lambda t: _stack(np.cos(TURN * t), np.sin(TURN * t), lead * (t + k))
 
     def of(seen: float) -> Solid:
-        most = int(min(np.ceil(seen / s / abs(lead)), 12))
+        most = int(min(np.ceil(seen / s / abs(lead)), TURNS))
         shape, far = make.helix(s, s * lead), lambda x: np.full(x.shape[:-1], np.inf)
         solid = sized(s, shape, np.inf, far, [], [turn(k) for k in range(-most, most)])
         return replace(solid, extra={"along": np.array([0.0, 0, 1])})
