@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -127,3 +129,22 @@ def test_a_search_on_a_spline_is_complete_after_few_pairs_of_cells(monkeypatch: 
         ]
     )
     assert distance_minima(built, "b-a", matrices(HERE), matrices(poses), gap=0.4, depth=0.1).complete.all()
+
+
+def test_a_spline_of_constants_is_searched_as_one_of_parameters() -> None:
+    rng = np.random.default_rng(3)
+    along = np.linspace(-0.5, 0.5, 40)
+    profile = np.stack([0.3 + 0.03 * np.sin(7 * along) + 1e-3 * rng.normal(size=40), along], axis=1)
+    bodies = [
+        make.fixed("a", make.shape("revolution", points=profile.tolist())),
+        make.dynamic("b", make.ellipsoid(0.1, 0.08, 0.06), mass=1.0, inertia=[1.0] * 3),
+    ]
+    scene = make.scene("folded", bodies, contact=[{"between": ["a", "b"]}], run={"until": 1.0})
+    poses = np.hstack([rng.uniform([0.4, -0.1, -0.4], [0.42, 0.1, 0.4], (5, 3)), np.tile(HERE[3:], (5, 1))])
+    found = [
+        distance_minima(library_of(made), "a-b", matrices(HERE), matrices(poses), gap=0.1, depth=0.05)
+        for made in (scene, replace(scene, fold=True))
+    ]
+    assert all(each.complete.all() for each in found)
+    assert len(found[0].d) >= 5
+    np.testing.assert_allclose(found[0].d, found[1].d, atol=1e-13)
