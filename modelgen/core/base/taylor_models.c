@@ -423,7 +423,7 @@ static mg_taylor_model mg_taylor_spline(const mg_bounds_spline *spline, const mg
     if (!(off < MG_MAX / 8)) return mg_no_bound;
     rest = mg_max(rest, off);
   }
-  mg_taylor_model out = {value, {0, 0}, {0, 0, 0}, rest + 8 * spline->pieces * MG_EPS * size};
+  mg_taylor_model out = {value, {0, 0}, {0, 0, 0}, rest + 8 * (mg_real)spline->pieces * MG_EPS * size};
   out.slope[spline->coordinate] = slope, out.bend[2 * spline->coordinate] = bend;
   mg_note_knot(knots, first, between, last, middle, half, kink + spline->coordinate);
   return mg_rounded(out);
