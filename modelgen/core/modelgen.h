@@ -11,16 +11,16 @@
      - an mg_events and an mg_record: lists for events and samples,
    and allocates mg_work_size mg_real and mg_iwork_size int of scratch memory, of which it sets the first int to 0. It
    calls mg_begin once, then mg_advance as long as that returns MG_CONTINUE (after which it calls again) or MG_LIST_FULL
-   (after which it empties the lists and calls again). MG_DONE says that t_stop has been reached. Any other code ends the
-   run; run->failed_contact and run->failed_joint then say where. mg_batch does this for many runs of one system,
+   (after which it empties the lists and calls again). MG_DONE says that t_stop has been reached. Any other code ends
+   the run; run->failed_contact and run->failed_joint then say where. mg_batch does this for many runs of one system,
    mg_begin_many and mg_advance_many for many runs of systems that may differ.
 
    Memory. The caller owns every structure and every array and keeps them until the call returns; the library allocates
    nothing. Arrays of an mg_system and an mg_settings are read only. The state of a run is its mg_run alone. The scratch
    memory belongs to no run: runs, also of other systems, may take turns on it where it is long enough. It keeps bounds
    of shapes from one search to the next, which are made anew where the shapes are others; no result depends on what it
-   holds. Before its first use, and after anything but the library has written to it, its first int is 0, which says that
-   it holds no bounds; the rest of it need not be set.
+   holds. Before its first use, and after anything but the library has written to it, its first int is 0, which says
+   that it holds no bounds; the rest of it need not be set.
 
    Threads. There is no global or static state, and nothing is printed or read. Calls in different threads are
    independent if they share nothing but an mg_system and an mg_settings.

@@ -20,7 +20,9 @@ BALL, WHEEL, RINGS = (
 )
 SHORT = ("--until", "0.1")
 KNOBS = ("--knobs", "tolerance", *SHORT)
-BEFORE = (  # what others read
+TUNE = ("tune", BALL, "--error", "1e-4", *KNOBS, "--out", "tuned.toml")
+BEFORE = (  # what others read, and what may say that it compiles the core
+    TUNE,
     ("simulate", BALL, *SHORT, "--out", "run.npz"),
     ("simulate", WHEEL, "--input", "torque=1.5", *SHORT, "--samples", "10", "--out", "wheel.csv"),
     ("export", BALL, "--to", "mjcf", "--out", "mjcf"),
@@ -36,7 +38,7 @@ QUICK = (
     ("simulate", BALL, *SHORT, "--out", "run.npz"),
     ("simulate", BALL, *SHORT, "--json"),
     ("sweep", WHEEL, "--vary", "torque=0:1:2", *SHORT, "--threads", "1", "--out", "swept"),
-    ("tune", BALL, "--error", "1e-4", *KNOBS, "--out", "tuned.toml"),
+    TUNE,
     ("manual", "c"),
     ("view", "run.npz", "--out", "run.html"),
     ("export", BALL, "--to", "mjcf", "--out", "mjcf"),

@@ -68,7 +68,7 @@ def test_a_sweep_of_which_every_run_fails_ends_with_code_1(modelgen: Modelgen, t
         (("--out", "x", HEIGHT, "--scheduler", "nonsense://1"), "does not answer"),
         (("--out", "x", HEIGHT, "--scheduler", "localhost"), "missing port number"),
         (("--out", "x.csv", HEIGHT), "write 'x'"),
-        (("--out", BALL, HEIGHT), "cannot be written"),
+        (("--out", BALL, HEIGHT), "is the scene itself"),
     ],
 )
 def test_bad_options_are_refused(modelgen: Modelgen, arguments: Any, words: str) -> None:

@@ -441,8 +441,7 @@ MG_INTERNAL void mg_bound_over_box(const mg_bounds_program *program, const mg_re
       memory[at->result] = mg_rounded(coordinate);
     } else if (at->operation == MG_OP_SPLINE) {
       const mg_bounds_spline *spline = program->splines + at->a;
-      memory[at->result] =
-          mg_taylor_spline(spline, spline->is_constant ? program->constants : parameters, box, kink);
+      memory[at->result] = mg_taylor_spline(spline, spline->is_constant ? program->constants : parameters, box, kink);
     } else if (at->operation == MG_OP_INPUT || at->operation == MG_OP_CONSTANT) {
       const mg_taylor_model number = {
           at->operation == MG_OP_INPUT ? parameters[at->b] : program->constants[at->a], {0, 0}, {0, 0, 0}, 0};

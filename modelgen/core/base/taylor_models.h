@@ -52,7 +52,8 @@ enum {
 
 /* One instruction: `result` and the operands a, b are places in the memory. Of CONSTANT, a is the number of the
    constant; of INPUT, a is 0 for a coordinate and 1 for a parameter, b its number; of OUTPUT, `result` is the number
-   of the output; of SPLINE, a is the number of the spline. SHARE is a condition over a number of conditions that hold, one of which it is: at most 1. */
+   of the output; of SPLINE, a is the number of the spline. SHARE is a condition over a number of conditions that hold,
+   one of which it is: at most 1. */
 typedef struct {
   unsigned short operation, result, a, b;
 } mg_instruction;

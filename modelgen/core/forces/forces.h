@@ -450,9 +450,9 @@ MG_INTERNAL void mg_patch_slip_direction(const mg_context *c, int slot, mg_real 
 /* Slip and spin of a patch along its stored slip direction; rate: [per row] velocities, or their derivatives. */
 MG_INTERNAL mg_real mg_patch_slip_along_direction(const mg_context *c, int slot, const mg_real *rate);
 
-/* True if slip of a patch in the middle of its supports is too small to tell its direction, so that friction is computed
-   for the stored one. Slip that stops may keep a 1024th of slip_speed across (mg_patch_slip_step_limit), which near
-   zero would be all of it. */
+/* True if slip of a patch in the middle of its supports is too small to tell its direction, so that friction is
+   computed for the stored one. Slip that stops may keep a 1024th of slip_speed across (mg_patch_slip_step_limit), which
+   near zero would be all of it. */
 MG_INTERNAL int mg_is_patch_slip_small(const mg_context *c, int slot, const mg_real *in_middle);
 
 /* Store the direction of slip in the middle of the supports along t1, t2, and spin times the support radius. */

@@ -135,8 +135,8 @@ static void mg_patch_slip_acceleration(const mg_context *c, int slot, mg_real *r
   mg_patch_slip_in_middle(c, slot, of_rows, rate);
 }
 
-/* Direction of slip for which the friction of a patch is computed: its own, which may turn until slip ends, or the stored
-   one where the slip is too small to tell. */
+/* Direction of slip for which the friction of a patch is computed: its own, which may turn until slip ends, or the
+   stored one where the slip is too small to tell. */
 static void mg_patch_friction_direction(const mg_context *c, int slot, mg_real *e) {
   mg_real slip[3];
   mg_patch_slip_in_middle(c, slot, c->rows.d_dot + mg_first_patch_friction_row(c, slot), slip);

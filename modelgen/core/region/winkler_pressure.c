@@ -249,8 +249,7 @@ MG_INTERNAL int mg_move_inside_hull(const mg_hull *h, mg_real *x) {
     shortfall = mg_boundary_shortfall(h, reach, x, 1, &nearest);
   }
   if (mg_hull_margin(h, x, &nearest) < mg_least_curved_distance(reach) / 2)
-    for (int k = 0; k < 2; k++)
-      x[k] = nearest.at[0].point[k] + mg_least_depth() * (middle[k] - nearest.at[0].point[k]);
+    for (int k = 0; k < 2; k++) x[k] = nearest.at[0].point[k] + mg_least_depth() * (middle[k] - nearest.at[0].point[k]);
   return 1;
 }
 

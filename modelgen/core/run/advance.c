@@ -61,8 +61,8 @@ static int mg_control_drift(mg_context *c) {
    are no larger than the roundings of these. */
 #define MG_COMMON_ERROR (MG_EPS / 16)
 
-/* True if the first share of the step h just tried is one that a companion (step_fraction < 1) must not take, because it
-   may have it in common with its run, whose error it so would not show: it begins at an event, and a step from one
+/* True if the first share of the step h just tried is one that a companion (step_fraction < 1) must not take, because
+   it may have it in common with its run, whose error it so would not show: it begins at an event, and a step from one
    event to the next is the same at any tolerance. Not so a step that another event ends at once, nor one of DOP853,
    whose error is of order 8, where that is below rounding. */
 static int mg_is_common_step(const mg_context *c, mg_real h, mg_real share) {
@@ -73,7 +73,8 @@ static int mg_is_common_step(const mg_context *c, mg_real h, mg_real share) {
   return fourth * fourth * c->step.error * c->settings->tolerance > MG_COMMON_ERROR;
 }
 
-/* True if slip is collocated in the present step, so that its length depends on the tolerance unless an event ends it. */
+/* True if slip is collocated in the present step, so that its length depends on the tolerance unless an event ends it.
+ */
 static int mg_has_collocated_slip(const mg_context *c) { return mg_is_collocated(c) && !mg_has_rolling_start(c); }
 
 /* Replaces the step h by its first part, of the length `part`, s. Returns an outcome. */
