@@ -87,7 +87,7 @@ def test_names_that_are_no_utf_8_are_told_as_they_are(tmp_path: Path) -> None:
         [
             "sh",
             "-c",
-            f"{MODELGEN} new bouncing_ball --out {named} && {MODELGEN} simulate {named} --until 0.1",
+            f"{MODELGEN} new bouncing_ball --out {named} && {MODELGEN} check {named} --brief",
         ],
         cwd=tmp_path,
         env=ENVIRONMENT | {"PYTHONUTF8": "0", "LC_ALL": "C.UTF-8"},

@@ -21,13 +21,12 @@ BALL, WHEEL, RINGS = (
 SHORT = ("--until", "0.1")
 KNOBS = ("--knobs", "tolerance", *SHORT)
 TUNE = ("tune", BALL, "--error", "1e-4", *KNOBS, "--out", "tuned.toml")
-BEFORE = (  # what others read, and what may say that it compiles the core
-    TUNE,
+BEFORE = (  # what others read
     ("simulate", BALL, *SHORT, "--out", "run.npz"),
     ("simulate", WHEEL, "--input", "torque=1.5", *SHORT, "--samples", "10", "--out", "wheel.csv"),
     ("export", BALL, "--to", "mjcf", "--out", "mjcf"),
 )
-COMPILED = (("build", WHEEL, "--derivatives"),)  # which says that it compiles the core for them
+COMPILED = (TUNE, ("build", WHEEL, "--derivatives"))  # which may say that they compile the core
 QUICK = (
     ("--help",),
     ("--version",),
@@ -37,8 +36,6 @@ QUICK = (
     ("build", BALL),
     ("simulate", BALL, *SHORT, "--out", "run.npz"),
     ("simulate", BALL, *SHORT, "--json"),
-    ("sweep", WHEEL, "--vary", "torque=0:1:2", *SHORT, "--threads", "1", "--out", "swept"),
-    TUNE,
     ("manual", "c"),
     ("view", "run.npz", "--out", "run.html"),
     ("export", BALL, "--to", "mjcf", "--out", "mjcf"),
@@ -48,6 +45,8 @@ QUICK = (
     ("schema",),
 )
 LONG = (
+    ("sweep", WHEEL, "--vary", "torque=0:1:2", *SHORT, "--threads", "1", "--out", "swept"),
+    TUNE,
     ("linearise", RINGS),
     ("fit", WHEEL, "wheel.csv", "--of", "axle,lean", "--by", "torque", "--plot", "left.svg"),
     ("measure", BALL, *KNOBS, "--plot", "front.svg"),
