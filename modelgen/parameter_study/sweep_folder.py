@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from modelgen.errors import ModelgenError, install
-from modelgen.file_writing import SCRATCH, remove_abandoned, replaced, write_file
+from modelgen.file_writing import SCRATCH, remove_abandoned, write_file
 from modelgen.parameter_study.rows import Row
 from modelgen.parameter_study.run_queue import Span
 
@@ -171,8 +171,8 @@ class SweepFolder:
         """The table of these runs in a file; ModelgenError where it is damaged or of other runs."""
         schema = self._schema()
         try:
-            with path.open("rb") as file:  # pyarrow takes no name that is not UTF-8
-                table = self._parquet.read_table(file, page_checksum_verification=True)
+            content = self._arrow.BufferReader(path.read_bytes())  # see `_write_table`
+            table = self._parquet.read_table(content, page_checksum_verification=True)
             table = table.select(schema.names).cast(schema)
             runs = table["run"].to_pylist()
         except Exception as error:  # of pyarrow: whatever it raises, the table is damaged
@@ -184,8 +184,11 @@ class SweepFolder:
         return table
 
     def _write_table(self, path: Path, table: Any) -> None:
-        with replaced(path) as scratch, scratch.open("wb") as file:
-            self._parquet.write_table(table, file, write_page_checksum=True)
+        """Write a file, from memory. Pyarrow takes no name that is not UTF-8, and its threads abort the
+        process at its end now and then where they have held a file of Python (arrow issues 36389, 50482)."""
+        content = self._arrow.BufferOutputStream()
+        self._parquet.write_table(table, content, write_page_checksum=True)
+        write_file(path, content.getvalue().to_pybytes())
 
 
 def _digest(plan: Mapping[str, Any]) -> str:
