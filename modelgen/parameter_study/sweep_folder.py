@@ -171,8 +171,10 @@ class SweepFolder:
         """The table of these runs in a file; ModelgenError where it is damaged or of other runs."""
         schema = self._schema()
         try:
-            content = self._arrow.BufferReader(path.read_bytes())  # see `_write_table`
-            table = self._parquet.read_table(content, page_checksum_verification=True)
+            table = self._parquet.ParquetFile(  # in this thread: another that still held memory of Python at
+                self._arrow.BufferReader(path.read_bytes()),  # the end of the process would abort it
+                page_checksum_verification=True,
+            ).read(use_threads=False)
             table = table.select(schema.names).cast(schema)
             runs = table["run"].to_pylist()
         except Exception as error:  # of pyarrow: whatever it raises, the table is damaged
@@ -184,8 +186,7 @@ class SweepFolder:
         return table
 
     def _write_table(self, path: Path, table: Any) -> None:
-        """Write a file, from memory. Pyarrow takes no name that is not UTF-8, and its threads abort the
-        process at its end now and then where they have held a file of Python (arrow issues 36389, 50482)."""
+        """Write a file, from memory: pyarrow takes no name that is not UTF-8."""
         content = self._arrow.BufferOutputStream()
         self._parquet.write_table(table, content, write_page_checksum=True)
         write_file(path, content.getvalue().to_pybytes())
