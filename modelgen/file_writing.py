@@ -20,7 +20,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from modelgen.errors import ModelgenError
-from modelgen.interruption import uninterrupted
+from modelgen.interruption import cleared
 
 SCRATCH = ".modelgen-"  # start of the name of a file that is being written
 SCRATCH_NAME = re.compile(rf"{re.escape(SCRATCH)}([0-9a-f]{{16}}|\d+-\d+)(\.|$)")
@@ -58,7 +58,7 @@ def scratch_folder() -> Iterator[Path]:
     top = Path(tempfile.gettempdir())
     for left in top.glob(f"{FOLDER}*"):
         _remove_if_abandoned(left)
-    with _held_folder(lambda: Path(tempfile.mkdtemp(prefix=FOLDER))) as folder:
+    with _held_folder(lambda: top / f"{FOLDER}{secrets.token_hex(8)}", 0o700) as folder:
         yield folder
 
 
@@ -87,7 +87,7 @@ def _write_folder(top: Path, contents: Mapping[Path, str | bytes]) -> bool:
     with _named(top):
         top.parent.mkdir(parents=True, exist_ok=True)
         _clear(top.parent)
-        with _held_folder(lambda: _made(_scratch_name(top))) as scratch:
+        with _held_folder(lambda: _scratch_name(top)) as scratch:
             for path, content in contents.items():
                 with _named(path):
                     own = scratch / Path(os.path.realpath(path)).relative_to(top)
@@ -117,16 +117,11 @@ def _write_beside(contents: Mapping[Path, str | bytes]) -> None:
                 _flush(scratch)
                 moves.append((path, scratch, place))
         undo = [stack.enter_context(_older(place)) for _, _, place in moves]
-        try:
+        with cleared(lambda: _bring_back(undo)):
             for path, scratch, place in moves:
                 with _named(path):
                     os.replace(scratch, place)
-        except BaseException:
-            with uninterrupted():
-                for bring_back in undo:
-                    with suppress(OSError):
-                        bring_back()
-            raise
+            undo.clear()
         _flush_folders({place.parent for _, _, place in moves})
 
 
@@ -138,20 +133,24 @@ def _older(place: Path) -> Iterator[Callable[[], object]]:
         yield lambda: place.unlink(missing_ok=True)
         return
     kept = _scratch_name(place)
-    try:
-        os.link(place, kept)
-    except OSError:  # a disk without links
-        yield lambda: None
-        return
-    lock = _lock(kept)
-    try:
-        yield lambda: os.replace(kept, place)
-    finally:
-        with uninterrupted():
-            with suppress(OSError):
-                kept.unlink(missing_ok=True)
+    with cleared(lambda: _remove(kept)):
+        try:
+            os.link(place, kept)
+        except OSError:  # a disk without links
+            yield lambda: None
+            return
+        lock = _lock(kept)
+        try:
+            yield lambda: os.replace(kept, place)
+        finally:
             if lock is not None:
                 os.close(lock)
+
+
+def _bring_back(undo: Iterable[Callable[[], object]]) -> None:
+    for bring_back in undo:
+        with suppress(OSError):
+            bring_back()
 
 
 def check_writable(path: Path) -> None:
@@ -215,43 +214,44 @@ def _beside(path: Path, mode: int | None = None) -> Iterator[tuple[Path, Path]]:
         return
     place.parent.mkdir(parents=True, exist_ok=True)
     _clear(place.parent)
+    rights = 0o666 if mode is None else mode
     while True:
         scratch = _scratch_name(place)
-        lock = os.open(scratch, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666 if mode is None else mode)
-        if _hold(scratch, lock):
-            break
-    try:
-        if mode is None and place.exists():
-            place.open("ab").close()  # one that may not be written is not replaced either
-            scratch.chmod(place.stat().st_mode & 0o7777)
-        yield scratch, place
-    finally:
-        with uninterrupted():
-            with suppress(OSError):
-                scratch.unlink(missing_ok=True)
-            os.close(lock)
+        with (
+            cleared(lambda: _remove(scratch)),  # noqa: B023 (it is called in this turn)
+            open(scratch, "x+b", opener=lambda name, flags: os.open(name, flags, rights)) as file,
+        ):
+            if not _hold(scratch, file.fileno()):
+                continue
+            if mode is None and place.exists():
+                place.open("ab").close()  # one that may not be written is not replaced either
+                scratch.chmod(place.stat().st_mode & 0o7777)
+            yield scratch, place
+            return
 
 
 @contextmanager
-def _held_folder(make: Callable[[], Path]) -> Iterator[Path]:
+def _held_folder(name: Callable[[], Path], rights: int = 0o777) -> Iterator[Path]:
     """A new folder, which is removed if it is still there when the block ends."""
     while True:
-        folder = make()
-        with suppress(FileNotFoundError):
-            lock = os.open(folder, os.O_RDONLY)
-            if _hold(folder, lock):
-                break
-    try:
-        yield folder
-    finally:
-        with uninterrupted():
-            shutil.rmtree(folder, ignore_errors=True)
-            os.close(lock)
+        folder = name()
+        with cleared(lambda: shutil.rmtree(folder, ignore_errors=True)):  # noqa: B023 (called in this turn)
+            folder.mkdir(rights)
+            try:
+                lock = os.open(folder, os.O_RDONLY)
+            except FileNotFoundError:
+                continue
+            try:
+                if _hold(folder, lock):
+                    yield folder
+                    return
+            finally:
+                os.close(lock)
 
 
-def _made(folder: Path) -> Path:
-    folder.mkdir()
-    return folder
+def _remove(path: Path) -> None:
+    with suppress(OSError):
+        path.unlink(missing_ok=True)
 
 
 def _scratch_name(place: Path) -> Path:
@@ -268,14 +268,11 @@ def _first_missing(path: Path) -> Path | None:
 
 
 def _hold(path: Path, handle: int) -> bool:
-    """Lock a new file or folder; False, with the handle closed, where another process has taken it for one
-    that was left, and removed it, before."""
+    """Lock a new file or folder; False where another process has taken it for one that was left, and removed
+    it, before."""
     with suppress(OSError):  # a disk without locks: then nothing there is ever taken for abandoned
         fcntl.flock(handle, fcntl.LOCK_EX)
-    if path.exists():
-        return True
-    os.close(handle)
-    return False
+    return path.exists()
 
 
 def _lock(path: Path) -> int | None:

@@ -5,8 +5,7 @@ from __future__ import annotations
 
 import signal
 import sys
-import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
@@ -50,25 +49,16 @@ def nothing_swallowed() -> Iterator[None]:
 
 
 @contextmanager
-def uninterrupted() -> Iterator[None]:
-    """Let signals that end a command wait until the block has ended: for one that clears up.
-
-    Python calls handlers in the main thread alone, so that blocks in other threads need nothing.
-    """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    waiting: list[tuple[int, FrameType | None]] = []
-    usual = {number: handler for number in (*ENDING, AGAIN) if callable(handler := signal.getsignal(number))}
+def cleared(clear: Callable[[], object]) -> Iterator[None]:
+    """Clear up at the end of the block, however it ends: twice, since an interruption may break into the
+    first time."""
     try:
-        for number in usual:
-            signal.signal(number, lambda *call: waiting.append(call))
-        yield
+        try:
+            yield
+        finally:
+            clear()
     finally:
-        for number, handler in usual.items():
-            signal.signal(number, handler)
-        for came, frame in waiting[:1]:
-            usual[signal.Signals(came)](came, frame)
+        clear()
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:

@@ -19,7 +19,7 @@ from functools import cache
 from pathlib import Path
 
 from modelgen.errors import LibraryError
-from modelgen.interruption import uninterrupted
+from modelgen.interruption import cleared
 
 CACHE = "MODELGEN_CACHE"  # environment variable that names another folder
 USUAL = "~/Library/Caches" if sys.platform == "darwin" else "~/.cache"
@@ -50,14 +50,11 @@ def made_once(path: Path, texts: Mapping[str, str], make: Callable[[Path], None]
             own = path.parent / f"{SCRATCH}{path.name}"
             shutil.rmtree(own, ignore_errors=True)
             scratch = own / secrets.token_hex(8)  # compilers of a build that was killed may still write
-            try:
+            with cleared(lambda: shutil.rmtree(own, ignore_errors=True)):
                 for file, text in texts.items():
                     put(scratch / file, text)
                 make(scratch)
                 content = (scratch / path.name).read_bytes()
-            finally:
-                with uninterrupted():
-                    shutil.rmtree(own, ignore_errors=True)
             put(path, content)
             seal(path)
     return path
