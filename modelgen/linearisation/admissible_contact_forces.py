@@ -186,9 +186,9 @@ def least_pressing(A: Array, b: Array) -> Array:
     """
     if not A.shape[1]:
         return np.zeros(0)
-    feasible, rest = nnls(A, b)
+    feasible = nnls(A, b)[0]
     plain = np.linalg.lstsq(A, b, rcond=None)[0]
-    if rest > SAME * np.linalg.norm(b) or plain.min() >= 0:
+    if np.linalg.norm(A @ feasible - b) > SAME * np.linalg.norm(b) or plain.min() >= 0:
         return np.asarray(feasible if plain.min() < 0 else plain)
     _, sizes, vectors = np.linalg.svd(A)
     free = vectors[int((sizes > SAME * sizes.max()).sum()) :].T

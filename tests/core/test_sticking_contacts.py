@@ -183,8 +183,8 @@ def forces_of(
     if not edges:
         return None
     size = np.linalg.norm(load)
-    weights, rest = nnls(J.T @ np.array(edges).T / size, load / size)
-    return np.asarray(np.array(edges).T @ weights) if rest < 1e-12 else None
+    forces = np.array(edges).T @ nnls(J.T @ np.array(edges).T / size, load / size)[0]
+    return forces if np.linalg.norm(J.T @ forces - load) < 1e-12 * size else None
 
 
 def motion_between(

@@ -10,7 +10,7 @@ import casadi as ca
 import mpmath as mp
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from modelgen.geometry.curves import CURVES
@@ -149,6 +149,7 @@ def support_function(name: str) -> ca.Function:
 
 
 @pytest.mark.parametrize("name", SUPPORTED)
+@settings(suppress_health_check=[HealthCheck.filter_too_much])
 @given(at=INSIDE)
 def test_the_support_map_inverts_the_normal(name: str, at: tuple[float, float]) -> None:
     """At the normal of a point of the convex hull stands that point; heights and derivatives follow."""
