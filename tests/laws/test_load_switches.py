@@ -333,7 +333,7 @@ def test_a_run_in_pieces_is_that_in_one(force: str) -> None:
     assert [each.t for each in events] == pytest.approx([each.t for each in path.events], abs=1e-10)
 
 
-@pytest.mark.parametrize("real", ["float", "long double"])
+@pytest.mark.parametrize("real", ["float", pytest.param("long double", marks=pytest.mark.slow)])
 def test_other_real_types(real: str) -> None:
     scene = read_text(POINT.format(force=["1.5 - 4*sign(vx)", "0", "0"], place=list(X), velocity=list(V)))
     path = run(library_of(scene, real), "fast")

@@ -58,7 +58,9 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-@pytest.mark.parametrize("name", COMMANDS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(each, marks=pytest.mark.slow) if each == "run.png" else each for each in COMMANDS]
+)
 def test_a_command_that_cannot_write_its_file_leaves_the_older_one(
     name: str, modelgen: Modelgen, tmp_path: Path
 ) -> None:
