@@ -12,7 +12,8 @@ from functools import cache
 import casadi as ca
 
 from modelgen.geometry.charts import Jet
-from modelgen.geometry.curves import CurveJet, curve_of, is_curve, spline_derivative
+from modelgen.geometry.curves import CurveJet, curve_of, is_curve
+from modelgen.geometry.expression_translation import lowered_derivative
 from modelgen.geometry.frames import cross, dot
 from modelgen.geometry.points import is_point
 from modelgen.geometry.surface_catalogue import exterior_sign, spline_columns, surface_of
@@ -68,7 +69,7 @@ def _curve_jet(
     if kind.curve is None or not names:
         return curve_of(kind).jet(t, parameters)
     at = {**symbols, "t": t}
-    return CurveJet(*(spline_derivative(kind.curve, order, at, names) for order in ORDERS))
+    return CurveJet(*(lowered_derivative(kind.curve.components, "t" * order, at, names) for order in ORDERS))
 
 
 def _surface_jet(

@@ -12,13 +12,12 @@ import numpy as np
 
 from modelgen.geometry import polynomial_pieces
 from modelgen.geometry import support_maps as supports
-from modelgen.geometry.expression_translation import lower
+from modelgen.geometry.expression_translation import lower, lowered_derivative
 from modelgen.geometry.frames import zeros
 from modelgen.geometry.support_maps import Support
 from modelgen.geometry.surface_kernel import shape_parameters
 from modelgen.model import ShapeKind
-from modelgen.scene.expression import Cubic
-from modelgen.scene.expression_algebra import derivatives, expression_of, has_cubic, name_cubics
+from modelgen.scene.expression_algebra import has_cubic
 from modelgen.scene.scene_types import Curve, Shape
 
 SAMPLES = 257  # of a user's curve, for its bounding radius
@@ -126,7 +125,7 @@ def curve_of(shape: ShapeKind | Shape) -> SpaceCurve:
 def _user_curve(curve: Curve, names: tuple[str, ...]) -> SpaceCurve:
     def derivative(order: int, t: ca.SX, p: ca.SX) -> ca.SX:
         symbols = {"t": t} | {name: p[i] for i, name in enumerate(names)}
-        return spline_derivative(curve, order, symbols, {})
+        return lowered_derivative(curve.components, "t" * order, symbols, {})
 
     def components(t: ca.SX, p: ca.SX) -> ca.SX:
         return derivative(0, t, p)
@@ -145,15 +144,6 @@ def _user_curve(curve: Curve, names: tuple[str, ...]) -> SpaceCurve:
         components, curve.domain, curve.periodic, bounding=bounding,
         derivative=derivative if has_spline else None,
     )  # fmt: skip
-
-
-def spline_derivative(
-    curve: Curve, order: int, symbols: Mapping[str, ca.SX], splines: Mapping[Cubic, str]
-) -> ca.SX:
-    """(3,) a derivative of a curve whose splines are symbols of the names that they have in `splines`, or are
-    written out."""
-    trees = (name_cubics(each.tree, splines) for each in derivatives(curve.components, "t" * order))
-    return ca.vertcat(*(lower(expression_of(tree), symbols) for tree in trees))
 
 
 @lru_cache(maxsize=64)

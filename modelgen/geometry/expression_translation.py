@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import casadi as ca
 
 from modelgen.errors import ExpressionError
 from modelgen.geometry.expression_branches import Branches
 from modelgen.scene.expression import Binary, Call, Cubic, Expression, Name, Node, Number, Unary
+from modelgen.scene.expression_algebra import derivatives, expression_of, name_cubics
 
 _BINARY: Mapping[str, Callable[[ca.SX, ca.SX], ca.SX]] = {
     "+": lambda a, b: a + b,
@@ -57,6 +58,18 @@ def lower(expression: Expression, symbols: Mapping[str, ca.SX], branches: Branch
         return _lower(expression.tree, symbols, _FUNCTIONS, _FUNCTIONS)
     written = _FUNCTIONS | {name: branches.watched(name, _FUNCTIONS[name]) for name in branches.calls()}
     return _lower(expression.tree, symbols, _FUNCTIONS | dict(branches.calls()), written)
+
+
+def lowered_derivative(
+    components: Sequence[Expression],
+    order: str,
+    symbols: Mapping[str, ca.SX],
+    splines: Mapping[Cubic, str],
+) -> ca.SX:
+    """A derivative of components (n,), by the letters of `order`, whose piecewise cubics are symbols of the
+    names that they have in `splines`, or are written out."""
+    trees = (name_cubics(each.tree, splines) for each in derivatives(components, order))
+    return ca.vertcat(*(lower(expression_of(tree), symbols) for tree in trees))
 
 
 def _lower(node: Node, symbols: Mapping[str, ca.SX], functions: _Calls, written: _Calls) -> ca.SX:

@@ -17,12 +17,12 @@ from modelgen.geometry import charts, polynomial_pieces
 from modelgen.geometry import implicit_surfaces as implicit
 from modelgen.geometry import support_maps as supports
 from modelgen.geometry.charts import Jet, jet_of
-from modelgen.geometry.expression_translation import lower
+from modelgen.geometry.expression_translation import lower, lowered_derivative
 from modelgen.geometry.implicit_surfaces import Implicit
 from modelgen.geometry.support_maps import Support
 from modelgen.model import ShapeKind
-from modelgen.scene.expression import Cubic, Expression
-from modelgen.scene.expression_algebra import derivatives, expression_of, has_cubic, name_cubics
+from modelgen.scene.expression import Cubic
+from modelgen.scene.expression_algebra import has_cubic
 from modelgen.scene.scene_types import Chart, Shape
 
 SAMPLES = 33  # per direction of a user's chart, for its bounding radius
@@ -133,18 +133,9 @@ def _spline_jet(chart: Chart, names: tuple[str, ...]) -> ca.Function:
 
 
 def spline_columns(chart: Chart, symbols: Mapping[str, ca.SX], splines: Mapping[Cubic, str]) -> ca.SX:
-    """(3,6) c, c_u, c_v, c_uu, c_uv, c_vv of a chart whose splines are symbols of the names that they have in
-    `splines`, or are written out."""
-
-    def lowered(component: Expression) -> ca.SX:
-        return lower(expression_of(name_cubics(component.tree, splines)), symbols)
-
-    return ca.horzcat(
-        *(
-            ca.vertcat(*map(lowered, derivatives(chart.components, order)))
-            for order in ("", "u", "v", "uu", "uv", "vv")
-        )
-    )
+    """(3,6) c, c_u, c_v, c_uu, c_uv, c_vv of a chart; `splines` as of lowered_derivative."""
+    orders = ("", "u", "v", "uu", "uv", "vv")
+    return ca.horzcat(*(lowered_derivative(chart.components, order, symbols, splines) for order in orders))
 
 
 @lru_cache(maxsize=64)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from modelgen.scene.expression import Binary, Call, Cubic, Expression, Name, Node, Number, Unary
@@ -35,20 +35,29 @@ def sin(x: Node) -> Node:
     return Call("sin", (x,))
 
 
+def _with_leaves(node: Node, changed: Callable[[Name | Cubic], Node]) -> Node:
+    """The tree with its names and piecewise cubics changed."""
+    match node:
+        case Name() | Cubic():
+            return changed(node)
+        case Unary(op, x):
+            return Unary(op, _with_leaves(x, changed))
+        case Binary(op, a, b):
+            return Binary(op, _with_leaves(a, changed), _with_leaves(b, changed))
+        case Call(fn, args):
+            return Call(fn, tuple(_with_leaves(arg, changed) for arg in args))
+    return node
+
+
 def substitute(node: Node, by: Mapping[str, Node]) -> Node:
     """The tree with every name in `by` replaced by its tree."""
-    match node:
-        case Name(name):
-            return by.get(name, node)
-        case Unary(op, x):
-            return Unary(op, substitute(x, by))
-        case Binary(op, a, b):
-            return Binary(op, substitute(a, by), substitute(b, by))
-        case Call(fn, args):
-            return Call(fn, tuple(substitute(arg, by) for arg in args))
-        case Cubic(x):
-            return replace(node, x=substitute(x, by))
-    return node
+
+    def changed(leaf: Name | Cubic) -> Node:
+        if isinstance(leaf, Name):
+            return by.get(leaf.id, leaf)
+        return replace(leaf, x=substitute(leaf.x, by))
+
+    return _with_leaves(node, changed)
 
 
 def has_cubic(node: Node) -> bool:
@@ -72,16 +81,11 @@ def cubics_in(node: Node) -> tuple[Cubic, ...]:
 
 def name_cubics(node: Node, names: Mapping[Cubic, str]) -> Node:
     """The tree with a name for each of the piecewise cubics that have one in `names`."""
-    match node:
-        case Unary(op, x):
-            return Unary(op, name_cubics(x, names))
-        case Binary(op, a, b):
-            return Binary(op, name_cubics(a, names), name_cubics(b, names))
-        case Call(fn, args):
-            return Call(fn, tuple(name_cubics(arg, names) for arg in args))
-        case Cubic() if node in names:
-            return Name(names[node])
-    return node
+
+    def changed(leaf: Name | Cubic) -> Node:
+        return Name(names[leaf]) if isinstance(leaf, Cubic) and leaf in names else leaf
+
+    return _with_leaves(node, changed)
 
 
 def knots_along(components: Sequence[Expression], name: str, values: Mapping[str, float]) -> list[float]:
