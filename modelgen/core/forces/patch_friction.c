@@ -308,14 +308,15 @@ MG_INTERNAL int mg_has_changed_patch_pressures(mg_context *c) {
   }
   if (count == 0) return 0;
   if (++c->patches.pressure_rounds % MG_PRESSURE_ROUNDS > 0) return 1;
-  const int found = mg_are_patch_pressures_found(c);
+  const int is_start_left = mg_are_patch_pressures_found(c);
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     mg_patch_friction *r = c->patches.friction + slot;
     if (!r->slips) continue;
-    r->centre_known = found && c->patches.pressure_rounds > MG_PRESSURE_ROUNDS ? MG_CENTRE_UNKNOWN : MG_CENTRE_NOTED;
-    if (found) mg_set_patch_force_ratio(c, slot);
+    r->centre_known =
+        is_start_left && c->patches.pressure_rounds > MG_PRESSURE_ROUNDS ? MG_CENTRE_UNKNOWN : MG_CENTRE_NOTED;
+    if (is_start_left) mg_set_patch_force_ratio(c, slot);
   }
-  return found;
+  return is_start_left;
 }
 
 MG_INTERNAL int mg_are_patch_pressures_found(const mg_context *c) {

@@ -73,8 +73,7 @@ static int mg_is_common_step(const mg_context *c, mg_real h, mg_real share) {
   return fourth * fourth * c->step.error * c->settings->tolerance > MG_COMMON_ERROR;
 }
 
-/* True if slip is collocated in the present step, so that its length depends on the tolerance unless an event ends it.
- */
+/* True if slip is collocated in this step, so that its length depends on the tolerance unless an event ends it. */
 static int mg_has_collocated_slip(const mg_context *c) { return mg_is_collocated(c) && !mg_has_rolling_start(c); }
 
 /* Replaces the step h by its first part, of the length `part`, s. Returns an outcome. */
