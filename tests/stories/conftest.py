@@ -17,6 +17,8 @@ from modelgen.codegen.core_cache import runtime_object
 from tests.running import LEVEL
 
 ROOT = Path(__file__).parents[2]
+PENDULUM = """<mujoco><worldbody><body><joint type="hinge" axis="0 1 0"/>
+<geom type="sphere" size="0.1" pos="0 0 -1"/></body></worldbody></mujoco>"""
 
 
 class Answer:

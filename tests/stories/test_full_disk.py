@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 
 from modelgen.file_writing import SCRATCH, replaced, write_file, write_files
+from tests.stories.conftest import PENDULUM
 from tests.stories.failing_operations import (
     FILES,
     KILLED,
@@ -39,8 +40,6 @@ COMMANDS = {
     "scene.toml": ("import", "pendulum.xml", "--out"),
     "c/model.c": ("export", "scenes/bouncing_ball.toml", "--to", "c", "--no-figures", "--out"),
 }
-PENDULUM = """<mujoco><worldbody><body><joint type="hinge" axis="0 1 0"/>
-<geom type="sphere" size="0.1" pos="0 0 -1"/></body></worldbody></mujoco>"""
 
 
 @contextmanager

@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 
+from tests.stories.conftest import PENDULUM
+
 Modelgen = Callable[..., Any]
-PENDULUM = """<mujoco><worldbody><body><joint type="hinge" axis="0 1 0"/>
-<geom type="sphere" size="0.1" pos="0 0 -1"/></body></worldbody></mujoco>"""
 
 
 @pytest.mark.parametrize(
