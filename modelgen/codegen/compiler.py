@@ -35,6 +35,7 @@ IS_X86 = platform.machine().lower() in ("x86_64", "amd64")
 # with AVX-512, or tuned for it, GCC 12 copies so that the core stalls: a third slower; with FMA it fuses
 # products and sums of vectors although it is not to contract, so that bits differ from those of other builds
 NATIVE = ("-march=native", *(("-mno-avx512f", "-mno-fma", "-mtune=generic") if IS_X86 else ()))
+BASELINE = "-mcpu=baseline"  # tells Zig not to compile for this processor, as it does if nothing is said
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +47,8 @@ class Compiler:
 
     @property
     def is_zig(self) -> bool:
-        return "ziglang" in self.command or Path(self.command[0]).stem == "zig"
+        """Found by trial, since a script may call it: Zig alone knows the processor `baseline`."""
+        return not self.is_gcc and takes(self.command, BASELINE)
 
     @property
     def is_gcc(self) -> bool:
@@ -75,7 +77,7 @@ class Compiler:
 
 def portable_flags(compiler: Compiler, real: str) -> tuple[str, ...]:
     """The flags of a library without those that hold for the processor of this machine alone."""
-    own = ("-mcpu=baseline",) if compiler.is_zig else ()
+    own = (BASELINE,) if compiler.is_zig else ()
     return (*(flag for flag in compiler.flags(real) if flag not in NATIVE), *own)
 
 
@@ -136,6 +138,16 @@ def compiler_version(command: tuple[str, ...]) -> str:
     if not answer.stdout.strip():
         raise CompilerMissing("CC", f"{asked} tells nothing", "", "name a C compiler that works")
     return answer.stdout.strip()
+
+
+@cache
+def takes(command: tuple[str, ...], flag: str) -> bool:
+    """Whether a compiler compiles an empty text with a flag, without a word about it."""
+    from modelgen.file_writing import scratch_folder  # as in run_program
+
+    with scratch_folder() as folder:
+        answer = run_program([*command, flag, "-c", "-x", "c", os.devnull, "-o", "empty.o"], folder)
+    return answer.returncode == 0 and not answer.stderr
 
 
 def cpu_target() -> str:

@@ -221,9 +221,29 @@ def test_zig_is_the_last_resort(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compiler, "CANDIDATES", ())
     monkeypatch.setattr(compiler.importlib.util, "find_spec", lambda name: object())
     monkeypatch.setattr(compiler, "compiler_version", lambda command: "clang version 22")
+    monkeypatch.setattr(compiler, "takes", lambda command, flag: True)
     found = compiler.find_compiler()
     assert found.command[1:] == ("-m", "ziglang", "cc")
     assert "-march=native" not in found.flags("double")
+
+
+def test_zig_is_known_behind_a_script(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its command says nothing of it; what it is told must still be what Zig takes."""
+    pytest.importorskip("ziglang")
+    script = tmp_path / "mycc"
+    script.write_text(f'#!/bin/sh\nexec {sys.executable} -m ziglang cc "$@"\n')
+    script.chmod(0o755)
+    monkeypatch.setenv("CC", str(script))
+    found = compiler.find_compiler()
+    assert found.is_zig and "-mcpu=baseline" in compiler.portable_flags(found, "double")
+    assert build(package(), folder=tmp_path / "out").path.is_file()
+
+
+def test_a_compiler_that_warns_of_the_flag_of_zig_is_not_zig(tmp_path: Path) -> None:
+    warns = tmp_path / "warns"
+    warns.write_text('#!/bin/sh\necho "warning: argument unused: $1" >&2\n')
+    warns.chmod(0o755)
+    assert not compiler.Compiler((str(warns),), "clang version 14").is_zig
 
 
 def test_passes_of_gcc_are_named_to_gcc_alone() -> None:
