@@ -235,7 +235,8 @@ def test_zig_is_known_behind_a_script(tmp_path: Path, monkeypatch: pytest.Monkey
     script.chmod(0o755)
     monkeypatch.setenv("CC", str(script))
     found = compiler.find_compiler()
-    assert found.is_zig and "-mcpu=baseline" in compiler.portable_flags(found, "double")
+    assert found.is_zig
+    assert "-mcpu=baseline" in compiler.portable_flags(found, "double")
     assert build(package(), folder=tmp_path / "out").path.is_file()
 
 

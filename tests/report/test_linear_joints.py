@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.linalg import eigh
 
 from modelgen import derive, linearise, read, require
 from modelgen.errors import SimulationError
@@ -58,7 +59,7 @@ def test_a_double_pendulum_swings_with_its_two_frequencies() -> None:
     found = linear(hanging(rods, [hinge("world", "upper", 0, 0), hinge("upper", "lower", 0, -LENGTH)]))
     mass = MASS * LENGTH**2 * np.array([[1 / 3 + 1, 1 / 2], [1 / 2, 1 / 3]])
     stiffness = MASS * G * LENGTH * np.diag([1.5, 0.5])
-    expected = np.sqrt(np.sort(np.linalg.eigvals(np.linalg.solve(mass, stiffness))))
+    expected = np.sqrt(eigh(stiffness, mass, eigvals_only=True))
     assert found.frequencies == pytest.approx(expected, rel=1e-10)
     assert len(found.modes) == 2
 
