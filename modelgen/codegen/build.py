@@ -11,7 +11,7 @@ import casadi as ca
 
 from modelgen import __version__
 from modelgen.codegen.amalgamation import runtime_text
-from modelgen.codegen.built_files import made_once, put
+from modelgen.codegen.built_files import cache_folder, made_once, put
 from modelgen.codegen.compiler import (
     LEVEL,
     LEVELS,
@@ -84,7 +84,7 @@ def build(
     def compile_kernels(scratch: Path) -> None:
         runtime = runtime_object(compiler, flags, tell, package.derivatives)
         named = (*flags, f'-DMG_HASH="{key}"')
-        target, log = scratch / path.name, path.with_suffix(".log")
+        target, log = scratch / path.name, cache_folder() / f"{path.stem}.log"
         compile_library(compiler, named, scratch / "model.c", runtime, target, log)
 
     made_once(path, package.files, compile_kernels)

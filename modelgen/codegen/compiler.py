@@ -61,8 +61,8 @@ class Compiler:
         return (f"-{level}", *FLAGS, *quick, *native, *REAL_FLAGS[real], *self._debug_flags())
 
     def _debug_flags(self) -> tuple[str, ...]:
-        """The flags of the debug core, if DEBUG asks for it: assertions, and memory filled before use; local
-        variables too if the compiler can."""
+        """The flags of the debug core, if DEBUG asks for it: assertions, which Zig drops from optimised code
+        unless told otherwise, and memory filled before use; local variables too if the compiler can."""
         fill = os.environ.get(DEBUG, "")
         if not fill:
             return ()
@@ -72,7 +72,7 @@ class Compiler:
             )
         found = re.search(r" (\d+)\.\d+", self.version)
         knows = not self.is_gcc or (found is not None and int(found.group(1)) >= 12)
-        return (f"-DMG_DEBUG={fill}", *(("-ftrivial-auto-var-init=pattern",) if knows else ()))
+        return ("-UNDEBUG", f"-DMG_DEBUG={fill}", *(("-ftrivial-auto-var-init=pattern",) if knows else ()))
 
 
 def portable_flags(compiler: Compiler, real: str) -> tuple[str, ...]:
