@@ -58,12 +58,16 @@ codecs.register_error(ANYWAY, _written_anyway)
 
 
 def guard_streams() -> None:
-    """Let standard output and standard error be such streams; one that is closed cannot be written."""
+    """Let standard output and standard error be such streams.
+
+    Standard output that is closed cannot be written; what goes to closed standard error is lost, also from
+    programs that are started, some of which fail without one.
+    """
     for number in range(3):
         try:
             os.fstat(number)
         except OSError:  # or the next file that is opened would be that stream
-            os.open(os.devnull, os.O_RDONLY)
+            os.set_inheritable(os.open(os.devnull, os.O_WRONLY if number == 2 else os.O_RDONLY), True)
     for number, name in ((1, "stdout"), (2, "stderr")):
         stream = getattr(sys, name) or io.TextIOWrapper(io.FileIO(number, "w"), "utf-8", write_through=True)
         if isinstance(stream, io.TextIOWrapper):
