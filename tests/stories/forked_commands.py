@@ -69,6 +69,7 @@ def _become(number: int, kind: str, path: Path) -> None:
     if handle != number:
         os.dup2(handle, number)
         os.close(handle)
+    os.set_inheritable(number, True)
     setattr(sys, name, os.fdopen(number, "w", closefd=False))
 
 
