@@ -175,6 +175,7 @@ static mg_real mg_first_gap_minimum_event(mg_context *c, mg_real h, mg_real low,
 /* Scan the step in equal parts for the first that contains an event; returns its end as a share of the step and
    its start in *low, 0 if there is none. Needs gaps and event margins stored at the start of the step. */
 static mg_real mg_scan_step_for_events(mg_context *c, mg_real h, mg_real *low) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_KEPT_GAPS), MG_NEEDS_AT_RUN(c, MG_VALID_MARGINS);
   const mg_real part = (mg_real)1 / c->settings->event_scan_parts;
   for (int j = 1; j <= c->settings->event_scan_parts; j++) {
     const mg_real at = (mg_real)j / c->settings->event_scan_parts;
@@ -239,6 +240,8 @@ static int mg_is_event_nearly_linear(mg_context *c, mg_located_event *event, int
 }
 
 MG_INTERNAL int mg_bracket_first_event(mg_context *c, mg_real h, int passed, mg_real *low, mg_real *high) {
+  MG_NEEDS(c, MG_VALID_GAP_MINIMA, c->run->t + h, c->step.end);
+  MG_NEEDS_DIGEST(c, MG_VALID_INTERPOLANT, mg_step_digest(c, c->run->t, c->run->x, h));
   *low = 0;
   *high = passed ? mg_scan_step_for_events(c, h, low) : mg_first_gap_minimum_event(c, h, 0, 1);
   return *high > 0;

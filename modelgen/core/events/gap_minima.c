@@ -22,6 +22,7 @@ MG_INTERNAL mg_real mg_penetration_step_limit(const mg_context *c) {
 MG_INTERNAL void mg_store_gaps(mg_context *c) {
   for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     c->events.gap_before[2 * i] = c->rows.d[i], c->events.gap_before[2 * i + 1] = c->rows.d_dot[i];
+  MG_NOTE_WITH(c, MG_VALID_KEPT_GAPS, MG_VALID_RATES);
 }
 
 /* Whether an open gap may have closed within the last h: once between shrinking and growing, or repeatedly where
@@ -45,5 +46,6 @@ MG_INTERNAL int mg_mark_gap_minima(mg_context *c, mg_real h) {
     c->events.gap_dips[i] = mg_classify_gap_minimum(c, i, h);
     if (c->events.gap_dips[i] > most) most = c->events.gap_dips[i];
   }
+  MG_NOTE_WITH(c, MG_VALID_GAP_MINIMA, MG_VALID_RATES);
   return most;
 }

@@ -62,6 +62,7 @@ MG_INTERNAL int mg_is_at_end_of_line(mg_context *c, int contact, int line) {
   const int feature_pair = c->run->feature_pair[contact];
   mg_real at[14], eta[6];
   int which;
+  MG_NEEDS_PLACED(c, contact);
   if (line < 0 || mg_is_time_stepping(c) || !mg_ends_line(c, feature_pair, line)) return 0;
   for (int k = 0; k < 14; k++) at[k] = c->search.placement[k];
   const mg_real worst = mg_transfer_to_feature_pair(c, feature_pair, line, at, eta, &which);

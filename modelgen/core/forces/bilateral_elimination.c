@@ -50,6 +50,7 @@ static int mg_is_slip_held(mg_context *c, const mg_friction_problem *p, int m, i
 }
 
 MG_INTERNAL int mg_count_held_slip(mg_context *c, const mg_friction_problem *p, const mg_real *z) {
+  MG_NEEDS_DIGEST(c, MG_VALID_MARKS, mg_solution_digest(c, p, z));
   int m = 0, count = 0;
   for (int k = 0; k < p->n_contact; k++) m += p->rows[k];
   for (int k = 0; m < p->n && k < p->n_contact; k++) {
@@ -64,6 +65,7 @@ MG_INTERNAL int mg_count_held_slip(mg_context *c, const mg_friction_problem *p, 
 
 MG_INTERNAL int mg_solve_friction_with_bilaterals(mg_context *c, const mg_friction_problem *p, mg_real *z,
                                                   mg_friction_report *report) {
+  MG_REQUIRE(mg_are_contact_rows_first(c, p));
   int m = 0;
   for (int k = 0; k < p->n_contact; k++) m += p->rows[k];
   if (!mg_has_slipping_patch(c) || m == p->n)

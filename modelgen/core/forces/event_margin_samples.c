@@ -41,6 +41,7 @@ MG_INTERNAL void mg_sample_margins_at_start(mg_context *c) {
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) mg_find_slot_event(c, slot);
   mg_note_returning_switches(c);
   mg_sample_event_margins(c, 0);
+  MG_NOTE_WITH(c, MG_VALID_MARGINS, MG_VALID_TWISTS);
 }
 
 MG_INTERNAL void mg_sample_margins_at_stage(mg_context *c, int stage) {

@@ -351,7 +351,7 @@ MG_INTERNAL mg_real mg_solve_unsymmetric_rows(mg_context *c, const int *list, in
 MG_INTERNAL void mg_note_indeterminate(const mg_context *c, int load_switch);
 
 /* Note the first time at which friction forces are not unique and the motion is not proved to be. Needs rows and forces
-   at the run's state. */
+   at the run's state where friction is redundant. */
 MG_INTERNAL void mg_monitor_redundant_friction(mg_context *c);
 
 /* Note the first time at which a load is at a jump from which it leads away (c->switches.repels), and the first load
@@ -469,7 +469,7 @@ MG_INTERNAL void mg_patch_slip_basis(const mg_context *c, int slot, mg_real e[3]
 MG_INTERNAL void mg_note_pressure_starts(mg_context *c);
 
 /* Starts the searches for the pressures of patches where it was noted, so that the forces found next depend on the run
-   alone. Needs the poses. */
+   alone. */
 MG_INTERNAL void mg_start_patch_pressures(mg_context *c);
 
 /* Compute the pressure in a slot for a unit resultant at its centre of pressure; over the whole face while that

@@ -154,7 +154,9 @@ static int mg_solve_with_friction_cones(mg_context *c, const mg_friction_problem
   for (int k = 0; k < p->n_contact; k++)
     mg_set_friction_cone(c, c->friction.cone_contact[k], part, c->friction.cone + MG_CONE * k);
   for (int r = 0; r < p->n; r++) z[r] = 0;
-  return mg_solve_friction_with_bilaterals(c, p, z, report) == MG_FRICTION_SOLVED;
+  const int outcome = mg_solve_friction_with_bilaterals(c, p, z, report);
+  MG_NOTE_DIGEST(c, MG_VALID_MARKS, mg_solution_digest(c, p, z));
+  return outcome == MG_FRICTION_SOLVED;
 }
 
 /* Acceleration of one row under the forces z: (A z + b)_row. */
@@ -303,6 +305,7 @@ static void mg_try_reduced_friction_bounds(mg_context *c, const int *skip) {
 /* Select one of the force solutions that produce the same motion. Needs the friction problem as it was solved. */
 static void mg_resolve_redundant_forces(mg_context *c, const int *skip, const mg_friction_problem *p,
                                         int yielding_count) {
+  MG_NEEDS_DIGEST(c, MG_VALID_MARKS, mg_solution_digest(c, p, c->lcp.z));
   mg_store_reference_forces(c, p);
   if (mg_try_least_norm_forces(c, p) || yielding_count) return;
   mg_deactivate_all_contacts(c);

@@ -69,7 +69,6 @@ static int mg_is_island_motion_unique(mg_context *c, int first) {
 
 /* The same of all bodies. An island of one contact has unique forces. */
 static int mg_is_present_motion_unique(mg_context *c) {
-  MG_NEEDS_AT_RUN(c, MG_VALID_ROWS), MG_NEEDS_AT_RUN(c, MG_VALID_FORCES);
   int n = 0;
   if (c->system->n_joint_row) return 0;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
@@ -88,8 +87,9 @@ MG_INTERNAL void mg_note_indeterminate(const mg_context *c, int load_switch) {
 }
 
 MG_INTERNAL void mg_monitor_redundant_friction(mg_context *c) {
-  if (c->run->friction_redundant && !c->run->indeterminate && !mg_is_present_motion_unique(c))
-    mg_note_indeterminate(c, -1);
+  if (!c->run->friction_redundant || c->run->indeterminate) return;
+  MG_NEEDS_AT_RUN(c, MG_VALID_ROWS), MG_NEEDS_AT_RUN(c, MG_VALID_FORCES);
+  if (!mg_is_present_motion_unique(c)) mg_note_indeterminate(c, -1);
 }
 
 MG_INTERNAL void mg_monitor_loads_at_jumps(const mg_context *c) {

@@ -257,6 +257,7 @@ static int mg_are_rows_independent(const mg_context *c, mg_row_factors *s) {
 
 MG_INTERNAL void mg_refine_rows(mg_context *c, int n, int slips, int rank, const mg_real *rate, mg_real pivot,
                                 mg_real *amount) {
+  MG_REQUIRE(mg_are_inverse_mass_rows_valid(c, c->islands.rows, n));
   mg_row_factors s;
   const int *rows = c->islands.rows;
   mg_real change = 0, last = MG_MAX;

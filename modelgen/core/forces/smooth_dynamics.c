@@ -146,7 +146,7 @@ MG_INTERNAL void mg_right_hand_side(mg_context *c, mg_real t, const mg_real *x, 
   mg_begin_slide(c, &slide);
   do {
     mg_right_hand_side_on_branches(c, t, x, x_dot);
-    MG_NOTE(c, MG_VALID_FORCES, t, x);
+    MG_NOTE(c, MG_VALID_FORCES, t, x), MG_NOTE_WITH(c, MG_VALID_SOLUTION, MG_VALID_TWISTS);
     if (x_dot == c->step.slopes) MG_NOTE_WITH(c, MG_VALID_SLOPE, MG_VALID_FORCES);
     if (c->system->n_switch) mg_update_switches(c, t);
   } while (mg_continue_slide(c, &slide));

@@ -41,6 +41,7 @@ static mg_real *mg_column_memory(const mg_context *c, int part, int n) { return 
 MG_INTERNAL void mg_keep_symmetric_rows(mg_context *c, int n) {
   mg_real *S = mg_column_memory(c, MG_SYMMETRIC_PART, n);
   for (int k = 0; n > MG_FEW_ROWS && k < n * n; k++) S[k] = c->lcp.A[k];
+  MG_NOTE_DIGEST(c, MG_VALID_SYMMETRIC, mg_kept_rows_digest(c, n > MG_FEW_ROWS ? n : 0));
 }
 
 /* Factors the symmetric part scaled by d. Returns the least pivot, or 0 if it is too near to singular. */
@@ -111,6 +112,7 @@ static mg_real mg_solve_by_changed_columns(mg_context *c, int n, mg_real *z) {
 }
 
 MG_INTERNAL mg_real mg_solve_unsymmetric_rows(mg_context *c, const int *list, int n, mg_real *z) {
+  MG_NEEDS_DIGEST(c, MG_VALID_SYMMETRIC, mg_kept_rows_digest(c, n > MG_FEW_ROWS ? n : 0));
   const mg_real pivot = n > MG_FEW_ROWS ? mg_solve_by_changed_columns(c, n, z) : 0;
   return pivot > 0 ? pivot : mg_solve_least_norm_rows(c, list, n, c->lcp.A, n, c->lcp.b, z);
 }

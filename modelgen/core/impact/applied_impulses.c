@@ -21,6 +21,7 @@ MG_INTERNAL void mg_apply_impulses(mg_context *c, int n) {
 }
 
 MG_INTERNAL void mg_note_impact_energy_gain(mg_context *c, int n) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_RATES), MG_NEEDS_DIGEST(c, MG_VALID_IMPULSES, mg_impulse_digest(c, n));
   for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
   const int size = mg_append_bilateral_rows(c, c->lcp.rows, n);
   for (int r = 0; r < size; r++) mg_add_row_response(c, c->lcp.rows[r], c->lcp.z[r], c->bodies.wrench);

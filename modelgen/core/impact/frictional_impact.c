@@ -48,5 +48,6 @@ MG_INTERNAL int mg_solve_frictional_impulses(mg_context *c) {
   for (int k = 0; k < p.n_contact; k++) n += c->friction.cone_rows[k];
   for (int i = c->layout.support_begin; i < c->system->n_contact; i++) c->solution.impulse[i] = 0;
   for (int r = n; r < p.n; r++) c->solution.impulse[c->lcp.rows[r]] = c->lcp.z[r];
+  MG_NOTE_DIGEST(c, MG_VALID_IMPULSES, mg_impulse_digest(c, n));
   return n;
 }

@@ -112,6 +112,7 @@ static int mg_resolve_single_impact(mg_context *c, mg_events *events, int contac
   mg_rotate_pair(mg_cos(angle), -mg_sin(angle), b.velocity + 3, b.velocity + 4);
   for (int k = 0; k < contact_rows; k++) c->lcp.z[k] = k ? b.velocity[2 + k] : b.impulse;
   if (n > contact_rows) mg_solve_joint_reactions(c, n, contact_rows);
+  MG_NOTE_DIGEST(c, MG_VALID_IMPULSES, mg_impulse_digest(c, contact_rows));
   if (contact_rows > 1)
     c->friction.cone_contact[0] = contact, c->friction.cone_rows[0] = contact_rows,
     mg_note_impact_energy_gain(c, contact_rows);

@@ -145,5 +145,6 @@ MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h, in
 }
 
 MG_INTERNAL void mg_record_now(mg_context *c, mg_record *record) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_ROWS);
   while (mg_is_sample_due(record, c->run->t)) mg_record_sample(c, record, c->run->x);
 }

@@ -55,6 +55,7 @@ MG_INTERNAL void mg_make_cubic_interpolant(mg_context *c, const mg_real *x, mg_r
 MG_INTERNAL void mg_make_interpolant(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   if (c->settings->method != MG_DOP853) mg_make_cubic_interpolant(c, x, h);
   else if (!mg_is_collocated(c)) mg_dop853_dense(c, t, x, h);
+  MG_NOTE_DIGEST(c, MG_VALID_INTERPOLANT, mg_step_digest(c, t, x, h));
 }
 
 MG_INTERNAL mg_real mg_step_growth(mg_real error, mg_real most) {

@@ -17,6 +17,7 @@ MG_INTERNAL int mg_is_tilt_lost_in_rounding(const mg_context *c, mg_real tilt) {
 /* Normal N in the axes of o and of f while the faces lay flat: the face normals of the patch, or the present N of
    a rim without one. Needs the placement there. */
 static void mg_find_flat_normals(const mg_context *c, int contact, mg_rolling_start *start) {
+  MG_NEEDS_PLACED(c, contact);
   mg_real least = MG_MAX, face[2][12];
   mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.o[contact], c->search.placement + 5, start->normal);
   mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.f[contact], c->search.placement + 5, start->axis);

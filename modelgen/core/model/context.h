@@ -444,11 +444,26 @@ enum {
   MG_VALID_ROWS,       /* rows of contacts */
   MG_VALID_RATES,      /* d_dot */
   MG_VALID_SLIP,       /* d_dot of friction rows */
+  MG_VALID_GAPS,       /* d of contacts, at the poses */
+  MG_VALID_KEPT_GAPS,  /* c->events.gap_before */
+  MG_VALID_GAP_MINIMA, /* c->events.gap_dips, at the end of the part looked at */
+  MG_VALID_MARGINS,    /* the first sample of c->events.margins */
+  MG_VALID_SENSORS,    /* c->sensors */
+  MG_VALID_SOLUTION,   /* forces, at any modes */
   MG_VALID_FORCES,     /* forces, at the modes as well */
   MG_VALID_SLOPE,      /* row 0 of c->step.slopes */
   MG_VALID_END_SLOPE,  /* its row at the end of a step */
   MG_VALID_WRENCHES,   /* wrenches of loads and forces, of derivatives */
-  MG_VALID_PLACEMENT,  /* c->search.placement (mg_placement_digest) */
+  /* From here on digests of something else than a state. */
+  MG_VALID_PLACEMENT,     /* c->search.placement, at eta (mg_placement_digest) */
+  MG_VALID_PLACED,        /* the same, at any eta */
+  MG_VALID_INTERPOLANT,   /* c->step.interpolant (mg_step_digest) */
+  MG_VALID_STEP_GEOMETRY, /* what mg_set_step_geometry leaves (mg_step_digest) */
+  MG_VALID_STEP_IMPULSES, /* impulses of a step of time-stepping, in c->solution.force (mg_step_digest) */
+  MG_VALID_YIELDING,      /* c->friction.is_yielding of that step */
+  MG_VALID_MARKS,         /* c->friction.marks of a solution (mg_solution_digest) */
+  MG_VALID_IMPULSES,      /* impulses of an impact, in c->lcp.z (mg_impulse_digest) */
+  MG_VALID_SYMMETRIC,     /* the symmetric matrix in c->lcp.work (mg_kept_rows_digest) */
   MG_VALID_KINDS
 };
 

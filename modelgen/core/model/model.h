@@ -32,17 +32,42 @@ enum {
 /* preconditions.c */
 
 /* In a debug core: notes that a part of the context (MG_VALID_POSES ..) has been evaluated at (t, x), or with another
-   part; requires that it has been at (t, x), at the state of the run, with another part, or at all. */
+   part; requires that it has been at (t, x), at the state of the run, with another part, or at all. The same of parts
+   that are valid for something else, by its digest. */
 #ifdef MG_DEBUG
 MG_INTERNAL mg_digest mg_state_digest(const mg_context *c, int what, mg_real t, const mg_real *x);
+
+/* Digest of a feature pair at the present poses, and at eta unless that is null. */
 MG_INTERNAL mg_digest mg_placement_digest(const mg_context *c, int kind, int o, int f, const mg_real *eta);
+
+/* Digest of a step of length h from (t, x). */
+MG_INTERNAL mg_digest mg_step_digest(const mg_context *c, mg_real t, const mg_real *x, mg_real h);
+
+/* Digest of a friction problem over the rows c->lcp.rows, and of its solution z. */
+MG_INTERNAL mg_digest mg_solution_digest(const mg_context *c, const mg_friction_problem *p, const mg_real *z);
+
+/* Digest of the impulses of the first n of c->lcp.rows, at the state of the run before the impact. */
+MG_INTERNAL mg_digest mg_impulse_digest(const mg_context *c, int n);
+
+/* Digest of n rows of c->islands.rows and of their matrix at the beginning of c->lcp.work. */
+MG_INTERNAL mg_digest mg_kept_rows_digest(const mg_context *c, int n);
+
+/* True if M^-1 J^T of n listed rows is that of their J. */
+MG_INTERNAL int mg_are_inverse_mass_rows_valid(const mg_context *c, const int *list, int n);
+
+/* True if c->lcp.rows are the rows of a friction problem: of its contacts, one after the other, then bilateral ones. */
+MG_INTERNAL int mg_are_contact_rows_first(const mg_context *c, const mg_friction_problem *p);
+
 MG_INTERNAL void mg_require_tables(const mg_system *s);
 #define MG_NOTE(c, what, time, x) ((c)->valid.of[what] = mg_state_digest(c, what, time, x))
 #define MG_NOTE_TIME(c, time) ((c)->valid.t = (time))
 #define MG_NOTE_WITH(c, what, other) ((c)->valid.of[what] = (c)->valid.of[other])
-#define MG_NOTE_PLACEMENT(c, contact, eta) \
-  ((c)->valid.of[MG_VALID_PLACEMENT] =     \
-       mg_placement_digest(c, (c)->contacts.kind[contact], (c)->contacts.o[contact], (c)->contacts.f[contact], eta))
+#define MG_NOTE_DIGEST(c, what, digest) ((c)->valid.of[what] = (digest))
+#define MG_PLACEMENT_OF(c, contact, eta) \
+  mg_placement_digest(c, (c)->contacts.kind[contact], (c)->contacts.o[contact], (c)->contacts.f[contact], eta)
+#define MG_NOTE_PLACEMENT(c, contact, eta)                                \
+  (MG_NOTE_DIGEST(c, MG_VALID_PLACEMENT, MG_PLACEMENT_OF(c, contact, eta)), \
+   MG_NOTE_DIGEST(c, MG_VALID_PLACED, MG_PLACEMENT_OF(c, contact, 0)))
 #define MG_FORGET(c, what) ((c)->valid.of[what] = 0)
 #define MG_NEEDS(c, what, time, x) MG_REQUIRE((c)->valid.of[what] == mg_state_digest(c, what, time, x))
 #define MG_NEEDS_AT(c, what, x) MG_NEEDS(c, what, (c)->valid.t, x)
@@ -50,6 +75,8 @@ MG_INTERNAL void mg_require_tables(const mg_system *s);
 #define MG_NEEDS_WITH(c, what, other) MG_REQUIRE((c)->valid.of[what] == (c)->valid.of[other])
 #define MG_NEEDS_ANY(c, what) MG_REQUIRE((c)->valid.of[what] != 0)
 #define MG_NEEDS_TIME(c, time) MG_REQUIRE((c)->valid.t == (time))
+#define MG_NEEDS_DIGEST(c, what, digest) MG_REQUIRE((c)->valid.of[what] == (digest))
+#define MG_NEEDS_PLACED(c, contact) MG_NEEDS_DIGEST(c, MG_VALID_PLACED, MG_PLACEMENT_OF(c, contact, 0))
 #define MG_NEEDS_PLACEMENT(c, feature_pair, eta)                                                                       \
   MG_REQUIRE((c)->valid.of[MG_VALID_PLACEMENT] == mg_placement_digest(c, (c)->system->feature_pair_kind[feature_pair], \
                                                                       (c)->system->feature_pair_o[feature_pair],       \
@@ -58,6 +85,7 @@ MG_INTERNAL void mg_require_tables(const mg_system *s);
 #define MG_NOTE(c, what, time, x) ((void)0)
 #define MG_NOTE_TIME(c, time) ((void)0)
 #define MG_NOTE_WITH(c, what, other) ((void)0)
+#define MG_NOTE_DIGEST(c, what, digest) ((void)0)
 #define MG_NOTE_PLACEMENT(c, contact, eta) ((void)0)
 #define MG_FORGET(c, what) ((void)0)
 #define MG_NEEDS(c, what, time, x) ((void)0)
@@ -66,6 +94,8 @@ MG_INTERNAL void mg_require_tables(const mg_system *s);
 #define MG_NEEDS_WITH(c, what, other) ((void)0)
 #define MG_NEEDS_ANY(c, what) ((void)0)
 #define MG_NEEDS_TIME(c, time) ((void)0)
+#define MG_NEEDS_DIGEST(c, what, digest) ((void)0)
+#define MG_NEEDS_PLACED(c, contact) ((void)0)
 #define MG_NEEDS_PLACEMENT(c, feature_pair, eta) ((void)0)
 #endif
 

@@ -33,7 +33,51 @@ MG_INTERNAL mg_digest mg_placement_digest(const mg_context *c, int kind, int o, 
   const int row[3] = {kind, o, f};
   mg_digest digest = mg_digest_ints(MG_DIGEST_START, row, 3);
   for (int side = 1; side < 3; side++) digest = mg_digest_reals(digest, c->bodies.pose + 12 * row[side], 12);
-  return mg_digest_reals(digest, eta, c->kernels->contact_kinds[kind].n_eta) | 1;
+  return (eta ? mg_digest_reals(digest, eta, c->kernels->contact_kinds[kind].n_eta) : digest) | 1;
+}
+
+MG_INTERNAL mg_digest mg_step_digest(const mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+  return mg_digest_reals(mg_state_digest(c, MG_VALID_TWISTS, t, x), &h, 1) | 1;
+}
+
+MG_INTERNAL mg_digest mg_solution_digest(const mg_context *c, const mg_friction_problem *p, const mg_real *z) {
+  const mg_digest rows = mg_digest_ints(MG_DIGEST_START, c->lcp.rows, p->n),
+                  contacts = mg_digest_ints(rows, c->friction.cone_contact, p->n_contact);
+  return mg_digest_reals(mg_digest_reals(mg_digest_reals(contacts, p->A, (long)p->n * p->n), p->b, p->n), z, p->n) | 1;
+}
+
+MG_INTERNAL mg_digest mg_impulse_digest(const mg_context *c, int n) {
+  const mg_digest state = mg_state_digest(c, MG_VALID_TWISTS, c->run->t, c->run->x);
+  return mg_digest_reals(mg_digest_ints(state, c->lcp.rows, n), c->lcp.z, n) | 1;
+}
+
+MG_INTERNAL mg_digest mg_kept_rows_digest(const mg_context *c, int n) {
+  return mg_digest_reals(mg_digest_ints(MG_DIGEST_START, c->islands.rows, n), c->lcp.work, (long)n * n) | 1;
+}
+
+MG_INTERNAL int mg_are_inverse_mass_rows_valid(const mg_context *c, const int *list, int n) {
+  for (int r = 0; r < n; r++)
+    for (int side = 0; side < 2; side++) {
+      const int body = side ? c->contacts.f[list[r]] : c->contacts.o[list[r]];
+      const mg_real *J = c->rows.J + 12 * list[r] + 6 * side, *MJ = c->rows.MJ + 12 * list[r] + 6 * side,
+                    *w = c->system->mass_inverse + 10 * body;
+      for (int k = 0; k < 6 && mg_is_moved_by_forces(c, body); k++) {
+        mg_real sum = k < 3 ? w[0] * J[k] : 0, size = fabs(sum);
+        for (int j = 0; j < 3 && k >= 3; j++)
+          sum += w[1 + k - 3 + 3 * j] * J[3 + j], size += fabs(w[1 + k - 3 + 3 * j] * J[3 + j]);
+        if (fabs(MJ[k] - sum) > 8 * MG_EPS * size) return 0;
+      }
+    }
+  return 1;
+}
+
+MG_INTERNAL int mg_are_contact_rows_first(const mg_context *c, const mg_friction_problem *p) {
+  int n = 0;
+  for (int k = 0; k < p->n_contact; n += p->rows[k++])
+    if (p->first[k] != n || c->lcp.rows[n] != c->friction.cone_contact[k]) return 0;
+  for (int r = n; r < p->n; r++)
+    if (c->lcp.rows[r] < c->layout.support_begin) return 0;
+  return n <= p->n;
 }
 
 /* Requires n entries to be from `first` on and below `end`. */

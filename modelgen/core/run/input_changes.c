@@ -39,6 +39,7 @@ static int mg_has_joint_motion_jump(const mg_context *c, int joint, const mg_rea
 
 /* True if a prescribed velocity jumps with the new settings. Needs the poses. */
 static int mg_has_prescribed_jump(const mg_context *c) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_POSES);
   const mg_real *from = c->run->applied_input, *to = c->run->input;
   for (int b = 0; b < c->system->n_body; b++)
     if (mg_has_path_jump(c, b, from, to)) return 1;

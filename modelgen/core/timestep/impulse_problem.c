@@ -120,6 +120,7 @@ static int mg_release_slipping_constraints(mg_context *c, const mg_friction_prob
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
       c->friction.is_yielding[g] = (c->friction.marks[k] & (MG_MARK_SLIP << c->system->friction_kind[g])) != 0;
   }
+  MG_NOTE_WITH(c, MG_VALID_YIELDING, MG_VALID_STEP_GEOMETRY);
   return mg_use_kinetic_bounds(c);
 }
 
@@ -159,7 +160,10 @@ static int mg_solve_friction_step(mg_context *c, mg_real h, int *size) {
   mg_set_step_bound_kinds(c);
   mg_friction_problem p = mg_make_friction_problem(c, h);
   *size = p.n;
-  if (p.n == 0) return MG_DONE;
+  if (p.n == 0) {
+    MG_NOTE_WITH(c, MG_VALID_YIELDING, MG_VALID_STEP_GEOMETRY); /* there is nothing to mark */
+    return MG_DONE;
+  }
   do outcome = mg_solve_friction_law(c, &p);
   while (!outcome && mg_release_slipping_constraints(c, &p));
   return outcome;
@@ -214,10 +218,12 @@ static int mg_solve_step(mg_context *c, mg_real h) {
     mg_follow_meeting_pairs(c, h);
     if (!mg_add_closing_contacts(c, h)) break;
   }
+  MG_NOTE_WITH(c, MG_VALID_STEP_IMPULSES, MG_VALID_STEP_GEOMETRY);
   return MG_DONE;
 }
 
 MG_INTERNAL int mg_step_impulses(mg_context *c, mg_real h) {
+  MG_NEEDS_DIGEST(c, MG_VALID_STEP_GEOMETRY, mg_step_digest(c, c->run->t, c->run->x, h));
   c->springs.are_rows = 1;
   const int outcome = mg_solve_step(c, h);
   c->springs.are_rows = 0;

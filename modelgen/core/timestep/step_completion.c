@@ -90,6 +90,7 @@ static const mg_real *mg_moving_velocities(const mg_context *c, int body, mg_rea
 }
 
 MG_INTERNAL void mg_integrate_positions(mg_context *c, mg_real h) {
+  MG_NEEDS_DIGEST(c, MG_VALID_STEP_GEOMETRY, mg_step_digest(c, c->run->t, c->step.end, h));
   const mg_system *s = c->system;
   const mg_real left = mg_scheme_theta(c) * h, none[6] = {0};
   mg_real mean[6], unused[6];
@@ -145,6 +146,7 @@ static int mg_converge_contact(mg_context *c, int contact) {
 static void mg_mark_feature_exit(mg_context *c, int contact) {
   const int feature_pair = c->run->feature_pair[contact];
   const mg_real *eta = mg_contact_eta(c, c->run->x, contact);
+  MG_NEEDS_PLACEMENT(c, feature_pair, eta);
   if (!mg_may_leave_feature_pair(c, contact)) return;
   if (mg_is_off_feature_pair(c, contact, eta)) c->events.triggered[contact] = MG_LEAVES_FEATURE;
   else if (mg_least_line_end_condition(c, feature_pair, -1, eta) < -c->settings->feature_border)
@@ -152,6 +154,7 @@ static void mg_mark_feature_exit(mg_context *c, int contact) {
 }
 
 MG_INTERNAL void mg_converge_all_contacts(mg_context *c, mg_events *events) {
+  MG_NEEDS_WITH(c, MG_VALID_GAPS, MG_VALID_POSES);
   mg_copy_reals(c->step.pose, c->bodies.pose, 12 * c->system->n_body);
   mg_update_poses(c, c->run->t, c->run->x);
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
@@ -162,6 +165,7 @@ MG_INTERNAL void mg_converge_all_contacts(mg_context *c, mg_events *events) {
     if (is_converged && !mg_is_contact_at_fold(c, i)) mg_mark_feature_exit(c, i);
     else mg_release_contact(c, events, i);
   }
+  MG_NOTE(c, MG_VALID_GAPS, c->run->t, c->run->x);
 }
 
 /* Largest penetration or joint error. */

@@ -40,6 +40,7 @@ static void mg_report_contact_mode(mg_context *c, mg_events *events, int contact
 
 /* Sets the modes of the friction constraints. Needs the marks of the friction problem solved last. */
 static void mg_report_friction_modes(mg_context *c, mg_events *events) {
+  MG_NEEDS_WITH(c, MG_VALID_YIELDING, MG_VALID_STEP_IMPULSES);
   for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
     c->friction.mode_before[g] = c->run->friction_mode[g], c->friction.slip_time_left[g] = 0;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
@@ -51,6 +52,7 @@ static void mg_report_friction_modes(mg_context *c, mg_events *events) {
 }
 
 MG_INTERNAL void mg_report_step_modes(mg_context *c, mg_events *events, mg_real h) {
+  MG_NEEDS_DIGEST(c, MG_VALID_STEP_IMPULSES, mg_step_digest(c, c->run->t, c->run->x, h));
   mg_report_lift_offs(c, events, h);
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (mg_is_on_feature_pair(c, i)) mg_report_contact_mode(c, events, i, h);

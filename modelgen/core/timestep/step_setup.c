@@ -70,6 +70,7 @@ MG_INTERNAL void mg_set_step_geometry(mg_context *c, mg_real h) {
   } else mg_update_poses(c, t, c->step.settled);
   mg_set_spring_impulses(c, h);
   mg_add_joint_accelerations(c);
+  MG_NOTE_DIGEST(c, MG_VALID_STEP_GEOMETRY, mg_step_digest(c, t, c->run->x, h));
 }
 
 /* True for rows of joints, whose turning is taken into account. */

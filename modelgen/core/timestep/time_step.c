@@ -19,6 +19,7 @@ static void mg_keep_step_forces(mg_context *c) {
 /* Divides the impulses of the step by its length. */
 static void mg_impulses_to_forces(mg_context *c, mg_real h) {
   for (int i = mg_next_row(c, -1); i < c->layout.friction_row_end; i = mg_next_row(c, i)) c->solution.force[i] /= h;
+  MG_FORGET(c, MG_VALID_STEP_IMPULSES);
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     c->run->force[i] = c->solution.force[i];
 }

@@ -22,7 +22,20 @@ typedef struct {
   mg_real *direction;    /* [n] */
   mg_real *image;        /* [n] S direction */
   mg_real *per_body;     /* [6 n_body] */
+#ifdef MG_DEBUG
+  mg_digest imaged; /* digest of the direction of which the image is */
+#endif
 } mg_large_qp;
+
+/* In a debug core: notes, and requires, that the image is that of the direction. */
+#ifdef MG_DEBUG
+#define MG_DIRECTION_DIGEST(s) mg_digest_reals(MG_DIGEST_START, (s)->direction, (s)->A->n)
+#define MG_NOTE_IMAGE(s) ((s)->imaged = MG_DIRECTION_DIGEST(s))
+#define MG_NEEDS_IMAGE(s) MG_REQUIRE((s)->imaged == MG_DIRECTION_DIGEST(s))
+#else
+#define MG_NOTE_IMAGE(s) ((void)0)
+#define MG_NEEDS_IMAGE(s) ((void)0)
+#endif
 
 /* image = S x. */
 static void mg_large_product(const mg_large_qp *s, const mg_real *x, mg_real *image) {
@@ -98,6 +111,7 @@ static int mg_is_chopped_gradient_larger(const mg_large_qp *s) {
 
 /* y -= step * direction, and the gradient with it. Needs the image. */
 static void mg_large_move(mg_large_qp *s, mg_real step) {
+  MG_NEEDS_IMAGE(s);
   for (int i = 0; i < s->A->n; i++)
     s->y[i] = mg_max(s->y[i] - step * s->direction[i], (mg_real)0), s->gradient[i] -= step * s->image[i];
 }
@@ -107,6 +121,7 @@ static void mg_large_release(mg_large_qp *s) {
   const int n = s->A->n;
   for (int i = 0; i < n; i++) s->direction[i] = s->y[i] > 0 ? 0 : mg_min(s->gradient[i], (mg_real)0);
   mg_large_product(s, s->direction, s->image);
+  MG_NOTE_IMAGE(s);
   const mg_real bend = mg_large_dot(n, s->direction, s->image);
   mg_large_move(s, bend > 0 ? mg_large_dot(n, s->gradient, s->direction) / bend : s->length);
   mg_large_restart(s);
@@ -117,6 +132,7 @@ static void mg_large_descend(mg_large_qp *s) {
   const int n = s->A->n;
   mg_real longest = MG_MAX;
   mg_large_product(s, s->direction, s->image);
+  MG_NOTE_IMAGE(s);
   const mg_real bend = mg_large_dot(n, s->direction, s->image), slope = mg_large_dot(n, s->gradient, s->direction);
   const mg_real step = bend > 0 ? slope / bend : MG_MAX;
   for (int i = 0; i < n; i++)
