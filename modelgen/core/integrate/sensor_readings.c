@@ -45,6 +45,7 @@ MG_INTERNAL void mg_read_sensors(mg_context *c, mg_real t, const mg_real *eta, c
                                  mg_real *sensors) {
   MG_NEEDS_ANY(c, MG_VALID_POSES);
   const mg_system *s = c->system;
+  MG_NOTE_WITH(c, MG_VALID_SENSORS, MG_VALID_TWISTS);
   if (!c->kernels->n_sensor) return;
   if (c->kernels->sensors_need_forces) {
     mg_sum_pairs(c, eta, force);

@@ -162,6 +162,7 @@ MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int
   const mg_system *system = c->system;
   const long b = system->n_body, rows = mg_sensitivity_rows(system), states = c->layout.n_states;
   const mg_crossing none = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON};
+  MG_FORGET_TANGENTS(s);
   s->crossing = none;
   s->is_time = s->is_at_event = s->is_singular = s->is_lost = 0, s->t_bar = 0, s->doubtful = -1;
   s->follower = (mg_follower){

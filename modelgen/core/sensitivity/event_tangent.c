@@ -133,6 +133,7 @@ MG_INTERNAL void mg_border_adjoint(mg_context *c, mg_sensitivity *s, int contact
 }
 
 MG_INTERNAL void mg_differentiate_event(mg_context *c, mg_sensitivity *s, mg_crossing *crossing, mg_real t) {
+  MG_NEEDS(c, MG_VALID_FORCES, t, c->step.end), MG_NEEDS_WITH(c, MG_VALID_WRENCHES, MG_VALID_FORCES);
   const int n = s->directions->n, states = c->layout.n_states, contact = crossing->contact;
   for (int j = 0; j <= n; j++) {
     s->event_rate[j] = 0;
@@ -158,6 +159,7 @@ MG_INTERNAL void mg_differentiate_event(mg_context *c, mg_sensitivity *s, mg_cro
       s->event_rate[j] = mg_border_tangent(c, s, contact, c->step.end + eta, dx + eta);
   }
   s->is_time = 0;
+  MG_NOTE_EVENT(c, s, crossing->kind, contact, c->step.end);
 }
 
 MG_INTERNAL int mg_has_slope_jump(const mg_context *c, const mg_sensitivity *s, const mg_real *after) {
@@ -224,6 +226,7 @@ MG_INTERNAL mg_real mg_gap_tangent_size(const mg_context *c, const mg_sensitivit
    place in each of them at the same time: other rows hold it, as those of the tooth of a gear before. Needs the times
    of the event. */
 static int mg_is_gap_held_already(mg_context *c, mg_sensitivity *s, int contact) {
+  MG_NEEDS_EVENT(c, s, MG_CROSSES_GAP, contact, s->before);
   const mg_real part = sqrt(c->settings->event_tolerance);
   mg_gather_wrenches(c, s, c->run->t);
   for (int j = 0; j < s->directions->n; j++) {

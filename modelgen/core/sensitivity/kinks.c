@@ -77,6 +77,7 @@ static int mg_is_switch_on_kink(mg_context *c, mg_real t, int which, int when) {
 }
 
 MG_INTERNAL int mg_mark_kinks(mg_context *c, mg_sensitivity *s, mg_real t, int when) {
+  MG_NEEDS_TIME(c, t), MG_NEEDS_WITH(c, MG_VALID_SOLUTION, MG_VALID_TWISTS);
   const mg_system *system = c->system;
   int any = 0, *friction = s->on_kink + system->n_contact, *face = friction + system->n_friction;
   for (int i = 0; i < system->n_contact + system->n_friction + system->n_patch_slot; i++) s->on_kink[i] = 0;
@@ -249,6 +250,7 @@ static int mg_sides_of_switch(mg_context *c, mg_sensitivity *s, int direction, m
 }
 
 MG_INTERNAL int mg_leave_kinks(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x, int when) {
+  MG_NEEDS(c, MG_VALID_FORCES, t, x), MG_NEEDS_WITH(c, MG_VALID_WRENCHES, MG_VALID_FORCES);
   const mg_system *system = c->system;
   const int *friction = s->on_kink + system->n_contact;
   int first = MG_NO_REASON;
@@ -276,6 +278,7 @@ MG_INTERNAL int mg_leave_kinks(mg_context *c, mg_sensitivity *s, int direction, 
 
 MG_INTERNAL int mg_opening_of(mg_context *c, mg_sensitivity *s, int direction, mg_real t, const mg_real *x, int contact,
                               mg_real before) {
+  MG_NEEDS(c, MG_VALID_FORCES, t, x), MG_NEEDS_WITH(c, MG_VALID_WRENCHES, MG_VALID_FORCES);
   mg_rhs_tangent(c, s, direction, t, x, s->tangent->x + (long)direction * c->layout.n_states, s->stage);
   return mg_opening(c, s, direction, contact, x, before);
 }

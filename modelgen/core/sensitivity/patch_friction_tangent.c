@@ -26,6 +26,7 @@ MG_INTERNAL int mg_slot_of_support(const mg_context *c, int contact) {
 
 /* True if a patch slips without spin, but for rounding. Needs the velocities of the rows. */
 static int mg_is_patch_translated(const mg_context *c, int slot) {
+  MG_NEEDS_WITH(c, MG_VALID_SLIP, MG_VALID_TWISTS);
   const mg_real *slip = c->rows.d_dot + mg_first_patch_friction_row(c, slot);
   return fabs(slip[2]) * mg_support_radius(c, slot) <= MG_ROUNDED_TANGENT * sqrt(mg_dot2(slip, slip));
 }
@@ -89,6 +90,7 @@ static void mg_stored_slip_tangent(const mg_context *c, const mg_sensitivity *s,
 }
 
 MG_INTERNAL void mg_patch_slip_tangent(mg_context *c, mg_sensitivity *s, int direction, int slot) {
+  MG_NEEDS_TANGENT(c, s, MG_VALID_ROW_TANGENTS, MG_VALID_TWISTS, direction, mg_first_support(c, slot));
   const int patch = mg_patch_of_slot(c, slot), row = mg_first_patch_friction_row(c, slot),
             support = mg_first_support(c, slot);
   const mg_real mu = c->system->patch_friction[2 * patch + 1],

@@ -51,6 +51,7 @@ MG_INTERNAL int mg_is_turned_by_slip(const mg_context *c, int constraint, const 
 /* Derivative of the force ratios of a slipping constraint, and the wrench of its part that does not depend on the
    derivative of the normal force. Needs the derivatives of its slip. */
 static void mg_slip_ratio_tangent(mg_context *c, mg_sensitivity *s, int direction, int contact, int constraint) {
+  MG_NEEDS_TANGENT(c, s, MG_VALID_ROW_TANGENTS, MG_VALID_TWISTS, direction, contact);
   const int row = mg_first_friction_row(c, contact, constraint), rows = mg_friction_row_count(c, constraint),
             first = row - c->layout.friction_row_begin;
   const mg_real *mu = c->system->friction_kinetic + 2 * constraint, *ratio = c->friction.force_ratio + first,
@@ -98,6 +99,7 @@ static void mg_contact_rows_tangent(mg_context *c, mg_sensitivity *s, int direct
   for (int k = 0; k < c->contacts.n_eta[contact]; k++) slope[eta + k] = y[MG_Y_ETA_DOT + k];
   const int slot = mg_slot_of_support(c, contact), leads = slot >= 0 && contact == mg_first_support(c, slot);
   for (int k = 0; leads && k < 6; k++) s->at.tangents[6 * slot + k] = y[MG_Y_TANGENTS + k];
+  MG_NOTE_TANGENT(c, s, MG_VALID_ROW_TANGENTS, MG_VALID_TWISTS, direction, contact);
   if (!active) return;
   for (int k = 0; k < 6; k++)
     s->at.wrench[6 * c->contacts.o[contact] + k] += y[MG_Y_FIRST + k],
@@ -229,6 +231,7 @@ MG_INTERNAL void mg_rhs_tangent(mg_context *c, mg_sensitivity *s, int direction,
                                 const mg_real *dx, mg_real *slope) {
   MG_NEEDS(c, MG_VALID_FORCES, t, x), MG_NEEDS_WITH(c, MG_VALID_WRENCHES, MG_VALID_FORCES);
   mg_marked_rhs_tangent(c, s, direction, t, x, dx, 0, slope);
+  MG_NOTE_TANGENT(c, s, MG_VALID_TANGENTS, MG_VALID_FORCES, MG_ANY_DIRECTION, MG_NO_ROW);
 }
 
 MG_INTERNAL int mg_find_redundant_forces(mg_context *c, mg_sensitivity *s) {

@@ -103,6 +103,21 @@ typedef struct {
   long steps, passages, fallbacks;
 } mg_followed_step;
 
+#ifdef MG_DEBUG
+/* Parts of the derivatives of which a debug core keeps where and along which direction they are valid. */
+enum {
+  MG_VALID_BODY_TANGENTS,    /* s->at.pose and s->at.twist */
+  MG_VALID_ROW_TANGENTS,     /* s->at.rate, and s->at.tangents of a patch, of the contact differentiated last */
+  MG_VALID_TANGENTS,         /* all of s->at */
+  MG_VALID_SENSED,           /* s->pair and s->joint */
+  MG_VALID_SENSOR_ARGUMENTS, /* s->x and s->x_dot of the sensors */
+  MG_VALID_EVENT_RATES,      /* s->event_rate */
+  MG_VALID_TANGENT_KINDS
+};
+
+enum { MG_ANY_DIRECTION = -1, MG_NO_ROW = -1 };
+#endif
+
 /* Memory of the derivatives of a run. */
 typedef struct {
   const mg_directions *directions;
@@ -149,7 +164,34 @@ typedef struct {
   int is_singular;       /* 1: equations of forces under slip were singular */
   mg_follower follower;  /* of the steps of the run */
   mg_followed_step step;
+#ifdef MG_DEBUG
+  mg_digest valid[MG_VALID_TANGENT_KINDS]; /* digests, 0: not at all */
+#endif
 } mg_sensitivity;
+
+/* In a debug core: notes, and requires, that a part of the derivatives is that with a part of the context
+   (MG_VALID_POSES ..), along a direction, of a row; or of an event at the state x. */
+#ifdef MG_DEBUG
+MG_INTERNAL mg_digest mg_tangent_digest(const mg_context *c, const mg_sensitivity *s, int with, int direction, int row);
+MG_INTERNAL mg_digest mg_event_digest(const mg_context *c, int kind, int contact, const mg_real *x);
+#define MG_NOTE_TANGENT(c, s, what, with, direction, row) \
+  ((s)->valid[what] = mg_tangent_digest(c, s, with, direction, row))
+#define MG_NOTE_EVENT(c, s, kind, contact, x) \
+  ((s)->valid[MG_VALID_EVENT_RATES] = mg_event_digest(c, kind, contact, x))
+#define MG_FORGET_TANGENT(s, what) ((s)->valid[what] = 0)
+#define MG_FORGET_TANGENTS(s) memset((s)->valid, 0, sizeof((s)->valid))
+#define MG_NEEDS_TANGENT(c, s, what, with, direction, row) \
+  MG_REQUIRE((s)->valid[what] == mg_tangent_digest(c, s, with, direction, row))
+#define MG_NEEDS_EVENT(c, s, kind, contact, x) \
+  MG_REQUIRE((s)->valid[MG_VALID_EVENT_RATES] == mg_event_digest(c, kind, contact, x))
+#else
+#define MG_NOTE_TANGENT(c, s, what, with, direction, row) ((void)0)
+#define MG_NOTE_EVENT(c, s, kind, contact, x) ((void)0)
+#define MG_FORGET_TANGENT(s, what) ((void)0)
+#define MG_FORGET_TANGENTS(s) ((void)0)
+#define MG_NEEDS_TANGENT(c, s, what, with, direction, row) ((void)0)
+#define MG_NEEDS_EVENT(c, s, kind, contact, x) ((void)0)
+#endif
 
 /* tangent_kernels.c: results in s->y_dot */
 
@@ -370,7 +412,7 @@ enum { MG_AT_START = 0, MG_AFTER_STEP = 1, MG_AT_SAMPLE = 2 };
 MG_INTERNAL int mg_common_sides(int one, int other);
 
 /* Marks in s->on_kink contacts, friction constraints and faces that are on a kink; returns 0 if there are none, and no
-   load is on one or may jump. Needs the right-hand side at (t, x). */
+   load is on one or may jump. Needs the right-hand side at the state evaluated last, of the time t. */
 MG_INTERNAL int mg_mark_kinks(mg_context *c, mg_sensitivity *s, mg_real t, int when);
 
 /* Why changes along a direction leave marked kinks, or 0; s->sides: those that do not. Needs mg_gather_wrenches. */

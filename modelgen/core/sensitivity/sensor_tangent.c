@@ -22,6 +22,11 @@ static void mg_move_gaps(const mg_context *c, const mg_sensitivity *s, mg_real p
   }
 }
 
+/* Sets the derivatives of the gap and normal force of each pair and of the wrench of each joint to zero. */
+static void mg_sense_no_forces(const mg_context *c, mg_sensitivity *s) {
+  mg_zero_reals(s->pair, 2L * c->system->n_pair), mg_zero_reals(s->joint, 6L * c->system->n_joint);
+}
+
 /* Adds forces on the rows to the normal force of each pair and to the wrench of each joint; NaN where the shares of the
    pairs of one face are not unique, or `moves` with their places. */
 static void mg_add_sensed_forces(mg_context *c, mg_sensitivity *s, const mg_real *force, int moves) {
@@ -49,19 +54,20 @@ static void mg_add_sensed_forces(mg_context *c, mg_sensitivity *s, const mg_real
 /* Derivatives of the gap and normal force of each pair and of the wrench of each joint, along the direction that
    mg_rhs_tangent has treated, in s->pair and s->joint. */
 static void mg_sensed_forces_tangent(mg_context *c, mg_sensitivity *s, int direction) {
+  MG_NEEDS_TANGENT(c, s, MG_VALID_TANGENTS, MG_VALID_FORCES, MG_ANY_DIRECTION, MG_NO_ROW);
   const mg_system *system = c->system;
-  mg_real *pair = s->pair, *joint = s->joint;
-  mg_zero_reals(pair, 2L * system->n_pair), mg_zero_reals(joint, 6L * system->n_joint);
-  mg_move_gaps(c, s, 0, 0, pair);
+  mg_sense_no_forces(c, s);
+  mg_move_gaps(c, s, 0, 0, s->pair);
   for (int j = 0; j < system->n_joint; j++) {
     const int rows = mg_held_joint_rows(c, j), first = c->layout.joint_row_begin + system->joint_row[j];
     mg_real force[MG_ROWS_OF_ONE] = {0};
     if (!rows) continue;
     mg_copy_reals(force, c->solution.force + first, rows);
     mg_joint_tangent(c, s, direction, j, c->run->t, force, 0);
-    for (int k = 0; k < 6; k++) joint[6 * j + k] = s->y_dot[MG_Y_SECOND + k];
+    for (int k = 0; k < 6; k++) s->joint[6 * j + k] = s->y_dot[MG_Y_SECOND + k];
   }
   mg_add_sensed_forces(c, s, s->at.force, s->directions->moves_borders && s->directions->moves_borders[direction]);
+  MG_NOTE_TANGENT(c, s, MG_VALID_SENSED, MG_VALID_FORCES, direction, MG_NO_ROW);
 }
 
 /* A group of the packed arguments of the sensors: so many numbers, and the scale of those that are zero; 0: none. */
@@ -202,6 +208,7 @@ static void mg_keep_sensor_sides(mg_sensitivity *s, int sensor, int sides, int r
 
 /* Finds the sensors that are on a kink. Needs their packed arguments and the derivatives of these. */
 static void mg_find_kinks_of_sensors(const mg_context *c, mg_sensitivity *s) {
+  MG_NEEDS_TANGENT(c, s, MG_VALID_SENSOR_ARGUMENTS, MG_VALID_FORCES, MG_ANY_DIRECTION, MG_NO_ROW);
   const int n = c->kernels->n_sensor;
   mg_real largest, *slope = s->shown + 5L * n;
   const mg_real most = mg_packed_change(c, s, &largest), longest = MG_PROBE_PART / most;
@@ -223,7 +230,8 @@ static void mg_find_sides_of_force_sensors(mg_context *c, mg_sensitivity *s, int
   const int n = c->kernels->n_sensor;
   mg_real *with = s->shown;
   for (int k = 0; k < n; k++) with[k] = s->y_dot[k];
-  mg_zero_reals(s->pair, 2L * c->system->n_pair), mg_zero_reals(s->joint, 6L * c->system->n_joint);
+  mg_sense_no_forces(c, s);
+  MG_NOTE_TANGENT(c, s, MG_VALID_SENSED, MG_VALID_FORCES, direction, MG_NO_ROW);
   mg_zero_reals(s->at.acceleration, 6L * c->system->n_body);
   mg_sensors_tangent(c, s, direction, c->run->t);
   for (int k = 0; k < n; k++) {
@@ -233,6 +241,8 @@ static void mg_find_sides_of_force_sensors(mg_context *c, mg_sensitivity *s, int
 }
 
 MG_INTERNAL void mg_find_sensors_tangent(mg_context *c, mg_sensitivity *s, int direction) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_FORCES), MG_NEEDS_WITH(c, MG_VALID_WRENCHES, MG_VALID_FORCES);
+  MG_NEEDS_WITH(c, MG_VALID_SENSORS, MG_VALID_TWISTS);
   const mg_real t = c->run->t, *x = c->run->x, *dx = s->tangent->x + (long)direction * c->layout.n_states;
   const int reason = mg_mark_kinks(c, s, t, MG_AT_SAMPLE) ? mg_leave_kinks(c, s, direction, t, x, MG_AT_SAMPLE) : 0,
             sides = s->sides;
@@ -250,7 +260,8 @@ MG_INTERNAL void mg_find_sensors_tangent(mg_context *c, mg_sensitivity *s, int d
 /* What sensors show of forces on the rows, beside what they show of none. */
 static void mg_show_forces(mg_context *c, mg_sensitivity *s, const mg_real *force, mg_real *shown) {
   const int n = c->kernels->n_sensor;
-  mg_zero_reals(s->pair, 2L * c->system->n_pair), mg_zero_reals(s->joint, 6L * c->system->n_joint);
+  mg_sense_no_forces(c, s);
+  MG_NOTE_TANGENT(c, s, MG_VALID_SENSED, MG_VALID_FORCES, 0, MG_NO_ROW);
   mg_sensors_tangent(c, s, 0, c->run->t);
   for (int k = 0; k < n; k++) shown[k] = -s->y_dot[k];
   mg_add_sensed_forces(c, s, force, 0);

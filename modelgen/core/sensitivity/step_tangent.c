@@ -161,6 +161,8 @@ static int mg_mark_beginning_slip(mg_context *c, mg_sensitivity *s) {
    that the step does not have. Needs the derivatives of that direction at the end of the step;
    `least`: of rates that are not rounding. */
 static int mg_turns_slip_onset(const mg_context *c, mg_sensitivity *s, mg_real least) {
+  MG_NEEDS_AT(c, MG_VALID_FORCES, c->step.end), MG_NEEDS_WITH(c, MG_VALID_SLIP, MG_VALID_TWISTS);
+  MG_NEEDS_TANGENT(c, s, MG_VALID_TANGENTS, MG_VALID_FORCES, MG_ANY_DIRECTION, MG_NO_ROW);
   for (int i = mg_next_row(c, -1); c->system->n_friction && i < c->layout.support_begin; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
       const int row = mg_first_friction_row(c, i, g);

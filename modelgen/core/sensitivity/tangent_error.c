@@ -2,6 +2,7 @@
    right-hand side that jump within the step, as at the kink of a load or at a knot of a surface: the run then takes
    shorter steps over such an instant. Reads the derivatives of the stages and of the end. */
 #include "sensitivity/sensitivity.h"
+#include "base/base.h"
 #include "model/model.h"
 #include "forces/forces.h"
 #include "integrate/integrate.h"
@@ -15,11 +16,13 @@ static mg_real mg_tangent_size(const mg_context *c, const mg_real *dx) {
 
 #define MG_HARDLY_FALLING_PART ((mg_real)0.125) /* up to it, the direction of slip has smooth derivatives in a step */
 
-/* True if slip in a plane falls by more than that part in the step that is tried, or is reversed. Needs the last stage.
- */
+/* True if slip in a plane falls by more than that part in the step that is tried, or is reversed. Needs the rows
+   at the last stage if anything has slipped at the start. */
 static int mg_may_lose_slip(mg_context *c, const mg_sensitivity *s) {
   mg_real slip[2];
   if (!c->system->n_friction) return 0;
+  MG_REQUIRE(!(mg_max_abs(c->system->n_friction + c->system->n_patch_slot, s->slip) > 0) ||
+             c->valid.of[MG_VALID_ROWS] == mg_state_digest(c, MG_VALID_ROWS, c->valid.t, c->step.stage));
   mg_update_gap_rates(c);
   for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)

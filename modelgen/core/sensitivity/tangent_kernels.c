@@ -6,6 +6,19 @@
 #include "base/base.h"
 #include "model/model.h"
 
+#ifdef MG_DEBUG
+MG_INTERNAL mg_digest mg_tangent_digest(const mg_context *c, const mg_sensitivity *s, int with, int direction,
+                                        int row) {
+  const int along[3] = {direction, direction != MG_ANY_DIRECTION && s->is_time, row};
+  return mg_digest_ints(c->valid.of[with], along, 3) | 1;
+}
+
+MG_INTERNAL mg_digest mg_event_digest(const mg_context *c, int kind, int contact, const mg_real *x) {
+  const int event[2] = {kind, contact};
+  return mg_digest_reals(mg_digest_ints(MG_DIGEST_START, event, 2), x, c->system->n_q + c->system->n_u) | 1;
+}
+#endif
+
 MG_INTERNAL mg_real *mg_pack(mg_real *to, int n, const mg_real *from) {
   if (from) memcpy(to, from, (size_t)n * sizeof(mg_real));
   else mg_zero_reals(to, n);
@@ -99,6 +112,7 @@ static void mg_add_products(int n, const mg_real *a, const mg_real *b, mg_real *
 
 MG_INTERNAL mg_real mg_switch_tangent(mg_context *c, const mg_sensitivity *s, int direction, mg_real t, int which,
                                       mg_real *terms) {
+  MG_NEEDS_TANGENT(c, s, MG_VALID_BODY_TANGENTS, MG_VALID_TWISTS, direction, MG_NO_ROW);
   const mg_system *system = c->system;
   const int load = mg_load_of_switch(system, which), n = c->kernels->load_kinds[system->load_kind[load]].n_parameters,
             bodies[2] = {system->load_a[load], system->load_b[load]};
@@ -120,6 +134,7 @@ MG_INTERNAL mg_real mg_switch_tangent(mg_context *c, const mg_sensitivity *s, in
 }
 
 static void mg_call_tangent(const mg_context *c, mg_sensitivity *s, int task, int kind) {
+  MG_FORGET_TANGENT(s, MG_VALID_SENSOR_ARGUMENTS);
   c->kernels->derivatives->tangent(task, kind, s->weights, s->x, s->x_dot, s->y_dot);
 }
 
@@ -233,6 +248,7 @@ static void mg_path_tangent(const mg_context *c, mg_sensitivity *s, int directio
 MG_INTERNAL void mg_place_bodies_tangent(const mg_context *c, mg_sensitivity *s, int direction, mg_real t,
                                          const mg_real *x, const mg_real *dx) {
   const mg_system *system = c->system;
+  MG_FORGET_TANGENT(s, MG_VALID_TANGENTS);
   mg_zero_reals(s->at.pose, 24L * system->n_body);
   for (int b = 0; b < system->n_body; b++) {
     const int motion = c->bodies.motion[b], kind = mg_body_kind_of(c, b), n_u = c->kernels->body_kinds[kind].n_u;
@@ -245,6 +261,7 @@ MG_INTERNAL void mg_place_bodies_tangent(const mg_context *c, mg_sensitivity *s,
     if (motion == MG_FREE)
       c->kernels->derivatives->tangent(MG_TASK_POSE, kind, s->weights, x + system->body_q[b], dq, s->at.pose + 12 * b);
   }
+  MG_NOTE_TANGENT(c, s, MG_VALID_BODY_TANGENTS, MG_VALID_TWISTS, direction, MG_NO_ROW);
 }
 
 MG_INTERNAL void mg_scene_tangent(const mg_context *c, mg_sensitivity *s, int direction, const mg_real *x,
@@ -260,6 +277,7 @@ MG_INTERNAL void mg_scene_tangent(const mg_context *c, mg_sensitivity *s, int di
 }
 
 MG_INTERNAL void mg_sensors_tangent(const mg_context *c, mg_sensitivity *s, int direction, mg_real t) {
+  MG_NEEDS_TANGENT(c, s, MG_VALID_SENSED, MG_VALID_FORCES, direction, MG_NO_ROW);
   const mg_system *system = c->system;
   const int bodies = system->n_body, n = system->n_parameters - system->sensor_parameters,
             of_forces = c->kernels->sensors_need_forces; /* else these are not read */
@@ -279,4 +297,5 @@ MG_INTERNAL void mg_sensors_tangent(const mg_context *c, mg_sensitivity *s, int 
   mg_pack(x, 3 * system->n_input, c->run->applied_input);
   mg_pack(x_dot, 3 * system->n_input, mg_inputs_dot(c, s, direction));
   mg_call_tangent(c, s, MG_TASK_SENSORS, 0);
+  MG_NOTE_TANGENT(c, s, MG_VALID_SENSOR_ARGUMENTS, MG_VALID_FORCES, MG_ANY_DIRECTION, MG_NO_ROW);
 }
