@@ -65,8 +65,10 @@ MG_INTERNAL int mg_is_at_end_of_line(mg_context *c, int contact, int line) {
   MG_NEEDS_PLACED(c, contact);
   if (line < 0 || mg_is_time_stepping(c) || !mg_ends_line(c, feature_pair, line)) return 0;
   for (int k = 0; k < 14; k++) at[k] = c->search.placement[k];
+  MG_KEEP_PLACEMENT(c);
   const mg_real worst = mg_transfer_to_feature_pair(c, feature_pair, line, at, eta, &which);
   for (int k = 0; k < 14; k++) c->search.placement[k] = at[k];
+  MG_RESTORE_PLACEMENT(c);
   return worst < -c->settings->feature_border;
 }
 

@@ -43,7 +43,7 @@ MG_INTERNAL int mg_place_all_contacts(mg_context *c, mg_real t, mg_real *x) {
       if (c->settings->newton) eta[k] = next[k];
     }
   }
-  MG_NOTE(c, MG_VALID_GAPS, t, x);
+  MG_NOTE_WITH(c, MG_VALID_GAPS, MG_VALID_POSES);
   return 1;
 }
 

@@ -117,7 +117,7 @@ MG_INTERNAL void mg_update_contact_rows(mg_context *c, const mg_real *x) {
     if (below) mg_scatter_contact_rows(c, i);
     if (!c->settings->use_gamma) c->rows.gamma[i] = 0;
   }
-  MG_NOTE(c, MG_VALID_ROWS, c->valid.t, x), MG_NOTE(c, MG_VALID_GAPS, c->valid.t, x);
+  MG_NOTE(c, MG_VALID_ROWS, c->valid.t, x), MG_NOTE_WITH(c, MG_VALID_GAPS, MG_VALID_POSES);
 }
 
 MG_INTERNAL mg_real mg_row_times(const mg_context *c, int contact, const mg_real *per_body) {

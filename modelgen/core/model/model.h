@@ -69,6 +69,10 @@ MG_INTERNAL void mg_require_tables(const mg_system *s);
   (MG_NOTE_DIGEST(c, MG_VALID_PLACEMENT, MG_PLACEMENT_OF(c, contact, eta)), \
    MG_NOTE_DIGEST(c, MG_VALID_PLACED, MG_PLACEMENT_OF(c, contact, 0)))
 #define MG_FORGET(c, what) ((c)->valid.of[what] = 0)
+#define MG_KEEP_PLACEMENT(c) const mg_validity kept_placement = (c)->valid
+#define MG_RESTORE_PLACEMENT(c)                                                \
+  ((c)->valid.of[MG_VALID_PLACEMENT] = kept_placement.of[MG_VALID_PLACEMENT], \
+   (c)->valid.of[MG_VALID_PLACED] = kept_placement.of[MG_VALID_PLACED])
 #define MG_NEEDS(c, what, time, x) MG_REQUIRE((c)->valid.of[what] == mg_state_digest(c, what, time, x))
 #define MG_NEEDS_AT(c, what, x) MG_NEEDS(c, what, (c)->valid.t, x)
 #define MG_NEEDS_AT_RUN(c, what) MG_NEEDS(c, what, (c)->run->t, (c)->run->x)
@@ -88,6 +92,8 @@ MG_INTERNAL void mg_require_tables(const mg_system *s);
 #define MG_NOTE_DIGEST(c, what, digest) ((void)0)
 #define MG_NOTE_PLACEMENT(c, contact, eta) ((void)0)
 #define MG_FORGET(c, what) ((void)0)
+#define MG_KEEP_PLACEMENT(c) ((void)0)
+#define MG_RESTORE_PLACEMENT(c) ((void)0)
 #define MG_NEEDS(c, what, time, x) ((void)0)
 #define MG_NEEDS_AT(c, what, x) ((void)0)
 #define MG_NEEDS_AT_RUN(c, what) ((void)0)

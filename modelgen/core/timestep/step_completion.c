@@ -165,7 +165,7 @@ MG_INTERNAL void mg_converge_all_contacts(mg_context *c, mg_events *events) {
     if (is_converged && !mg_is_contact_at_fold(c, i)) mg_mark_feature_exit(c, i);
     else mg_release_contact(c, events, i);
   }
-  MG_NOTE(c, MG_VALID_GAPS, c->run->t, c->run->x);
+  MG_NOTE_WITH(c, MG_VALID_GAPS, MG_VALID_POSES);
 }
 
 /* Largest penetration or joint error. */

@@ -69,7 +69,7 @@ MG_INTERNAL void mg_set_step_geometry(mg_context *c, mg_real h) {
     mg_update_rows_at(c, t + ahead, c->step.settled);
   } else {
     mg_update_poses(c, t, c->step.settled);
-    MG_NOTE_WITH(c, MG_VALID_GAPS, MG_VALID_POSES); /* the same positions, but for the rounding of quaternions */
+    MG_NOTE_WITH(c, MG_VALID_GAPS, MG_VALID_POSES); /* those at run->x, but for the rounding of quaternions */
   }
   mg_set_spring_impulses(c, h);
   mg_add_joint_accelerations(c);
