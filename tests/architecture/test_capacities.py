@@ -37,7 +37,8 @@ SUFFICIENT = {  # by the method: orders, stages, blocks, rows of one kind, bound
         "MG_SLIP_UNKNOWNS",
         "MG_SURFACE_BOUNDS",
     ),
-    *("MG_SWITCH_COLUMNS", "MG_TIME_PARTS", "MG_UNKNOWNS", "MG_VALID_KINDS"),
+    *("MG_SWITCH_COLUMNS", "MG_TIME_PARTS", "MG_UNKNOWNS"),
+    *("MG_VALID_KINDS", "MG_VALID_TANGENT_KINDS"),
 }
 LENGTH = re.compile(
     r"^\s*(?:static |const )*(?:mg_\w+|int|long|unsigned)\b[^;\n(]*?\w+\[[^\]]*?(MG_[A-Z_]+)[^\]]*\]",

@@ -18,7 +18,7 @@ from tests.sensitivity.families import FAMILIES, member
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 FOUND = tuple(sorted((HERE / "scenes").glob("*.toml")))
-QUICK = ("lim3", "limit_oob", "light_rim", "stool_on_floor", "hinge_pi")
+QUICK = ("lim3", "limit_oob", "light_rim", "stool_on_floor", "hinge_pi", "end_of_line", "stepping")
 
 WRONG_TABLE = """
 from pathlib import Path
