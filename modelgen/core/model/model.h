@@ -65,12 +65,12 @@ MG_INTERNAL void mg_require_tables(const mg_system *s);
 #define MG_NOTE_DIGEST(c, what, digest) ((c)->valid.of[what] = (digest))
 #define MG_PLACEMENT_OF(c, contact, eta) \
   mg_placement_digest(c, (c)->contacts.kind[contact], (c)->contacts.o[contact], (c)->contacts.f[contact], eta)
-#define MG_NOTE_PLACEMENT(c, contact, eta)                                \
+#define MG_NOTE_PLACEMENT(c, contact, eta)                                  \
   (MG_NOTE_DIGEST(c, MG_VALID_PLACEMENT, MG_PLACEMENT_OF(c, contact, eta)), \
    MG_NOTE_DIGEST(c, MG_VALID_PLACED, MG_PLACEMENT_OF(c, contact, 0)))
 #define MG_FORGET(c, what) ((c)->valid.of[what] = 0)
 #define MG_KEEP_PLACEMENT(c) const mg_validity kept_placement = (c)->valid
-#define MG_RESTORE_PLACEMENT(c)                                                \
+#define MG_RESTORE_PLACEMENT(c)                                               \
   ((c)->valid.of[MG_VALID_PLACEMENT] = kept_placement.of[MG_VALID_PLACEMENT], \
    (c)->valid.of[MG_VALID_PLACED] = kept_placement.of[MG_VALID_PLACED])
 #define MG_NEEDS(c, what, time, x) MG_REQUIRE((c)->valid.of[what] == mg_state_digest(c, what, time, x))

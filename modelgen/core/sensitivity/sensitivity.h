@@ -176,8 +176,7 @@ MG_INTERNAL mg_digest mg_tangent_digest(const mg_context *c, const mg_sensitivit
 MG_INTERNAL mg_digest mg_event_digest(const mg_context *c, int kind, int contact, const mg_real *x);
 #define MG_NOTE_TANGENT(c, s, what, with, direction, row) \
   ((s)->valid[what] = mg_tangent_digest(c, s, with, direction, row))
-#define MG_NOTE_EVENT(c, s, kind, contact, x) \
-  ((s)->valid[MG_VALID_EVENT_RATES] = mg_event_digest(c, kind, contact, x))
+#define MG_NOTE_EVENT(c, s, kind, contact, x) ((s)->valid[MG_VALID_EVENT_RATES] = mg_event_digest(c, kind, contact, x))
 #define MG_FORGET_TANGENT(s, what) ((s)->valid[what] = 0)
 #define MG_FORGET_TANGENTS(s) memset((s)->valid, 0, sizeof((s)->valid))
 #define MG_NEEDS_TANGENT(c, s, what, with, direction, row) \
