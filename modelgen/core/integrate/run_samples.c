@@ -145,6 +145,6 @@ MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h, in
 }
 
 MG_INTERNAL void mg_record_now(mg_context *c, mg_record *record) {
-  MG_NEEDS_AT_RUN(c, MG_VALID_ROWS);
+  MG_REQUIRE(!mg_is_sample_due(record, c->run->t) || MG_IS_AT(c, MG_VALID_ROWS, c->valid.t, c->run->x));
   while (mg_is_sample_due(record, c->run->t)) mg_record_sample(c, record, c->run->x);
 }

@@ -73,7 +73,8 @@ MG_INTERNAL void mg_require_tables(const mg_system *s);
 #define MG_RESTORE_PLACEMENT(c)                                               \
   ((c)->valid.of[MG_VALID_PLACEMENT] = kept_placement.of[MG_VALID_PLACEMENT], \
    (c)->valid.of[MG_VALID_PLACED] = kept_placement.of[MG_VALID_PLACED])
-#define MG_NEEDS(c, what, time, x) MG_REQUIRE((c)->valid.of[what] == mg_state_digest(c, what, time, x))
+#define MG_IS_AT(c, what, time, x) ((c)->valid.of[what] == mg_state_digest(c, what, time, x))
+#define MG_NEEDS(c, what, time, x) MG_REQUIRE(MG_IS_AT(c, what, time, x))
 #define MG_NEEDS_AT(c, what, x) MG_NEEDS(c, what, (c)->valid.t, x)
 #define MG_NEEDS_AT_RUN(c, what) MG_NEEDS(c, what, (c)->run->t, (c)->run->x)
 #define MG_NEEDS_WITH(c, what, other) MG_REQUIRE((c)->valid.of[what] == (c)->valid.of[other])

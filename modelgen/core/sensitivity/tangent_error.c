@@ -22,7 +22,7 @@ static int mg_may_lose_slip(mg_context *c, const mg_sensitivity *s) {
   mg_real slip[2];
   if (!c->system->n_friction) return 0;
   MG_REQUIRE(!(mg_max_abs(c->system->n_friction + c->system->n_patch_slot, s->slip) > 0) ||
-             c->valid.of[MG_VALID_ROWS] == mg_state_digest(c, MG_VALID_ROWS, c->valid.t, c->step.stage));
+             MG_IS_AT(c, MG_VALID_ROWS, c->valid.t, c->step.stage));
   mg_update_gap_rates(c);
   for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
