@@ -208,9 +208,13 @@ def _check_restriction(pair: ContactPair, sides: list[tuple[Feature, ...]], wher
 
 
 def _ended(sides: list[tuple[Feature, ...]]) -> list[tuple[Feature, ...]]:
-    """The features that can touch: a straight wire touches a plane with its ends, other surfaces with itself
-    too; and a point within a straight shape without ends, which is parallel to the flat faces that it
-    touches: nothing touches that point, but its feature pairs tell the core where the faces are."""
+    """The features that can touch.
+
+    A torus or a closed wire touches a bounded flat face with itself, and with points of it while it lies
+    flat; on a whole plane it then ends the run. A straight wire touches a plane with its ends, other surfaces
+    with itself too. A point within a straight shape without ends, which is parallel to the flat faces that
+    it touches, is touched by nothing, but its feature pairs tell the core where the faces are.
+    """
     return [_with_ends(mine, other) for mine, other in (sides, sides[::-1])]
 
 
@@ -219,6 +223,10 @@ def _with_ends(mine: tuple[Feature, ...], other: tuple[Feature, ...]) -> tuple[F
     is_solid = not wire.name and wire.shape.kind in ENDLESS and not wire.shape.cavity
     if is_solid and any(each.shape.kind == "plane" for each in other):
         return *mine, INNER_POINT
+    ring = replace(wire, name=wire.shape.kind)
+    has_face = any(each.shape.kind == "plane" and each.name for each in other)
+    if not wire.name and not wire.shape.cavity and has_face and lies_flat(ring):
+        return ring, *support_points_of(ring), *mine[1:]
     if len(mine) > 1 or wire.shape.kind not in ENDED or all(each.dimension < 2 for each in other):
         return mine
     half, axis = wire.shape.parameters[0][1] / 2, np.array(ENDED[wire.shape.kind])

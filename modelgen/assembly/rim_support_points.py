@@ -4,7 +4,7 @@ hold it."""
 from __future__ import annotations
 
 from dataclasses import replace
-from math import pi
+from math import cos, pi, sin
 from typing import Any
 
 import numpy as np
@@ -48,13 +48,13 @@ def rim_of(name: str) -> str:
 
 def lies_flat(feature: Feature) -> bool:
     """Whether the feature is replaced by support points where it lies flat on a plane: a rim, or the ring of
-    a half torus."""
+    a torus."""
     return is_rim(feature) or (bool(feature.name) and feature.shape.kind == "torus")
 
 
 def support_points_of(feature: Feature) -> tuple[Feature, ...]:
-    """Support points: three of a rim, a third of a turn apart; of both crests of a half torus, the ends and
-    the middle.
+    """Support points: three of a rim, or of each crest of a torus, a third of a turn apart; of a half torus
+    the ends and the middle.
 
     They are there while it is flat on a plane. None of other features.
     """
@@ -64,7 +64,7 @@ def support_points_of(feature: Feature) -> tuple[Feature, ...]:
         side = _outward_side(feature)
         places = [(at, side) for at in _on_rim(feature.shape)]
     else:
-        places = [(at, float(np.sign(at[2]))) for at in _on_crests(feature.shape)]
+        places = [(at, float(np.sign(at[2]))) for at in _on_crests(feature)]
     axis = rotation_of(feature.shape.pose.quaternion)[:, 2]
     return tuple(
         Feature(f"{feature.name}.{k}", 0, _point(feature.shape, at), (_flat(axis, side),))
@@ -91,10 +91,13 @@ def _on_rim(rim: Shape) -> list[Array]:
     return [point_of(rim, low + (high - low) * k / SUPPORT_POINTS) for k in range(SUPPORT_POINTS)]
 
 
-def _on_crests(torus: Shape) -> list[Array]:
-    (_, major), (_, minor) = torus.parameters
+def _on_crests(ring: Feature) -> list[Array]:
+    """A third of a turn apart; of a half ring the ends and the middle."""
+    (_, major), (_, minor) = ring.shape.parameters
+    part = pi / 2 if ring.conditions else 2 * pi / SUPPORT_POINTS
+    angles = [part * k for k in range(SUPPORT_POINTS)]
     return [
-        np.array([major * x, major * abs(1 - abs(x)), z]) for z in (minor, -minor) for x in (1.0, 0.0, -1.0)
+        np.array([major * cos(angle), major * sin(angle), z]) for z in (minor, -minor) for angle in angles
     ]
 
 
