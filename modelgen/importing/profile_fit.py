@@ -212,6 +212,8 @@ def _refined(x: Array, closed: bool, tolerance: float, noise: float, source: str
             u = _projected(x, u, spline, knots, closed)
             spline = _least_squares(x, u, knots, closed, source)
         at, nodes = _nodes(x, u, knots, spline, as_measured, closed)
+        if not np.diff(_chords(nodes)).all():
+            raise _uneven(source)
         off = _across(x, u, at, nodes, closed)
         split = _to_halve(off, u, knots, tolerance, noise) & ~as_measured
         if not split.any():
@@ -250,7 +252,11 @@ def _least_squares(x: Array, u: Array, knots: Array, closed: bool, source: str) 
         spline = make_lsq_spline(values, points, t, k=3)
         if np.isfinite(spline.c).all():
             return spline
-    raise ModelgenError(
+    raise _uneven(source)
+
+
+def _uneven(source: str) -> ModelgenError:
+    return ModelgenError(
         source, "points that are too unevenly apart for a spline", "points follow each other closely",
         "mend those that lie far off, or measure it more densely",
     )  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -137,6 +138,25 @@ CORNER = np.concatenate([np.linspace([0, 0], [1, 0], 300), np.linspace([1, 0.003
 def test_what_is_no_smooth_profile_is_refused(points: Array, told: str) -> None:
     with pytest.raises(ModelgenError, match=told):
         fit_profile(points)
+
+
+def damaged_arc(seed: int) -> Array:
+    """Points of an arc of which one to three have a coordinate anywhere."""
+    random = np.random.default_rng(seed)
+    count = int(random.integers(80, 300))
+    angles = np.linspace(0, random.uniform(1, 3), count)
+    points = random.uniform(0.01, 1) * np.column_stack([np.cos(angles), np.sin(angles)])
+    for _ in range(int(random.integers(1, 4))):
+        points[random.integers(count), random.integers(2)] *= 10.0 ** random.uniform(-20, 9)
+    return points
+
+
+@pytest.mark.parametrize("seed", [*range(12), 144, 520, 944])
+def test_points_with_some_anywhere_are_fitted_or_refused(seed: int) -> None:
+    points = damaged_arc(seed)
+    with suppress(ModelgenError):
+        found = fit_profile(points, closed=bool(seed % 2))
+        assert np.isfinite(found.nodes).all()
 
 
 @pytest.mark.parametrize(
