@@ -184,7 +184,15 @@ MG_API long mg_large_qp_work_size(int n, int n_body) { return 6L * n + 6L * n_bo
 MG_API int mg_large_qp_solve(const mg_row_matrix *A, const mg_real *b, int max_iterations, mg_real *z,
                              mg_lcp_report *report, mg_real *work) {
   const int n = A->n;
-  mg_large_qp s = {A, 0, 1, work, work + n, work + 2 * n, work + 3 * n, work + 4 * n, work + 5 * n, work + 6 * n};
+  mg_large_qp s = {.A = A,
+                   .length = 1,
+                   .d = work,
+                   .c = work + n,
+                   .y = work + 2 * n,
+                   .gradient = work + 3 * n,
+                   .direction = work + 4 * n,
+                   .image = work + 5 * n,
+                   .per_body = work + 6 * n};
   mg_large_diagonal(&s);
   for (int i = 0; i < n; i++) s.c[i] = b[i] / s.d[i];
   s.scale = mg_max_abs(n, s.c), report->iterations = report->rank = 0, report->residual = MG_MAX;
