@@ -32,7 +32,7 @@ def main() -> None:
         _leave_interrupted()
     except SystemExit as end:
         hear_no_more()
-        if end.code == INTERRUPTED:
+        if end.code == INTERRUPTED or (was_heard() and end.code == 1):  # 1: heard by the parser of commands
             _leave_interrupted()
         raise
 

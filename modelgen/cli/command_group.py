@@ -8,7 +8,7 @@ from importlib import import_module
 from typing import Any
 
 import click
-from click.exceptions import NoSuchCommand
+from click.exceptions import Exit, NoSuchCommand
 
 from modelgen import __version__
 from modelgen.cli import INTERRUPTED
@@ -59,17 +59,22 @@ class Commands(click.Group):
             raise NoSuchCommand(error.command_name, possibilities=MODULES, ctx=ctx) from None
 
     def make_context(self, *args: Any, **keys: Any) -> click.Context:
-        with _shortened_errors():
+        with _told_when_interrupted(), _shortened_errors():
             return super().make_context(*args, **keys)
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Ctrl-C ends a command without a traceback, also while its modules are imported."""
-        try:
-            with _shortened_errors():
-                return super().invoke(ctx)
-        except KeyboardInterrupt:
-            click.echo("interrupted", err=True)
-            ctx.exit(INTERRUPTED)
+        with _told_when_interrupted(), _shortened_errors():
+            return super().invoke(ctx)
+
+
+@contextmanager
+def _told_when_interrupted() -> Iterator[None]:
+    """Ctrl-C ends a command without a traceback, also while its modules are imported."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        click.echo("interrupted", err=True)
+        raise Exit(INTERRUPTED) from None
 
 
 @contextmanager

@@ -217,3 +217,29 @@ def test_the_next_temporary_folder_takes_the_place_of_those_of_dead_processes(
     with scratch_folder() as first, scratch_folder() as second:
         assert {path.name for path in tmp_path.iterdir()} == {first.name, second.name}
     assert not list(tmp_path.iterdir())
+
+
+PARSED_AND_INTERRUPTED = """
+import os, signal, sys
+from modelgen import cli
+from modelgen.cli import command_group
+from modelgen.cli.command_group import Commands
+def interrupted(*args, **keys):
+    os.kill(os.getpid(), signal.{signal})
+    return found(*args, **keys)
+found = getattr({owner}, "{name}")
+setattr({owner}, "{name}", interrupted)
+sys.argv = ["modelgen", "schema"]
+cli.main()
+"""
+
+
+@pytest.mark.parametrize("number", ["SIGINT", "SIGTERM"])
+@pytest.mark.parametrize(
+    "place", ["Commands.parse_args", "Commands.resolve_command", "command_group.command_of"]
+)
+def test_a_signal_while_words_are_parsed_ends_the_command(place: str, number: str) -> None:
+    owner, name = place.split(".")
+    code = PARSED_AND_INTERRUPTED.format(signal=number, owner=owner, name=name)
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stdout, ended.stderr) == (130, "", "interrupted\n")
