@@ -16,8 +16,10 @@ from modelgen.assembly.rim_support_points import SUPPORT_POINTS
 from modelgen.geometry.face_regions import in_one_plane, to_axes
 from modelgen.geometry.shape_features import is_convex
 from modelgen.model import FaceEntry, PatchEntry, ShareEntry
-from modelgen.scene.pose_arithmetic import compose, to_outer
+from modelgen.scene.pose_arithmetic import compose, to_inner, to_outer
 from modelgen.scene.scene_types import ContactPair, Pose, Vector
+
+Array = np.ndarray[Any, np.dtype[np.float64]]
 
 SLOTS = 3  # patches that a pair may rest on at a time where one of its shapes is not convex
 FIXED = -1  # in place of a body: all that are fixed
@@ -40,7 +42,7 @@ class Unions:
 
     def __init__(self, faces: Sequence[FaceEntry], grounds: Sequence[Pose | None]) -> None:
         """Of faces as single shapes have them; `grounds`: where each body stands if it is fixed."""
-        self.given = faces
+        self.given, self._grounds = faces, grounds
         self._placed = [_on_ground(face, grounds[face.body]) for face in faces]
         self.faces: list[FaceEntry] = []
         self._known: dict[tuple[int, ...], int] = {}
@@ -130,9 +132,17 @@ class Unions:
             loops += 1 + _loops(face)
         return replace(first, name=_listed(self.given[k].name for k in members), boundary=tuple(boundary))
 
+    def _seen_from(self, own: Pose | None, patch: PatchEntry) -> Array:
+        """The support points (3, 3) of a patch, given in the axes of its f, in those of another fixed body;
+        `own`: where that stands, None where it is the same body."""
+        points = np.array([numbers[-3:] for numbers in patch.parameters])
+        ground = self._grounds[self.given[patch.faces[1]].body]
+        return points if own is None or ground is None else to_inner(own, to_outer(ground, points))
+
     def _support_points(self, group: Sequence[PatchEntry], face: int) -> list[Vector]:
         """Points on a circle round those of all members, in the axes of f about its centre of mass."""
-        points = np.array([[numbers[-3:] for numbers in patch.parameters] for patch in group])
+        own = self._grounds[self.given[face].body]
+        points = np.array([self._seen_from(own, patch) for patch in group])
         centres = points.mean(axis=1)
         centre = (centres.min(axis=0) + centres.max(axis=0)) / 2
         radius = float(np.linalg.norm(points - centre, axis=2).max())
