@@ -339,4 +339,5 @@ class Model:
     initial_q: tuple[float, ...]
     initial_u: tuple[float, ...]
     left_out: tuple[str, ...] = ()  # what pruning removed, in words
+    joined: tuple[str, ...] = ()  # features of shapes that are fixed together and nothing touches, in words
     warnings: tuple[str, ...] = ()  # what is remarkable about the shapes, in words

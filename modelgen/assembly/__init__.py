@@ -21,6 +21,7 @@ from modelgen.assembly.faces_across_shapes import Shown, Unions
 from modelgen.assembly.feature_pairs import Whole
 from modelgen.assembly.friction_constraints import friction_constraints_of
 from modelgen.assembly.inputs_of_expressions import inputs_of_expressions
+from modelgen.assembly.joined_solids import JoinedSolids
 from modelgen.assembly.joints import Joined, joined
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.loads import bodies_of, load_kind, load_parameters
@@ -54,7 +55,7 @@ from modelgen.model import (
     ShapeKind,
 )
 from modelgen.rotations import rotation_of
-from modelgen.scene.scene_types import Body, ContactPair, Scene, Vector
+from modelgen.scene.scene_types import Body, ContactPair, Feature, Scene, Vector
 
 Q_SIZE = {"fixed": 0, "driven": 0, "point": 3, "free": 7}
 U_SIZE = {"fixed": 0, "driven": 0, "point": 3, "free": 6}
@@ -90,6 +91,7 @@ class Touching:
     shape_kinds: tuple[ShapeKind, ...]
     contact_kinds: tuple[ContactKind, ...]
     warnings: tuple[str, ...]  # on the shapes
+    joined: tuple[str, ...]  # features that nothing touches, in words
 
     @property
     def n_eta(self) -> int:
@@ -153,6 +155,7 @@ def _model(
         scales=scales,
         initial_q=tuple(value for piece in pieces for value in _initial_q(piece)),
         initial_u=tuple(value for piece in pieces for value in _initial_u(piece)),
+        joined=touching.joined,
         left_out=(*_left_out(pieces), *_unobserved(dropped)),
         warnings=(*scene.remarks, *touching.warnings),
     )
@@ -222,7 +225,7 @@ def _taken_over(scene: Scene, pieces: Sequence[Piece], known: Model) -> Touching
     pairs, patches = with_coefficients(scene, known)
     return Touching(
         pairs, known.feature_pairs, known.contacts, known.faces, patches,
-        known.shape_kinds, known.contact_kinds, known.warnings[len(known.scene.remarks) :],
+        known.shape_kinds, known.contact_kinds, known.warnings[len(known.scene.remarks) :], known.joined,
     )  # fmt: skip
 
 
@@ -230,13 +233,17 @@ def _touching(scene: Scene, pieces: Sequence[Piece]) -> Touching:
     """The pairs that may touch, their feature pairs, and the contacts that follow them."""
     warnings = soundness(scene)
     contents, wholes = PairContents(scene.run.form or "auto"), Wholes(scene, pieces)
+    joined = JoinedSolids(scene, [piece.motion for piece in pieces])
     faces, shown = Faces(contents.shapes), []
     entries: list[PairEntry] = []
     all_feature_pairs: list[FeaturePairEntry] = []
     all_contacts: list[ContactEntry] = []
     for index, (name, pair) in enumerate(zip(contact_names(scene), scene.contacts, strict=True)):
         where = f"{scene.source}: contact{'s' if pair.candidate else f'[{index}]'}"
-        a, b = (wholes.of(partner, f"{where}.between") for partner in pair.between)
+        a, b = (
+            wholes.of(partner, f"{where}.between", joined.features_left(partner, other))
+            for partner, other in (pair.between, pair.between[::-1])
+        )
         content, first = contents.of(a, b, pair, where, index), len(all_feature_pairs)
         eta = all_contacts[-1].eta + all_contacts[-1].room if all_contacts else 0
         contacts = _contacts(name, index, content, first, eta, contents.rooms(content))
@@ -270,7 +277,7 @@ def _touching(scene: Scene, pieces: Sequence[Piece]) -> Touching:
     joined_patches = unions.patches(shown)
     return Touching(
         tuple(entries), tuple(all_feature_pairs), tuple(all_contacts), tuple(unions.faces), joined_patches,
-        contents.shapes.kinds, contents.kinds.kinds, warnings,
+        contents.shapes.kinds, contents.kinds.kinds, warnings, tuple(joined.told()),
     )  # fmt: skip
 
 
@@ -296,18 +303,18 @@ class Wholes:
 
     def __init__(self, scene: Scene, pieces: Sequence[Piece]) -> None:
         self.scene, self.pieces = scene, pieces
-        self._known: dict[tuple[str, str], Whole] = {}
+        self._known: dict[tuple[tuple[str, str], tuple[Feature, ...] | None], Whole] = {}
 
-    def of(self, partner: tuple[str, str], where: str) -> Whole:
-        """The shape of a body by the names of both; raises SceneError."""
-        if partner not in self._known:
+    def of(self, partner: tuple[str, str], where: str, left: tuple[Feature, ...] | None) -> Whole:
+        """The shape of a body by the names of both, with its features that are left; raises SceneError."""
+        if (partner, left) not in self._known:
             body = find_body(self.scene, partner[0], where)
             piece = self.pieces[body]
             shape = find_shape(piece.body, partner[1], where)
             at_world = piece.body.pose.is_identity and not (piece.body.repeated or piece.body.placed)
             owner = Owner(body, piece.motion, at_world, piece.centre, self.scene.fold)
-            self._known[partner] = Whole(owner, shape)
-        return self._known[partner]
+            self._known[partner, left] = Whole(owner, shape, left)
+        return self._known[partner, left]
 
 
 def _acting(

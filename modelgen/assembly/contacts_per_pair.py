@@ -25,7 +25,12 @@ class PairContacts:
 
 
 def contacts_of_pair(
-    a: Shape, b: Shape, pair: ContactPair, feature_pairs: Sequence[FeaturePairEntry], explicit: bool
+    a: Shape,
+    b: Shape,
+    pair: ContactPair,
+    feature_pairs: Sequence[FeaturePairEntry],
+    explicit: bool,
+    is_cut: bool = False,
 ) -> PairContacts:
     """The contacts of the shapes (a, b) with these feature pairs. explicit: no feature pair has
     contact parameters.
@@ -50,10 +55,10 @@ def contacts_of_pair(
         bounded = is_composite(a) or is_composite(b)
         search: Search = "always" if bounded or explicit else "moved"
         return PairContacts(len(feature_pairs), True, search if once or len(feature_pairs) == 1 else "ahead")
-    is_open = has_open_ends(a) or has_open_ends(b)
+    is_open = is_cut or has_open_ends(a) or has_open_ends(b)
     if once and len(feature_pairs) == 1 and not is_open:
         return PairContacts(1, True, "always" if explicit else "moved")
-    if once and (len(feature_pairs) == 1 or a.kind in ROUND or b.kind in ROUND):
+    if once and not is_cut and (len(feature_pairs) == 1 or a.kind in ROUND or b.kind in ROUND):
         return PairContacts(1, False, "never")
     smooth = is_smooth(a) and is_smooth(b)
     around = not alone and (a.cavity or b.cavity)

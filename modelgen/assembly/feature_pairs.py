@@ -54,14 +54,15 @@ class Whole:
 
     owner: Owner
     shape: Shape
+    left: tuple[Feature, ...] | None = None  # its features beside shapes that are fixed to it, if not all
     _placed: dict[int, tuple[Feature, tuple[Feature, Partner]]] = field(
         default_factory=dict, compare=False, repr=False
     )  # by the feature's identity, which it keeps
 
     @cached_property
-    def without_body(self) -> tuple[Owner, Shape]:
+    def without_body(self) -> tuple[Owner, Shape, tuple[Feature, ...] | None]:
         """All that its feature pairs follow from but the body."""
-        return replace(self.owner, body=-1), self.shape
+        return replace(self.owner, body=-1), self.shape, self.left
 
     @cached_property
     def ball(self) -> tuple[Vector, float]:
@@ -73,7 +74,7 @@ class Whole:
     @cached_property
     def features(self) -> tuple[Feature, ...]:
         """Its features, with the support points of those that can lie flat, and the coaxial supports."""
-        features = features_of(self.shape).features
+        features = features_of(self.shape).features if self.left is None else self.left
         points = (point for feature in features for point in support_points_of(feature))
         parts = (part for feature in features for part in coaxial_supports_of(feature))
         return (*features, *points, *parts)

@@ -57,7 +57,8 @@ class PairContents:
         kinds = [self.kinds.kinds[each] for each in {entry.kind for entry in feature_pairs}]
         room = max(map(eta_size, kinds))
         explicit = room < 2 and all(eta_layout(kind)[1] == "none" for kind in kinds)
-        way = contacts_of_pair(a.shape, b.shape, pair, feature_pairs, explicit)
+        is_cut = a.left is not None or b.left is not None
+        way = contacts_of_pair(a.shape, b.shape, pair, feature_pairs, explicit, is_cut)
         feature_pairs = confined(feature_pairs) if way.own else feature_pairs
         planar_pairs = planar_pairs_of(a, b, pair, where, feature_pairs, self.shapes, self.kinds)
         return PairContent(feature_pairs, way, room, planar_pairs)

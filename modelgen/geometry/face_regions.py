@@ -10,7 +10,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from modelgen.geometry.coordinate_domains import domain_of
+from modelgen.geometry.convex_cells import range_of
 from modelgen.geometry.curves import curve_of, is_curve
 from modelgen.geometry.shape_features import features_of
 from modelgen.rotations import rotation_of
@@ -205,7 +205,7 @@ def _boundary(
         if edge is None:
             return None
         curve = replace(edge.shape, pose=to_axes(pose, edge.shape.pose))
-        runs.append(_Run(curve, _range(edge)))
+        runs.append(_Run(curve, range_of(edge)))
     return runs
 
 
@@ -218,16 +218,6 @@ def to_axes(outer: Pose, inner: Pose) -> Pose:
 
 def _vector(x: Array) -> tuple[float, float, float]:
     return float(x[0]), float(x[1]), float(x[2])
-
-
-def _range(edge: Feature) -> tuple[float, float]:
-    """Curve parameters at which an edge begins and ends."""
-    low, high = domain_of(edge.shape)[0]
-    for condition in edge.conditions:
-        if condition.kind == "parameter":
-            _, sign, bound = condition.numbers
-            low, high = (max(low, bound), high) if sign > 0 else (low, min(high, bound))
-    return low, high
 
 
 def _is_linear(condition: Condition) -> bool:
@@ -306,4 +296,4 @@ def _places(feature: Feature) -> Array:
     """Points (n, 3) of an edge or vertex."""
     if not is_curve(feature.shape):
         return to_outer(feature.shape.pose, np.array([[value for _, value in feature.shape.parameters]]))
-    return _Run(feature.shape, _range(feature)).samples
+    return _Run(feature.shape, range_of(feature)).samples

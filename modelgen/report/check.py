@@ -38,6 +38,7 @@ def check_facts(derivation: Derivation) -> dict[str, Any]:
         "joints": joints,
         "parameters": [asdict(each) for each in model.whole.parameters],
         "left_out": list(model.left_out),
+        "joined": list(model.joined),
         "scales": asdict(model.scales),
         "states": {"q": model.n_q, "u": model.n_u, "eta": model.n_eta},
         "hints": [*model.warnings, *hints(bodies, [*contacts, *joints])],
@@ -63,8 +64,9 @@ def print_check(facts: dict[str, Any], console: Console) -> None:
     counts = [{"function": name, "instructions": n} for name, n in facts["instructions"].items()]
     _print_table(console, "functions", ("function", "instructions"), counts)
     _print_table(console, "decisions", DECIDED, [_decided(each) for each in facts.get("savings", ())])
-    for sentence in facts["left_out"]:
-        console.print(f"left out: {sentence}", markup=False, soft_wrap=True)
+    for title in ("left_out", "joined"):
+        for sentence in facts[title]:
+            console.print(f"{title.replace('_', ' ')}: {sentence}", markup=False, soft_wrap=True)
     for hint in facts["hints"]:
         console.print(f"hint: {hint}", markup=False, soft_wrap=True)
 

@@ -1,0 +1,355 @@
+"""The features of a shape that are features of its union with others: what lies in their material, or flush
+with it, is none.
+
+At a point of several solids the union has the outward normals that all of them have there. So an edge ends
+where its range of normals shrinks to one, as at the seam of two level plates, or to none. What is no feature
+of the union stays in the list, since it bounds the shape, with a condition that no normal fulfils.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from modelgen.geometry.composites.feature_constructors import at_least, at_most, linear
+from modelgen.geometry.convex_cells import Cell, ends_of, highest, is_bounded, range_of
+from modelgen.rotations import rotation_of
+from modelgen.scene.scene_types import Condition, Feature
+
+Array = np.ndarray[Any, np.dtype[np.float64]]
+
+SAME = 1e-9  # sine of an angle between normals that are one
+SHARES = (0.1, 0.3, 0.5, 0.7, 0.9)  # of the way from one normal of an edge to the other
+LEAST = 4.0  # tolerances, length of a part that is left
+NEVER = Condition("tip", (0.0, 0.0, 0.0, 1.0), None)  # of the normal, which no normal fulfils
+
+
+def exposed(
+    features: Sequence[Feature], cells: Sequence[Cell], before: Sequence[Cell], flush: float
+) -> tuple[Feature, ...]:
+    """The features, or parts of them, that are left beside other solids.
+
+    Args:
+        features: of the shape, in its axes.
+        cells: the convex pieces of the others, in the same axes.
+        before: those among them whose level a flat face takes over that is flush with theirs.
+        flush: m, distance from a surface of what counts as lying in it.
+
+    Returns:
+        The same objects where nothing of a feature is covered.
+    """
+    others = {each.name: each for each in features}
+    parts = [part for each in features for part in _parts(each, cells, others, flush)]
+    seen = {each.name for each in parts if NEVER not in each.conditions}
+    return tuple(_levelled(_without(each, seen), before, flush) for each in parts)
+
+
+def is_hidden(feature: Feature) -> bool:
+    """Whether a feature only bounds its shape, and nothing touches it."""
+    return NEVER in feature.conditions
+
+
+def _hidden(feature: Feature) -> Feature:
+    return replace(feature, conditions=(*feature.conditions, NEVER))
+
+
+def _levelled(feature: Feature, cells: Sequence[Cell], flush: float) -> Feature:
+    """A flat face in the plane of the first cell that has a face flush with it."""
+    if feature.dimension < 2 or feature.shape.kind != "plane":
+        return feature
+    at, outward = np.array(feature.shape.pose.position), _outward(feature)
+    for cell in cells:
+        heights = cell.heights(at)[cell.normals @ outward > 1 - SAME]
+        if len(heights) and 0 < abs(heights[0]) <= flush:
+            x, y, z = map(float, at - heights[0] * outward)
+            return replace(
+                feature, shape=replace(feature.shape, pose=replace(feature.shape.pose, position=(x, y, z)))
+            )
+    return feature
+
+
+def _without(feature: Feature, names: set[str]) -> Feature:
+    """The feature with nothing behind its borders to features that are hidden."""
+    if all(each.next is None or each.next in names for each in feature.conditions):
+        return feature
+    conditions = tuple(
+        each if each.next is None or each.next in names else replace(each, next=None)
+        for each in feature.conditions
+    )
+    return replace(feature, conditions=conditions)
+
+
+def _parts(
+    feature: Feature, cells: Sequence[Cell], others: dict[str, Feature], flush: float
+) -> Iterator[Feature]:
+    """The feature, or its parts, of which some may be hidden."""
+    if feature.shape.kind == "edge" and is_bounded(feature):
+        yield from _parts_of_edge(feature, cells, flush)
+    elif feature.shape.kind == "plane" and feature.conditions and all(map(_is_linear, feature.conditions)):
+        yield from _parts_of_face(feature, cells, flush)
+    elif feature.dimension == 0:
+        yield _hidden(feature) if any(_covers_vertex(cell, feature, flush) for cell in cells) else feature
+    else:
+        is_within = any(_is_within(cell, feature, others, flush) for cell in cells)
+        yield _hidden(feature) if is_within else feature
+
+
+def _is_within(cell: Cell, feature: Feature, others: dict[str, Feature], flush: float) -> bool:
+    bound = highest(feature, cell, others)
+    if bound is None or bound.max() > flush:
+        return False
+    return not (
+        feature.dimension == 2 and feature.shape.kind == "plane" and _shares_plane(cell, feature, flush)
+    )
+
+
+def _outward(feature: Feature) -> Array:
+    normal = rotation_of(feature.shape.pose.quaternion)[:, 2]
+    return np.asarray(-normal if feature.shape.cavity else normal)
+
+
+def _shares_plane(cell: Cell, face: Feature, flush: float) -> bool:
+    """Whether a flat face lies in a face of the cell, with the same side outward."""
+    level = np.abs(cell.heights(np.array(face.shape.pose.position))) <= flush
+    return bool((level & (cell.normals @ _outward(face) > 1 - SAME)).any())
+
+
+def _active(cell: Cell, x: Array, flush: float) -> Array:
+    """(k, 3) the normals of the planes of a cell in which a point of it lies."""
+    return np.asarray(cell.normals[np.abs(cell.heights(x)) <= flush])
+
+
+def _is_in_cone(normals: Array, n: Array) -> bool:
+    from scipy.optimize import nnls  # slow to import
+
+    return bool(len(normals) and nnls(normals.T, n)[1] <= 1e-6)
+
+
+def _covers_vertex(cell: Cell, vertex: Feature, flush: float) -> bool:
+    at = np.array([value for _, value in vertex.shape.parameters])
+    if cell.heights(at).max() > flush:
+        return False
+    edges = [each.numbers for each in vertex.conditions if each.kind == "direction"]
+    if not edges:
+        return False
+    mean = -np.sum(edges, axis=0)
+    return not _is_in_cone(_active(cell, at, flush), mean / np.linalg.norm(mean))
+
+
+def _normals_of_edge(edge: Feature) -> tuple[Array, Array] | None:
+    """The outward normals of both faces beside an edge; None where it has not two."""
+    R = rotation_of(edge.shape.pose.quaternion)
+    T, z = R[:, 0], R[:, 2]
+    wings = [
+        each.numbers[0] * np.cross(T, z) + each.numbers[1] * z
+        for each in edge.conditions
+        if each.kind == "wing"
+    ]
+    if len(wings) != 2:
+        return None
+    found = []
+    for mine, other in (wings, wings[::-1]):
+        n = np.cross(T, mine)
+        found.append(n * (-1.0 if n @ other > 0 else 1.0) / np.linalg.norm(n))
+    return found[0], found[1]
+
+
+def _parts_of_edge(edge: Feature, cells: Sequence[Cell], flush: float) -> Iterator[Feature]:
+    start, end = range_of(edge)
+    a, b = ends_of(edge)
+    normals = _normals_of_edge(edge)
+    left = [(start, end)]
+    for cell in cells:
+        within = _clipped(cell.heights(a), cell.heights(b), flush)
+        if within is None or normals is None:
+            continue
+        low, high = (float(start + share * (end - start)) for share in within)
+        if high - low <= LEAST * flush or _shares_edge(cell, (a, b), within, normals, flush):
+            continue
+        left = [part for each in left for part in _less(each, (low, high), LEAST * flush)]
+    if left == [(start, end)]:
+        yield edge
+        return
+    if not left:
+        yield _hidden(edge)
+        return
+    for k, (low, high) in enumerate(sorted(left, key=lambda each: each[0] - each[1])):
+        yield _cut(edge, low, high, (low > start, high < end), "" if k == 0 else f".{k + 1}")
+
+
+def _clipped(at_a: Array, at_b: Array, flush: float) -> tuple[float, float] | None:
+    """The shares of the way from a to b between which a line is in a cell, by its heights at both."""
+    low, high = 0.0, 1.0
+    for first, last in zip(at_a - flush, at_b - flush, strict=True):
+        if first > 0 and last > 0:
+            return None
+        if first > 0 or last > 0:
+            cut = first / (first - last)
+            low, high = (max(low, cut), high) if first > 0 else (low, min(high, cut))
+    return (low, high) if low < high else None
+
+
+def _shares_edge(
+    cell: Cell,
+    ends: tuple[Array, Array],
+    within: tuple[float, float],
+    normals: tuple[Array, Array],
+    flush: float,
+) -> bool:
+    """Whether the cell has an edge there too, with a range of normals in common."""
+    middle = ends[0] + sum(within) / 2 * (ends[1] - ends[0])
+    active = _active(cell, middle, flush)
+    return len(active) > 1 and any(
+        _is_in_cone(active, (1 - share) * normals[0] + share * normals[1]) for share in SHARES
+    )
+
+
+def _less(a: tuple[float, float], b: tuple[float, float], least: float) -> Iterator[tuple[float, float]]:
+    """The parts of one interval outside of another that are not short."""
+    yield from (
+        part for part in ((a[0], min(a[1], b[0])), (max(a[0], b[1]), a[1])) if part[1] - part[0] > least
+    )
+
+
+def _cut(edge: Feature, low: float, high: float, is_new: tuple[bool, bool], tail: str) -> Feature:
+    """The part of an edge; nothing is behind its new ends."""
+    kept = [
+        each
+        for each in edge.conditions
+        if each.kind != "parameter" or not is_new[0 if each.numbers[1] > 0 else 1]
+    ]
+    if is_new[0]:
+        kept.append(at_least(0, low, None))
+    if is_new[1]:
+        kept.append(at_most(0, high, None))
+    return replace(edge, name=edge.name + tail, conditions=tuple(kept))
+
+
+@dataclass(frozen=True, slots=True)
+class _Polygon:
+    """A convex part of a flat face in its axes: corners counterclockwise, and the condition of each side."""
+
+    corners: Array  # (n, 2)
+    sides: tuple[Condition, ...]  # from each corner to the next
+
+    def split(self, normal: Array, offset: float) -> tuple[_Polygon | None, _Polygon | None]:
+        """The parts with normal x <= offset and beyond."""
+        return self._kept(-normal, -offset), self._kept(normal, offset)
+
+    def _kept(self, normal: Array, offset: float) -> _Polygon | None:
+        """The part with normal x >= offset."""
+        height = self.corners @ normal - offset
+        size = float(np.ptp(self.corners, axis=0).max())
+        points: list[Array] = []
+        sides: list[Condition] = []
+        new = _line(normal, offset)
+        for k, side in enumerate(self.sides):
+            after = (k + 1) % len(self.sides)
+            a, b = height[k], height[after]
+            if a >= 0:
+                points.append(self.corners[k])
+                sides.append(side)
+            if (a >= 0) != (b >= 0):
+                points.append(self.corners[k] + a / (a - b) * (self.corners[after] - self.corners[k]))
+                sides.append(new if a >= 0 else side)
+        if len(points) < 3:
+            return None
+        found = _Polygon(np.array(points), tuple(sides))
+        return found if found.area > SAME * size**2 else None
+
+    @property
+    def area(self) -> float:
+        x, y = self.corners.T
+        return float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2
+
+
+def _line(normal: Array, offset: float) -> Condition:
+    return linear((*(offset * normal), 0.0), (*normal, 0.0), None)
+
+
+def _is_linear(condition: Condition) -> bool:
+    return condition.kind == "quadric" and not any(condition.numbers[4:])
+
+
+def _polygon_of(face: Feature) -> _Polygon | None:
+    """The polygon of a face by its half-planes; None where they do not bound one."""
+    sides = sorted(face.conditions, key=lambda each: np.arctan2(each.numbers[2], each.numbers[1]))
+    lines = [(np.array(each.numbers[1:3]), each.numbers[0]) for each in sides]
+    corners = []
+    for k, (normal, offset) in enumerate(lines):
+        before, start = lines[k - 1]
+        A = np.array([before, normal])
+        if np.linalg.det(A) < SAME:
+            return None
+        corners.append(np.linalg.solve(A, [-start, -offset]))
+    return _Polygon(np.array(corners), tuple(sides)) if len(corners) > 2 else None
+
+
+def _parts_of_face(face: Feature, cells: Sequence[Cell], flush: float) -> Iterator[Feature]:
+    whole = _polygon_of(face)
+    if whole is None:
+        yield face
+        return
+    left, hidden = [whole], []
+    for cell in cells:
+        lines = None if _shares_plane(cell, face, flush) else _lines_in(face, cell, flush)
+        if lines is not None:
+            split = [_split(each, lines, flush) for each in left]
+            left = [part for outside, _ in split for part in outside]
+            hidden += [inside for _, inside in split if inside is not None]
+    if not hidden:
+        yield face
+        return
+    parts = [
+        replace(face, conditions=tuple(dict.fromkeys(each.sides)))
+        for each in sorted(left, key=lambda each: -each.area)
+    ]
+    parts += [_hidden(replace(face, conditions=tuple(dict.fromkeys(each.sides)))) for each in hidden]
+    for k, part in enumerate(parts):
+        yield replace(part, name=face.name + (f".{k + 1}" if k else ""))
+
+
+def _lines_in(face: Feature, cell: Cell, flush: float) -> list[tuple[Array, float]] | None:
+    """The half-planes (normal x <= offset) of a face that lie in a cell, in the axes of the face; None where
+    the cell does not reach the plane of the face."""
+    R = rotation_of(face.shape.pose.quaternion)
+    heights, found = cell.heights(np.array(face.shape.pose.position)), []
+    for normal, height in zip(cell.normals, heights, strict=True):
+        across = normal @ R[:, :2]
+        slope = float(np.linalg.norm(across))
+        if slope > SAME:
+            found.append((across / slope, -float(height) / slope))
+        elif height > flush:
+            return None
+    return found
+
+
+def _split(
+    part: _Polygon, lines: Sequence[tuple[Array, float]], flush: float
+) -> tuple[list[_Polygon], _Polygon | None]:
+    """The parts of a polygon outside of a convex region, and inside.
+
+    A region that has no border with the polygon in common hides nothing: what touches a point within the
+    polygon touches what is around it, too.
+    """
+    inside: _Polygon | None = part
+    outside: list[_Polygon] = []
+    for normal, offset in lines:
+        if inside is None:
+            break
+        inside, beyond = inside.split(normal, offset)
+        if beyond is not None:
+            outside.append(beyond)
+    if inside is None or not any(_runs_along(inside, side, flush) for side in part.sides):
+        return [part], None
+    return outside, inside
+
+
+def _runs_along(part: _Polygon, side: Condition, flush: float) -> bool:
+    """Whether a stretch of the border of a polygon lies on the line of a side."""
+    height = side.numbers[0] + part.corners @ np.array(side.numbers[1:3])
+    on = part.corners[np.abs(height) <= flush]
+    return len(on) > 1 and bool(np.ptp(on, axis=0).max() > LEAST * flush)
