@@ -248,3 +248,34 @@ def test_a_turn_tells_how_much_holds_easily(
     assume(overlap(plane_core, [], arcs, points=near[None]).margin[0] > 1e-3)
     needed = rubbed(plane_core, arcs, near, np.array([1.0, 0, 0]), np.array(wrench)).needed[0]
     assert needed <= (np.hypot(*wrench[:2]) + 4 * abs(wrench[2]) / spread) / 2 * (1 + 1e-9)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.sampled_from([0.02, 0.1, 0.3, 1.0]),
+    st.tuples(st.floats(-0.2, 0.2), st.floats(-0.05, 0.05), st.floats(-pi, pi)),
+    st.tuples(unit, unit),
+    st.tuples(unit, unit, unit),
+)
+def test_a_region_in_parts_side_by_side_rubs_as_the_whole(
+    plane_core: CoreBuild,
+    width: float,
+    place: tuple[float, float, float],
+    centre: tuple[float, float],
+    twist: tuple[float, float, float],
+) -> None:
+    """Of a plate with a narrower one beside it; where they adjoin, neither has a border."""
+    w = width
+    left, right = [[-2, -1], [0, -1], [0, 1], [-2, 1]], [[0, -w], [2, -w], [2, w], [0, w]]
+    parts = polygon(left) + polygon(right, loop=2)
+    whole = polygon([[-2, -1], [0, -1], [0, -w], [2, -w], [2, w], [0, w], [0, 1], [-2, 1]])
+    face, pose = polygon([[-0.1, -0.1], [0.15, -0.05], [0.0, 0.12]]), facing(*place)
+    hull = overlap(plane_core, whole, face, pose).hull
+    assume(len(hull) > 2)
+    middle = hull.mean(axis=0)
+    at = middle + 0.9 * np.array(centre) * np.abs(hull - middle).max(axis=0)
+    assume(overlap(plane_core, whole, face, pose, at[None]).margin[0] > 1e-3)
+    load, moved = np.array([[1.0, *at]]), np.array([twist])
+    one, other = (area_friction(plane_core, arcs, face, load, moved, pose=pose) for arcs in (whole, parts))
+    assert other.pressure == pytest.approx(one.pressure, rel=1e-7, abs=1e-7 * np.abs(one.pressure).max())
+    assert other.friction == pytest.approx(one.friction, abs=1e-9)

@@ -34,7 +34,7 @@ position = [-1.0, 0.0, -1.0]
 [[body]]
 name = "right"
 motion = "fixed"
-shape = { kind = "box", size = [2.0, 2.0, 2.0] }
+shape = { kind = "cylinder", radius = 1.0, length = 2.0 }
 position = [1.0, 0.0, HEIGHT]
 [[body]]
 name = "block"
@@ -55,7 +55,7 @@ JUDGED = pytest.mark.parametrize(("height", "kinds"), [("-1.0", ("flush",)), ("-
 
 
 def model_at(height: str, folder: Path) -> Model:
-    """A block slides over the seam of two plates, the second of which is level with the first, or lower."""
+    """A block slides from a plate to a round one, which is level with the first, or lower."""
     file = folder / "seam.toml"
     file.write_text(SCENE.replace("HEIGHT", height))
     return require(read(file))

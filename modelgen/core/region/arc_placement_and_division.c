@@ -140,15 +140,30 @@ static mg_real mg_arc_extent(const mg_hull *h, int i) {
   return most;
 }
 
-/* True if the region that an arc bounds lies on its right. */
+/* True if a point of an arc is inside another part of its region. */
+static int mg_is_inside_other_part(const mg_hull *h, int arc, const mg_real *x) {
+  const mg_region_pair *r = h->regions;
+  int own, first = h->arcs[arc].side ? r->n_o : 0, end = first;
+  mg_find_part_of_arc(h, arc, &own, &end);
+  for (const int last = h->arcs[arc].side ? r->n_arc : r->n_o; first < last; first = end) {
+    mg_find_part_of_arc(h, first, &first, &end);
+    if (first != own && mg_locate_in_part(h, first, end, x) == 1) return 1;
+  }
+  return 0;
+}
+
+/* True if the region that an arc bounds lies on its right; where two parts of it adjoin, its own part. */
 static int mg_is_region_on_right(const mg_hull *h, int i) {
   const mg_placed_arc *k = h->arcs + i;
+  int first, end;
   mg_real x[2], T[2];
+  mg_find_part_of_arc(h, i, &first, &end);
   mg_arc_point(k, (k->t0 + k->t1) / 2, x, T);
   mg_normalise2(T);
   const mg_real step = 8 * MG_COINCIDENCE_FACTOR * h->regions->coincidence,
                 right[2] = {x[0] + step * T[1], x[1] - step * T[0]};
-  return mg_locate_point(h, k->side, right) == 1;
+  if (mg_is_inside_other_part(h, i, x)) return mg_locate_point(h, k->side, right) == 1;
+  return mg_locate_in_part(h, first, end, right) == 1;
 }
 
 MG_INTERNAL void mg_divide_arcs(mg_hull *h) {

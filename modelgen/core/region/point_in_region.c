@@ -24,13 +24,18 @@ static int mg_is_between_chord_and_curve(const mg_hull *h, const mg_arc_span *s,
 /* True if arc i begins a part of the region that may overlap those before it. */
 static int mg_begins_new_part(const mg_region_pair *r, int i) { return r->arc[i].loop > r->arc[i - 1].loop + 1; }
 
-MG_INTERNAL int mg_locate_point(const mg_hull *h, int side, const mg_real *p) {
+MG_INTERNAL void mg_find_part_of_arc(const mg_hull *h, int arc, int *first, int *end) {
   const mg_region_pair *r = h->regions;
-  const int first = side ? r->n_o : 0, end = side ? r->n_arc : r->n_o;
-  const mg_real shared = r->coincidence * MG_COINCIDENCE_FACTOR / (side ? 1 : 2);
-  int inside = first == end, before = 0;
-  for (int i = first; i < end; i++) {
-    if (i > first && mg_begins_new_part(r, i)) before |= inside, inside = 0;
+  const int last = h->arcs[arc].side ? r->n_arc : r->n_o;
+  *first = arc, *end = arc + 1;
+  while (*first > (h->arcs[arc].side ? r->n_o : 0) && !mg_begins_new_part(r, *first)) --*first;
+  while (*end < last && !mg_begins_new_part(r, *end)) ++*end;
+}
+
+MG_INTERNAL int mg_locate_in_part(const mg_hull *h, int first, int end, const mg_real *p) {
+  const mg_real shared = h->regions->coincidence * MG_COINCIDENCE_FACTOR / (h->arcs[first].side ? 1 : 2);
+  int inside = 0;
+  for (int i = first; i < end; i++)
     for (int j = h->arcs[i].span; j < h->arcs[i].span + h->arcs[i].n_span; j++) {
       const mg_arc_span *s = h->spans + j;
       const mg_real chord[2] = {s->end[0] - s->begin[0], s->end[1] - s->begin[1]},
@@ -41,6 +46,17 @@ MG_INTERNAL int mg_locate_point(const mg_hull *h, int side, const mg_real *p) {
       const int up = s->end[1] > p[1], was_up = s->begin[1] > p[1];
       inside ^= between ^ (up != was_up && (cross > 0) == up);
     }
+  return inside;
+}
+
+MG_INTERNAL int mg_locate_point(const mg_hull *h, int side, const mg_real *p) {
+  const mg_region_pair *r = h->regions;
+  int first = side ? r->n_o : 0, part_end = first, inside = first == (side ? r->n_arc : r->n_o);
+  for (; first < (side ? r->n_arc : r->n_o); first = part_end) {
+    mg_find_part_of_arc(h, first, &first, &part_end);
+    const int found = mg_locate_in_part(h, first, part_end, p);
+    if (found == 2) return 2;
+    inside |= found;
   }
-  return inside | before;
+  return inside;
 }

@@ -228,6 +228,12 @@ MG_INTERNAL void mg_find_intersections(mg_hull *h);
 
 /* point_in_region.c */
 
+/* Range of the arcs of the part of a region that an arc belongs to. */
+MG_INTERNAL void mg_find_part_of_arc(const mg_hull *h, int arc, int *first, int *end);
+
+/* Location of p with respect to the part of a region with these arcs: 0 outside, 1 inside, 2 on the boundary. */
+MG_INTERNAL int mg_locate_in_part(const mg_hull *h, int first, int end, const mg_real *p);
+
 /* Location of p with respect to the region of o (side 0) or f (1): 0 outside, 1 inside, 2 on the boundary. */
 MG_INTERNAL int mg_locate_point(const mg_hull *h, int side, const mg_real *p);
 
