@@ -29,11 +29,11 @@ def main() -> None:
             raise  # another may come of what CasADi makes where it swallows an interruption
         hear_no_more()
         print("interrupted", file=sys.stderr)
-        _leave_interrupted()
+        _leave(INTERRUPTED)
     except SystemExit as end:
         hear_no_more()
-        if end.code == INTERRUPTED or (was_heard() and end.code == 1):  # 1: heard by the parser of commands
-            _leave_interrupted()
+        if was_heard():
+            _leave(INTERRUPTED if end.code == 1 else end.code)  # 1: the parser of commands heard it
         raise
 
 
@@ -46,9 +46,10 @@ def _check_stack() -> None:
         raise SystemExit(FAILED)
 
 
-def _leave_interrupted() -> None:
-    """End the process. Python ends as killed by SIGINT, whatever code it is given, if KeyboardInterrupt came
-    up in text that it executed, as modules of dataclasses do; and it would wait for threads."""
+def _leave(code: str | int | None) -> None:
+    """End a process that was interrupted. Python ends as killed by SIGINT, whatever code it is given, if
+    KeyboardInterrupt came up in text that it executed, as modules of dataclasses do; and it would wait for
+    threads, which may wait for a lock that the interruption left taken."""
     sys.stdout.flush()
     sys.stderr.flush()
-    os._exit(INTERRUPTED)
+    os._exit(code if isinstance(code, int) else 0)

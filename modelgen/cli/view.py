@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from threading import Thread
 from typing import TYPE_CHECKING, Annotated, Any
 
 import click
@@ -29,6 +30,7 @@ Plots = Annotated[str | None, Option(help="plots that are open at first: energy,
 Port = Annotated[str | None, Option(help="of the live page; default: 8080", metavar="NUMBER")]
 SUFFIXES = (".html", ".htm")
 PORT = 8080
+STOPPING_S = 1.0  # s, longest wait for the server to end
 
 
 def view(
@@ -101,5 +103,7 @@ def _run_live(source: Path, settings: dict[str, Any], port: int) -> None:
     click.echo(f"{live.address} plays {source}; Ctrl-C ends it")
     try:
         live.run(until)
-    except KeyboardInterrupt:
-        live.stop()
+    except KeyboardInterrupt:  # which may have left a lock of the server taken
+        stopping = Thread(target=live.stop, daemon=True)
+        stopping.start()
+        stopping.join(STOPPING_S)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import suppress
@@ -222,3 +224,28 @@ def test_a_page_of_another_origin_hears_nothing(tmp_path: Path, wheel: Live) -> 
         driven.open((tmp_path / "page.html").as_uri())
         driven.until("tried === 2")
         assert driven.value("heard") == 0
+
+
+STUCK = """
+import os, signal, sys, threading, time
+from modelgen import cli
+from modelgen.view import live_server
+def run(live, until):
+    threading.Thread(target=time.sleep, args=(1000,)).start()
+    os.kill(os.getpid(), signal.{signal})
+live_server.Live.run = run
+live_server.Live.stop = lambda live: time.sleep(1000)
+sys.argv = ["modelgen", "view", "{scene}", "--port", "18187"]
+cli.main()
+"""
+
+
+@pytest.mark.parametrize("number", ["SIGINT", "SIGTERM"])
+def test_a_live_view_ends_although_an_interruption_left_a_lock_of_its_server_taken(
+    number: str, tmp_path: Path
+) -> None:
+    code = STUCK.format(signal=number, scene=SCENES / "bouncing_ball.toml")
+    ended = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=120
+    )
+    assert (ended.returncode, ended.stderr) == (0, "")
