@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+from errno import EINVAL
 from pathlib import Path
 from typing import Any
 
+from modelgen.codegen.built_files import signature
 from modelgen.file_writing import unwritable
 
 NAME = "measured.jsonl"
@@ -29,19 +31,28 @@ class Store:
 
     def put(self, key: str, value: Any) -> None:
         self.known[key] = value
+        if self.path.exists() and not self.path.is_file():
+            raise unwritable(self.path, OSError(EINVAL, "it is no file"))
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             with self.path.open("a", encoding="utf-8") as file:
-                file.write(self._start + json.dumps({"key": key, "value": value}) + "\n")
+                entry = {"key": key, "value": value, "seal": _seal(key, value)}
+                file.write(self._start + json.dumps(entry) + "\n")
         except OSError as cause:
             raise unwritable(self.path, cause) from cause
         self._start = ""
 
 
 def _entry(line: str) -> dict[str, Any] | None:
-    """A line that was written to its end."""
+    """A line that this user's program wrote to its end; none that came with a scene."""
     try:
         entry = json.loads(line)
-    except ValueError:
+    except (ValueError, RecursionError):
         return None
-    return entry if isinstance(entry, dict) and entry.keys() == {"key", "value"} else None
+    if not (isinstance(entry, dict) and entry.keys() == {"key", "value", "seal"}):
+        return None
+    return entry if entry["seal"] == _seal(entry["key"], entry["value"]) else None
+
+
+def _seal(key: str, value: Any) -> str:
+    return signature(json.dumps([key, value]).encode()).decode()

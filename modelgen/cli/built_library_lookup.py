@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from modelgen.codegen.built_files import put, signature
-from modelgen.codegen.compiler import compiler_words, cpu_target
+from modelgen.codegen.compiler import DEBUG, compiler_words, cpu_target
 from modelgen.codegen.library import REAL_FLAGS, Library
 from modelgen.codegen.manifest import INSTANCE, STRUCTURE, record_name
 from modelgen.errors import LibraryError
@@ -32,13 +32,15 @@ def scene_key(scene: Path, *choices: str) -> str | None:
     except (OSError, ValueError):
         return None
     digest = hashlib.sha256(text)
-    for part in (scene.name, *choices, sys.version, cpu_target(), *_tools()):
+    for part in (scene.name, *choices, os.environ.get(DEBUG, ""), sys.version, cpu_target(), *_tools()):
         digest.update(f"{len(part)}:{part}".encode(errors="surrogateescape"))
     return digest.hexdigest()
 
 
 def recall(folder: Path, key: str) -> Library | None:
     """The library in a folder, if it was remembered under this key and its files are those of then."""
+    if not all(path.is_file() for path in (folder / NAME, folder / STRUCTURE, folder / INSTANCE)):
+        return None
     try:
         found = (folder / NAME).read_bytes()
         for real in REAL_FLAGS:

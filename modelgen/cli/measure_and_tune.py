@@ -168,6 +168,9 @@ def tune(
             parameters=read_values(values, "--set"),
             on_progress=report,
         )
+    if scene.read_text(encoding="utf-8") != text:
+        remedy = "tune it again: what was measured of the same scene is remembered"
+        raise ModelgenError(str(scene), "it was changed while it was tuned", "", remedy)
     write_file(target, with_run_table(text, found.point.settings, str(scene)))
     facts = found.as_json() | {"file": str(target)}
     print_facts(facts, as_json, lambda: print_tuned(found, Console()))

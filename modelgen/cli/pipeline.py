@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -155,10 +155,15 @@ def linearise_scene(path: Path, form: str | None, find: Callable[..., Result]) -
 
 @contextmanager
 def removed_if_refused(folder: Path) -> Iterator[Path]:
+    """If a command is refused, the folder is removed if it is new, and so are those above it, unless another
+    command has put something there meanwhile."""
     made = [path for path in (folder, *folder.parents) if not path.exists()]
     try:
         yield folder
     except ModelgenError:
-        if made:
-            shutil.rmtree(made[-1], ignore_errors=True)
+        for path in made[:1]:
+            shutil.rmtree(path, ignore_errors=True)
+        with suppress(OSError):
+            for path in made[1:]:
+                path.rmdir()
         raise

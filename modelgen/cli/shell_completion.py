@@ -55,7 +55,7 @@ def install_completion() -> None:
     write_file(script, _script(shell))
     if files.start:
         start, line = home / files.start, files.line.format(home=home)
-        text = start.read_text(encoding="utf-8") if start.exists() else ""
-        if line not in text:
-            write_file(start, f"{text.rstrip()}\n{line}\n".lstrip())
+        text = start.read_bytes() if start.exists() else b""  # in any encoding
+        if line.encode() not in text:
+            write_file(start, (text.rstrip() + f"\n{line}\n".encode()).lstrip())
     click.echo(f"written: {script}; completion works in a new shell")

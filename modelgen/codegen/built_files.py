@@ -62,6 +62,8 @@ def made_once(path: Path, texts: Mapping[str, str], make: Callable[[Path], None]
 
 def is_sealed(path: Path) -> bool:
     """Whether a file is as `made_once` or `seal` left it."""
+    if not (_seal_of(path).is_file() and path.is_file()):
+        return False
     try:
         found, content = _seal_of(path).read_bytes(), path.read_bytes()
     except OSError:
@@ -75,13 +77,15 @@ def seal(path: Path) -> None:
 
 
 def put(path: Path, content: str | bytes, mode: int | None = None) -> None:
-    """Write a file; a link or folder of its name is removed, not followed."""
+    """Write a file; a link, folder or pipe of its name is removed, not followed."""
     from modelgen.file_writing import write_file  # what was built before is run without it
 
     if path.is_symlink():
         path.unlink()
     elif path.is_dir():
         shutil.rmtree(path)
+    elif path.exists() and not path.is_file():
+        path.unlink()
     write_file(path, content, mode)
 
 
@@ -99,6 +103,9 @@ def cache_folder() -> Path:
     base = os.environ.get("XDG_CACHE_HOME", "")
     usual = Path(base if os.path.isabs(base) else os.path.expanduser(USUAL)) / "modelgen"
     folder = Path(os.environ.get(CACHE) or usual)
+    if not (os.environ.get(CACHE) or usual.is_absolute()):  # a key in the current folder may be of others
+        remedy = "set HOME, or name a folder for the cache"
+        raise LibraryError(CACHE, "this user has no home folder", "", remedy)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import csv
 import re
+from collections import Counter
 from collections.abc import Collection
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,7 @@ from modelgen.identification.recordings import (
     recording_of,
 )
 
+LARGEST = 2**30  # bytes
 OF_START = re.compile(r"\s*#\s*start\s+([\w.]+)\s*=(.*)")
 
 
@@ -33,11 +35,15 @@ def read_recording(path: Path, of: Collection[str] | None = None) -> Recording:
     Raises SimulationError with line and column where the file has no rows, a row has another length than the
     names, or a cell is no finite number; OSError where it cannot be read.
     """
+    if path.exists() and not (path.is_file() and path.stat().st_size <= LARGEST):
+        raise SimulationError(str(path), "no file, or one that large", f"a file of at most {LARGEST} bytes")
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             lines = list(enumerate(csv.reader(file), 1))
     except UnicodeDecodeError as cause:
         raise SimulationError(str(path), "it is no text", "a CSV file in UTF-8") from cause
+    except csv.Error as cause:
+        raise SimulationError(str(path), f"{cause}", "cells of numbers, apart by commas") from cause
     rows = [(number, row) for number, row in lines if _is_said(row)]
     if not rows:
         raise SimulationError(str(path), "the file is empty", "a line of names, then rows of numbers")
@@ -74,19 +80,20 @@ def _is_said(row: list[str]) -> bool:
 
 
 def _check_names(path: Path, names: list[str]) -> None:
+    counts = Counter(names)
     for name in names:
         if separator := re.search(r"[;\t]", name):
             found, allowed = f"columns apart by {separator[0]!r}", "commas between columns"
             raise SimulationError(f"{path}: line of names", found, allowed, "write numbers with a point")
         if not name:
             raise SimulationError(f"{path}: line of names", "a column without a name", "", "name it")
-        if names.count(name) > 1:
+        if counts[name] > 1:
             raise SimulationError(f"{path}: line of names", f"{name!r} twice", "", "leave one out")
 
 
 def _number(cell: str, where: str) -> float:
     try:
-        value = float(cell)
+        value = float(cell if cell.isascii() and "_" not in cell else "")  # as Python writes numbers
     except ValueError:
         raise SimulationError(where, repr(cell), "a number, with a point, in SI units") from None
     if not np.isfinite(value):

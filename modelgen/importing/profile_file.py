@@ -80,7 +80,7 @@ def _columns(written: str | None, header: list[str]) -> tuple[int, int]:
     for word in words:
         if word in header:
             found.append(header.index(word))
-        elif word.isdigit() and int(word) > 0:
+        elif word.isascii() and word.isdigit() and int(word) > 0:
             found.append(int(word) - 1)
         else:
             allowed = f"columns: {', '.join(header)}" if header else "numbers of columns, from 1"

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from io import BytesIO
 from pathlib import Path
@@ -39,12 +42,39 @@ RESIDUAL: dict[str, Any] = {"linewidth": 0.8, "color": "tab:red", "alpha": 0.7}
 
 
 def require_matplotlib() -> Any:
-    """matplotlib's Figure class, or an error that names the extra."""
+    """matplotlib's Figure class, or an error that names the extra, or what keeps it from starting.
+
+    It reads a file `matplotlibrc` in the current folder, which may have come with a scene, and may name
+    programs: so it is imported in another one.
+    """
     try:
-        from matplotlib.figure import Figure
+        with _in_folder_of_its_own():
+            from matplotlib.figure import Figure
     except ImportError:
         raise ModelgenError("plot", "matplotlib is not installed", "", install("plot")) from None
+    except ValueError as error:
+        remedy = "correct the variable MPLBACKEND, or your own file matplotlibrc"
+        raise ModelgenError("plot", f"matplotlib does not start: {error}", "", remedy) from None
     return Figure
+
+
+@contextmanager
+def _in_folder_of_its_own() -> Iterator[None]:
+    """The folder of this file as the current one, unless matplotlib has been imported."""
+    if "matplotlib" in sys.modules:
+        yield
+        return
+    try:
+        before = os.open(".", os.O_RDONLY)
+    except OSError:  # it was removed
+        yield
+        return
+    try:
+        os.chdir(Path(__file__).parent)
+        yield
+    finally:
+        os.fchdir(before)
+        os.close(before)
 
 
 def draw(record: Record, path: str | Path, frames: int | None = None) -> None:
