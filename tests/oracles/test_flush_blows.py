@@ -49,7 +49,7 @@ def is_stopped(path: Trajectory) -> bool:
 @pytest.mark.parametrize("name", SLIDERS)
 def test_a_slider_is_not_stopped_by_a_seam(name: str, width: float) -> None:
     random = np.random.default_rng(len(name))
-    for height in (0.0, 1e-16, -1e-16, 1e-13, 1e-11, 3e-10):
+    for height in (0.0, -1e-16, 1e-13, 3e-10):
         path = slid(SLIDERS[name], [LEFT, plate(height, width)], random.uniform(-np.pi, np.pi))
         assert path.is_trusted, path.doubts
         assert not is_stopped(path), (height, path.events)
