@@ -30,10 +30,10 @@ def contacts_of_pair(
     pair: ContactPair,
     feature_pairs: Sequence[FeaturePairEntry],
     explicit: bool,
-    is_cut: bool = False,
+    is_cut: bool,
 ) -> PairContacts:
     """The contacts of the shapes (a, b) with these feature pairs. explicit: no feature pair has
-    contact parameters.
+    contact parameters. is_cut: features of one of them end at a shape that is fixed to it.
 
     A plane is held off by every vertex, edge and bulge at once, unless these run into one another or a single
     surface or curve has several; of a convex body one follows the other down, of others any may come down

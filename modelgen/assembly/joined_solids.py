@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from modelgen.assembly.faces_across_shapes import FIXED
 from modelgen.geometry.convex_cells import Cell, cells_of
 from modelgen.geometry.exposed_features import exposed, is_hidden
 from modelgen.geometry.extent import bounding_ball
@@ -18,7 +19,6 @@ from modelgen.model import BodyMotion
 from modelgen.scene.pose_arithmetic import compose, to_outer
 from modelgen.scene.scene_types import Feature, Pose, Scene, Shape
 
-FIXED = -1  # in place of a body: all that are fixed
 Partner = tuple[str, str]  # the names of a body and of its shape
 
 
@@ -42,21 +42,19 @@ class JoinedSolids:
             for k, (body, motion) in enumerate(zip(scene.bodies, motions, strict=True))
             for shape in body.shapes
         }
-        self._partners: dict[Partner, set[Partner]] = {}
+        touching: dict[Partner, set[Partner]] = {}
         for pair in scene.contacts:
             for one, other in (pair.between, pair.between[::-1]):
-                self._partners.setdefault(one, set()).add(other)
+                touching.setdefault(one, set()).add(other)
+        self._joined: dict[tuple[Partner, int], tuple[Partner, ...]] = {}  # that a partner may touch, by body
+        for name, each in self._placed.items():
+            for partner in touching.get(name, ()):
+                self._joined[partner, each.body] = (*self._joined.get((partner, each.body), ()), name)
         self._known: dict[tuple[Partner, tuple[Partner, ...]], tuple[Feature, ...] | None] = {}
 
     def features_left(self, shape: Partner, partner: Partner) -> tuple[Feature, ...] | None:
         """The features of a shape that a partner can touch; None where all are left as they are."""
-        if shape not in self._placed:
-            return None
-        joined = tuple(
-            name
-            for name, each in self._placed.items()
-            if name in self._partners[partner] and each.body == self._placed[shape].body
-        )
+        joined = self._joined[partner, self._placed[shape].body] if shape in self._placed else ()
         if len(joined) < 2:
             return None
         if (shape, joined) not in self._known:

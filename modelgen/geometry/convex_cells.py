@@ -86,13 +86,11 @@ def ends_of(edge: Feature) -> Array:
 
 
 def highest(feature: Feature, cell: Cell, others: dict[str, Feature]) -> Array | None:
-    """(n,) m: how far a feature reaches out of each plane of a cell, at most; None where it is not known.
+    """(n,) m: how far an edge or face reaches out of each plane of a cell, at most; None where it is unknown.
 
     `others`: the features of the shape by name, among them the edges of a face.
     """
     shape = feature.shape
-    if feature.dimension == 0:
-        return cell.heights(np.array([value for _, value in shape.parameters]))
     if shape.kind == "edge":
         return np.asarray(cell.heights(ends_of(feature)).max(axis=0))
     if shape.kind == "circle":

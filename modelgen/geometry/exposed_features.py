@@ -14,8 +14,10 @@ from typing import Any
 
 import numpy as np
 
+from modelgen.geometry.composites.convex_pieces import is_convex_polygon
 from modelgen.geometry.composites.feature_constructors import at_least, at_most, linear
 from modelgen.geometry.convex_cells import Cell, ends_of, highest, is_bounded, range_of
+from modelgen.geometry.face_regions import is_linear, polygon_of
 from modelgen.rotations import rotation_of
 from modelgen.scene.scene_types import Condition, Feature
 
@@ -60,11 +62,10 @@ def _levelled(feature: Feature, cells: Sequence[Cell], flush: float) -> Feature:
     """A flat face in the plane of the first cell that has a face flush with it."""
     if feature.dimension < 2 or feature.shape.kind != "plane":
         return feature
-    at, outward = np.array(feature.shape.pose.position), _outward(feature)
     for cell in cells:
-        heights = cell.heights(at)[cell.normals @ outward > 1 - SAME]
+        heights = _heights_beside(cell, feature)
         if len(heights) and 0 < abs(heights[0]) <= flush:
-            x, y, z = map(float, at - heights[0] * outward)
+            x, y, z = map(float, feature.shape.pose.position - heights[0] * _outward(feature))
             return replace(
                 feature, shape=replace(feature.shape, pose=replace(feature.shape.pose, position=(x, y, z)))
             )
@@ -88,7 +89,7 @@ def _parts(
     """The feature, or its parts, of which some may be hidden."""
     if feature.shape.kind == "edge" and is_bounded(feature):
         yield from _parts_of_edge(feature, cells, flush)
-    elif feature.shape.kind == "plane" and feature.conditions and all(map(_is_linear, feature.conditions)):
+    elif feature.shape.kind == "plane" and feature.conditions and all(map(is_linear, feature.conditions)):
         yield from _parts_of_face(feature, cells, flush)
     elif feature.dimension == 0:
         yield _hidden(feature) if any(_covers_vertex(cell, feature, flush) for cell in cells) else feature
@@ -111,10 +112,15 @@ def _outward(feature: Feature) -> Array:
     return np.asarray(-normal if feature.shape.cavity else normal)
 
 
+def _heights_beside(cell: Cell, face: Feature) -> Array:
+    """(k,) m: how far a flat face is outside of the planes of a cell that have the same side outward."""
+    heights = cell.heights(np.array(face.shape.pose.position))
+    return np.asarray(heights[cell.normals @ _outward(face) > 1 - SAME])
+
+
 def _shares_plane(cell: Cell, face: Feature, flush: float) -> bool:
     """Whether a flat face lies in a face of the cell, with the same side outward."""
-    level = np.abs(cell.heights(np.array(face.shape.pose.position))) <= flush
-    return bool((level & (cell.normals @ _outward(face) > 1 - SAME)).any())
+    return bool((np.abs(_heights_beside(cell, face)) <= flush).any())
 
 
 def _active(cell: Cell, x: Array, flush: float) -> Array:
@@ -270,22 +276,12 @@ def _line(normal: Array, offset: float) -> Condition:
     return linear((*(offset * normal), 0.0), (*normal, 0.0), None)
 
 
-def _is_linear(condition: Condition) -> bool:
-    return condition.kind == "quadric" and not any(condition.numbers[4:])
-
-
 def _polygon_of(face: Feature) -> _Polygon | None:
     """The polygon of a face by its half-planes; None where they do not bound one."""
-    sides = sorted(face.conditions, key=lambda each: np.arctan2(each.numbers[2], each.numbers[1]))
-    lines = [(np.array(each.numbers[1:3]), each.numbers[0]) for each in sides]
-    corners = []
-    for k, (normal, offset) in enumerate(lines):
-        before, start = lines[k - 1]
-        A = np.array([before, normal])
-        if np.linalg.det(A) < SAME:
-            return None
-        corners.append(np.linalg.solve(A, [-start, -offset]))
-    return _Polygon(np.array(corners), tuple(sides)) if len(corners) > 2 else None
+    found = polygon_of(face.conditions)
+    if found is None or len(found[1]) < 3 or not is_convex_polygon(found[1]):
+        return None
+    return _Polygon(found[1], tuple(found[0]))
 
 
 def _parts_of_face(face: Feature, cells: Sequence[Cell], flush: float) -> Iterator[Feature]:

@@ -195,7 +195,7 @@ def _boundary(
 ) -> list[_Run] | None:
     """The boundary curves of a face that are not joins with other members; None where one is not known."""
     mine = to_axes(pose, face.shape.pose)
-    if all(_is_linear(condition) for condition in face.conditions):
+    if all(is_linear(condition) for condition in face.conditions):
         return _polygon(face.conditions, mine, members)
     runs = []
     for condition in face.conditions:
@@ -220,22 +220,33 @@ def _vector(x: Array) -> tuple[float, float, float]:
     return float(x[0]), float(x[1]), float(x[2])
 
 
-def _is_linear(condition: Condition) -> bool:
+def is_linear(condition: Condition) -> bool:
+    """Whether a condition of a face is a half-plane."""
     return condition.kind == "quadric" and not any(condition.numbers[4:])
 
 
-def _polygon(conditions: Sequence[Condition], pose: Pose, members: frozenset[str]) -> list[_Run] | None:
-    """The sides of a convex polygon, given by its half-planes, but for those to other members."""
-    conditions = _in_turn(conditions)
-    lines = [(np.array(each.numbers[1:3]), each.numbers[0]) for each in conditions]
+def polygon_of(conditions: Sequence[Condition]) -> tuple[list[Condition], Array] | None:
+    """Half-planes in turn, and the corners (n, 2) m at which the sides on them begin; None where two sides
+    in turn are parallel."""
+    sides = _in_turn(conditions)
+    lines = [(np.array(each.numbers[1:3]), each.numbers[0]) for each in sides]
     corners = []
     for k, (normal, offset) in enumerate(lines):
         before, start = lines[k - 1]
         A = np.array([before, normal])
         if abs(np.linalg.det(A)) < LEVEL:
             return None
-        corners.append(to_outer(pose, (*np.linalg.solve(A, [-start, -offset]), 0.0)))
-    sides = zip(corners, [*corners[1:], corners[0]], conditions, strict=True)
+        corners.append(np.linalg.solve(A, [-start, -offset]))
+    return sides, np.array(corners)
+
+
+def _polygon(conditions: Sequence[Condition], pose: Pose, members: frozenset[str]) -> list[_Run] | None:
+    """The sides of a convex polygon, given by its half-planes, but for those to other members."""
+    found = polygon_of(conditions)
+    if found is None:
+        return None
+    corners = [to_outer(pose, (*corner, 0.0)) for corner in found[1]]
+    sides = zip(corners, [*corners[1:], corners[0]], found[0], strict=True)
     return [_side(a, b) for a, b, condition in sides if condition.next not in members]
 
 
