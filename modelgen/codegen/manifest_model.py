@@ -14,6 +14,7 @@ from modelgen.codegen.load_branches import switch_count
 from modelgen.codegen.manifest_open_edges import open_edges_of
 from modelgen.codegen.manifest_planar_contacts import face_table, patch_table
 from modelgen.codegen.manifest_repeated_pairs import repeated
+from modelgen.codegen.manifest_solids import solids_of
 from modelgen.codegen.manifest_unlisted_shapes import unlisted_of
 from modelgen.contact.form_table import FORMS, eta_layout
 from modelgen.contact.support_separation import has_separation
@@ -241,7 +242,7 @@ def instance_of(model: Model, known: tuple[Model, dict[str, Any]] | None = None)
     }
 
 
-CONTACTS = ("pairs", "feature_pairs", "contacts", "faces", "patches", "unlisted", "open_edges")
+CONTACTS = ("pairs", "feature_pairs", "contacts", "faces", "patches", "solids", "unlisted", "open_edges")
 
 
 def _contacts(model: Model) -> dict[str, Any]:
@@ -252,6 +253,7 @@ def _contacts(model: Model) -> dict[str, Any]:
         "contacts": [asdict(entry) for entry in model.contacts],
         "faces": [face_table(model, entry) for entry in model.faces],
         "patches": [patch_table(entry) for entry in model.patches],
+        "solids": solids_of(model),
         "unlisted": unlisted_of(model),
         "open_edges": open_edges_of(model),
     }

@@ -9,10 +9,9 @@ import numpy as np
 
 from modelgen.assembly.masses import pose_numbers
 from modelgen.geometry.composites.extrusions import outline_points
-from modelgen.geometry.coordinate_domains import dimension_of
 from modelgen.geometry.extent import bounding_ball
-from modelgen.geometry.shape_features import is_composite
 from modelgen.geometry.shape_samples import samples_of
+from modelgen.geometry.solid_terms import is_thin
 from modelgen.model import Model
 from modelgen.scene.scene_types import Body, Shape
 
@@ -21,7 +20,6 @@ FORMULAS = (  # kinds whose material the runtime knows by a formula
     *("plane", "sphere", "ellipsoid", "superellipsoid", "torus", "half_torus", "cylinder", "cone"),
     *("paraboloid", "box", "capsule", "tube", "frustum", "polyhedron", "extrusion"),
 )
-THIN = ("disc", "bspline_curve", "polyline", "point")  # composites without material
 
 
 def unlisted_of(model: Model) -> dict[str, Any]:
@@ -68,7 +66,7 @@ def placed_entry(model: Model, body: int, shape: Shape) -> dict[str, Any]:
         "placement": list(pose_numbers(shape.pose, model.bodies[body].centre_of_mass)),
         "centre": list(centre),
         "radius": float(radius) if np.isfinite(radius) else None,
-        "thin": shape.kind in THIN or (not is_composite(shape) and dimension_of(shape) < 2),
+        "thin": is_thin(shape),
     }
 
 

@@ -85,6 +85,28 @@ enum {
                           at a time */
 };
 
+/* Kind of a term of a solid, whose material is where all of its terms are negative; r is the distance from the axis z
+   of the shape. a[0], a[1], .. are the term's numbers. */
+enum {
+  MG_TERM_PLANE = 0,          /* (a0, a1, a2).x - a3 */
+  MG_TERM_TURNED = 1,         /* a0 r + a1 z - a2, with a0^2 + a1^2 = 1 */
+  MG_TERM_RING = 2,           /* distance from the circle of radius a0 at z = a2, less a1 */
+  MG_TERM_CAPSULE = 3,        /* distance from the part |z| <= a1 of the axis, less a0 */
+  MG_TERM_ELLIPSOID = 4,      /* semi-axes a0, a1, a2 */
+  MG_TERM_SUPERELLIPSOID = 5, /* (|x / a0|^a3 + |y / a1|^a3)^(a4 / a3) + |z / a2|^a4 = 1 */
+  MG_TERM_PARABOLOID = 6,     /* below z = (x^2 / a0 + y^2 / a1) / 2 */
+  MG_TERM_POLYGON = 7         /* within the polygon (a0, a1), (a2, a3), .. in x and y, counterclockwise */
+};
+
+/* In place of the solid of a shape. */
+enum {
+  MG_NO_MATERIAL = -1,     /* a curve, a point or a disc */
+  MG_UNKNOWN_MATERIAL = -2 /* a shape whose material no terms describe */
+};
+
+/* A height over a solid: the distance to first order, or with a slope of 1 at most. */
+enum { MG_FIRST_ORDER = 0, MG_LIPSCHITZ = 1 };
+
 /* What a friction constraint resists. */
 enum {
   MG_FRICTION_SLIP = 0, /* slip along t1 and t2: two rows, force in N */
@@ -124,6 +146,7 @@ typedef struct {
   int n_friction;            /* friction constraints of all contacts */
   int n_friction_row;        /* rows of all contacts other than their normal rows */
   int n_ball;                /* balls around shapes */
+  int n_solid;               /* shapes whose material is described by terms */
   int n_input;               /* inputs: numbers of loads and prescribed motions that the caller sets during a run */
   int n_switch;              /* switching functions of all loads */
   int sensor_parameters;     /* offset into parameters of those of the sensors */
@@ -149,6 +172,17 @@ typedef struct {
   const int *ball_partner_begin; /* [n_ball + 1] range of ball_partner */
   const int *ball_partner;       /* [all partners] balls with a larger number with which a ball has pairs, ascending */
   const int *ball_pair;          /* [all partners] these pairs */
+
+  const int *pair_solid;      /* [2 n_pair] solids of the shapes of o, f; MG_NO_MATERIAL, MG_UNKNOWN_MATERIAL */
+  const int *solid_body;      /* [n_solid] body of each solid, ascending */
+  const int *solid_is_cavity; /* [n_solid] 1: the material is where no terms are negative, and others of its body have
+                                 none within it */
+  const int *solid_numbers;   /* [n_solid] offset into numbers: placement of the shape in body axes (12) */
+  const int *solid_term;      /* [n_solid + 1] range of terms */
+
+  const int *term_kind;    /* [all terms] MG_TERM_PLANE .. */
+  const int *term_numbers; /* [all terms] offset into numbers */
+  const int *term_size;    /* [all terms] how many numbers a term has */
 
   const int *feature_pair_kind;       /* [n_feature_pair] contact kind of the library */
   const int *feature_pair_o;          /* [n_feature_pair] body o */
@@ -1017,6 +1051,11 @@ MG_API int mg_settle(const mg_system *system, const mg_settings *settings, const
 
 /* Finds the closest points of n pairs of poses of one contact kind. */
 MG_API void mg_closest(const mg_closest_queries *queries);
+
+/* Heights (n) of points (3 n), world axes, over a solid, negative in its material, m: `pose` (12) is that of its body;
+   `how`: MG_FIRST_ORDER or MG_LIPSCHITZ. */
+MG_API void mg_solid_heights(const mg_system *system, int solid, const mg_real *pose, int how, int n,
+                             const mg_real *points, mg_real *heights);
 
 /* Finds the minima of the distance of a pair of bodies at n pairs of poses. `run` is one that has not begun. */
 MG_API void mg_find_minima(const mg_system *system, const mg_settings *settings, mg_run *run,

@@ -13,8 +13,8 @@ from tests.c_compiler import CC, needs_c
 
 CORE = PACKAGE / "core"
 ROOMS = (  # each may use those before it
-    *("elementary", "base", "solve/lcp", "solve/friction", "region", "model", "closest", "forces"),
-    *("integrate", "features", "patch", "impact", "events", "timestep", "run", "sensitivity"),
+    *("elementary", "base", "solve/lcp", "solve/friction", "region", "model", "solid", "closest"),
+    *("forces", "integrate", "features", "patch", "impact", "events", "timestep", "run", "sensitivity"),
 )
 BODILESS = ("elementary", "base", "solve/lcp", "solve/friction", "region")  # they know no body and no scene
 FUNCTION = re.compile(r"^(?:MG_API|MG_INTERNAL|static)\b[^;{}=]*?\b(mg_\w+)\([^;{]*\)\s*\{", re.MULTILINE)

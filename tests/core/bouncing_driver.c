@@ -18,6 +18,7 @@ int main(void) {
   mg_real ball_at[8] = {0};
   const int listed[2] = {1, 1};
   int is_far[1] = {0}, due[1] = {0}, closed[1], active[1], fresh[1], on[] = {-1}, kind[COUNT], contact[COUNT], feature_pair[COUNT], iwork[1000];
+  static const int no_solids[] = {MG_UNKNOWN_MATERIAL, MG_UNKNOWN_MATERIAL};
   mass_inverse[10] = 1;
   for (int i = 0; i < 7; i++) scale[i] = (mg_real)0.1;
   for (int side = 0; side < 2; side++) {
@@ -30,7 +31,7 @@ int main(void) {
                       .body_kind = body_kind, .body_q = zeros, .body_u = zeros, .body_parameters = body_parameters,
                       .contact_pair = zeros, .contact_eta = zeros, .contact_feature_pair = zeros,
                       .pair_contact = ends, .pair_feature_pair = ends, .pair_search = search,
-                      .pair_is_candidate = candidate, .pair_balls = ends, .n_ball = 2, .ball_body = ends, .ball_partner_begin = partners,
+                      .pair_is_candidate = candidate, .pair_solid = no_solids, .pair_balls = ends, .n_ball = 2, .ball_body = ends, .ball_partner_begin = partners,
                       .feature_pair_kind = zeros, .feature_pair_o = zeros, .feature_pair_f = f, .feature_pair_parameters = link_parameters,
                       .feature_pair_owner = zeros, .feature_pair_group = groups, .feature_pair_condition = zeros,
                       .feature_shape = sides, .feature_parameters = side_parameters, .feature_numbers = side_numbers, .feature_is_listed = listed,

@@ -106,6 +106,18 @@ static void mg_require_pairs(const mg_system *s) {
   mg_require_range(s->ball_body, s->n_ball, 0, s->n_body);
 }
 
+/* The tables of solids and their terms. */
+static void mg_require_solids(const mg_system *s) {
+  const int n = s->n_solid, terms = n ? s->solid_term[n] : 0;
+  mg_require_range(s->pair_solid, 2L * s->n_pair, MG_UNKNOWN_MATERIAL, n);
+  if (!n) return;
+  mg_require_ascent(s->solid_term, n, terms);
+  mg_require_range(s->solid_body, n, 0, s->n_body), mg_require_range(s->solid_numbers, n, 0, s->n_numbers - 11);
+  mg_require_range(s->term_kind, terms, MG_TERM_PLANE, MG_TERM_POLYGON + 1);
+  for (int k = 0; k < terms; k++)
+    MG_REQUIRE(s->term_numbers[k] >= 0 && s->term_numbers[k] + s->term_size[k] <= s->n_numbers);
+}
+
 /* The tables of feature pairs and their conditions. */
 static void mg_require_feature_pairs(const mg_system *s) {
   const int n = s->n_feature_pair, conditions = n ? s->feature_pair_condition[n] : 0;
@@ -146,7 +158,7 @@ static void mg_require_patches(const mg_system *s) {
 MG_INTERNAL void mg_require_tables(const mg_system *s) {
   mg_require_range(s->body_q, s->n_body, 0, s->n_q + 1), mg_require_range(s->body_u, s->n_body, 0, s->n_u + 1);
   mg_require_range(s->body_parameters, s->n_body, 0, s->n_parameters + 1);
-  mg_require_pairs(s), mg_require_feature_pairs(s), mg_require_patches(s);
+  mg_require_pairs(s), mg_require_solids(s), mg_require_feature_pairs(s), mg_require_patches(s);
   mg_require_range(s->load_a, s->n_load, 0, s->n_body), mg_require_range(s->load_b, s->n_load, -1, s->n_body);
   mg_require_ascent(s->load_switch, s->n_load, s->n_switch);
   for (int k = 0; k < s->n_load; k++)

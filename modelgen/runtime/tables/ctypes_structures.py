@@ -13,7 +13,6 @@ import numpy as np
 from modelgen.codegen.manifest import Manifest
 from modelgen.runtime.accuracy import RESOLVED, Accuracy
 from modelgen.runtime.arguments import input_range
-from modelgen.runtime.tables.bounding_balls import BallTables
 from modelgen.runtime.tables.features import FeatureTables, append, cell_capacity
 from modelgen.runtime.tables.friction_rows import FrictionTables
 from modelgen.runtime.tables.joint_limits import add_limits
@@ -23,6 +22,7 @@ from modelgen.runtime.tables.planar_contacts import (
     point_restitutions,
     slot_count,
 )
+from modelgen.runtime.tables.shapes import BallTables, SolidTables
 
 Array = np.ndarray[Any, Any]
 INTEGER = np.dtype(np.intc)  # C's int
@@ -32,7 +32,7 @@ SYSTEM_INTEGERS = (
     *("n_body", "n_contact", "n_load", "n_pair", "n_feature_pair"),
     *("n_q", "n_u", "n_eta", "closed_capacity", "n_joint", "n_joint_row", "n_stand_in"),
     *("n_patch", "n_patch_slot", "n_cell_tree", "n_cell", "n_friction", "n_friction_row"),
-    "n_ball",
+    *("n_ball", "n_solid"),
     *("n_input", "n_switch", "sensor_parameters"),
     *("n_parameters", "n_numbers"),
 )
@@ -41,6 +41,8 @@ SYSTEM_INDICES = (
     *("contact_pair", "contact_eta", "contact_feature_pair"),
     *("pair_contact", "pair_feature_pair", "pair_search", "pair_is_candidate", "pair_balls"),
     *("ball_body", "ball_partner_begin", "ball_partner", "ball_pair"),
+    *("pair_solid", "solid_body", "solid_is_cavity", "solid_numbers", "solid_term"),
+    *("term_kind", "term_numbers", "term_size"),
     *(
         "feature_pair_kind",
         "feature_pair_o",
@@ -420,9 +422,11 @@ def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) 
         append(parameters, instance["sensors"]["parameters"]),
     )
     constraints, balls = FrictionTables(instance), BallTables(instance)
+    solids = SolidTables(instance, sides.numbers)
     integers |= (
         constraints.integers
         | balls.integers
+        | solids.integers
         | {"input_is_linear": [int(each["hold"] == "linear") for each in instance["inputs"]]}
     )
     reals = (
@@ -441,7 +445,8 @@ def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) 
     patches = len(instance["patches"]), slot_count(instance)
     trees = max(integers["feature_tree"], default=-1) + 1
     of_searches = trees, cell_capacity(trees)
-    counts = *rows, *patches, *of_searches, constraints.count, constraints.rows, balls.count, *of_inputs
+    of_shapes = constraints.count, constraints.rows, balls.count, solids.count
+    counts = *rows, *patches, *of_searches, *of_shapes, *of_inputs
     pools = len(parameters), len(sides.numbers)
     system = tables.System(kernels, *_sizes(instance, integers), *states, *counts, *pools)
     for name, place in at.items():

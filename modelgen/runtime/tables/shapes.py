@@ -1,11 +1,19 @@
-"""Tables of the broad phase: the balls around shapes, and the pairs of shapes that each two of them have."""
+"""Tables of the shapes of pairs: balls around them, by which near pairs are found, and their material."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import accumulate
 from typing import Any
 
+from modelgen.runtime.tables.features import append
+
 FEW_PAIRS = 400  # up to so many, all pairs that contacts list are followed all the time
+
+TERMS = (
+    *("plane", "turned", "ring", "capsule", "ellipsoid", "superellipsoid", "paraboloid", "polygon"),
+)  # MG_TERM_PLANE ..
+NO_MATERIAL, UNKNOWN = -1, -2  # MG_NO_MATERIAL, MG_UNKNOWN_MATERIAL
 
 Key = tuple[int, str]  # body, and the name of its shape: the same whatever the values of parameters
 
@@ -61,3 +69,40 @@ def _keys_of(
     for key, ball in zip((o, f), pair["bounding_balls"], strict=True):
         balls.setdefault(key, [*ball["centre"], -1.0 if ball["radius"] is None else ball["radius"]])
     return o, f
+
+
+class SolidTables:
+    """`count`: solids with terms; `integers`: arrays of mg_system. Numbers are added to `numbers`."""
+
+    def __init__(self, instance: Mapping[str, Any], numbers: list[float]) -> None:
+        entries = instance["solids"]
+        known = [each for each in entries if each["terms"]]
+        index = {(each["body"], each["shape"]): k for k, each in enumerate(known)}
+        unknown = {each["body"] for each in entries if each["cavity"] and each["terms"] is None}
+        for each in entries:
+            key = each["body"], each["shape"]
+            if each["terms"] is None or (each["body"] in unknown and not each["cavity"]):
+                index[key] = UNKNOWN
+            index.setdefault(key, NO_MATERIAL)
+        terms = [term for each in known for term in each["terms"]]
+        self.count = len(known)
+        self.integers = {
+            "pair_solid": [
+                *(index[key] for pair in instance["pairs"] for key in _shapes(instance, pair)),
+                *([NO_MATERIAL, NO_MATERIAL] * len(instance["limits"])),
+            ],
+            "solid_body": [each["body"] for each in known],
+            "solid_is_cavity": [int(each["cavity"]) for each in known],
+            "solid_numbers": [append(numbers, each["placement"]) for each in known],
+            "solid_term": [*accumulate((len(each["terms"]) for each in known), initial=0)],
+            "term_kind": [TERMS.index(term["kind"]) for term in terms],
+            "term_numbers": [append(numbers, term["numbers"]) for term in terms],
+            "term_size": [len(term["numbers"]) for term in terms],
+        }
+
+
+def _shapes(instance: Mapping[str, Any], pair: Mapping[str, Any]) -> tuple[tuple[int, str], tuple[int, str]]:
+    """The shapes of a pair: their bodies o, f of its first feature pair, and their names."""
+    first = instance["feature_pairs"][pair["feature_pairs"][0]]
+    o, f = (each["shape"] for each in pair["bounding_balls"])
+    return (first["o"], o), (first["f"], f)
