@@ -155,7 +155,7 @@ static int mg_transfer_over_vertex(mg_context *c, int from, int corner, const mg
 static int mg_is_minimum_on_far_sides(mg_context *c, const mg_minimum *found) {
   mg_real next[6];
   mg_place_contact(c, mg_use_probe_contact(c, found->feature_pair), found->eta, next);
-  return mg_is_between_far_sides(c, found->feature_pair, found->eta);
+  return mg_is_between_far_sides(c, found->feature_pair);
 }
 
 /* Move a contact whose feature pair condition is broken to the adjacent feature pair whose conditions hold, or release
@@ -637,7 +637,8 @@ MG_INTERNAL mg_real mg_search_step_limit(const mg_context *c) {
     const int unwatched = mg_is_pair_without_contacts(c, pair);
     if (!unwatched && mg_has_guiding_contacts(c, pair)) continue;
     const mg_real travel = mg_max(mg_remaining_search_range(c, pair) / (unwatched ? 2 : 1), mg_pair_clearance(c, pair));
-    const mg_motion_bound motion = mg_pair_motion_bound(c, pair, unwatched);
+    const int speeds_up = unwatched || c->run->unfollowed_gap[pair] < MG_MAX;
+    const mg_motion_bound motion = mg_pair_motion_bound(c, pair, speeds_up);
     const mg_real mean = (motion.speed + sqrt(motion.speed * motion.speed + 2 * motion.acceleration * travel)) / 2;
     if (mean * longest_step > travel) longest_step = travel / mean;
   }
