@@ -12,8 +12,6 @@
 #define MG_WIDE_SPREAD ((mg_real)1)   /* directions in a cell that is divided when its tree begins */
 #define MG_WIDE_REST ((mg_real)0.5)   /* part of the radius that is not linear, in such a cell */
 #define MG_WIDE_LEVELS 6              /* times that it is divided */
-#define MG_POINT_LEVELS 32            /* times that a cell is divided towards a point, at most */
-#define MG_POINT_STEPS 32             /* steps from the middle of such a cell to the point of it nearest to that */
 
 /* Norm of n numbers, `otherwise` where it is not finite. */
 static mg_real mg_norm_or(int n, const mg_real *x, mg_real otherwise) {
@@ -251,44 +249,6 @@ MG_INTERNAL int mg_root_cell(mg_context *c, int feature_pair, int side, int is_o
   const int first = c->search.tree_root[root] = mg_new_cell(c, feature_pair, side, is_of_spine, window);
   if (first && !is_of_spine) mg_divide_wide_cell(c, feature_pair, side, first, MG_WIDE_LEVELS);
   return first;
-}
-
-/* Number of a cell below one in whose ball a point is, in the axes of the shape, and whose radius is no larger than
-   `small`, m, or that is the last after so many levels; or 0. */
-static int mg_small_cell_around(mg_context *c, int feature_pair, int side, int cell, const mg_real *x, mg_real small,
-                                int levels) {
-  const mg_cell *at = c->search.cells + cell;
-  const mg_real span[3] = {x[0] - at->centre[0], x[1] - at->centre[1], x[2] - at->centre[2]};
-  if (mg_dot3(span, span) > at->radius * at->radius) return 0;
-  const int half = levels && at->radius > small ? mg_divide_cell(c, feature_pair, side, cell) : 0;
-  if (!half) return cell;
-  const int first = mg_small_cell_around(c, feature_pair, side, half, x, small, levels - 1);
-  return first ? first : mg_small_cell_around(c, feature_pair, side, half + 1, x, small, levels - 1);
-}
-
-/* Moves the coordinates of a point of a feature towards its point nearest to x along the linear part of a cell. */
-static void mg_step_towards(const mg_cell *cell, const mg_real *x, const mg_real *point, mg_real *uv) {
-  const mg_real span[3] = {x[0] - point[0], x[1] - point[1], x[2] - point[2]}, *a = cell->slope[0], *b = cell->slope[1];
-  const mg_real aa = mg_dot3(a, a), ab = mg_dot3(a, b), bb = mg_dot3(b, b), root = aa * bb - ab * ab,
-                along[2] = {mg_dot3(a, span), mg_dot3(b, span)};
-  if (!(root > MG_EPS * aa * bb)) return;
-  uv[0] += (bb * along[0] - ab * along[1]) / root * (cell->box[1] - cell->box[0]) / 2;
-  uv[1] += (aa * along[1] - ab * along[0]) / root * (cell->box[3] - cell->box[2]) / 2;
-}
-
-MG_INTERNAL int mg_point_near(mg_context *c, int feature_pair, int side, const mg_real *x, mg_real small,
-                              mg_real *point, mg_real *normal) {
-  const mg_system *s = c->system;
-  const int root = mg_root_cell(c, feature_pair, side, 0), kind = s->feature_shape[2 * feature_pair + side],
-            cell = root ? mg_small_cell_around(c, feature_pair, side, root, x, small, MG_POINT_LEVELS) : 0;
-  if (!cell) return 0;
-  const mg_cell *near = c->search.cells + cell;
-  mg_real uv[2] = {near->box[0] + (near->box[1] - near->box[0]) / 2, near->box[2] + (near->box[3] - near->box[2]) / 2};
-  for (int step = 0; step <= MG_POINT_STEPS; step++) {
-    if (step) mg_step_towards(near, x, point, uv);
-    c->kernels->shape_point(kind, uv, s->parameters + s->feature_parameters[2 * feature_pair + side], point, normal);
-  }
-  return mg_normalise3(normal);
 }
 
 MG_INTERNAL void mg_limit_feature(const mg_context *c, int feature_pair, int side, mg_feature_limits *limits) {

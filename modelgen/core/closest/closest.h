@@ -131,11 +131,6 @@ MG_INTERNAL void mg_bound_bends(mg_context *c, int feature_pair, int side, int n
 /* Number of the first of the two halves of a cell; 0 if there is no room. */
 MG_INTERNAL int mg_divide_cell(mg_context *c, int feature_pair, int side, int cell);
 
-/* Point nearest to x of a surface with cells, found from a cell with a radius of `small`, m, or less, and its normal,
-   in the axes of its shape. Returns 0 if x is not near the surface. */
-MG_INTERNAL int mg_point_near(mg_context *c, int feature_pair, int side, const mg_real *x, mg_real small,
-                              mg_real *point, mg_real *normal);
-
 /* Where the conditions of a feature pair allow contacts on one side: coordinates u, v in a box and in a disc about 0,
    and points within the quadrics; and where its critical points are. */
 typedef struct {
@@ -218,27 +213,40 @@ MG_INTERNAL mg_real mg_constant_distance(const mg_centred_feature *of);
    most with a value up to `gap`. */
 MG_INTERNAL int mg_have_circles_one_minimum(const mg_centred_feature *of, mg_real gap);
 
-/* far_sides.c */
+/* segment_crossings.c */
 
-/* True if the points of the placement evaluated last, that at eta, whose distance is negative, are on sides of the
-   bodies that face away from each other: no penetration. */
-MG_INTERNAL int mg_is_between_far_sides(mg_context *c, int feature_pair, const mg_real *eta);
+/* True if the point of the other side of a feature pair is in the body of one side, and not only on it, at the
+   placement evaluated last: a segment from a surface to it does not leave the body, or ways to both sides from it do.
+ */
+MG_INTERNAL int mg_is_point_in_body(mg_context *c, int feature_pair, int side);
 
-/* True if it can be told of all surfaces of a pair where a segment leaves them: planes, spheres, those about spines,
-   and those with cells, which convex shapes have none of. */
-MG_INTERNAL int mg_are_far_sides_known(const mg_context *c, int pair);
+/* True if a point is in the body of one side of a feature pair, and not only on it, by what ways to both sides from it
+   meet first, farther off than what touches. */
+MG_INTERNAL int mg_is_in_body(mg_context *c, int feature_pair, int side, const mg_real *point);
 
-/* True if a straight line on a body of a pair crosses a surface of the other, so that the bodies overlap: edges, and
-   generators of ruled surfaces. */
-MG_INTERNAL int mg_do_lines_cross(mg_context *c, int pair);
+/* The part of the segment between two points at which it leaves the body of one side of a feature pair, or 1; MG_MAX
+   if the body has no surfaces. It leaves none within `least` of its start, m. */
+MG_INTERNAL mg_real mg_part_in_surfaces(mg_context *c, int feature_pair, int side, const mg_real *start,
+                                        const mg_real *end, mg_real least);
 
-/* True if a point of one body of a pair is in the other, by what ways to both sides from it meet first, or if both are
-   bounded and a line on one comes out of the other. */
-MG_INTERNAL int mg_do_bodies_overlap(mg_context *c, int pair);
+/* True if a body of a pair has surfaces; joint limits and curves have none. */
+MG_INTERNAL int mg_has_surfaces(const mg_context *c, int pair);
 
-/* True if neither of two bodies whose surfaces do not cross is within the other, seen at a minimum of their distance
-   that is not negative. */
-MG_INTERNAL int mg_are_outside_each_other(mg_context *c, const mg_minimum *found);
+/* True if points of all vertices, edges and surfaces without borders of the body of one side of a pair are in that of
+   the other, by what ways to both sides from them meet first. */
+MG_INTERNAL int mg_is_body_within(mg_context *c, int pair, int side);
+
+/* overlap.c */
+
+/* True if the points of the placement evaluated last, whose distance is negative, are on sides of the bodies that face
+ * away from each other: no penetration. */
+MG_INTERNAL int mg_is_between_far_sides(mg_context *c, int feature_pair);
+
+/* True if it is known of both shapes of a pair where their material is. */
+MG_INTERNAL int mg_are_materials_known(const mg_context *c, int pair);
+
+/* True if a point in both shapes of a pair is found, deeper than where touching bodies overlap as far as they may. */
+MG_INTERNAL int mg_is_overlap_seen(mg_context *c, int pair);
 
 /* exclusion_and_uniqueness.c */
 

@@ -74,7 +74,7 @@ MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta,
     return 0;
   found->feature_pair = feature_pair, found->margin = mg_placement_uniqueness(c, probe);
   mg_record_minimum(c, found);
-  if (mg_is_between_far_sides(c, feature_pair, eta)) return 0;
+  if (mg_is_between_far_sides(c, feature_pair)) return 0;
   for (int k = 0; k < 6; k++) found->eta[k] = eta[k];
   return fabs(found->d) <= MG_MAX;
 }
@@ -139,7 +139,7 @@ MG_INTERNAL void mg_note_singular_point(mg_context *c, int feature_pair, const m
   if (mg_has_no_normal(c, feature_pair)) return;
   const mg_real least = d < 0 ? -c->settings->feature_border : -c->settings->search_movement;
   if (mg_most_violated_condition(c, feature_pair, eta, &which) < least) return;
-  if (mg_is_between_far_sides(c, feature_pair, eta)) return;
+  if (mg_is_between_far_sides(c, feature_pair)) return;
   mg_note_singular_gap(c, feature_pair, d);
   if (!(d < 0) || !(d > c->search.overlap.d)) return;
   c->search.overlap.feature_pair = feature_pair, c->search.overlap.d = d;

@@ -224,11 +224,6 @@ static int mg_are_surfaces_apart(mg_context *c, int first, int end, const mg_min
   return searched > 0 && searched == surfaces[0] * surfaces[1];
 }
 
-/* True if the minima found by a complete search show that the bodies do not overlap. */
-static int mg_is_overlap_excluded(mg_context *c, int first, int end, const mg_minima *found) {
-  return found->count && mg_are_surfaces_apart(c, first, end, found) && mg_are_outside_each_other(c, found->list);
-}
-
 /* Puts a contact on the nearest one of minima that penetrates. Returns 1 if there is one. */
 static int mg_follow_penetration(mg_context *c, int contact, const mg_minima *found) {
   for (int k = 0; k < found->count; k++) {
@@ -239,37 +234,46 @@ static int mg_follow_penetration(mg_context *c, int contact, const mg_minima *fo
   return 0;
 }
 
-/* True if straight lines show that the bodies of a pair overlap: not where a face of one has all of the other in front
-   of it, which a lower bound `least` of the gaps tells, m. */
-static int mg_do_lines_show_overlap(mg_context *c, int pair, mg_real least) {
-  return least <= -2 * c->settings->start_gap * c->system->length && mg_do_lines_cross(c, pair);
-}
-
-/* Outcome of a start where the bodies of feature pairs from `first` to `end` overlap, or MG_DONE. Puts a contact on
-   closest points that penetrate, also where those found by the search before, complete or not, are nearer. Where far
-   sides are not known, only straight lines that cross tell of an overlap. Of bodies that are beside each other, a
-   complete search finds closest points, but for two vertices. */
-static int mg_judge_overlap(mg_context *c, int contact, int first, int end, mg_real least, int is_complete,
-                            const mg_minima *nearest) {
-  const int pair = c->system->feature_pair_owner[first];
+/* Puts a contact on closest points that penetrate, however deep, of feature pairs from `first` to `end`. Returns 1 if
+   there are some. */
+static int mg_follow_deep_penetration(mg_context *c, int contact, int first, int end, mg_real least) {
   const mg_real open_gap = c->search.open_gap, singular_gap = c->search.singular_gap;
-  if (mg_follow_overlap(c, contact, nearest)) return MG_PENETRATION;
-  if (mg_pair_clearance(c, pair) > 0) return MG_DONE;
-  if (!mg_are_far_sides_known(c, pair)) return mg_do_lines_show_overlap(c, pair, least) ? MG_BODY_WITHIN : MG_DONE;
-  if (mg_follow_penetration(c, contact, nearest)) return MG_PENETRATION;
-  if (is_complete && mg_is_overlap_excluded(c, first, end, nearest)) return MG_DONE;
   for (int each = first; each < end; each++) {
     const mg_search_limits limits = mg_overlap_limits(c, each);
     mg_minima found = {0};
     if (mg_has_no_sides(c, each)) continue;
     mg_find_minima_of_feature_pair(c, each, &limits, least, &found);
-    if (mg_follow_penetration(c, contact, &found)) return MG_PENETRATION;
+    if (mg_follow_penetration(c, contact, &found)) return 1;
   }
   c->search.open_gap = open_gap, c->search.singular_gap = singular_gap;
-  if (mg_follow_overlap(c, contact, &(mg_minima){0})) return MG_PENETRATION;
-  if (mg_do_lines_show_overlap(c, pair, least)) return MG_BODY_WITHIN;
-  if (nearest->count || open_gap < MG_MAX || !is_complete) return MG_DONE;
-  return mg_do_bodies_overlap(c, pair) ? MG_BODY_WITHIN : MG_DONE;
+  return mg_follow_overlap(c, contact, &(mg_minima){0});
+}
+
+/* True if nothing shows yet that the bodies of a pair are beside each other: a face of one that has all of the other in
+   front of it, which a lower bound `least` of the gaps tells, m, or the only closest points of two convex bodies. */
+static int mg_may_overlap(const mg_context *c, int pair, mg_real least, const mg_minima *nearest) {
+  const mg_system *s = c->system;
+  const int first = s->pair_feature_pair[pair], is_alone = s->pair_feature_pair[pair + 1] == first + 1;
+  return least <= -2 * c->settings->start_gap * s->length &&
+         !(is_alone && nearest->count && c->kernels->contact_kinds[s->feature_pair_kind[first]].is_convex);
+}
+
+/* Outcome of a start where the bodies of feature pairs from `first` to `end` overlap, or MG_DONE. Puts a contact on
+   closest points that penetrate, also where those found by the search before, complete or not, are nearer. Where the
+   material of both is known, deep ones are looked for only to say how deep the overlap is. */
+static int mg_judge_overlap(mg_context *c, int contact, int first, int end, mg_real least, int is_complete,
+                            const mg_minima *nearest) {
+  const int pair = c->system->feature_pair_owner[first];
+  if (mg_follow_overlap(c, contact, nearest)) return MG_PENETRATION;
+  if (mg_pair_clearance(c, pair) > 0) return MG_DONE;
+  if (mg_follow_penetration(c, contact, nearest)) return MG_PENETRATION;
+  if (!mg_may_overlap(c, pair, least, nearest)) return MG_DONE;
+  const int is_seen = mg_is_overlap_seen(c, pair);
+  if (!is_seen && is_complete &&
+      (mg_are_materials_known(c, pair) || (nearest->count && mg_are_surfaces_apart(c, first, end, nearest))))
+    return MG_DONE;
+  if (mg_follow_deep_penetration(c, contact, first, end, least)) return MG_PENETRATION;
+  return is_seen ? MG_BODY_WITHIN : MG_DONE;
 }
 
 /* Start of a pair whose contacts have feature pairs of their own. Returns an outcome. */

@@ -287,8 +287,6 @@ typedef struct {
   mg_sample *samples;             /* [MG_SAMPLES] samples of a feature */
   mg_real *face_gap;              /* [per face of a pair] least gap of a flat face of one solid to the features of
                                      another, m */
-  mg_real *normals;               /* [3 most surfaces of a pair] exterior normals of surfaces through a point */
-  mg_real *cone_vectors;          /* [3 most conditions of a feature pair] vectors of a tangent cone */
   mg_cell *cells;                 /* [system->n_cell] cells of all trees; cell 0 is not used */
   int *n_cells;                   /* [1] cells in use, cell 0 included */
   int *tree_root;                 /* [2 per cell tree] first cell of the feature, and of its spine, or 0 */

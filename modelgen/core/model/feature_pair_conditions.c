@@ -132,32 +132,6 @@ MG_INTERNAL int mg_is_within_border(const mg_context *c, int feature_pair, int s
   return 1;
 }
 
-/* Least x >= 0 beyond which e + f x + g x^2 is negative; MG_MAX if there is none. */
-static mg_real mg_first_sign_change(mg_real e, mg_real f, mg_real g) {
-  const mg_real square = f * f - 4 * g * e;
-  if (e < 0) return 0;
-  if (f > 0) return g < 0 ? (f + (mg_real)sqrt(square)) / (-2 * g) : MG_MAX;
-  if (square > 0) return 2 * e / ((mg_real)sqrt(square) - f);
-  return g < 0 ? 0 : MG_MAX;
-}
-
-MG_INTERNAL mg_real mg_part_within_border(const mg_context *c, int feature_pair, int side, const mg_real *x,
-                                          const mg_real *along, mg_real slack) {
-  const mg_system *s = c->system;
-  mg_real first = MG_MAX;
-  for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++) {
-    const mg_real *a = mg_bounding_quadric(c, side, k);
-    if (!a) continue;
-    const mg_real slope[3] = {a[1] + 2 * a[4] * x[0] + a[7] * x[1] + a[8] * x[2],
-                              a[2] + 2 * a[5] * x[1] + a[7] * x[0] + a[9] * x[2],
-                              a[3] + 2 * a[6] * x[2] + a[8] * x[0] + a[9] * x[1]};
-    const mg_real pure[10] = {0, 0, 0, 0, a[4], a[5], a[6], a[7], a[8], a[9]};
-    first = mg_min(first, mg_first_sign_change(mg_quadric_condition(a, x) + slack, mg_dot3(slope, along),
-                                               mg_quadric_condition(pure, along)));
-  }
-  return first;
-}
-
 /* True if a side of a feature pair is a sphere. */
 static int mg_is_ball(const mg_context *c, int feature_pair, int side) {
   return mg_shape_kind_of(c, feature_pair, side)->nearest_point == MG_NEAREST_SPHERE;
@@ -321,98 +295,6 @@ MG_INTERNAL mg_real mg_least_feature_pair_condition(const mg_context *c, int fea
 static int mg_bounds_normal_cone(const mg_context *c, int condition) {
   const int kind = c->system->condition_kind[condition];
   return kind == MG_CONDITION_WING || kind == MG_CONDITION_DIRECTION || kind == MG_CONDITION_TIP;
-}
-
-MG_INTERNAL int mg_is_in_normal_cone(const mg_context *c, int feature_pair, int side, const mg_real *eta) {
-  MG_NEEDS_PLACEMENT(c, feature_pair, eta);
-  const mg_system *s = c->system;
-  mg_feature_view view = {.side = -1};
-  for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++)
-    if (s->condition_feature[k] == side && mg_bounds_normal_cone(c, k) &&
-        mg_condition_value(c, feature_pair, k, eta, &view) < -c->settings->feature_border)
-      return 0;
-  return 1;
-}
-
-/* Vectors from an edge into its faces, or from a vertex along its edges: the body near it is about within the cone that
-   they span, and its normals are those that none of them points along. The tip of a cone has the numbers of its
-   MG_CONDITION_TIP in place of them. */
-typedef struct {
-  int count, is_edge;
-  mg_real *along;     /* [3 count] */
-  const mg_real *tip; /* or 0 */
-} mg_tangent_cone;
-
-/* Reads the tangent cone from those conditions of a side that bound its normals. */
-static void mg_read_tangent_cone(const mg_context *c, int feature_pair, const mg_feature_view *view,
-                                 mg_tangent_cone *cone) {
-  const mg_system *s = c->system;
-  cone->count = cone->is_edge = 0, cone->along = c->search.cone_vectors, cone->tip = 0;
-  for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++) {
-    const mg_real *a = s->numbers + s->condition_numbers[k];
-    if (s->condition_feature[k] != view->side || !mg_bounds_normal_cone(c, k)) continue;
-    if (s->condition_kind[k] == MG_CONDITION_TIP) {
-      cone->tip = a;
-      continue;
-    }
-    mg_real *vector = cone->along + 3 * cone->count++;
-    if (s->condition_kind[k] == MG_CONDITION_WING) {
-      mg_wing(c, feature_pair, view->side, a, view->uv, vector), cone->is_edge = 1;
-    } else {
-      const mg_real size = sqrt(mg_dot3(a, a));
-      for (int i = 0; i < 3; i++) vector[i] = a[i] / size;
-    }
-  }
-}
-
-/* A vector that is normal to two of the vectors of a cone, or of an edge's to one of them within the plane of N. */
-static void mg_side_of_cone(const mg_tangent_cone *cone, int i, int j, const mg_real *N, mg_real *normal) {
-  const mg_real *v = cone->along + 3 * i;
-  if (!cone->is_edge) mg_cross_product(v, cone->along + 3 * j, normal);
-  for (int k = 0; k < 3 && cone->is_edge; k++) normal[k] = mg_dot3(N, v) * v[k] - N[k];
-}
-
-/* True if a direction against N leaves a cone: a vector that points along none of the cone's points along it. */
-static int mg_is_out_of_cone(const mg_tangent_cone *cone, const mg_real *N, mg_real border) {
-  for (int i = 0; i < cone->count; i++)
-    for (int j = 0; j < cone->count; j++) {
-      mg_real normal[3], most = -MG_MAX;
-      if (j == i) continue;
-      mg_side_of_cone(cone, i, j, N, normal);
-      for (int k = 0; k < cone->count; k++)
-        if (k != i && (cone->is_edge || k != j)) most = mg_max(most, mg_dot3(normal, cone->along + 3 * k));
-      if (-mg_dot3(normal, N) > border && most < -border) return 1;
-    }
-  return 0;
-}
-
-MG_INTERNAL int mg_leaves_body_at_once(const mg_context *c, int feature_pair, int side, const mg_real *eta) {
-  MG_NEEDS_PLACEMENT(c, feature_pair, eta);
-  const mg_real border = c->settings->feature_border;
-  mg_feature_view view;
-  mg_tangent_cone cone;
-  mg_view_feature(c, feature_pair, side, eta, &view);
-  mg_read_tangent_cone(c, feature_pair, &view, &cone);
-  const mg_real *tip = cone.tip, *N = view.N;
-  if (!tip) return mg_is_out_of_cone(&cone, N, border);
-  return mg_dot3(tip, N) * tip[3] < mg_sine_between(tip, N) * sqrt(1 - tip[3] * tip[3]) - border;
-}
-
-MG_INTERNAL void mg_inward_direction(const mg_context *c, int feature_pair, int side, const mg_real *eta,
-                                     mg_real *inward) {
-  MG_NEEDS_PLACEMENT(c, feature_pair, eta);
-  mg_feature_view view;
-  mg_tangent_cone cone;
-  mg_real sum[3] = {0, 0, 0}, in_body[3];
-  mg_view_feature(c, feature_pair, side, eta, &view);
-  mg_read_tangent_cone(c, feature_pair, &view, &cone);
-  for (int k = 0; k < 3; k++) {
-    for (int i = 0; i < cone.count; i++) sum[k] += cone.along[3 * i + k];
-    if (cone.tip) sum[k] = -cone.tip[k];
-  }
-  mg_normalise3(sum);
-  mg_to_world(mg_feature_numbers(c, feature_pair, side) + MG_FEATURE_PLACEMENT, sum, 0, in_body);
-  mg_to_world(c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side), in_body, 0, inward);
 }
 
 /* True if a contact may be held a little beyond a condition of its feature pair, at the end of that line; -1: of any.

@@ -232,11 +232,6 @@ MG_INTERNAL mg_real mg_quadric_condition(const mg_real *a, const mg_real *x);
    `slack` of it, m, by those conditions that are functions of the point alone. */
 MG_INTERNAL int mg_is_within_border(const mg_context *c, int feature_pair, int side, const mg_real *x, mg_real slack);
 
-/* Part of `along`, at least 0, that a point of that surface may move before it is no longer within the border, as
-   mg_is_within_border says; MG_MAX if it never leaves. */
-MG_INTERNAL mg_real mg_part_within_border(const mg_context *c, int feature_pair, int side, const mg_real *x,
-                                          const mg_real *along, mg_real slack);
-
 /* Transforms a point from world axes to the axes of a feature's shape. */
 MG_INTERNAL void mg_point_in_shape_axes(const mg_context *c, int feature_pair, int side, const mg_real *world,
                                         mg_real *local);
@@ -281,19 +276,6 @@ enum {
    time-stepping adds parallel_angle to those that end a line. Needs mg_place_contact at eta. */
 MG_INTERNAL mg_real mg_least_feature_pair_condition(const mg_context *c, int feature_pair, const mg_real *eta,
                                                     int those, int *which);
-
-/* True if the normal at an edge or a vertex, the feature of one side, is such that no point of its body near it lies
-   farther along the normal. At a surface: True. Needs mg_place_contact at eta. */
-MG_INTERNAL int mg_is_in_normal_cone(const mg_context *c, int feature_pair, int side, const mg_real *eta);
-
-/* True if against the normal of an edge or a vertex, the feature of one side, its body is left at once, as at sharp
-   edges on which the body leans. At a surface: False. Needs mg_place_contact at eta. */
-MG_INTERNAL int mg_leaves_body_at_once(const mg_context *c, int feature_pair, int side, const mg_real *eta);
-
-/* Unit vector in world axes from an edge or a vertex, the feature of one side, into its body. Needs mg_place_contact at
-   eta. */
-MG_INTERNAL void mg_inward_direction(const mg_context *c, int feature_pair, int side, const mg_real *eta,
-                                     mg_real *inward);
 
 /* Least value of the conditions beyond which a contact leaves the feature pair. */
 MG_INTERNAL mg_real mg_most_violated_condition(const mg_context *c, int feature_pair, const mg_real *eta, int *which);

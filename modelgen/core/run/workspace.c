@@ -86,28 +86,6 @@ static long mg_face_group_count(const mg_system *s) {
   return most + 1L;
 }
 
-/* Most listed features of both bodies of a pair. */
-static long mg_listed_feature_max(const mg_system *s) {
-  long most = 0;
-  for (int pair = 0; pair < s->n_pair; pair++) {
-    long count = 0;
-    for (int k = 2 * s->pair_feature_pair[pair]; k < 2 * s->pair_feature_pair[pair + 1]; k++)
-      count += s->feature_is_listed[k] != 0;
-    if (count > most) most = count;
-  }
-  return most;
-}
-
-/* Most conditions of a feature pair. */
-static long mg_condition_max(const mg_system *s) {
-  long most = 0;
-  for (int k = 0; k < s->n_feature_pair; k++) {
-    const long count = s->feature_pair_condition[k + 1] - s->feature_pair_condition[k];
-    if (count > most) most = count;
-  }
-  return most;
-}
-
 /* Most Taylor models that the bounds of a shape need as memory. */
 static long mg_bounds_memory_max(const mg_system *s) {
   int most = 0;
@@ -259,8 +237,6 @@ static void mg_set_arrays(mg_context *c, mg_memory *memory) {
   c->search.samples = mg_reserve_items(memory, MG_SAMPLES, sizeof(mg_sample)),
   c->search.bounds_memory = mg_reserve_items(memory, mg_bounds_memory_max(s), sizeof(mg_taylor_model));
   c->search.face_gap = mg_reserve_reals(memory, mg_face_group_count(s));
-  c->search.normals = mg_reserve_reals(memory, 3 * mg_listed_feature_max(s));
-  c->search.cone_vectors = mg_reserve_reals(memory, 3 * mg_condition_max(s));
   c->search.searched_gap = mg_reserve_reals(memory, s->n_pair),
   c->search.cell_pairs = mg_reserve_ints(memory, s->n_cell_tree ? 2L * MG_CELL_PAIRS : 0);
   c->step.rolling_starts = (mg_rolling_start *)(void *)mg_reserve_reals(memory, m * mg_rolling_start_size());

@@ -1,0 +1,310 @@
+/* Whether bodies have material in common: at two of their points whose distance is negative, or anywhere. By how high
+   points are above their material (solid); an overlap is told only by a point that is in both. Of shapes whose material
+   no terms describe, by segment_crossings.c. Reads c->bodies; writes the placement of the probe contact. */
+#include "closest/closest.h"
+#include "base/base.h"
+#include "model/model.h"
+#include "solid/solid.h"
+
+#define MG_CURVE_SAMPLES 64           /* of a curve, and of each coordinate of a surface without material */
+#define MG_CURVE_LOWEST 3             /* of them, about which the lowest place is refined */
+#define MG_CLEAR_PART ((mg_real)1e-3) /* of the distance of two points, by which that is less */
+#define MG_CLEAR_GAPS 16              /* start_gap from a body, within which a point may be in it */
+#define MG_GOLDEN ((mg_real)0.3819660112501051)
+#define MG_GOLDEN_STEPS 40
+#define MG_FIRST_CELLS 4                   /* along each side of the cube that is searched */
+#define MG_OVERLAP_CELLS 128               /* most cells that are divided at a time, the lowest ones */
+#define MG_SMALLEST_CELL ((mg_real)1 / 64) /* of the radius of the ball that is searched */
+#define MG_DESCENT_STEPS 60
+
+/* Depth of a point in both bodies beyond which they overlap, m: where touching bodies overlap as far as they may, no
+   point is deeper in both. */
+static mg_real mg_common_depth(const mg_context *c) { return c->settings->start_gap * c->system->length / 2; }
+
+/* Height of a point over what the shapes of a pair have in common, m; a shape without material has all points. */
+static mg_real mg_height_over_both(const mg_context *c, int pair, const mg_real *x, int how) {
+  mg_real height = -MG_MAX;
+  for (int side = 0; side < 2; side++)
+    if (mg_has_material(c, pair, side)) height = mg_max(height, mg_height_over_material(c, pair, side, x, how));
+  return height;
+}
+
+/* A line on the feature of one side of a feature pair, from coordinates to coordinates. */
+typedef struct {
+  int pair, feature_pair, side;
+  mg_real from[2], to[2];
+} mg_line;
+
+/* Height over both bodies at a part of a line; MG_MAX beyond the borders of its feature. */
+static mg_real mg_height_on_line(mg_context *c, const mg_line *line, mg_real part) {
+  mg_real uv[2];
+  mg_sample at;
+  for (int k = 0; k < 2; k++) uv[k] = line->from[k] + part * (line->to[k] - line->from[k]);
+  mg_sample_at(c, line->feature_pair, line->side, uv, &at);
+  if (!mg_is_within_border(c, line->feature_pair, line->side, at.local, 0)) return MG_MAX;
+  return mg_height_over_both(c, line->pair, at.point, MG_FIRST_ORDER);
+}
+
+/* Lowest height on a line about a part of it, by golden sections. */
+static mg_real mg_lowest_about(mg_context *c, const mg_line *line, mg_real low, mg_real high, mg_real enough) {
+  mg_real a = low + MG_GOLDEN * (high - low), b = high - MG_GOLDEN * (high - low), at_a = mg_height_on_line(c, line, a),
+          at_b = mg_height_on_line(c, line, b);
+  for (int k = 0; k < MG_GOLDEN_STEPS && mg_min(at_a, at_b) >= enough; k++)
+    if (at_a < at_b) {
+      high = b, b = a, at_b = at_a;
+      a = low + MG_GOLDEN * (high - low), at_a = mg_height_on_line(c, line, a);
+    } else {
+      low = a, a = b, at_a = at_b;
+      b = high - MG_GOLDEN * (high - low), at_b = mg_height_on_line(c, line, b);
+    }
+  return mg_min(at_a, at_b);
+}
+
+/* True if a point of a line is in both bodies. */
+static int mg_is_line_in_both(mg_context *c, const mg_line *line) {
+  const mg_real deep = -mg_common_depth(c);
+  const int samples = MG_CURVE_SAMPLES;
+  mg_real height[MG_CURVE_SAMPLES + 1];
+  for (int k = 0; k <= samples; k++)
+    if ((height[k] = mg_height_on_line(c, line, (mg_real)k / samples)) < deep) return 1;
+  for (int tries = 0; tries < MG_CURVE_LOWEST; tries++) {
+    int best = -1;
+    for (int k = 0; k <= samples; k++)
+      if (height[k] < MG_MAX && (best < 0 || height[k] < height[best])) best = k;
+    if (best < 0) return 0;
+    const mg_real low = (mg_real)(best > 0 ? best - 1 : 0) / samples,
+                  high = (mg_real)(best < samples ? best + 1 : samples) / samples;
+    if (mg_lowest_about(c, line, low, high, deep) < deep) return 1;
+    for (int k = best > 0 ? best - 1 : 0; k <= best + 1 && k <= samples; k++) height[k] = MG_MAX;
+  }
+  return 0;
+}
+
+/* Cells of the cube around a ball, that may hold points in both bodies: centres and heights, the lowest ones. */
+typedef struct {
+  int count;
+  mg_real centre[3 * MG_OVERLAP_CELLS], height[MG_OVERLAP_CELLS];
+} mg_overlap_cells;
+
+/* Adds a cell; where there is no room, the highest one is left out. */
+static void mg_add_overlap_cell(mg_overlap_cells *cells, const mg_real *centre, mg_real height) {
+  int at = cells->count;
+  if (at == MG_OVERLAP_CELLS) {
+    at = 0;
+    for (int k = 1; k < MG_OVERLAP_CELLS; k++)
+      if (cells->height[k] > cells->height[at]) at = k;
+    if (!(height < cells->height[at])) return;
+  } else cells->count++;
+  for (int k = 0; k < 3; k++) cells->centre[3 * at + k] = centre[k];
+  cells->height[at] = height;
+}
+
+/* True if points lower and lower from a point on lead into both bodies. */
+static int mg_does_descent_reach_both(mg_context *c, int pair, mg_real *x, mg_real step) {
+  const mg_real deep = -mg_common_depth(c);
+  mg_real height = mg_height_over_both(c, pair, x, MG_FIRST_ORDER);
+  for (int k = 0; k < MG_DESCENT_STEPS && height >= deep; k++) {
+    int is_lower = 0;
+    for (int way = 0; way < 6; way++) {
+      mg_real y[3] = {x[0], x[1], x[2]};
+      y[way / 2] += way % 2 ? -step : step;
+      const mg_real at = mg_height_over_both(c, pair, y, MG_FIRST_ORDER);
+      if (!(at < height)) continue;
+      height = at, is_lower = 1;
+      for (int i = 0; i < 3; i++) x[i] = y[i];
+    }
+    if (!is_lower) step /= 2;
+  }
+  return height < deep;
+}
+
+/* True if a point in both bodies is found in a ball, world axes. */
+static int mg_is_ball_in_both(mg_context *c, int pair, const mg_real *centre, mg_real radius) {
+  const mg_real deep = -mg_common_depth(c), root = sqrt((mg_real)3);
+  mg_overlap_cells old, cells;
+  mg_real half = radius, lowest = MG_MAX, at[3] = {0, 0, 0};
+  old.count = 0;
+  mg_add_overlap_cell(&old, centre, 0);
+  for (int parts = MG_FIRST_CELLS; old.count && half > MG_SMALLEST_CELL * radius; parts = 2, old = cells) {
+    half /= parts, cells.count = 0;
+    for (int each = 0; each < old.count; each++)
+      for (int part = 0; part < parts * parts * parts; part++) {
+        const int place[3] = {part % parts, part / parts % parts, part / (parts * parts)};
+        mg_real x[3];
+        for (int k = 0; k < 3; k++) x[k] = old.centre[3 * each + k] + half * (2 * place[k] + 1 - parts);
+        const mg_real height = mg_height_over_both(c, pair, x, MG_LIPSCHITZ);
+        if (height < deep) return 1;
+        if (height < lowest) lowest = height, at[0] = x[0], at[1] = x[1], at[2] = x[2];
+        if (height - root * half < deep) mg_add_overlap_cell(&cells, x, height);
+      }
+  }
+  return old.count && mg_does_descent_reach_both(c, pair, at, half);
+}
+
+/* The smaller of the balls around the shapes of a pair that have material, world axes. Returns 0 if none is bounded. */
+static int mg_smaller_ball(const mg_context *c, int pair, mg_real *centre, mg_real *radius) {
+  int smaller = -1;
+  for (int side = 0; side < 2; side++)
+    if (mg_pair_ball(c, pair, side)[3] >= 0 &&
+        (smaller < 0 || mg_pair_ball(c, pair, side)[3] < mg_pair_ball(c, pair, smaller)[3]))
+      smaller = side;
+  if (smaller < 0) return 0;
+  const int body = mg_feature_body(c, c->system->pair_feature_pair[pair], smaller);
+  mg_to_world(c->bodies.pose + 12 * body, mg_pair_ball(c, pair, smaller), 1, centre);
+  *radius = mg_pair_ball(c, pair, smaller)[3];
+  return *radius > 0;
+}
+
+/* Bounds (u0, u1, v0, v1) within which a feature is looked at: those of its samples, cut by its conditions. */
+static void mg_window_of_feature(mg_context *c, int feature_pair, int side, mg_real *window) {
+  mg_feature_limits limits;
+  mg_limit_feature(c, feature_pair, side, &limits);
+  mg_sample_window(c, feature_pair, side, mg_search_radius(c, feature_pair, side), window);
+  for (int k = 0; k < 4; k++) window[k] = k % 2 ? mg_min(window[k], limits.box[k]) : mg_max(window[k], limits.box[k]);
+}
+
+/* The side of its pair that the shape of one side of a feature pair is on. */
+static int mg_side_of_pair(const mg_context *c, int feature_pair, int side) {
+  const int first = c->system->pair_feature_pair[c->system->feature_pair_owner[feature_pair]];
+  return mg_feature_body(c, feature_pair, side) != mg_feature_body(c, first, 0);
+}
+
+/* True if the shape of one side of a pair may have material. */
+static int mg_has_volume(const mg_context *c, int pair, int side) {
+  return mg_has_material(c, pair, side) || !mg_is_material_known(c, pair, side);
+}
+
+/* True if a segment passes through the ball around the other shape of a feature pair, or that has none. */
+static int mg_does_segment_pass_ball(const mg_context *c, int feature_pair, int side, const mg_real *start,
+                                     const mg_real *end) {
+  const int pair = c->system->feature_pair_owner[feature_pair], body = mg_feature_body(c, feature_pair, 1 - side);
+  const mg_real *ball = mg_pair_ball(c, pair, mg_side_of_pair(c, feature_pair, 1 - side));
+  mg_real centre[3], along[3], arm[3];
+  if (ball[3] < 0) return 1;
+  mg_to_world(c->bodies.pose + 12 * body, ball, 1, centre);
+  for (int k = 0; k < 3; k++) along[k] = end[k] - start[k], arm[k] = centre[k] - start[k];
+  const mg_real square = mg_dot3(along, along),
+                part = square > 0 ? mg_min(mg_max(mg_dot3(arm, along) / square, (mg_real)0), (mg_real)1) : 0;
+  for (int k = 0; k < 3; k++) arm[k] -= part * along[k];
+  return mg_dot3(arm, arm) <= 4 * ball[3] * ball[3]; /* a curve is beside its chord */
+}
+
+/* True if the chord of a part of a curve leaves a disc, the other shape of a feature pair, well behind its start and
+   well before its end. */
+static int mg_does_chord_leave_disc(mg_context *c, int feature_pair, int side, const mg_real *start,
+                                    const mg_real *end) {
+  const mg_real touching = c->settings->start_gap * c->system->length,
+                span[3] = {end[0] - start[0], end[1] - start[1], end[2] - start[2]},
+                part = mg_part_in_surfaces(c, feature_pair, 1 - side, start, end, touching);
+  return part < 1 && (1 - part) * sqrt(mg_dot3(span, span)) > touching;
+}
+
+/* True if a part of a curve is in the other shape of its pair, or passes through it if that is a disc: by one of its
+   ends, or its point in the middle of where its chord is within. */
+static int mg_is_curve_part_within(mg_context *c, int feature_pair, int side, const mg_sample *a, const mg_sample *b) {
+  const int pair = c->system->feature_pair_owner[feature_pair];
+  mg_sample middle;
+  if (!mg_does_segment_pass_ball(c, feature_pair, side, a->point, b->point)) return 0;
+  if (!mg_has_volume(c, pair, mg_side_of_pair(c, feature_pair, 1 - side)))
+    return mg_does_chord_leave_disc(c, feature_pair, side, a->point, b->point) ||
+           mg_does_chord_leave_disc(c, feature_pair, side, b->point, a->point);
+  const mg_real left = mg_part_in_surfaces(c, feature_pair, 1 - side, a->point, b->point, 0),
+                entered = 1 - mg_part_in_surfaces(c, feature_pair, 1 - side, b->point, a->point, 0);
+  if (!(left < 1) && !(entered > 0)) return 0;
+  const mg_real from = entered > 0 ? entered : 0, to = left < 1 ? left : 1;
+  const mg_real uv[2] = {a->uv[0] + (from + to) / 2 * (b->uv[0] - a->uv[0]), a->uv[1]};
+  mg_sample_at(c, feature_pair, side, uv, &middle);
+  return from < to && mg_is_in_body(c, feature_pair, 1 - side, middle.point);
+}
+
+/* True if a curve is in the other shape of its pair, or passes through it if that is a disc. */
+static int mg_does_curve_cross(mg_context *c, int feature_pair, int side) {
+  const int parts = mg_shape_kind_of(c, feature_pair, side)->spine == MG_SPINE_LINE ? 1 : MG_CURVE_SAMPLES;
+  mg_real window[4];
+  mg_sample at[2];
+  mg_window_of_feature(c, feature_pair, side, window);
+  for (int k = 0; k <= parts; k++) {
+    const mg_real uv[2] = {window[0] + (window[1] - window[0]) * k / parts, window[2]};
+    mg_sample_at(c, feature_pair, side, uv, at + k % 2);
+    if (k && mg_is_curve_part_within(c, feature_pair, side, at + 1 - k % 2, at + k % 2)) return 1;
+  }
+  return 0;
+}
+
+/* True if a feature has a point in the material of the other shape of its pair. */
+static int mg_is_feature_in_both(mg_context *c, int feature_pair, int side) {
+  const int pair = c->system->feature_pair_owner[feature_pair], dimension = mg_feature_dimension(c, feature_pair, side);
+  mg_real window[4];
+  mg_window_of_feature(c, feature_pair, side, window);
+  for (int row = 0; row <= (dimension == 2 ? MG_CURVE_SAMPLES : 0); row++) {
+    const mg_real v = window[2] + (window[3] - window[2]) * row / MG_CURVE_SAMPLES;
+    const mg_line line = {pair, feature_pair, side, {window[0], v}, {window[1], v}};
+    if (mg_is_line_in_both(c, &line)) return 1;
+  }
+  return 0;
+}
+
+/* True if a feature of the shape of one side of a pair has a point in the material of the other. */
+static int mg_is_shape_in_both(mg_context *c, int pair, int side) {
+  const mg_system *s = c->system;
+  const int body = mg_feature_body(c, s->pair_feature_pair[pair], side);
+  for (int each = s->pair_feature_pair[pair]; each < s->pair_feature_pair[pair + 1]; each++) {
+    const int own = mg_feature_body(c, each, 1) == body;
+    if (s->feature_is_listed[2 * each + own] && mg_is_feature_in_both(c, each, own)) return 1;
+  }
+  return 0;
+}
+
+/* True if a curve of the shape of one side of a pair passes through a surface of the other. */
+static int mg_do_curves_cross(mg_context *c, int pair, int side) {
+  const mg_system *s = c->system;
+  const int body = mg_feature_body(c, s->pair_feature_pair[pair], side);
+  for (int each = s->pair_feature_pair[pair]; each < s->pair_feature_pair[pair + 1]; each++) {
+    const int own = mg_feature_body(c, each, 1) == body;
+    if (s->feature_is_listed[2 * each + own] && mg_feature_dimension(c, each, own) == 1 &&
+        mg_does_curve_cross(c, each, own))
+      return 1;
+  }
+  return 0;
+}
+
+/* True if shapes without material cross each other. */
+static int mg_do_sheets_cross(mg_context *c, int pair) {
+  return mg_do_curves_cross(c, pair, 0) || mg_do_curves_cross(c, pair, 1);
+}
+
+MG_INTERNAL int mg_is_overlap_seen(mg_context *c, int pair) {
+  mg_real centre[3], radius;
+  if (mg_has_material(c, pair, 0) && mg_has_material(c, pair, 1))
+    return mg_smaller_ball(c, pair, centre, &radius) && mg_is_ball_in_both(c, pair, centre, radius);
+  if (!mg_has_volume(c, pair, 0) && !mg_has_volume(c, pair, 1)) return mg_do_sheets_cross(c, pair);
+  for (int side = 0; side < 2; side++)
+    if (mg_has_material(c, pair, side) ? mg_is_shape_in_both(c, pair, 1 - side)
+                                       : mg_has_volume(c, pair, side) && (mg_is_body_within(c, pair, 1 - side) ||
+                                                                          mg_do_curves_cross(c, pair, 1 - side)))
+      return 1;
+  return 0;
+}
+
+MG_INTERNAL int mg_are_materials_known(const mg_context *c, int pair) {
+  return mg_is_material_known(c, pair, 0) && mg_is_material_known(c, pair, 1);
+}
+
+/* True if the point of one side of the placement evaluated last is in the material of the other, deeper
+   than bodies may be that touch there. Of points near each other, which are of far sides only of a body as thin, also
+   if it is beside it by no more than rounding decides. */
+static int mg_is_point_in_other(mg_context *c, int feature_pair, int side) {
+  const int pair = c->system->feature_pair_owner[feature_pair], other = mg_side_of_pair(c, feature_pair, 1 - side);
+  const mg_real *point = c->search.placement + 8 + 3 * side, depth = -c->search.placement[0],
+                touching = c->settings->start_gap * mg_min(c->system->length, mg_pair_size(c, pair)),
+                allowed = mg_max(MG_CLEAR_GAPS * touching - MG_CLEAR_PART * depth, -touching);
+  if (!mg_is_material_known(c, pair, other)) return allowed > 0 || mg_is_point_in_body(c, feature_pair, 1 - side);
+  return mg_has_material(c, pair, other) && mg_height_over_material(c, pair, other, point, MG_FIRST_ORDER) < allowed;
+}
+
+MG_INTERNAL int mg_is_between_far_sides(mg_context *c, int feature_pair) {
+  const int pair = c->system->feature_pair_owner[feature_pair];
+  if (!(c->search.placement[0] < -c->settings->start_gap * c->system->length) || !mg_has_surfaces(c, pair)) return 0;
+  if (!mg_has_volume(c, pair, 0) && !mg_has_volume(c, pair, 1)) return !mg_do_sheets_cross(c, pair);
+  return !mg_is_point_in_other(c, feature_pair, 0) && !mg_is_point_in_other(c, feature_pair, 1);
+}
