@@ -37,6 +37,10 @@ CLOSE_CALLS = [
     ("tube", "curve", 48),  # a way that leaves a tube just before it ends
     ("half_torus", "segment", 45),
     ("dome", "curve", 41),  # an open end of a small wire is nearest until just before
+    ("disc", "outline", 16),  # sides of the disc were taken for far ones
+    ("box", "hollow capsule", 9),  # starts between the caps, in the bore of the side
+    ("hollow capsule", "solid", 5),
+    ("cone", "polyline", 8),  # a tip, thinner than a falling wire moves between two searches
     ("circle", "curve", 19),  # closest points that were none when the small wire was searched last
 ]
 
