@@ -41,7 +41,7 @@ def open_edges_of(model: Model) -> dict[str, Any]:
         for other in others:
             if other not in place:
                 place[other] = len(shapes)
-                shapes.append(shape_entry(model, *of_body[other]))
+                shapes.append(shape_entry(model, other, *of_body[other]))
             pairs.append([edge, place[other]])
     return {"shapes": shapes, "pairs": pairs}
 

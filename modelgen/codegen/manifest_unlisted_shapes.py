@@ -8,18 +8,11 @@ from typing import Any
 import numpy as np
 
 from modelgen.assembly.masses import pose_numbers
-from modelgen.geometry.composites.extrusions import outline_points
 from modelgen.geometry.extent import bounding_ball
 from modelgen.geometry.shape_samples import samples_of
-from modelgen.geometry.solid_terms import is_thin
+from modelgen.geometry.solid_terms import about_terms_of, is_thin
 from modelgen.model import Model
 from modelgen.scene.scene_types import Body, Shape
-
-OUTLINE = 256  # corners of the polygon in place of a smooth outline
-FORMULAS = (  # kinds whose material the runtime knows by a formula
-    *("plane", "sphere", "ellipsoid", "superellipsoid", "torus", "half_torus", "cylinder", "cone"),
-    *("paraboloid", "box", "capsule", "tube", "frustum", "polyhedron", "extrusion"),
-)
 
 
 def unlisted_of(model: Model) -> dict[str, Any]:
@@ -41,7 +34,7 @@ def unlisted_of(model: Model) -> dict[str, Any]:
     kept = [k for k, (body, _) in enumerate(of_body) if body in involved]
     place = {k: at for at, k in enumerate(kept)}
     return {
-        "shapes": [shape_entry(model, *of_body[k]) for k in kept],
+        "shapes": [shape_entry(model, k, *of_body[k]) for k in kept],
         "listed": [[place[i], place[j]] for i, j in sorted(listed) if i in place and j in place],
         "joined": [list(pair) for pair in sorted(joined) if set(pair) <= involved],
     }
@@ -70,11 +63,12 @@ def placed_entry(model: Model, body: int, shape: Shape) -> dict[str, Any]:
     }
 
 
-def shape_entry(model: Model, body: int, shape: Shape) -> dict[str, Any]:
-    """One shape: by kind and lengths, or by samples of its surface."""
+def shape_entry(model: Model, number: int, body: int, shape: Shape) -> dict[str, Any]:
+    """One shape: by its number among the solids of the manifest, which are all shapes, if these have terms of
+    it; or by samples of its surface."""
     entry = placed_entry(model, body, shape)
-    if shape.kind in FORMULAS:
-        return {**entry, "kind": shape.kind, "parameters": _parameters(shape)}
+    if about_terms_of(shape):
+        return {**entry, "kind": "terms", "solid": number}
     samples = samples_of(shape)
     if samples is None:
         return {**entry, "kind": "unknown", "parameters": []}
@@ -85,12 +79,3 @@ def shape_entry(model: Model, body: int, shape: Shape) -> dict[str, Any]:
         "points": samples.points.ravel().tolist(),
         "normals": samples.normals.ravel().tolist(),
     }
-
-
-def _parameters(shape: Shape) -> list[float]:
-    """Those of the catalogue; of a prism, the corners of its polygon and its length."""
-    if shape.profile is None:
-        return [float(value) for _, value in shape.parameters]
-    (_, length), *own = shape.parameters
-    t = np.linspace(*shape.profile.domain, OUTLINE, endpoint=False)
-    return [*outline_points(shape.profile, own, t).ravel().tolist(), float(length)]

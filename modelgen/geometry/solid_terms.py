@@ -7,9 +7,14 @@ from dataclasses import replace
 from math import cos, hypot, sin
 from typing import NamedTuple
 
+import numpy as np
+
+from modelgen.geometry.composites.extrusions import outline_points
 from modelgen.geometry.convex_cells import cells_of
 from modelgen.geometry.shape_features import features_of
 from modelgen.scene.scene_types import Shape
+
+OUTLINE = 256  # corners of the polygon in place of a smooth outline
 
 
 class Term(NamedTuple):
@@ -35,6 +40,15 @@ def terms_of(shape: Shape) -> tuple[Term, ...] | None:
         rows = zip(cell.normals.tolist(), cell.offsets.tolist(), strict=True)
         return tuple(Term("plane", (*normal, offset)) for normal, offset in rows)
     return FORMULAS[shape.kind](numbers) if shape.kind in FORMULAS else None
+
+
+def about_terms_of(shape: Shape) -> tuple[Term, ...] | None:
+    """The same; of a prism over a smooth outline, those of a prism over a polygon with OUTLINE corners."""
+    if shape.profile is None:
+        return terms_of(shape)
+    (_, length), *own = shape.parameters
+    t = np.linspace(*shape.profile.domain, OUTLINE, endpoint=False)
+    return _extrusion([*outline_points(shape.profile, own, t).ravel().tolist(), float(length)])
 
 
 def _ends(length: float) -> tuple[Term, Term]:

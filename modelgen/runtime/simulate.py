@@ -101,15 +101,16 @@ def simulate(
     Inputs(session).update(values_by_name("inputs", inputs))
     schedule = [(end, session.input.copy())]
     path = _path(session, schedule, np.linspace(0.0, end, intervals + 1), half)
-    path = _with_passages(path, chosen, instance)
+    path = _with_passages(path, chosen, library)
     told = _part(on_progress, 0.5, 1.0)
     stated = _estimate(library, chosen, schedule, path, told) if doubled and len(path.t) else None
     return with_trust(path, stated, chosen, instance)
 
 
-def _with_passages(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) -> Trajectory:
+def _with_passages(path: Trajectory, accuracy: Accuracy, library: Library) -> Trajectory:
     """The run with the pairs that passed through each other because no contact lists them, or at an open
     edge."""
+    instance = library.manifest.instance
     if not (instance["unlisted"]["shapes"] or instance["open_edges"]["pairs"]):
         return path
     from modelgen.runtime.undeclared.undeclared_overlaps import (  # many scenes do not need these two
@@ -118,9 +119,9 @@ def _with_passages(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, 
     )
     from modelgen.runtime.warnings.overlap_warnings import edge_warning, passage_warnings
 
-    found = passages(path, instance, accuracy.overlap_depth)
+    found = passages(path, library, accuracy.overlap_depth)
     told = passage_warnings(found, path.t[0]) if found else ()
-    over = passages_over_edges(path, instance, accuracy.overlap_depth)
+    over = passages_over_edges(path, library, accuracy.overlap_depth)
     warnings = (*path.warnings, *told, *map(edge_warning, over))
     return replace(path, undeclared=found, over_edges=over, warnings=warnings)
 
@@ -139,7 +140,7 @@ def repeated(library: Library, accuracy: Accuracy, schedule: Schedule) -> Trajec
     times = np.unique([0.0, *(until for until, _ in schedule)])
     path = _path(Session(library, accuracy), schedule, times, None)
     instance = library.manifest.instance
-    path = _with_passages(path, accuracy, instance)
+    path = _with_passages(path, accuracy, library)
     return with_trust(path, _estimate(library, accuracy, schedule, path, None), accuracy, instance)
 
 

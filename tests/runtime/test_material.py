@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import casadi as ca
 import numpy as np
 import pytest
 
-from modelgen.assembly import require
-from modelgen.codegen.manifest_unlisted_shapes import FORMULAS, unlisted_of
 from modelgen.geometry.mass_properties import mass_properties
+from modelgen.geometry.solid_terms import FORMULAS
 from modelgen.geometry.surface_catalogue import SURFACES
 from modelgen.rotations import rotation_of
-from modelgen.runtime.undeclared.point_depth import depth_of
+from modelgen.runtime.undeclared.point_depth import Depth, depth_of
 from modelgen.scene.read import read_text
+from modelgen.scene.scene_types import Shape
+from tests.running import library_of
 
 POINTS = 4000
 
@@ -31,6 +30,7 @@ SPECIMENS = {
     "box": "size = [1.5, 1.0, 0.7]",
     "capsule": "radius = 0.4, length = 1.0",
     "tube": "radius = 0.8, bore = 0.4, length = 1.1",
+    "dome": "radius = 0.8, length = 0.5",
     "frustum": "radius_bottom = 0.8, radius_top = 0.3, length = 1.2",
     "polyhedron": "vertices = [[0.9, 0, 0], [-0.5, 0.8, 0], [-0.5, -0.8, 0], [0, 0, 0.9], [0, 0, -0.4]]",
     "extrusion": "points = [[0, 0], [0.9, 0], [0.9, 0.9], [0.4, 0.3], [-0.7, 0.8]], length = 1.1",
@@ -38,8 +38,8 @@ SPECIMENS = {
 }
 
 
-def entry_of(kind: str, cavity: bool = False) -> tuple[Any, Any]:
-    """The entry of a specimen in the table, and its shape."""
+def material_of(kind: str, cavity: bool = False) -> tuple[Depth, Shape, float]:
+    """The depth in a specimen, its shape, and the spacing of its samples, m."""
     hollow = ", cavity = true" if cavity else ""
     comma = ", " if SPECIMENS[kind] else ""
     shape = (
@@ -51,18 +51,20 @@ run = {{ until = 1.0 }}
 body = [{{ name = "a", motion = "fixed", shape = {{ {shape} }} }}, {{ name = "b", {ball} }}]
 """
     made = read_text(text, "scene.toml")
-    return unlisted_of(require(made))["shapes"][0], made.bodies[0].shapes[0]
+    library = library_of(made)
+    entry = library.manifest.instance["unlisted"]["shapes"][0]
+    depth = depth_of(entry, library)
+    assert depth is not None
+    return depth, made.bodies[0].shapes[0], entry.get("parameters", [0.0])[0]
 
 
 def test_every_formula_has_a_specimen() -> None:
-    assert set(SPECIMENS) == {*FORMULAS, "revolution"}
+    assert set(SPECIMENS) == {*FORMULAS, "plane", "box", "polyhedron", "revolution"}
 
 
 @pytest.mark.parametrize("kind", SPECIMENS)
 def test_the_depth_in_a_material_changes_no_faster_than_the_place(kind: str) -> None:
-    entry, _ = entry_of(kind)
-    depth = depth_of(entry)
-    assert depth is not None
+    depth, _, spacing = material_of(kind)
     random = np.random.default_rng(1)
     x = random.uniform(-1, 1, (POINTS, 3))
     y = x + random.normal(0, 0.1, (POINTS, 3))
@@ -72,16 +74,15 @@ def test_the_depth_in_a_material_changes_no_faster_than_the_place(kind: str) -> 
         if kind == "paraboloid"
         else np.full(POINTS, True)
     )
-    slack = 2 * entry["parameters"][0] if kind == "revolution" else 1e-12
+    slack = 2 * spacing + 1e-12
     assert (np.abs(depth(x) - depth(y)) <= moved + slack)[near].all()
 
 
 @pytest.mark.parametrize("kind", [kind for kind in SPECIMENS if kind in SURFACES and kind != "cylinder"])
 @pytest.mark.parametrize("cavity", [False, True])
 def test_the_sign_of_the_depth_is_that_of_the_implicit_function(kind: str, cavity: bool) -> None:
-    entry, shape = entry_of(kind, cavity)
-    depth, implicit = depth_of(entry), SURFACES[kind].implicit
-    assert depth is not None
+    depth, shape, _ = material_of(kind, cavity)
+    implicit = SURFACES[kind].implicit
     assert implicit is not None
     x, numbers = ca.SX.sym("x", 3), ca.DM([value for _, value in shape.parameters])
     value = ca.Function("phi", [x], [implicit(x, ca.SX(numbers)).value])
@@ -94,16 +95,24 @@ def test_the_sign_of_the_depth_is_that_of_the_implicit_function(kind: str, cavit
 
 @pytest.mark.parametrize(
     "kind",
-    ["half_torus", "cylinder", "box", "capsule", "tube", "frustum", "polyhedron", "extrusion", "revolution"],
+    [
+        "half_torus",
+        "cylinder",
+        "dome",
+        "box",
+        "capsule",
+        "tube",
+        "frustum",
+        "polyhedron",
+        "extrusion",
+        "revolution",
+    ],
 )
 def test_the_points_of_negative_depth_fill_the_volume(kind: str) -> None:
     """Within five standard deviations of their count; a sampled surface counts a layer less."""
-    entry, shape = entry_of(kind)
-    depth = depth_of(entry)
-    assert depth is not None
+    depth, shape, layer = material_of(kind)
     n, side = 200_000, 3.2
     points = np.array([0.1, 0.2, 0.3]) + np.random.default_rng(3).uniform(-side / 2, side / 2, (n, 3))
-    layer = entry["parameters"][0] if kind == "revolution" else 0.0
     share = float((depth(points) - layer < 0).mean())
     true = mass_properties(shape, 1.0)[0] / side**3
     assert abs(share - true) < 5 * np.sqrt(true / n) + (0.01 * true if layer else 0.0)

@@ -201,9 +201,10 @@ def test_bodies_that_roll_slide_and_bounce_on_each_other_do_not_overlap(name: st
     """Each shipped scene, whose contacts hold, as if none of them were listed: between samples, too."""
     scene = read(SCENES / f"{name}.toml")
     unlisted = unlisted_of(require(replace(scene, contacts=(), observe=())))
-    path = simulate(library_of(scene), samples=40, estimate=False)
-    instance = {**library_of(scene).manifest.instance, "unlisted": unlisted}
-    assert not passages(path, instance, Accuracy.balanced().overlap_depth)
+    library = library_of(scene)
+    path = simulate(library, samples=40, estimate=False)
+    apart = library.with_instance({**library.manifest.instance, "unlisted": unlisted})
+    assert not passages(path, apart, Accuracy.balanced().overlap_depth)
 
 
 def poses(path: Trajectory, k: int) -> Any:

@@ -89,7 +89,6 @@ MG_INTERNAL mg_real mg_height_over_solid(const mg_system *s, int solid, const mg
   mg_real in_body[3];
   mg_world_to_local_point(pose, x, in_body);
   mg_real height = mg_over_terms(s, solid, in_body, how);
-  if (s->solid_is_cavity[solid]) return height;
   for (int step = -1; step < 2; step += 2) /* solids of a body follow one another */
     for (int each = solid + step; each >= 0 && each < s->n_solid && s->solid_body[each] == body; each += step)
       if (s->solid_is_cavity[each]) height = mg_max(height, mg_over_terms(s, each, in_body, how));

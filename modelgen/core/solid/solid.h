@@ -8,7 +8,7 @@
 
 /* Signed height of a point, world axes, over a solid of a body at a pose, m: negative in it, with a sign that is exact
    to rounding. To first order it is the distance from the surface (MG_FIRST_ORDER); or its slope is 1 at most, so that
-   no point nearer to x than its size is on the other side (MG_LIPSCHITZ). A solid ends at the cavities of its body. */
+   no point nearer to x than its size is on the other side (MG_LIPSCHITZ). It ends at the cavities of its body. */
 MG_INTERNAL mg_real mg_height_over_solid(const mg_system *s, int solid, const mg_real *pose, const mg_real *x, int how);
 
 /* True if the material of the shape of one side of a pair is known: that it has none, too. */

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import accumulate
 from typing import Any
 
@@ -77,13 +77,14 @@ class SolidTables:
     def __init__(self, instance: Mapping[str, Any], numbers: list[float]) -> None:
         entries = instance["solids"]
         known = [each for each in entries if each["terms"]]
-        index = {(each["body"], each["shape"]): k for k, each in enumerate(known)}
-        unknown = {each["body"] for each in entries if each["cavity"] and each["terms"] is None}
+        index = {
+            (each["body"], each["shape"]): k for each, k in zip(entries, solid_numbers(entries), strict=True)
+        }
+        unknown = {each["body"] for each in entries if each["cavity"] and _is_unknown(each)}
         for each in entries:
             key = each["body"], each["shape"]
-            if each["terms"] is None or (each["body"] in unknown and not each["cavity"]):
+            if _is_unknown(each) or (each["body"] in unknown and not each["cavity"]):
                 index[key] = UNKNOWN
-            index.setdefault(key, NO_MATERIAL)
         terms = [term for each in known for term in each["terms"]]
         self.count = len(known)
         self.integers = {
@@ -99,6 +100,17 @@ class SolidTables:
             "term_numbers": [append(numbers, term["numbers"]) for term in terms],
             "term_size": [len(term["numbers"]) for term in terms],
         }
+
+
+def solid_numbers(entries: Sequence[Mapping[str, Any]]) -> list[int]:
+    """The number in the core of each of the manifest's solids; NO_MATERIAL of one without terms."""
+    ends = accumulate(int(bool(each["terms"])) for each in entries)
+    return [end - 1 if each["terms"] else NO_MATERIAL for each, end in zip(entries, ends, strict=True)]
+
+
+def _is_unknown(entry: Mapping[str, Any]) -> bool:
+    """Whether no terms describe a shape's material, or only about."""
+    return entry["terms"] is None or entry.get("about", False)
 
 
 def _shapes(instance: Mapping[str, Any], pair: Mapping[str, Any]) -> tuple[tuple[int, str], tuple[int, str]]:

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from modelgen.codegen.library import Library
 from modelgen.rotations import quaternion_of, rotation_of
 from modelgen.runtime.trajectory import Passage, Trajectory
 from modelgen.runtime.undeclared.lipschitz_search import Found, deepest
@@ -80,35 +81,36 @@ class _Motion:
         return _Placed(cubic, _rotation(share * turn) @ R, float(far), float(turned))
 
 
-def passages(path: Trajectory, instance: Mapping[str, Any], depth: float) -> tuple[Passage, ...]:
+def passages(path: Trajectory, library: Library, depth: float) -> tuple[Passage, ...]:
     """The pairs of shapes that no contact lists and that passed through each other, by time.
 
     Args:
         path: the run.
-        instance: of the manifest.
+        library: of which it is a run.
         depth: `Accuracy.overlap_depth`: a point in both materials is deeper than this times the smaller
             ball's radius.
     """
+    instance = library.manifest.instance
     table = instance["unlisted"]
     if not table["shapes"] or not len(path.t):
         return ()
     moves = [body["motion"] in ("point", "free") for body in instance["bodies"]]
-    solids = _solids(table, [body["name"] for body in instance["bodies"]])
+    solids = _solids(table, library)
     excepted = {tuple(pair) for pair in table["listed"]}
     joined = {tuple(pair) for pair in table["joined"]}
     return _seen(path, solids, _pairs(solids, moves, excepted, joined), depth)
 
 
-def passages_over_edges(path: Trajectory, instance: Mapping[str, Any], depth: float) -> tuple[Passage, ...]:
+def passages_over_edges(path: Trajectory, library: Library, depth: float) -> tuple[Passage, ...]:
     """The shapes with open edges, and those that an edge entered although a contact lists the pair, by time.
 
     Args:
-        path, instance, depth: as of `passages`.
+        path, library, depth: as of `passages`.
     """
-    table = instance["open_edges"]
+    table = library.manifest.instance["open_edges"]
     if not table["pairs"] or not len(path.t):
         return ()
-    solids = _solids(table, [body["name"] for body in instance["bodies"]])
+    solids = _solids(table, library)
     partners: dict[int, list[int]] = {}
     for edge, shape in table["pairs"]:
         if solids[shape].depth is not None:
@@ -139,11 +141,12 @@ def _motion(path: Trajectory) -> _Motion:
     return _Motion(path.t.astype(float), path.p.astype(float), R, path.v.astype(float), spin)
 
 
-def _solids(table: Mapping[str, Any], names: list[str]) -> list[_Solid]:
-    depths = [depth_of(entry) for entry in table["shapes"]]
-    cavities: dict[int, list[Depth]] = {}
+def _solids(table: Mapping[str, Any], library: Library) -> list[_Solid]:
+    names = [body["name"] for body in library.manifest.instance["bodies"]]
+    depths = [depth_of(entry, library) for entry in table["shapes"]]
+    cavities: dict[int, list[Depth]] = {}  # known by samples; others belong to the solid
     for entry, depth in zip(table["shapes"], depths, strict=True):
-        if entry["cavity"] and depth is not None:
+        if entry["cavity"] and depth is not None and "points" in entry:
             cavities.setdefault(entry["body"], []).append(depth)
     return [
         _solid(entry, depth, cavities.get(entry["body"], []), names)
