@@ -38,9 +38,9 @@ static void mg_drop_tensile_contacts(mg_context *c) {
           (worst < 0 || c->solution.force[i] < c->solution.force[worst]))
         worst = i;
     if (worst < 0) return;
-    c->run->active[worst] = 0;
+    mg_set_active(c, worst, 0);
     if (!mg_is_contact_redundant(c, worst)) {
-      c->run->active[worst] = 1;
+      mg_set_active(c, worst, 1);
       return;
     }
     mg_evaluate_run_state(c);

@@ -153,7 +153,7 @@ static int mg_process_contact_events(mg_context *c, mg_events *events) {
 MG_INTERNAL void mg_open_separating(mg_context *c) {
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->run->closed[i] && c->rows.d_dot[i] > c->settings->rest_speed * c->system->length / c->system->time)
-      c->run->closed[i] = 0;
+      mg_set_closed(c, i, 0);
 }
 
 MG_INTERNAL int mg_change_mode(mg_context *c, mg_events *events) {

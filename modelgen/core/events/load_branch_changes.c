@@ -15,12 +15,12 @@ static int mg_depends_on_branch(mg_context *c, int which, int other) {
   mg_real up[MG_SWITCH_COLUMNS];
   int differs = 0;
   if (load != mg_load_of_switch(c->system, other)) return 0;
-  c->run->branch[other] = 1;
+  mg_set_branch(c, other, 1);
   mg_copy_reals(up, mg_switch_gradient(c, c->run->t, load, which, &by_input), MG_SWITCH_COLUMNS);
-  c->run->branch[other] = -1;
+  mg_set_branch(c, other, -1);
   const mg_real *down = mg_switch_gradient(c, c->run->t, load, which, &by_input);
   for (int k = 0; k < MG_SWITCH_COLUMNS; k++) differs |= up[k] != down[k];
-  c->run->branch[other] = between;
+  mg_set_branch(c, other, between);
   mg_switch_gradient(c, c->run->t, load, which, &by_input);
   return differs;
 }
@@ -49,13 +49,13 @@ static int mg_is_switch_at_zero(const mg_context *c, int which) {
 }
 
 /* Sets the mode of a switching function and of those at zero on the same surface. */
-static void mg_set_switch_mode(mg_context *c, int which, int mode, mg_real branch) {
+static void mg_set_surface_mode(mg_context *c, int which, int mode, mg_real branch) {
   for (int k = 0; k < c->system->n_switch; k++) {
     const int side = k == which ? 1 : c->switches.is_at_zero[k] ? mg_same_surface(c, which, k) : 0;
     if (!side) continue;
-    c->run->switch_mode[k] = mode == MG_BRANCH_SLIDES ? mode : side * mode;
-    c->run->branch[k] = side * branch;
-    c->run->switch_leader[k] = k == which || mode != MG_BRANCH_SLIDES ? 0 : side * (which + 1);
+    mg_set_switch_mode(c, k, mode == MG_BRANCH_SLIDES ? mode : side * mode);
+    mg_set_branch(c, k, side * branch);
+    mg_set_switch_leader(c, k, k == which || mode != MG_BRANCH_SLIDES ? 0 : side * (which + 1));
   }
 }
 
@@ -67,7 +67,7 @@ static int mg_set_branches_by_sign(mg_context *c) {
     if (c->switches.is_at_zero[k] || mg_is_switch_at_zero(c, k) || c->run->switch_mode[k] == side) continue;
     if (mg_is_returning_switch(c, k) && fabs(c->switches.value[k]) <= c->settings->tolerance * c->switches.size[k])
       continue;
-    c->run->switch_mode[k] = side, c->run->branch[k] = side, c->run->switch_leader[k] = 0;
+    mg_set_switch_mode(c, k, side), mg_set_branch(c, k, side), mg_set_switch_leader(c, k, 0);
     mg_evaluate_run_state(c);
     changed = 1;
   }
@@ -94,7 +94,7 @@ static int mg_other_modes(mg_context *c, int which) {
 /* Departure of a switching function on a branch, as which it is set. */
 static mg_departure mg_departure_on_branch(mg_context *c, int which, int side) {
   const mg_real time = c->system->time;
-  mg_set_switch_mode(c, which, side, side);
+  mg_set_surface_mode(c, which, side, side);
   mg_evaluate_run_state(c);
   mg_set_branches_by_sign(c); /* of functions that depend on this branch */
   const mg_real noise = c->switches.noise[which], *second = c->switches.second + 2 * which;
@@ -118,10 +118,10 @@ static int mg_is_jump(mg_context *c, int which) {
   const mg_real kept = c->run->branch[which];
   const int mode = c->run->switch_mode[which];
   mg_real up[12] = {0}, down[12] = {0}, apart = 0, size = 0;
-  c->run->switch_mode[which] = MG_BRANCH_POSITIVE;
-  c->run->branch[which] = 1, mg_load_wrench(c, c->run->t, load, up);
-  c->run->branch[which] = -1, mg_load_wrench(c, c->run->t, load, down);
-  c->run->branch[which] = kept, c->run->switch_mode[which] = mode;
+  mg_set_switch_mode(c, which, MG_BRANCH_POSITIVE);
+  mg_set_branch(c, which, 1), mg_load_wrench(c, c->run->t, load, up);
+  mg_set_branch(c, which, -1), mg_load_wrench(c, c->run->t, load, down);
+  mg_set_branch(c, which, kept), mg_set_switch_mode(c, which, mode);
   for (int i = 0; i < 12; i++) apart = mg_max(apart, fabs(up[i] - down[i])), size = mg_max(size, fabs(up[i]));
   return apart > c->settings->event_tolerance * size;
 }
@@ -147,7 +147,7 @@ static int mg_choose_branch(mg_context *c, int which) {
     if (up.other_modes != down.other_modes || mg_slide_count(c) == MG_SLIDING_MAX) c->switches.is_unresolved = 1;
   }
   c->switches.repels[which] = (up.direction > 0 && down.direction <= 0) || (up.direction == 0 && down.direction < 0);
-  mg_set_switch_mode(c, which, mode, mode == MG_BRANCH_SLIDES ? (up.rate + down.rate) / (down.rate - up.rate) : mode);
+  mg_set_surface_mode(c, which, mode, mode == MG_BRANCH_SLIDES ? (up.rate + down.rate) / (down.rate - up.rate) : mode);
   mg_evaluate_run_state(c);
   mg_set_branches_by_sign(c);
   return mode != before;

@@ -74,9 +74,10 @@ static void mg_clear_pair(mg_context *c, int pair) {
         c->patches.is_covered[i] = 0;
     c->run->force[i] = c->solution.force[i] = c->solution.impulse[i] = 0;
     for (int g = s->contact_friction[i]; g < s->contact_friction[i + 1]; g++)
-      c->run->friction_mode[g] = c->friction.mode_before[g] = MG_FRICTION_OFF,
-      c->friction.triggered[g] = c->friction.is_yielding[g] = c->friction.is_stiff[g] = 0,
-      c->friction.slip_time_left[g] = 0;
+      mg_set_friction_mode(c, g, MG_FRICTION_OFF),
+          c->friction.mode_before[g] = MG_FRICTION_OFF,
+          c->friction.triggered[g] = c->friction.is_yielding[g] = c->friction.is_stiff[g] = 0,
+          c->friction.slip_time_left[g] = 0;
     for (int k = s->contact_friction_row[i]; k < s->contact_friction_row[i + 1]; k++)
       c->solution.force[c->layout.friction_row_begin + k] = 0;
   }

@@ -8,9 +8,8 @@
 MG_INTERNAL void mg_set_friction_bound_kinds(mg_context *c) {
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
-      int *mode = c->run->friction_mode + g;
-      if (c->run->closed[i] && *mode == MG_FRICTION_OFF) *mode = MG_STICKING;
-      c->friction.bound[g] = *mode >= MG_SLIP_ONSET ? MG_BOUND_SLIP : MG_BOUND_STATIC;
+      if (c->run->closed[i] && c->run->friction_mode[g] == MG_FRICTION_OFF) mg_set_friction_mode(c, g, MG_STICKING);
+      c->friction.bound[g] = c->run->friction_mode[g] >= MG_SLIP_ONSET ? MG_BOUND_SLIP : MG_BOUND_STATIC;
     }
 }
 

@@ -46,15 +46,16 @@ static int mg_update_slip_direction(mg_context *c, int contact, int constraint) 
    hardly slips is taken as sticking, because slip that starts or ends at one contact may start or end at others of the
    same body. */
 static void mg_initialise_friction_mode(mg_context *c, int contact, int constraint) {
-  int *mode = c->run->friction_mode + constraint;
-  if (!c->run->closed[contact]) *mode = MG_FRICTION_OFF;
-  else if (*mode == MG_FRICTION_OFF && mg_update_slip_direction(c, contact, constraint)) *mode = MG_SLIPPING;
-  else if (*mode >= MG_SLIP_ONSET) {
+  const int mode = c->run->friction_mode[constraint];
+  if (!c->run->closed[contact]) mg_set_friction_mode(c, constraint, MG_FRICTION_OFF);
+  else if (mode == MG_FRICTION_OFF && mg_update_slip_direction(c, contact, constraint))
+    mg_set_friction_mode(c, constraint, MG_SLIPPING);
+  else if (mode >= MG_SLIP_ONSET) {
     const int slips = mg_update_slip_direction(
         c, contact, constraint); /* if its event has triggered, only its direction has changed */
     if (c->friction.triggered[constraint] && !slips)
       c->friction.slip_time_left[constraint] = mg_slip_stop_time(c, contact, constraint);
-    *mode = slips ? MG_SLIPPING : MG_STICKING, c->friction.triggered[constraint] &= !slips;
+    mg_set_friction_mode(c, constraint, slips ? MG_SLIPPING : MG_STICKING), c->friction.triggered[constraint] &= !slips;
   }
 }
 
@@ -78,7 +79,7 @@ static int mg_release_fastest_sticking(mg_context *c) {
     }
   if (fastest < 0) return 0;
   mg_set_slip_direction(c, contact, fastest);
-  c->run->friction_mode[fastest] = MG_SLIP_STARTING;
+  mg_set_friction_mode(c, fastest, MG_SLIP_STARTING);
   return 1;
 }
 
@@ -102,7 +103,7 @@ static void mg_remove_sticking_slip(mg_context *c) {
 
 /* Deactivate all contacts and evaluate rows and accelerations without contact forces. */
 static void mg_deactivate_all_contacts(mg_context *c) {
-  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) c->run->active[i] = 0;
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) mg_set_active(c, i, 0);
   mg_evaluate_run_state(c);
 }
 
@@ -238,11 +239,11 @@ static int mg_is_continuous_slip_onset(const mg_context *c, int constraint) {
 static void mg_store_friction_modes(mg_context *c, const mg_friction_problem *p) {
   for (int k = 0; k < p->n_contact; k++) {
     const int i = c->friction.cone_contact[k];
-    c->run->active[i] = (c->friction.marks[k] & MG_MARK_FORCE) != 0;
+    mg_set_active(c, i, (c->friction.marks[k] & MG_MARK_FORCE) != 0);
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
       if (!c->friction.is_yielding[g]) continue;
       mg_set_slip_direction_from_force(c, i, g, c->lcp.z + c->friction.cone_first[k] + 1 + c->system->friction_row[g]);
-      c->run->friction_mode[g] = mg_is_continuous_slip_onset(c, g) ? MG_SLIP_ONSET : MG_SLIP_STARTING;
+      mg_set_friction_mode(c, g, mg_is_continuous_slip_onset(c, g) ? MG_SLIP_ONSET : MG_SLIP_STARTING);
     }
   }
 }
@@ -354,7 +355,7 @@ MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip) {
   if (redundant) mg_resolve_redundant_forces(c, skip, &p, yielding_count);
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; !c->run->active[i] && g < c->system->contact_friction[i + 1]; g++)
-      c->run->friction_mode[g] = MG_FRICTION_OFF;
+      mg_set_friction_mode(c, g, MG_FRICTION_OFF);
   mg_evaluate_run_state(c);
   mg_remove_sticking_slip(c);
   mg_monitor_redundant_friction(c);
@@ -377,7 +378,7 @@ MG_INTERNAL void mg_begin_step_friction(mg_context *c) {
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++) {
       if (!c->run->active[i] || c->run->friction_mode[g] < MG_SLIP_STARTING) continue;
-      if (mg_update_slip_direction(c, i, g)) c->run->friction_mode[g] = MG_SLIPPING;
+      if (mg_update_slip_direction(c, i, g)) mg_set_friction_mode(c, g, MG_SLIPPING);
       else turned |= mg_update_slow_slip_direction(c, i, g);
     }
   if (turned) mg_evaluate_run_state(c);

@@ -20,7 +20,7 @@ MG_INTERNAL int mg_solve_active_set(mg_context *c, const int *skip) {
   if (c->system->n_friction) return mg_solve_patch_friction_modes(c, skip);
   mg_lcp_report report;
   int n = 0, carrying = 0;
-  for (int i = 0; i < m; i++) c->run->active[i] = 0;
+  for (int i = 0; i < m; i++) mg_set_active(c, i, 0);
   mg_evaluate_run_state(c);
   for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     if (c->run->closed[i] && !skip[i]) c->lcp.rows[n++] = i;

@@ -115,16 +115,16 @@ static int mg_update_patch_slip_direction(mg_context *c, int slot) {
 
 MG_INTERNAL void mg_begin_step_patch_friction(mg_context *c) {
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
-    int *mode = c->run->patch_mode + slot;
-    if (mg_is_slot_frictional(c, slot) && *mode >= MG_SLIP_STARTING && mg_update_patch_slip_direction(c, slot))
-      *mode = MG_SLIPPING;
-    c->patches.friction[slot].mode_before = *mode;
+    if (mg_is_slot_frictional(c, slot) && c->run->patch_mode[slot] >= MG_SLIP_STARTING &&
+        mg_update_patch_slip_direction(c, slot))
+      mg_set_patch_mode(c, slot, MG_SLIPPING);
+    c->patches.friction[slot].mode_before = c->run->patch_mode[slot];
   }
 }
 
 MG_INTERNAL void mg_reset_patch_friction(mg_context *c) {
   for (int slot = 0; slot < c->system->n_patch_slot; slot++)
-    c->run->patch_mode[slot] = MG_FRICTION_OFF, c->patches.friction[slot].triggered = 0;
+    mg_set_patch_mode(c, slot, MG_FRICTION_OFF), c->patches.friction[slot].triggered = 0;
 }
 
 /* Acceleration of slip in the middle of the supports, but for its centripetal part. */
@@ -186,20 +186,20 @@ MG_INTERNAL mg_real mg_patch_slip_step_limit(const mg_context *c) {
 static void mg_initialise_patch_modes(mg_context *c) {
   mg_real left, e[3];
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
-    int *mode = c->run->patch_mode + slot;
+    const int mode = c->run->patch_mode[slot];
     mg_patch_friction *r = c->patches.friction + slot;
     const int patch = mg_patch_of_slot(c, slot);
     r->mean_distance = 0;
     if (patch < 0 || !mg_has_patch_friction(c, patch)) continue;
-    const int slips = *mode != MG_STICKING && mg_update_patch_slip_direction(c, slot);
-    r->slip_stopped = *mode >= MG_SLIP_ONSET && r->triggered && !slips;
+    const int slips = mode != MG_STICKING && mg_update_patch_slip_direction(c, slot);
+    r->slip_stopped = mode >= MG_SLIP_ONSET && r->triggered && !slips;
     if (r->slip_stopped) {
       mg_patch_friction_direction(c, slot, e);
       r->slip_time_left = mg_patch_slip_stop_time(c, slot, e, &left);
       mg_patch_slip_direction(c, slot, e);
       r->reversal_time_left = mg_patch_slip_stop_time(c, slot, e, &left);
     }
-    *mode = slips ? MG_SLIPPING : MG_STICKING;
+    mg_set_patch_mode(c, slot, slips ? MG_SLIPPING : MG_STICKING);
   }
 }
 
@@ -287,7 +287,7 @@ static int mg_release_yielding_patches(mg_context *c) {
     if (is_held) mg_patch_slip_in_middle(c, slot, twist, e);
     mg_set_patch_slip_direction(c, slot, e);
     const int is_continuous = bound_reached && mu[0] == mu[1];
-    c->run->patch_mode[slot] = is_continuous ? MG_SLIP_ONSET : MG_SLIP_STARTING, r->triggered = 0;
+    mg_set_patch_mode(c, slot, is_continuous ? MG_SLIP_ONSET : MG_SLIP_STARTING), r->triggered = 0;
     if (!is_continuous) mg_find_slip_direction(c, slot, e);
     count++;
   }

@@ -16,7 +16,7 @@ MG_INTERNAL int mg_activate_supports(mg_context *c) {
   int count = 0;
   for (int i = c->layout.support_begin; i < c->system->n_contact; i++) {
     if (!c->run->closed[i]) continue;
-    c->run->active[i] = 1, c->rows.row_rate[i] = mg_row_acceleration(c, i);
+    mg_set_active(c, i, 1), c->rows.row_rate[i] = mg_row_acceleration(c, i);
     count++;
   }
   return count;

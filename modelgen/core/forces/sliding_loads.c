@@ -9,10 +9,10 @@ enum { MG_SLIDE_ROUNDS = 4 }; /* most rounds of Newton's method */
 
 /* Sets the branch of a switching function that slides, and of those that slide along with it. */
 static void mg_set_sliding_branch(const mg_context *c, int which, mg_real branch) {
-  c->run->branch[which] = branch;
+  mg_set_branch(c, which, branch);
   for (int k = 0; k < c->system->n_switch; k++)
     if (c->run->switch_leader[k] == which + 1 || c->run->switch_leader[k] == -which - 1)
-      c->run->branch[k] = c->run->switch_leader[k] > 0 ? branch : -branch;
+      mg_set_branch(c, k, c->run->switch_leader[k] > 0 ? branch : -branch);
 }
 
 MG_INTERNAL int mg_slides(const mg_context *c) {

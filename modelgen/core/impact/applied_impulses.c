@@ -40,7 +40,7 @@ MG_INTERNAL void mg_note_impact_energy_gain(mg_context *c, int n) {
 
 MG_INTERNAL void mg_reset_friction_modes(mg_context *c) {
   for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
-    c->run->friction_mode[g] = MG_FRICTION_OFF, c->friction.triggered[g] = 0;
+    mg_set_friction_mode(c, g, MG_FRICTION_OFF), c->friction.triggered[g] = 0;
   mg_reset_patch_friction(c);
   mg_update_slip_velocities(c);
 }

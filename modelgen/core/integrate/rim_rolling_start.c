@@ -75,7 +75,7 @@ MG_INTERNAL void mg_update_rolling_starts(mg_context *c) {
       continue;
     }
     const mg_real step_limit = starts ? mg_rolling_step_limit(c, i) : MG_MAX;
-    c->run->rolling_start[i] = mg_is_rolling_start_over(c, i) ? MG_START_NONE : MG_START_SETTLING;
+    mg_set_rolling_start(c, i, mg_is_rolling_start_over(c, i) ? MG_START_NONE : MG_START_SETTLING);
     if (starts && c->settings->method == MG_RK4) c->run->h = c->settings->step;
     else if (step_limit < c->run->h) c->run->h = step_limit;
   }

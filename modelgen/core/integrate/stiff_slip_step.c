@@ -93,9 +93,9 @@ MG_INTERNAL int mg_has_slip_onset(const mg_context *c) {
 
 MG_INTERNAL void mg_finish_slip_onsets(mg_context *c) {
   for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
-    if (c->run->friction_mode[g] == MG_SLIP_ONSET) c->run->friction_mode[g] = MG_SLIP_STARTING;
+    if (c->run->friction_mode[g] == MG_SLIP_ONSET) mg_set_friction_mode(c, g, MG_SLIP_STARTING);
   for (int slot = 0; slot < c->system->n_patch_slot && c->system->n_friction; slot++)
-    if (c->run->patch_mode[slot] == MG_SLIP_ONSET) c->run->patch_mode[slot] = MG_SLIP_STARTING;
+    if (c->run->patch_mode[slot] == MG_SLIP_ONSET) mg_set_patch_mode(c, slot, MG_SLIP_STARTING);
 }
 
 /* List the unknown directions of all slip onsets; returns 0 where there are none or too many. */

@@ -44,7 +44,7 @@ MG_INTERNAL void mg_apply_contact_transition(mg_context *c, mg_events *events, i
   MG_REQUIRE(contact >= 0 && contact < c->system->n_contact);
   const int closed = mg_transitions[cause].closed, event = mg_transitions[cause].event;
   if (closed != MG_MODE_UNCHANGED && closed != c->run->closed[contact])
-    c->run->closed[contact] = closed, c->run->active[contact] = c->run->rolling_start[contact] = 0;
+    mg_set_closed(c, contact, closed), mg_set_active(c, contact, 0), mg_set_rolling_start(c, contact, MG_START_NONE);
   if (event != MG_NO_EVENT) mg_append_event(c, events, t, event, contact, speed);
 }
 

@@ -21,13 +21,14 @@ MG_INTERNAL void mg_add_branch_wrench(const mg_context *c, mg_real t, int load, 
                                       mg_real *wrench) {
   const mg_system *s = c->system;
   const int a = s->load_a[load], b = s->load_b[load] < 0 ? a : s->load_b[load];
-  mg_real *branch = c->run->branch, part[12] = {0};
+  const mg_real *branch = c->run->branch;
+  mg_real part[12] = {0};
   for (int k = from; k < mg_switch_end(s, load); k++) {
     if (c->run->switch_mode[k] != MG_BRANCH_SLIDES) continue;
     const mg_real between = branch[k];
-    branch[k] = 1, mg_add_branch_wrench(c, t, load, k + 1, weight * (1 + between) / 2, wrench);
-    branch[k] = -1, mg_add_branch_wrench(c, t, load, k + 1, weight * (1 - between) / 2, wrench);
-    branch[k] = between;
+    mg_set_branch(c, k, 1), mg_add_branch_wrench(c, t, load, k + 1, weight * (1 + between) / 2, wrench);
+    mg_set_branch(c, k, -1), mg_add_branch_wrench(c, t, load, k + 1, weight * (1 - between) / 2, wrench);
+    mg_set_branch(c, k, between);
     return;
   }
   c->kernels->load_branch(s->load_kind[load], &t, c->bodies.pose + 12 * a, c->bodies.twist + 6 * a,

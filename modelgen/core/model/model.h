@@ -122,6 +122,25 @@ MG_INTERNAL void mg_note_exceeded(const mg_context *c, int capacity);
 /* True if n contacts may be closed at a time; else that is counted. */
 MG_INTERNAL int mg_is_room_for_closed(const mg_context *c, int n);
 
+/* modes.c */
+
+/* Sets whether a closed contact carries force; whether a contact is closed, which it is without force at first, and
+   what is open carries none; or that it is closed and carries force. */
+MG_INTERNAL void mg_set_active(const mg_context *c, int contact, int is_active);
+MG_INTERNAL void mg_set_closed(const mg_context *c, int contact, int is_closed);
+MG_INTERNAL void mg_close_contact(const mg_context *c, int contact);
+
+/* Set how a contact starts to roll (MG_START_NONE ..), and the modes of a friction constraint and of the friction of a
+   slot (MG_FRICTION_OFF ..). */
+MG_INTERNAL void mg_set_rolling_start(const mg_context *c, int contact, int start);
+MG_INTERNAL void mg_set_friction_mode(const mg_context *c, int constraint, int mode);
+MG_INTERNAL void mg_set_patch_mode(const mg_context *c, int slot, int mode);
+
+/* Set the branch of the loads by a switching function, where that is (MG_BRANCH_NEGATIVE ..), and its leader. */
+MG_INTERNAL void mg_set_branch(const mg_context *c, int which, mg_real branch);
+MG_INTERNAL void mg_set_switch_mode(const mg_context *c, int which, int mode);
+MG_INTERNAL void mg_set_switch_leader(const mg_context *c, int which, int leader);
+
 /* load_branches.c */
 
 #define MG_SWITCH_ROUNDING 64 /* roundings of what a switching function depends on that count as zero */

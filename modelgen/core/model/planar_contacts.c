@@ -185,17 +185,17 @@ MG_INTERNAL const mg_real *mg_support_point_of_feature_pair(const mg_context *c,
 static void mg_place_support(mg_context *c, int support, int feature_pair) {
   mg_set_feature_pair(c, support, feature_pair, 0);
   for (int k = 0; k < 3; k++) c->run->point[3 * support + k] = mg_support_point_of_feature_pair(c, feature_pair)[k];
-  c->run->closed[support] = c->run->active[support] = 1;
+  mg_close_contact(c, support);
 }
 
 MG_INTERNAL void mg_attach_patch(mg_context *c, int slot, int patch) {
-  c->run->patch_mode[slot] = MG_FRICTION_OFF;
+  mg_set_patch_mode(c, slot, MG_FRICTION_OFF);
   for (int k = 0; k < 3; k++)
     mg_place_support(c, mg_first_support(c, slot) + k, c->layout.support_feature_pair_begin + 3 * patch + k);
 }
 
 MG_INTERNAL void mg_release_patch(mg_context *c, int slot) {
-  c->run->patch_mode[slot] = MG_FRICTION_OFF;
+  mg_set_patch_mode(c, slot, MG_FRICTION_OFF);
   for (int k = 0; k < 3; k++) mg_set_feature_pair(c, mg_first_support(c, slot) + k, -1, 0);
 }
 

@@ -46,8 +46,6 @@ MG_INTERNAL int mg_find_contact_at_point(mg_context *c, int patch, const mg_real
   return nearest;
 }
 
-MG_INTERNAL void mg_close_contact(mg_context *c, int contact) { c->run->closed[contact] = c->run->active[contact] = 1; }
-
 MG_INTERNAL void mg_close_covered_contacts(mg_context *c, int patch) {
   for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     if (mg_is_on_feature_pair(c, i) && mg_is_feature_pair_in_patch(c, patch, c->run->feature_pair[i]))

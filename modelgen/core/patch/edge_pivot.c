@@ -16,7 +16,7 @@ static void mg_move_supports_to_edge(mg_context *c, int slot, mg_real ends[2][3]
   for (int end = 0; end < 2; end++) mg_world_to_local_point(pose, ends[end], c->run->point + 3 * (support + end));
   for (int k = 0; k < 3; k++) inner_point[k] = (ends[0][k] + ends[1][k] - c->system->length * outward[k]) / 2;
   mg_world_to_local_point(pose, inner_point, c->run->point + 3 * (support + 2));
-  c->run->closed[support + 2] = c->run->active[support + 2] = 0;
+  mg_set_closed(c, support + 2, 0);
 }
 
 MG_INTERNAL void mg_hold_tangent_edge(mg_context *c, int slot, const mg_real *world, const mg_real *outward) {
@@ -31,7 +31,7 @@ MG_INTERNAL void mg_hold_tangent_edge(mg_context *c, int slot, const mg_real *wo
 
 MG_INTERNAL void mg_hold_hull_side(mg_context *c, int slot, mg_real ends[2][3], const mg_real *outward) {
   mg_move_supports_to_edge(c, slot, ends, outward);
-  c->run->rolling_start[mg_first_support(c, slot)] = MG_ON_STRAIGHT_EDGE;
+  mg_set_rolling_start(c, mg_first_support(c, slot), MG_ON_STRAIGHT_EDGE);
 }
 
 /* Close the contact at a world point, which follows the edge. */
@@ -39,7 +39,7 @@ static void mg_start_contact_from_edge(mg_context *c, int patch, const mg_real *
   const int contact = mg_find_contact_at_point(c, patch, world);
   if (contact < 0) return;
   mg_close_contact(c, contact);
-  c->run->rolling_start[contact] = MG_START_SETTLING;
+  mg_set_rolling_start(c, contact, MG_START_SETTLING);
   mg_apply_contact_transition(c, events, contact, MG_FEATURE_CHANGES, c->run->t, 0);
 }
 

@@ -67,7 +67,7 @@ static int mg_place_support_on_edge(mg_context *c, int slot, const mg_support_po
   mg_hull_pose(c, patch, hull);
   mg_hull_point_to_world(hull, at, world);
   mg_world_to_local_point(c->bodies.pose + 12 * c->contacts.f[support], world, c->run->point + 3 * support);
-  c->run->closed[support] = 1;
+  mg_set_closed(c, support, 1);
   return 1;
 }
 
@@ -81,7 +81,7 @@ MG_INTERNAL int mg_move_patch_to_edge(mg_context *c, int slot) {
   const mg_real fastest = mg_least_field_over_hull(c, patch, before, &at) * c->system->time / c->system->length;
   if (c->patches.trial[slot] && fastest < -c->settings->rest_speed && fastest * fastest < c->settings->flat_angle)
     return 0;
-  for (int k = 0; k < 3; k++) c->run->closed[support + k] = c->run->active[support + k] = 0;
+  for (int k = 0; k < 3; k++) mg_set_closed(c, support + k, 0);
   c->patches.trial[slot] = c->patches.trial[slot] ? MG_TRIAL_ON_EDGE : MG_TRIAL_TORN_OFF;
   mg_place_support_on_edge(c, slot, &at);
   mg_evaluate_run_state(c);
@@ -161,7 +161,7 @@ static void mg_open_covered_contacts(mg_context *c, int slot) {
   for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     if (c->run->closed[i] && mg_is_feature_pair_in_patch(c, patch, c->run->feature_pair[i]) &&
         mg_row_times(c, i, c->bodies.twist) > 0)
-      c->run->closed[i] = c->run->active[i] = c->events.triggered[i] = 0;
+      mg_set_closed(c, i, 0), c->events.triggered[i] = 0;
 }
 
 MG_INTERNAL void mg_finish_edge_impacts(mg_context *c, mg_events *events) {

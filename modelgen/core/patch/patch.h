@@ -18,9 +18,6 @@ MG_INTERNAL void mg_restore_covered_contacts(mg_context *c, int patch, mg_minima
 /* Contact, among those that the patch covers, at a world point, or -1. */
 MG_INTERNAL int mg_find_contact_at_point(mg_context *c, int patch, const mg_real *world);
 
-/* Set a contact closed and active. */
-MG_INTERNAL void mg_close_contact(mg_context *c, int contact);
-
 /* Close all contacts on feature pairs that the patch covers. */
 MG_INTERNAL void mg_close_covered_contacts(mg_context *c, int patch);
 

@@ -60,7 +60,7 @@ static void mg_start_rim_contact(mg_context *c, int patch, const mg_support_poin
   const mg_real *pose = c->bodies.pose + 12 * c->contacts.f[contact];
   mg_world_to_local_point(pose, world, c->run->point + 3 * contact);
   for (int k = 0; k < 3; k++) c->run->tilt_direction[3 * contact + k] = outward[k];
-  c->run->rolling_start[contact] = MG_START_FLAT;
+  mg_set_rolling_start(c, contact, MG_START_FLAT);
   c->run->h = mg_rolling_start_step(c);
   mg_close_contact(c, contact);
 }

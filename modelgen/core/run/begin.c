@@ -17,7 +17,7 @@ static int mg_place_start_contacts(mg_context *c) {
   const mg_real touching = c->settings->start_gap * s->length;
   for (int i = mg_next_row(c, -1); i < s->n_contact; i = mg_next_row(c, i)) {
     c->run->failed_contact = i;
-    c->run->closed[i] = c->run->active[i] = c->run->rolling_start[i] = 0;
+    mg_set_closed(c, i, 0), mg_set_rolling_start(c, i, MG_START_NONE);
     if (!mg_is_on_feature_pair(c, i)) continue;
     const int lost = mg_newton_on_feature_pair(c, i, mg_contact_eta(c, c->run->x, i)) < 0 ||
                      !(mg_placement_uniqueness(c, i) >= c->settings->margin_refuse);
@@ -27,7 +27,7 @@ static int mg_place_start_contacts(mg_context *c) {
     }
     if (mg_newton_on_feature_pair(c, i, mg_contact_eta(c, c->run->x, i)) < 0) return MG_NO_EXTREMUM;
     if (c->search.placement[0] < -touching) return MG_PENETRATION;
-    c->run->closed[i] = c->search.placement[0] <= touching;
+    mg_set_closed(c, i, c->search.placement[0] <= touching);
     c->run->margin[i] = mg_placement_uniqueness(c, i);
     if (c->run->closed[i] && c->run->margin[i] < c->run->margin_min) c->run->margin_min = c->run->margin[i];
     const mg_real least = mg_followed_margin_limit(c, c->run->feature_pair[i], c->search.placement[0]);
@@ -102,10 +102,11 @@ static int mg_begin_run(mg_context *c, mg_events *events) {
   mg_accept_inputs(c);
   mg_start_after_kink(c);
   for (int i = 0; i < system->n_friction; i++)
-    run->friction_mode[i] = MG_FRICTION_OFF, c->friction.triggered[i] = 0, c->friction.mode_before[i] = MG_FRICTION_OFF;
+    mg_set_friction_mode(c, i, MG_FRICTION_OFF), c->friction.triggered[i] = 0,
+                                                 c->friction.mode_before[i] = MG_FRICTION_OFF;
   for (int k = 0; k < system->n_switch; k++)
-    run->branch[k] = 0, run->switch_mode[k] = MG_BRANCH_ZERO, run->switch_leader[k] = 0;
-  for (int i = 0; i < system->n_patch_slot; i++) run->patch_mode[i] = MG_FRICTION_OFF;
+    mg_set_branch(c, k, 0), mg_set_switch_mode(c, k, MG_BRANCH_ZERO), mg_set_switch_leader(c, k, 0);
+  for (int i = 0; i < system->n_patch_slot; i++) mg_set_patch_mode(c, i, MG_FRICTION_OFF);
   for (int k = 0; k < 3 * system->n_patch_slot; k++) run->patch_support_share[k] = 0;
   mg_zero_reals(run->search_bound, system->n_cell_tree);
   run->x[c->layout.work_state] = 0;

@@ -60,8 +60,8 @@ static int mg_jumps_over_switch(mg_context *c, mg_real t, int which) {
   const mg_real branch = c->run->branch[which];
   mg_real wrench[2][12] = {{0}}, change = 0, size = 0;
   for (int side = 0; side < 2; side++)
-    c->run->branch[which] = side ? -1 : 1, mg_add_branch_wrench(c, t, load, first, 1, wrench[side]);
-  c->run->branch[which] = branch;
+    mg_set_branch(c, which, side ? -1 : 1), mg_add_branch_wrench(c, t, load, first, 1, wrench[side]);
+  mg_set_branch(c, which, branch);
   for (int k = 0; k < 12; k++)
     change = mg_max(change, fabs(wrench[0][k] - wrench[1][k])),
     size = mg_max(size, fabs(wrench[0][k]) + fabs(wrench[1][k]));

@@ -99,10 +99,10 @@ MG_INTERNAL void mg_pack_branches(const mg_context *c, mg_sensitivity *s, int lo
 MG_INTERNAL const mg_real *mg_differentiated_switch(mg_context *c, const mg_sensitivity *s, mg_real t, int load,
                                                     int which, const mg_real **by_input) {
   const int first = mg_switch_begin(c->system, load), end = mg_switch_end(c->system, load);
-  mg_real *branch = c->run->branch;
-  for (int k = first; k < end; k++) s->weights[k - first] = branch[k], branch[k] = mg_differentiated_branch(c, k);
+  for (int k = first; k < end; k++)
+    s->weights[k - first] = c->run->branch[k], mg_set_branch(c, k, mg_differentiated_branch(c, k));
   const mg_real *gradient = mg_switch_gradient(c, t, load, which, by_input);
-  for (int k = first; k < end; k++) branch[k] = s->weights[k - first];
+  for (int k = first; k < end; k++) mg_set_branch(c, k, s->weights[k - first]);
   return gradient;
 }
 

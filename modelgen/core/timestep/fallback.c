@@ -112,10 +112,10 @@ static int mg_resume_event_driven(mg_context *c) {
   mg_real before, after;
   mg_energy(c, &before);
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
-    run->active[i] = c->events.triggered[i] = 0;
+    mg_set_active(c, i, 0), c->events.triggered[i] = 0;
   for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
-    run->friction_mode[g] = c->friction.mode_before[g] = MG_FRICTION_OFF, c->friction.triggered[g] = 0,
-    c->friction.slip_time_left[g] = 0;
+    mg_set_friction_mode(c, g, MG_FRICTION_OFF), c->friction.mode_before[g] = MG_FRICTION_OFF,
+                                                 c->friction.triggered[g] = 0, c->friction.slip_time_left[g] = 0;
   mg_evaluate_run_state(c);
   mg_open_separating(c);
   if (!mg_has_closed_contact_capacity(c)) return MG_TOO_MANY_CLOSED;

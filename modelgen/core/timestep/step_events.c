@@ -45,9 +45,10 @@ static void mg_report_friction_modes(mg_context *c, mg_events *events) {
     c->friction.mode_before[g] = c->run->friction_mode[g], c->friction.slip_time_left[g] = 0;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
-      c->run->friction_mode[g] = !mg_has_compressive_force(c, i) ? MG_FRICTION_OFF
-                                 : c->friction.is_yielding[g]    ? MG_SLIPPING
-                                                                 : MG_STICKING;
+      mg_set_friction_mode(c, g,
+                           !mg_has_compressive_force(c, i) ? MG_FRICTION_OFF
+                           : c->friction.is_yielding[g]    ? MG_SLIPPING
+                                                           : MG_STICKING);
   mg_report_friction_events(c, events);
 }
 

@@ -36,7 +36,7 @@ static void mg_extrapolate_state(const mg_context *c, mg_real time, mg_real chan
 /* Adds the accelerations by the forces of the joints to c->bodies.acceleration, and stores these forces in
    c->solution.impulse. */
 static void mg_add_joint_accelerations(mg_context *c) {
-  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) c->run->active[i] = 0;
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) mg_set_active(c, i, 0);
   for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
     c->rows.row_rate[i] = mg_row_acceleration(c, i);
   const int n = mg_hold_rows(c, c->run->active, 1, c->rows.row_rate, c->solution.impulse);

@@ -1,0 +1,50 @@
+/* The modes of a run: which contacts are closed and which of these carry force, how friction and patches slip, on which
+   branch loads are, how a contact starts to roll. This file alone writes them, but for the restart from a checkpoint.
+ */
+#include "model/model.h"
+
+MG_INTERNAL void mg_set_active(const mg_context *c, int contact, int is_active) {
+  MG_REQUIRE(contact >= 0 && contact < c->system->n_contact && (!is_active || c->run->closed[contact]));
+  c->run->active[contact] = is_active;
+}
+
+MG_INTERNAL void mg_set_closed(const mg_context *c, int contact, int is_closed) {
+  MG_REQUIRE(contact >= 0 && contact < c->system->n_contact);
+  c->run->closed[contact] = is_closed;
+  if (!is_closed) c->run->active[contact] = 0;
+}
+
+MG_INTERNAL void mg_close_contact(const mg_context *c, int contact) {
+  mg_set_closed(c, contact, 1), mg_set_active(c, contact, 1);
+}
+
+MG_INTERNAL void mg_set_rolling_start(const mg_context *c, int contact, int start) {
+  MG_REQUIRE(contact >= 0 && contact < c->system->n_contact && start >= MG_START_NONE && start <= MG_ON_STRAIGHT_EDGE);
+  c->run->rolling_start[contact] = start;
+}
+
+MG_INTERNAL void mg_set_friction_mode(const mg_context *c, int constraint, int mode) {
+  MG_REQUIRE(constraint >= 0 && constraint < c->system->n_friction && mode >= MG_FRICTION_OFF && mode <= MG_SLIPPING);
+  c->run->friction_mode[constraint] = mode;
+}
+
+MG_INTERNAL void mg_set_patch_mode(const mg_context *c, int slot, int mode) {
+  MG_REQUIRE(slot >= 0 && slot < c->system->n_patch_slot && mode >= MG_FRICTION_OFF && mode <= MG_SLIPPING);
+  c->run->patch_mode[slot] = mode;
+}
+
+MG_INTERNAL void mg_set_branch(const mg_context *c, int which, mg_real branch) {
+  MG_REQUIRE(which >= 0 && which < c->system->n_switch && branch >= -1 && branch <= 1);
+  c->run->branch[which] = branch;
+}
+
+MG_INTERNAL void mg_set_switch_mode(const mg_context *c, int which, int mode) {
+  MG_REQUIRE(which >= 0 && which < c->system->n_switch && mode >= MG_BRANCH_NEGATIVE && mode <= MG_BRANCH_SLIDES);
+  c->run->switch_mode[which] = mode;
+}
+
+MG_INTERNAL void mg_set_switch_leader(const mg_context *c, int which, int leader) {
+  MG_REQUIRE(which >= 0 && which < c->system->n_switch && leader >= -c->system->n_switch &&
+             leader <= c->system->n_switch);
+  c->run->switch_leader[which] = leader;
+}
