@@ -8,8 +8,9 @@
 
 #define MG_CURVE_SAMPLES 64           /* of a curve, and of each coordinate of a surface without material */
 #define MG_CURVE_LOWEST 3             /* of them, about which the lowest place is refined */
-#define MG_CLEAR_PART ((mg_real)1e-3) /* of the distance of two points, by which that is less */
+#define MG_CLEAR_PART ((mg_real)1e-3) /* of the distance of two points, by which what is clear changes */
 #define MG_CLEAR_GAPS 16              /* start_gap from a body, within which a point may be in it */
+#define MG_CHORD_HALVINGS 24          /* of the part of a curve that passes through a disc */
 #define MG_GOLDEN ((mg_real)0.3819660112501051)
 #define MG_GOLDEN_STEPS 40
 #define MG_FIRST_CELLS 4                   /* along each side of the cube that is searched */
@@ -189,25 +190,61 @@ static int mg_does_segment_pass_ball(const mg_context *c, int feature_pair, int 
   return mg_dot3(arm, arm) <= 4 * ball[3] * ball[3]; /* a curve is beside its chord */
 }
 
-/* True if the chord of a part of a curve leaves a disc, the other shape of a feature pair, well behind its start and
-   well before its end. */
-static int mg_does_chord_leave_disc(mg_context *c, int feature_pair, int side, const mg_real *start,
-                                    const mg_real *end) {
-  const mg_real touching = c->settings->start_gap * c->system->length,
-                span[3] = {end[0] - start[0], end[1] - start[1], end[2] - start[2]},
-                part = mg_part_in_surfaces(c, feature_pair, 1 - side, start, end, touching);
-  return part < 1 && (1 - part) * sqrt(mg_dot3(span, span)) > touching;
+/* True if a point in the plane of a disc, the other shape of a feature pair, is within its rim, by `clear`, m. */
+static int mg_is_well_within_disc(const mg_context *c, int feature_pair, int side, const mg_real *point,
+                                  mg_real clear) {
+  const mg_system *s = c->system;
+  const int pair = s->feature_pair_owner[feature_pair], body = mg_feature_body(c, feature_pair, 1 - side);
+  mg_real x[3];
+  for (int each = s->pair_feature_pair[pair]; each < s->pair_feature_pair[pair + 1]; each++) {
+    const int own = mg_feature_body(c, each, 1) == body;
+    if (mg_feature_dimension(c, each, own) < 2) continue;
+    mg_point_in_shape_axes(c, each, own, point, x);
+    if (!mg_is_within_border(c, each, own, x, -clear)) return 0;
+  }
+  return 1;
 }
 
-/* True if a part of a curve is in the other shape of its pair, or passes through it if that is a disc: by one of its
-   ends, or its point in the middle of where its chord is within. */
-static int mg_is_curve_part_within(mg_context *c, int feature_pair, int side, const mg_sample *a, const mg_sample *b) {
+/* True if a segment passes through a disc, the other shape of a feature pair, farther from its ends and from the rim
+   than `clear`, m. */
+static int mg_does_segment_pass_disc(mg_context *c, int feature_pair, int side, const mg_sample *a, const mg_sample *b,
+                                     mg_real clear) {
+  for (int way = 0; way < 2; way++) {
+    const mg_real *start = way ? b->point : a->point, *end = way ? a->point : b->point,
+                  span[3] = {end[0] - start[0], end[1] - start[1], end[2] - start[2]},
+                  part = mg_part_in_surfaces(c, feature_pair, 1 - side, start, end, clear),
+                  x[3] = {start[0] + part * span[0], start[1] + part * span[1], start[2] + part * span[2]};
+    if (part < 1 && (1 - part) * sqrt(mg_dot3(span, span)) > clear &&
+        mg_is_well_within_disc(c, feature_pair, side, x, clear))
+      return 1;
+  }
+  return 0;
+}
+
+/* The same of a part of a curve, whose point in the disc is looked for between the ends of the chord. */
+static int mg_does_curve_part_pass_disc(mg_context *c, int feature_pair, int side, const mg_sample *from,
+                                        const mg_sample *to, mg_real clear) {
+  mg_sample a = *from, b = *to, middle;
+  if (!mg_does_segment_pass_disc(c, feature_pair, side, &a, &b, clear)) return 0;
+  for (int level = 0; level < MG_CHORD_HALVINGS; level++) {
+    const mg_real uv[2] = {a.uv[0] + (b.uv[0] - a.uv[0]) / 2, a.uv[1]};
+    mg_sample_at(c, feature_pair, side, uv, &middle);
+    if (mg_does_segment_pass_disc(c, feature_pair, side, &a, &middle, 0)) b = middle;
+    else if (mg_does_segment_pass_disc(c, feature_pair, side, &middle, &b, 0)) a = middle;
+    else return 0;
+  }
+  return mg_is_well_within_disc(c, feature_pair, side, a.point, clear);
+}
+
+/* True if a part of a curve is in the other shape of its pair, by its point in the middle of where its chord is within,
+   or passes through it if that is a disc, from `clear` before it to as far behind it, m. */
+static int mg_is_curve_part_within(mg_context *c, int feature_pair, int side, const mg_sample *a, const mg_sample *b,
+                                   mg_real clear) {
   const int pair = c->system->feature_pair_owner[feature_pair];
   mg_sample middle;
   if (!mg_does_segment_pass_ball(c, feature_pair, side, a->point, b->point)) return 0;
   if (!mg_has_volume(c, pair, mg_side_of_pair(c, feature_pair, 1 - side)))
-    return mg_does_chord_leave_disc(c, feature_pair, side, a->point, b->point) ||
-           mg_does_chord_leave_disc(c, feature_pair, side, b->point, a->point);
+    return mg_does_curve_part_pass_disc(c, feature_pair, side, a, b, clear);
   const mg_real left = mg_part_in_surfaces(c, feature_pair, 1 - side, a->point, b->point, 0),
                 entered = 1 - mg_part_in_surfaces(c, feature_pair, 1 - side, b->point, a->point, 0);
   if (!(left < 1) && !(entered > 0)) return 0;
@@ -217,8 +254,8 @@ static int mg_is_curve_part_within(mg_context *c, int feature_pair, int side, co
   return from < to && mg_is_in_body(c, feature_pair, 1 - side, middle.point);
 }
 
-/* True if a curve is in the other shape of its pair, or passes through it if that is a disc. */
-static int mg_does_curve_cross(mg_context *c, int feature_pair, int side) {
+/* True if a curve is in the other shape of its pair, or passes through it if that is a disc, as far as `clear`, m. */
+static int mg_does_curve_cross(mg_context *c, int feature_pair, int side, mg_real clear) {
   const int parts = mg_shape_kind_of(c, feature_pair, side)->spine == MG_SPINE_LINE ? 1 : MG_CURVE_SAMPLES;
   mg_real window[4];
   mg_sample at[2];
@@ -226,7 +263,7 @@ static int mg_does_curve_cross(mg_context *c, int feature_pair, int side) {
   for (int k = 0; k <= parts; k++) {
     const mg_real uv[2] = {window[0] + (window[1] - window[0]) * k / parts, window[2]};
     mg_sample_at(c, feature_pair, side, uv, at + k % 2);
-    if (k && mg_is_curve_part_within(c, feature_pair, side, at + 1 - k % 2, at + k % 2)) return 1;
+    if (k && mg_is_curve_part_within(c, feature_pair, side, at + 1 - k % 2, at + k % 2, clear)) return 1;
   }
   return 0;
 }
@@ -256,32 +293,34 @@ static int mg_is_shape_in_both(mg_context *c, int pair, int side) {
 }
 
 /* True if a curve of the shape of one side of a pair passes through a surface of the other. */
-static int mg_do_curves_cross(mg_context *c, int pair, int side) {
+static int mg_do_curves_cross(mg_context *c, int pair, int side, mg_real clear) {
   const mg_system *s = c->system;
   const int body = mg_feature_body(c, s->pair_feature_pair[pair], side);
   for (int each = s->pair_feature_pair[pair]; each < s->pair_feature_pair[pair + 1]; each++) {
     const int own = mg_feature_body(c, each, 1) == body;
     if (s->feature_is_listed[2 * each + own] && mg_feature_dimension(c, each, own) == 1 &&
-        mg_does_curve_cross(c, each, own))
+        mg_does_curve_cross(c, each, own, clear))
       return 1;
   }
   return 0;
 }
 
 /* True if shapes without material cross each other. */
-static int mg_do_sheets_cross(mg_context *c, int pair) {
-  return mg_do_curves_cross(c, pair, 0) || mg_do_curves_cross(c, pair, 1);
+static int mg_do_sheets_cross(mg_context *c, int pair, mg_real clear) {
+  return mg_do_curves_cross(c, pair, 0, clear) || mg_do_curves_cross(c, pair, 1, clear);
 }
 
 MG_INTERNAL int mg_is_overlap_seen(mg_context *c, int pair) {
+  const mg_real touching = c->settings->start_gap * c->system->length;
   mg_real centre[3], radius;
   if (mg_has_material(c, pair, 0) && mg_has_material(c, pair, 1))
     return mg_smaller_ball(c, pair, centre, &radius) && mg_is_ball_in_both(c, pair, centre, radius);
-  if (!mg_has_volume(c, pair, 0) && !mg_has_volume(c, pair, 1)) return mg_do_sheets_cross(c, pair);
+  if (!mg_has_volume(c, pair, 0) && !mg_has_volume(c, pair, 1)) return mg_do_sheets_cross(c, pair, touching);
   for (int side = 0; side < 2; side++)
-    if (mg_has_material(c, pair, side) ? mg_is_shape_in_both(c, pair, 1 - side)
-                                       : mg_has_volume(c, pair, side) && (mg_is_body_within(c, pair, 1 - side) ||
-                                                                          mg_do_curves_cross(c, pair, 1 - side)))
+    if (mg_has_material(c, pair, side)
+            ? mg_is_shape_in_both(c, pair, 1 - side)
+            : mg_has_volume(c, pair, side) &&
+                  (mg_is_body_within(c, pair, 1 - side) || mg_do_curves_cross(c, pair, 1 - side, touching)))
       return 1;
   return 0;
 }
@@ -304,7 +343,9 @@ static int mg_is_point_in_other(mg_context *c, int feature_pair, int side) {
 
 MG_INTERNAL int mg_is_between_far_sides(mg_context *c, int feature_pair) {
   const int pair = c->system->feature_pair_owner[feature_pair];
-  if (!(c->search.placement[0] < -c->settings->start_gap * c->system->length) || !mg_has_surfaces(c, pair)) return 0;
-  if (!mg_has_volume(c, pair, 0) && !mg_has_volume(c, pair, 1)) return !mg_do_sheets_cross(c, pair);
+  const mg_real depth = -c->search.placement[0], touching = c->settings->start_gap * c->system->length;
+  if (!(depth > touching) || !mg_has_surfaces(c, pair)) return 0;
+  if (!mg_has_volume(c, pair, 0) && !mg_has_volume(c, pair, 1))
+    return !mg_do_sheets_cross(c, pair, mg_max(touching, MG_CLEAR_PART * depth));
   return !mg_is_point_in_other(c, feature_pair, 0) && !mg_is_point_in_other(c, feature_pair, 1);
 }
