@@ -40,6 +40,8 @@ CLOSE_CALLS = [
     ("disc", "outline", 16),  # sides of the disc were taken for far ones
     ("box", "hollow capsule", 9),  # starts between the caps, in the bore of the side
     ("hollow capsule", "solid", 5),
+    ("disc", "circle", 1),  # the chord of a wire passes the disc, the wire beside its rim
+    ("disc", "line", 3),
     ("cone", "polyline", 8),  # a tip, thinner than a falling wire moves between two searches
     ("circle", "curve", 19),  # closest points that were none when the small wire was searched last
 ]
