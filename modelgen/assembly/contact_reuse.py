@@ -71,7 +71,8 @@ def _inputs(scene: Scene, motions: Iterable[BodyMotion], centres: Iterable[Vecto
         )
         for body, motion, centre in zip(scene.bodies, motions, centres, strict=True)
     )
-    return bodies, scene.source, scene.fold, scene.run.form
+    welds = tuple((each.between, each.frames) for each in scene.joints if each.kind == "weld")
+    return bodies, welds, scene.source, scene.fold, scene.run.form
 
 
 def _structure(pair: ContactPair) -> tuple[ContactPair, Any]:

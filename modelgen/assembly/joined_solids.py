@@ -1,4 +1,4 @@
-"""Shapes that are fixed together and touch the same partner are one solid for it."""
+"""Shapes that are fixed or welded together and touch the same partner are one solid for it."""
 
 from __future__ import annotations
 
@@ -27,7 +27,36 @@ class _Placed(NamedTuple):
 
     shape: Shape
     pose: Pose
-    body: int  # or FIXED
+    body: int  # the first of those that are welded to each other, or FIXED
+
+
+Stand = tuple[int, Pose]  # of a body: the first body to which it is welded, or FIXED, and where it is on that
+
+
+def _stands(scene: Scene, motions: Sequence[BodyMotion]) -> list[Stand]:
+    """Where each body stands: fixed ones in the world, others on the first to which welds join them."""
+    number = {body.name: k for k, body in enumerate(scene.bodies)}
+    welds: dict[int, list[tuple[int, Pose]]] = {}
+    for joint in scene.joints:
+        if joint.kind == "weld":
+            (a, b), (of_a, of_b) = (number[name] for name in joint.between), joint.frames
+            welds.setdefault(a, []).append((b, compose(of_a, to_axes(of_b, Pose()))))
+            welds.setdefault(b, []).append((a, compose(of_b, to_axes(of_a, Pose()))))
+    found: dict[int, Stand] = {}
+    fixed = [k for k, motion in enumerate(motions) if motion == "fixed"]
+    for first in (*fixed, *range(len(motions))):
+        if first in found:
+            continue
+        is_fixed = motions[first] == "fixed"
+        found[first] = (FIXED, scene.bodies[first].pose) if is_fixed else (first, Pose())
+        left = [first]
+        while left:
+            body = left.pop()
+            for other, pose in welds.get(body, ()):
+                if other not in found:
+                    found[other] = (found[body][0], compose(found[body][1], pose))
+                    left.append(other)
+    return [found[k] for k in range(len(motions))]
 
 
 class JoinedSolids:
@@ -36,10 +65,8 @@ class JoinedSolids:
     def __init__(self, scene: Scene, motions: Sequence[BodyMotion]) -> None:
         """`motions`: of the bodies."""
         self._placed = {  # in the order of the scene
-            (body.name, shape.name): _Placed(shape, compose(body.pose, shape.pose), FIXED)
-            if motion == "fixed"
-            else _Placed(shape, shape.pose, k)
-            for k, (body, motion) in enumerate(zip(scene.bodies, motions, strict=True))
+            (body.name, shape.name): _Placed(shape, compose(pose, shape.pose), first)
+            for body, (first, pose) in zip(scene.bodies, _stands(scene, motions), strict=True)
             for shape in body.shapes
         }
         touching: dict[Partner, set[Partner]] = {}

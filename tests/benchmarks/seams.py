@@ -2,12 +2,12 @@
 
     python -m tests.benchmarks.seams [--count 1000] [--part 1/2] [--only SLIDER] [--member K]
 
-Two boxes, polyhedra, an extrusion beside a box, a plug in a plane, or two shapes of one body have their tops
-at one height as people write it (0.3 and 0.1 + 0.2), or apart by 1e-16 to 1e-3 m by decades. The ground is a
-floor, wall or ceiling, turned at random with gravity. Without friction a body keeps its velocity (closed
-form) to 1e-9 of it. With friction its run agrees with one on a single ground within the stated errors of
-both. A step that is higher than the flush tolerance is struck. Told for each slider: right, doubted, wrong
-and trusted.
+Two boxes, also welded to each other, two polyhedra, an extrusion beside a box, a plug in a plane, or two
+shapes of one body have their tops at one height as people write it (0.3 and 0.1 + 0.2), or apart by 1e-16 to
+1e-3 m by decades. The ground is a floor, wall or ceiling, turned at random with gravity. Without friction a
+body keeps its velocity (closed form) to 1e-9 of it. With friction its run agrees with one on a single ground
+within the stated errors of both. A step that is higher than the flush tolerance is struck. Told for each
+slider: right, doubted, wrong and trusted.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ SLIDERS: Mapping[str, tuple[tuple[Shape, ...], float]] = {
     "torus": ((make.torus(0.15, 0.05),), 0.05),
 }  # fmt: skip
 ROUND = ("ball", "ellipsoid", "capsule", "roller", "torus")  # a low step slows them by little
-GROUNDS = ("boxes", "one body", "polyhedra", "extrusion", "plug", "round plug")
+GROUNDS = ("boxes", "one body", "polyhedra", "extrusion", "welded", "plug", "round plug")
 
 
 @dataclass(frozen=True)
@@ -99,9 +99,10 @@ class Member:
             for a in shapes
             for b in fixed[1]
         ]
-        return make.scene(
-            "seam", [*fixed[0], slider], gravity=_row(turned.apply([0, 0, -G])), contact=contacts
-        )
+        is_welded = self.ground == "welded" and not seamless
+        welds = [{"kind": "weld", "between": ["left", "right"]}] if is_welded else []
+        down = _row(turned.apply([0, 0, -G]))
+        return make.scene("seam", [*fixed[0], slider], gravity=down, contact=contacts, joint=welds)
 
     def _seamless(self, level: float, at: Mapping[str, Any]) -> tuple[list[Any], list[str]]:
         """A plane in place of the plugged one; one prism in place of two solids."""
@@ -127,6 +128,13 @@ class Member:
                 placed("left", make.box(2.0, 2.0, 2.0), [-1.0, 0.0, level - 1.0]),
                 placed("right", make.box(2.0, w, 2.0), [1.0, 0.0, other - 1.0]),
             ], ["left", "right"]
+        if self.ground == "welded":
+            where = {"position": _row(self.rotation.apply([1.0, 0.0, other - 1.0])), **at}
+            right = make.dynamic("right", make.box(2.0, w, 2.0), density=100.0, **where)
+            return [placed("left", make.box(2.0, 2.0, 2.0), [-1.0, 0.0, level - 1.0]), right], [
+                "left",
+                "right",
+            ]
         if self.ground == "one body":
             shapes = (
                 make.box(2.0, 2.0, 2.0, name="left", position=[-1.0, 0.0, level - 1.0]),
@@ -174,7 +182,7 @@ def drawn(seed: int, sliders: Sequence[str]) -> Member:
     """The member of that number."""
     random = np.random.default_rng([41, seed])
     slider = sliders[seed % len(sliders)]
-    grounds = GROUNDS[:4] if slider == "torus" else GROUNDS  # a whole plane does not hold a torus
+    grounds = GROUNDS[:5] if slider == "torus" else GROUNDS  # a whole plane does not hold a torus
     ground = grounds[int(random.integers(len(grounds)))]
     friction = float(random.choice([0.0, 0.0, 10 ** random.uniform(-2, -0.3)]))
     speed = float(random.uniform(1.0, 3.0))

@@ -5,7 +5,8 @@ Walls, posts and steps beside the plates are struck, and their blows are not dou
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import pytest
@@ -30,14 +31,16 @@ def plate(height: float = 0.0, width: float = 2.0) -> Body:
     return make.fixed("right", make.box(2.0, width, 2.0), position=[1.0, 0.0, height - 1.0])
 
 
-def slid(shape: Shape, ground: Sequence[Body], yaw: float = 0.0) -> Trajectory:
+def slid(
+    shape: Shape, ground: Sequence[Body], yaw: float = 0.0, joints: Sequence[Mapping[str, Any]] = ()
+) -> Trajectory:
     """A body that slides without friction along x, 0.5 m before the seam at the start."""
     body = make.dynamic(
         "slider", shape, mass=1.0, inertia=[0.01, 0.01, 0.01], position=[-0.5, 0.0, 0.05], rpy=[0, 0, yaw],
         velocity=[SPEED, 0.0, 0.0],
     )  # fmt: skip
     contact = [{"between": ["slider", each.name]} for each in ground]
-    scene = make.scene("seam", [*ground, body], contact=contact)
+    scene = make.scene("seam", [*ground, body], contact=contact, joint=list(joints))
     return simulate(library_of(scene), until=0.4, samples=2, estimate=False)
 
 
@@ -63,6 +66,18 @@ def test_a_face_rests_on_plates_of_different_thickness(thickness: float) -> None
     assert [event.kind for event in path.events] == ["face-contact"]
     assert path.is_trusted
     assert not is_stopped(path)
+
+
+@pytest.mark.parametrize("name", ["box", "wedge"])
+def test_plates_that_are_welded_are_one_floor(name: str) -> None:
+    """One of them in axes of its own, turned about the seam's direction and upside down, held by its weld."""
+    right = make.dynamic(
+        "right", make.box(2.0, 2.0, 2.0, position=[0.0, 0.0, 0.5]), density=500.0,
+        position=[1.0, 0.0, -0.5], rpy=[float(np.pi), 0.0, float(np.pi / 2)],
+    )  # fmt: skip
+    path = slid(SLIDERS[name], [LEFT, right], 0.3, [{"kind": "weld", "between": ["left", "right"]}])
+    assert path.is_trusted, path.doubts
+    assert not is_stopped(path), path.events
 
 
 @pytest.mark.parametrize("name", SLIDERS)
