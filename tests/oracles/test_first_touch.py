@@ -42,6 +42,7 @@ CLOSE_CALLS = [
     ("hollow capsule", "solid", 5),
     ("disc", "circle", 1),  # the chord of a wire passes the disc, the wire beside its rim
     ("disc", "line", 3),
+    ("helix", "height_field", 3),  # another turn is far behind the sheet
     ("cone", "polyline", 8),  # a tip, thinner than a falling wire moves between two searches
     ("circle", "curve", 19),  # closest points that were none when the small wire was searched last
 ]

@@ -331,8 +331,22 @@ static int mg_is_segment_in_body(mg_context *c, int feature_pair, int side, cons
   return part >= 1 && part < MG_MAX;
 }
 
+/* True if a point is in the ball around the shape of one side of a feature pair, or that has none: material is nowhere
+   else, and behind an open surface it is not looked for any deeper. */
+static int mg_is_in_ball_of_shape(const mg_context *c, int feature_pair, int side, const mg_real *point) {
+  const int pair = c->system->feature_pair_owner[feature_pair], body = mg_feature_body(c, feature_pair, side),
+            which = body != mg_feature_body(c, c->system->pair_feature_pair[pair], 0);
+  const mg_real *ball = mg_pair_ball(c, pair, which);
+  mg_real arm[3];
+  if (ball[3] < 0) return 1;
+  mg_to_world(c->bodies.pose + 12 * body, ball, 1, arm);
+  for (int k = 0; k < 3; k++) arm[k] -= point[k];
+  return mg_dot3(arm, arm) <= ball[3] * ball[3];
+}
+
 MG_INTERNAL int mg_is_point_in_body(mg_context *c, int feature_pair, int side) {
   const mg_real *start = c->search.placement + (side ? 11 : 8), *point = c->search.placement + (side ? 8 : 11);
+  if (!mg_is_in_ball_of_shape(c, feature_pair, side, point)) return 0;
   return mg_is_surface(c, feature_pair, side) ? mg_is_segment_in_body(c, feature_pair, side, start, point)
                                               : mg_is_in_body(c, feature_pair, side, point);
 }
