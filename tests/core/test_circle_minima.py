@@ -34,7 +34,9 @@ Tell = Callable[[Circles, float], int]
 def tell() -> Tell:
     if not CC:
         pytest.skip("needs a C compiler")
-    function = ctypes.CDLL(str(compile_text(includes() + EXPORT, "-O1", "-w", "-shared", "-fPIC"))).tell
+    files = ("spine_stationary_points.c", "circle_pair_single_minimum.c")
+    text = includes("elementary", "base") + "".join(f'#include "closest/{name}"\n' for name in files)
+    function = ctypes.CDLL(str(compile_text(text + EXPORT, "-O1", "-w", "-shared", "-fPIC"))).tell
 
     def call(circles: Circles, gap: float) -> int:
         place, size = (np.ascontiguousarray(each, dtype=float) for each in circles)
