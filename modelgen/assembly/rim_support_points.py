@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from modelgen.geometry.convex_cells import range_of
 from modelgen.geometry.coordinate_domains import domain_of
 from modelgen.geometry.face_regions import JOINED, point_of
 from modelgen.rotations import rotation_of
@@ -53,8 +54,8 @@ def lies_flat(feature: Feature) -> bool:
 
 
 def support_points_of(feature: Feature) -> tuple[Feature, ...]:
-    """Support points: three of a rim, or of each crest of a torus, a third of a turn apart; of a half torus
-    the ends and the middle.
+    """Support points: three of a rim, or of each crest of a torus, a third of a turn apart; of an arc or a
+    half torus the ends and the middle.
 
     They are there while it is flat on a plane. None of other features.
     """
@@ -62,7 +63,7 @@ def support_points_of(feature: Feature) -> tuple[Feature, ...]:
         return ()
     if is_rim(feature):
         side = _outward_side(feature)
-        places = [(at, side) for at in _on_rim(feature.shape)]
+        places = [(at, side) for at in _on_rim(feature)]
     else:
         places = [(at, float(np.sign(at[2]))) for at in _on_crests(feature)]
     axis = rotation_of(feature.shape.pose.quaternion)[:, 2]
@@ -86,9 +87,12 @@ def _flat(axis: Array, side: float) -> Condition:
     return Condition("tilt", (x, y, z, -1.0, abs(side)), None)
 
 
-def _on_rim(rim: Shape) -> list[Array]:
-    low, high = (0.0, 2 * pi) if rim.kind in RIMS else domain_of(rim)[0]
-    return [point_of(rim, low + (high - low) * k / SUPPORT_POINTS) for k in range(SUPPORT_POINTS)]
+def _on_rim(rim: Feature) -> list[Array]:
+    """A third of a turn apart; of an arc the ends and the middle."""
+    is_arc = any(each.kind == "parameter" and each.next != rim.name for each in rim.conditions)
+    whole = (0.0, 2 * pi) if rim.shape.kind in RIMS else domain_of(rim.shape)[0]
+    (low, high), parts = (range_of(rim), SUPPORT_POINTS - 1) if is_arc else (whole, SUPPORT_POINTS)
+    return [point_of(rim.shape, low + (high - low) * k / parts) for k in range(SUPPORT_POINTS)]
 
 
 def _on_crests(ring: Feature) -> list[Array]:

@@ -15,7 +15,9 @@ import numpy as np
 import pytest
 
 from modelgen import simulate
+from modelgen.assembly.rim_support_points import support_points_of
 from modelgen.codegen.library import Library
+from modelgen.geometry.shape_features import features_of
 from modelgen.runtime.trajectory import Outcome, Trajectory
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Body, Shape
@@ -194,3 +196,13 @@ def falling(shape: Shape, origin: float) -> Library:
         "b", shape, mass=1.0, inertia=inertia, center_of_mass=[0, 0, 0], position=[0, 0, origin]
     )
     return on_floor([body])
+
+
+def test_the_points_that_hold_an_arc_are_on_the_wire() -> None:
+    """Not on the rest of its circle: at both ends and in the middle."""
+    line = make.polyline([[0.0, 0.0, 0.0], [0.2, 0.0, 0.0], [0.2, 0.2, 0.0]], radius=0.05)
+    (arc,) = (each for each in features_of(line).features if each.shape.kind == "circle")
+    held = [[value for _, value in each.shape.parameters] for each in support_points_of(arc)]
+    middle = 0.05 * (1 - sqrt(0.5))
+    expected = [[0.15, 0.0, 0.0], [0.2 - middle, middle, 0.0], [0.2, 0.05, 0.0]]
+    np.testing.assert_allclose(held, expected, atol=1e-15)
