@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from modelgen.assembly.masses import pose_numbers
-from modelgen.geometry.solid_terms import about_terms_of, is_thin, terms_of
+from modelgen.geometry.solid_terms import about_terms_of, is_thin
 from modelgen.model import Model
 from modelgen.scene.scene_types import Shape
 
@@ -29,5 +29,5 @@ def _solid(model: Model, body: int, shape: Shape) -> dict[str, Any]:
         "terms": terms
         if terms is None
         else [{"kind": term.kind, "numbers": list(term.numbers)} for term in terms],
-        **({"about": True} if terms and terms_of(shape) is None else {}),
+        **({"about": True} if terms and shape.profile is not None else {}),
     }

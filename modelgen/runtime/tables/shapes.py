@@ -61,14 +61,10 @@ def _keys_of(
 ) -> tuple[Key, Key]:
     """The balls of a pair, which are added to those known: centre, m, in the axes of the body, and radius,
     m, -1 where it is unbounded."""
-    first = instance["feature_pairs"][pair["feature_pairs"][0]]
-    o, f = (
-        (body, ball["shape"])
-        for body, ball in zip((first["o"], first["f"]), pair["bounding_balls"], strict=True)
-    )
-    for key, ball in zip((o, f), pair["bounding_balls"], strict=True):
+    keys = _shapes(instance, pair)
+    for key, ball in zip(keys, pair["bounding_balls"], strict=True):
         balls.setdefault(key, [*ball["centre"], -1.0 if ball["radius"] is None else ball["radius"]])
-    return o, f
+    return keys
 
 
 class SolidTables:
@@ -113,7 +109,7 @@ def _is_unknown(entry: Mapping[str, Any]) -> bool:
     return entry["terms"] is None or entry.get("about", False)
 
 
-def _shapes(instance: Mapping[str, Any], pair: Mapping[str, Any]) -> tuple[tuple[int, str], tuple[int, str]]:
+def _shapes(instance: Mapping[str, Any], pair: Mapping[str, Any]) -> tuple[Key, Key]:
     """The shapes of a pair: their bodies o, f of its first feature pair, and their names."""
     first = instance["feature_pairs"][pair["feature_pairs"][0]]
     o, f = (each["shape"] for each in pair["bounding_balls"])
