@@ -3,11 +3,11 @@
     python -m tests.benchmarks.starts --count 2000 [--part 0/2] [--kinds sphere frustum] [--seed K]
 
 A pair of kinds is drawn as by `first_touches` and moved down to a height over its first touch, or below it:
-by decades of the size of the smaller body, and at the first touch itself. One in five
-has one body at random within the other's reach. Points of faces and edges in the other body
-tell how deep bodies overlap, at least. A member fails if bodies that overlap by more than `start_gap` are
-not refused (missed), or bodies that do not overlap are (spurious). One line for each that fails, then how
-many of each, and the median time of a start in microseconds.
+by decades of the size of the smaller body, and at the first touch itself. One in five has one body at random
+within the other's reach. Points of faces and edges in the other body tell how deep bodies overlap, at least.
+A member fails if bodies that overlap by more than `start_gap` are not refused (missed), or if bodies that
+only touch, or are apart, are refused (spurious). One line for each that fails, then how many of each, and the
+median time of a start in microseconds.
 """
 
 from __future__ import annotations
@@ -107,20 +107,20 @@ def judged(found: Start) -> tuple[str, float, str, float]:
         return "other refusal", deep, told, seconds
     if deep > unsure and not is_refused:
         return "missed", deep, told, seconds
-    if is_refused and not deep > 0 and _are_apart(found, unsure):
+    if is_refused and deep < START_GAP * scale / UNSURE and _are_apart(found, START_GAP * scale / UNSURE):
         return "spurious", deep, told, seconds
     return ("overlapping" if is_refused else "apart"), deep, "", seconds
 
 
-def _are_apart(found: Start, unsure: float) -> bool:
-    """Whether the bodies do not overlap, as far as their construction tells."""
+def _are_apart(found: Start, touching: float) -> bool:
+    """Whether the bodies overlap by no more than they may, as far as their construction tells."""
     if np.isnan(found.above):
         return overlap(found) < -1e-3 * _length(found.moving, found.fixed)
-    if found.above < 0:
+    if found.above < -touching:
         return False
     raised = replace(found.moving, p=found.moving.p - 2 * found.limit * DOWN)
     way = travel(raised, found.fixed, 4 * found.limit, parts=4, most=100)
-    return 2 * found.limit - way < unsure
+    return 2 * found.limit - way < touching
 
 
 def main() -> None:

@@ -7,9 +7,9 @@
 #include "solid/solid.h"
 
 #define MG_CURVE_SAMPLES 64           /* of a curve, and of each coordinate of a surface without material */
+#define MG_END_PART ((mg_real)1e-7)   /* of a curve, at its ends */
 #define MG_CURVE_LOWEST 3             /* of them, about which the lowest place is refined */
 #define MG_CLEAR_PART ((mg_real)1e-3) /* of the distance of two points, by which what is clear changes */
-#define MG_CLEAR_GAPS 16              /* start_gap from a body, within which a point may be in it */
 #define MG_CHORD_HALVINGS 24          /* of the part of a curve that passes through a disc */
 #define MG_GOLDEN ((mg_real)0.3819660112501051)
 #define MG_GOLDEN_STEPS 40
@@ -162,12 +162,10 @@ static void mg_window_of_feature(mg_context *c, int feature_pair, int side, mg_r
   mg_limit_feature(c, feature_pair, side, &limits);
   mg_sample_window(c, feature_pair, side, mg_search_radius(c, feature_pair, side), window);
   for (int k = 0; k < 4; k++) window[k] = k % 2 ? mg_min(window[k], limits.box[k]) : mg_max(window[k], limits.box[k]);
-}
-
-/* The side of its pair that the shape of one side of a feature pair is on. */
-static int mg_side_of_pair(const mg_context *c, int feature_pair, int side) {
-  const int first = c->system->pair_feature_pair[c->system->feature_pair_owner[feature_pair]];
-  return mg_feature_body(c, feature_pair, side) != mg_feature_body(c, first, 0);
+  for (int k = 0; k < 4; k += 2) { /* conditions hold a little beyond the ends */
+    const mg_real less = MG_END_PART * (window[k + 1] - window[k]);
+    window[k] += less, window[k + 1] -= less;
+  }
 }
 
 /* True if the shape of one side of a pair may have material. */
@@ -335,8 +333,9 @@ MG_INTERNAL int mg_are_materials_known(const mg_context *c, int pair) {
 static int mg_is_point_in_other(mg_context *c, int feature_pair, int side) {
   const int pair = c->system->feature_pair_owner[feature_pair], other = mg_side_of_pair(c, feature_pair, 1 - side);
   const mg_real *point = c->search.placement + 8 + 3 * side, depth = -c->search.placement[0],
-                touching = c->settings->start_gap * mg_min(c->system->length, mg_pair_size(c, pair)),
-                allowed = mg_max(MG_CLEAR_GAPS * touching - MG_CLEAR_PART * depth, -touching);
+                touching = c->settings->start_gap * c->system->length,
+                clear = MG_CLEAR_GAPS * c->settings->start_gap * mg_min(c->system->length, mg_pair_size(c, pair)),
+                allowed = mg_max(clear - MG_CLEAR_PART * depth, -touching);
   if (!mg_is_material_known(c, pair, other)) return allowed > 0 || mg_is_point_in_body(c, feature_pair, 1 - side);
   return mg_has_material(c, pair, other) && mg_height_over_material(c, pair, other, point, MG_FIRST_ORDER) < allowed;
 }

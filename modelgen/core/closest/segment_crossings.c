@@ -12,9 +12,9 @@
 #define MG_SEGMENT_STEPS 1024             /* steps along a segment, at most, from one side of a surface to the other */
 #define MG_SEGMENT_BISECTIONS 60
 
-/* A segment in the axes of a shape: a point and the vector to its end, m; it leaves nothing within `least` of the
-   point, m, and what it leaves within `slack` of a border, m, it leaves. What
-   part of its length is in that body is no longer than `size`, m. */
+/* A segment in the axes of a shape: a point and the vector to its end, m. It leaves nothing within `least` of the
+   point, m; one that begins on a surface has -`least` of it in place of that. What it leaves within `slack` of a
+   border, m, it leaves. What part of its length is in that body is no longer than `size`, m. */
 typedef struct {
   mg_real start[3], along[3], length, size, least, slack;
 } mg_segment;
@@ -61,7 +61,7 @@ static mg_real mg_part_in_closed_feature(mg_context *c, int feature_pair, int si
     return rate > 0 ? mg_left_at(c, feature_pair, side, segment, mg_dot3(normal, span) / rate, normal) : 1;
   }
   const mg_real outward = mg_dot3(x, normal) < 0 ? -1 : 1, radius = sqrt(mg_dot3(x, x)),
-                rounding = fabs(segment->least);
+                rounding = mg_max(-segment->least, (mg_real)0);
   mg_real part = mg_part_at_radius(segment, radius, outward);
   if (fabs(sqrt(mg_dot3(start, start)) - radius) <= rounding &&
       (part == 1 || part * segment->length <= sqrt(2 * radius * rounding)))
@@ -95,14 +95,14 @@ static mg_real mg_part_at_height(const mg_spine *spine, const mg_segment *segmen
 /* The part at which a segment leaves such a surface, or 1. Where it begins on the surface and goes along it, it leaves
    the surface above the height that rounding may show. */
 static mg_real mg_part_about_spine(const mg_context *c, int feature_pair, int side, const mg_segment *segment) {
-  const mg_real rounding = fabs(segment->least), length = segment->length;
+  const mg_real rounding = mg_max(-segment->least, (mg_real)0), length = segment->length;
   mg_spine spine;
   mg_real below = -1, part = 0;
   mg_read_spine(c, feature_pair, side, &spine);
   mg_real least = fabs(mg_height_over_spine(&spine, segment, 0)) <= rounding ? rounding : 0;
   for (;;) {
     const mg_real height = mg_height_over_spine(&spine, segment, part);
-    if (height > (part < 1 ? least : rounding) && below >= 0) {
+    if (height > least && below >= 0) {
       mg_real x[3];
       const mg_real at = mg_part_at_height(&spine, segment, least, below, part);
       mg_point_of_segment(segment, at, x);
@@ -260,7 +260,7 @@ MG_INTERNAL mg_real mg_part_in_surfaces(mg_context *c, int feature_pair, int sid
    than what touches, it leaves. */
 static int mg_does_way_leave_first(mg_context *c, int feature_pair, int side, const mg_real *point,
                                    const mg_real *along) {
-  const mg_real least = c->settings->start_gap * c->system->length;
+  const mg_real least = MG_CLEAR_GAPS * c->settings->start_gap * c->system->length;
   mg_real end[3];
   for (int k = 0; k < 3; k++) end[k] = point[k] + along[k];
   const mg_real part = mg_part_in_surfaces(c, feature_pair, side, point, end, least);
@@ -331,12 +331,16 @@ static int mg_is_segment_in_body(mg_context *c, int feature_pair, int side, cons
   return part >= 1 && part < MG_MAX;
 }
 
+MG_INTERNAL int mg_side_of_pair(const mg_context *c, int feature_pair, int side) {
+  const int first = c->system->pair_feature_pair[c->system->feature_pair_owner[feature_pair]];
+  return mg_feature_body(c, feature_pair, side) != mg_feature_body(c, first, 0);
+}
+
 /* True if a point is in the ball around the shape of one side of a feature pair, or that has none: material is nowhere
    else, and behind an open surface it is not looked for any deeper. */
 static int mg_is_in_ball_of_shape(const mg_context *c, int feature_pair, int side, const mg_real *point) {
-  const int pair = c->system->feature_pair_owner[feature_pair], body = mg_feature_body(c, feature_pair, side),
-            which = body != mg_feature_body(c, c->system->pair_feature_pair[pair], 0);
-  const mg_real *ball = mg_pair_ball(c, pair, which);
+  const int pair = c->system->feature_pair_owner[feature_pair], body = mg_feature_body(c, feature_pair, side);
+  const mg_real *ball = mg_pair_ball(c, pair, mg_side_of_pair(c, feature_pair, side));
   mg_real arm[3];
   if (ball[3] < 0) return 1;
   mg_to_world(c->bodies.pose + 12 * body, ball, 1, arm);
@@ -344,9 +348,25 @@ static int mg_is_in_ball_of_shape(const mg_context *c, int feature_pair, int sid
   return mg_dot3(arm, arm) <= ball[3] * ball[3];
 }
 
+/* True if a surface of the body of one side is within what touches of a point: a short segment along some axis of the
+   body crosses it. */
+static int mg_is_on_surface(mg_context *c, int feature_pair, int side, const mg_real *point) {
+  const mg_real *axes = c->bodies.pose + 12 * mg_feature_body(c, feature_pair, side) + 3,
+                reach = 2 * c->settings->start_gap * c->system->length;
+  for (int way = 0; way < 6; way++) {
+    mg_real start[3], end[3];
+    for (int k = 0; k < 3; k++) {
+      const mg_real off = (way % 2 ? -reach : reach) * axes[3 * (way / 2) + k];
+      start[k] = point[k] - off, end[k] = point[k] + off;
+    }
+    if (mg_part_in_surfaces(c, feature_pair, side, start, end, 0) < 1) return 1;
+  }
+  return 0;
+}
+
 MG_INTERNAL int mg_is_point_in_body(mg_context *c, int feature_pair, int side) {
   const mg_real *start = c->search.placement + (side ? 11 : 8), *point = c->search.placement + (side ? 8 : 11);
   if (!mg_is_in_ball_of_shape(c, feature_pair, side, point)) return 0;
-  return mg_is_surface(c, feature_pair, side) ? mg_is_segment_in_body(c, feature_pair, side, start, point)
-                                              : mg_is_in_body(c, feature_pair, side, point);
+  if (!mg_is_surface(c, feature_pair, side)) return mg_is_in_body(c, feature_pair, side, point);
+  return mg_is_segment_in_body(c, feature_pair, side, start, point) && !mg_is_on_surface(c, feature_pair, side, point);
 }
