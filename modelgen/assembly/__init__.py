@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from itertools import accumulate
 
 from modelgen.assembly.body_motions import motion_of, pairs_by_body
-from modelgen.assembly.characteristic_scales import scales_of
+from modelgen.assembly.characteristic_scales import flush_height, scales_of
 from modelgen.assembly.contact_kinds import Owner, contact_names, find_body, find_shape
 from modelgen.assembly.contact_reuse import have_same_contacts, with_coefficients
 from modelgen.assembly.contact_warnings import soundness
@@ -37,6 +37,7 @@ from modelgen.assembly.observed_influence import influencing
 from modelgen.assembly.observed_quantities import check_observed, needed_quantities
 from modelgen.assembly.patches import Faces, patches_of
 from modelgen.assembly.shared_pair_content import PairContent, PairContents
+from modelgen.assembly.welded_bodies import stands_of
 from modelgen.errors import SceneError, expect
 from modelgen.model import (
     BodyEntry,
@@ -115,8 +116,10 @@ def require(scene: Scene, scales: Scales | None = None, known: Model | None = No
     if scales is None and scene.nominal is not None:
         scales = _scales_at(replace(scene.nominal, observe=needed_quantities(scene)))
     pieces = _pieces(part)
-    touching = None if known is None else _taken_over(part, pieces, known)
-    return _model(part, pieces, touching or _touching(part, pieces), scene, dropped, scales)
+    scales = scales or _scales(part, pieces)
+    flush = flush_height(part, scales)
+    touching = None if known is None else _taken_over(part, pieces, known, flush)
+    return _model(part, pieces, touching or _touching(part, pieces, flush), scene, dropped, scales)
 
 
 def _model(
@@ -125,11 +128,10 @@ def _model(
     touching: Touching,
     whole: Scene,
     dropped: Sequence[str],
-    scales: Scales | None,
+    scales: Scales,
 ) -> Model:
     """The model of the observed part of a scene; `whole` is the scene as written."""
     body_kinds = KindList[BodyKind]()
-    scales = scales or _scales(scene, pieces)
     load_kinds, loads, joints = _acting(scene, pieces, scales.length, touching.n_eta)
     return Model(
         scene=scene,
@@ -217,10 +219,10 @@ def _body_entry(piece: Piece, q: int, u: int, scene: Scene, kinds: KindList[Body
     return BodyEntry(name, kind, q, u, () if scene.fold else numbers, inverse, mass.centre)
 
 
-def _taken_over(scene: Scene, pieces: Sequence[Piece], known: Model) -> Touching | None:
+def _taken_over(scene: Scene, pieces: Sequence[Piece], known: Model, flush: float) -> Touching | None:
     """The contacts of another model of the scene, where they are the same in this one."""
     motions, centres = [piece.motion for piece in pieces], [piece.centre for piece in pieces]
-    if not have_same_contacts(scene, motions, centres, known):
+    if not have_same_contacts(scene, motions, centres, flush, known):
         return None
     pairs, patches = with_coefficients(scene, known)
     return Touching(
@@ -229,11 +231,12 @@ def _taken_over(scene: Scene, pieces: Sequence[Piece], known: Model) -> Touching
     )  # fmt: skip
 
 
-def _touching(scene: Scene, pieces: Sequence[Piece]) -> Touching:
-    """The pairs that may touch, their feature pairs, and the contacts that follow them."""
+def _touching(scene: Scene, pieces: Sequence[Piece], flush: float) -> Touching:
+    """The pairs that may touch, their feature pairs, and the contacts that follow them; `flush` in m."""
     warnings = soundness(scene)
     contents, wholes = PairContents(scene.run.form or "auto"), Wholes(scene, pieces)
-    joined = JoinedSolids(scene, [piece.motion for piece in pieces])
+    stands = stands_of(scene, [piece.motion for piece in pieces])
+    joined = JoinedSolids(scene, stands, flush)
     faces, shown = Faces(contents.shapes), []
     entries: list[PairEntry] = []
     all_feature_pairs: list[FeaturePairEntry] = []
@@ -273,7 +276,7 @@ def _touching(scene: Scene, pieces: Sequence[Piece]) -> Touching:
         shown.append(Shown((a, b), pair, patches))
         all_feature_pairs += content.feature_pairs
         all_contacts += contacts
-    unions = Unions(faces.entries, [p.body.pose if p.motion == "fixed" else None for p in pieces])
+    unions = Unions(faces.entries, stands, [piece.centre for piece in pieces], flush)
     joined_patches = unions.patches(shown)
     return Touching(
         tuple(entries), tuple(all_feature_pairs), tuple(all_contacts), tuple(unions.faces), joined_patches,

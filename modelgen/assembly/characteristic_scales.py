@@ -35,6 +35,11 @@ def scales_of(scene: Scene, moving: Sequence[tuple[Body, Mass]]) -> Scales:
     return Scales(length, largest, _time(scene, moving, length))
 
 
+def flush_height(scene: Scene, scales: Scales) -> float:
+    """Height (m) up to which surfaces of shapes that are fixed together are one."""
+    return scene.run.flush_height * scales.length
+
+
 def _radius(body: Body, pairs: Sequence[ContactPair]) -> float:
     shapes = contacting_shapes(body, pairs)
     values = [bounding_radius(shape) for shape in shapes]

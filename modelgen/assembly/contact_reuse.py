@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
+from modelgen.assembly.characteristic_scales import flush_height
 from modelgen.assembly.faces_across_shapes import terms_of
 from modelgen.assembly.friction_constraints import friction_constraints_of
 from modelgen.model import BodyMotion, Model, PairEntry, PatchEntry
@@ -16,10 +17,13 @@ Inputs = tuple[Any, ...]
 
 
 def have_same_contacts(
-    scene: Scene, motions: Iterable[BodyMotion], centres: Iterable[Vector], known: Model
+    scene: Scene, motions: Iterable[BodyMotion], centres: Iterable[Vector], flush: float, known: Model
 ) -> bool:
     """Whether the pairs, feature pairs, contacts, faces and patches of a model follow from a scene as well,
-    whose bodies have these motions and centres of mass, but for the coefficients of its pairs."""
+    whose bodies have these motions and centres of mass, and that flush height (m), but for the coefficients
+    of its pairs."""
+    if flush != flush_height(known.scene, known.scales):
+        return False
     mine, other = _inputs(scene, motions, centres), _inputs(known.scene, *_motions(known))
     if mine != other:
         return False
@@ -32,7 +36,7 @@ def have_same_contacts(
 
 def models_have_same_contacts(model: Model, known: Model) -> bool:
     """The same of the scene of another model."""
-    return have_same_contacts(model.scene, *_motions(model), known)
+    return have_same_contacts(model.scene, *_motions(model), flush_height(model.scene, model.scales), known)
 
 
 def with_coefficients(scene: Scene, known: Model) -> tuple[tuple[PairEntry, ...], tuple[PatchEntry, ...]]:

@@ -13,6 +13,7 @@ import numpy as np
 
 from modelgen.assembly.feature_pairs import Whole
 from modelgen.assembly.rim_support_points import SUPPORT_POINTS
+from modelgen.assembly.welded_bodies import Stand
 from modelgen.geometry.face_regions import in_one_plane, to_axes
 from modelgen.geometry.shape_features import is_convex
 from modelgen.model import FaceEntry, PatchEntry, ShareEntry
@@ -22,7 +23,6 @@ from modelgen.scene.scene_types import ContactPair, Pose, Vector
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
 SLOTS = 3  # patches that a pair may rest on at a time where one of its shapes is not convex
-FIXED = -1  # in place of a body: all that are fixed
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,10 +40,16 @@ Member = tuple[int, PatchEntry]  # the number of a pair, and a patch of it
 class Unions:
     """The patches of all pairs, with those in one plane between the same bodies as one."""
 
-    def __init__(self, faces: Sequence[FaceEntry], grounds: Sequence[Pose | None]) -> None:
-        """Of faces as single shapes have them; `grounds`: where each body stands if it is fixed."""
-        self.given, self._grounds = faces, grounds
-        self._placed = [_on_ground(face, grounds[face.body]) for face in faces]
+    def __init__(
+        self, faces: Sequence[FaceEntry], stands: Sequence[Stand], centres: Sequence[Vector], flush: float
+    ) -> None:
+        """Of faces as single shapes have them; `stands`, `centres`: of the bodies, and their centres of mass
+        in their axes, m; `flush`: m, height up to which faces are in one plane."""
+        self.given, self._stands, self._flush = faces, stands, flush
+        self._centred = [  # the axes of the centres of mass where the bodies stand
+            compose(pose, Pose(centre)) for (_, pose), centre in zip(stands, centres, strict=True)
+        ]
+        self._placed = [_placed(face, stands[face.body]) for face in faces]
         self.faces: list[FaceEntry] = []
         self._known: dict[tuple[int, ...], int] = {}
 
@@ -79,7 +85,7 @@ class Unions:
     def _are_level(self, a: Member, b: Member) -> bool:
         """Whether patches between the same bodies lie in one plane."""
         faces = zip(a[1].faces, b[1].faces, strict=True)
-        return all(in_one_plane(self._placed[i][1], self._placed[j][1]) for i, j in faces)
+        return all(in_one_plane(self._placed[i][1], self._placed[j][1], self._flush) for i, j in faces)
 
     def _joined(self, members: Sequence[Member], name: str) -> PatchEntry:
         group = [patch for _, patch in members]
@@ -132,17 +138,18 @@ class Unions:
             loops += 1 + _loops(face)
         return replace(first, name=_listed(self.given[k].name for k in members), boundary=tuple(boundary))
 
-    def _seen_from(self, own: Pose | None, patch: PatchEntry) -> Array:
-        """The support points (3, 3) of a patch, given in the axes of its f, in those of another fixed body;
-        `own`: where that stands, None where it is the same body."""
+    def _seen_from(self, body: int, patch: PatchEntry) -> Array:
+        """The support points (3, 3) of a patch, given in the axes of its f, in those of another body that is
+        fixed to that."""
         points = np.array([numbers[-3:] for numbers in patch.parameters])
-        ground = self._grounds[self.given[patch.faces[1]].body]
-        return points if own is None or ground is None else to_inner(own, to_outer(ground, points))
+        other = self.given[patch.faces[1]].body
+        if other == body:
+            return points
+        return to_inner(self._centred[body], to_outer(self._centred[other], points))
 
     def _support_points(self, group: Sequence[PatchEntry], face: int) -> list[Vector]:
         """Points on a circle round those of all members, in the axes of f about its centre of mass."""
-        own = self._grounds[self.given[face].body]
-        points = np.array([self._seen_from(own, patch) for patch in group])
+        points = np.array([self._seen_from(self.given[face].body, patch) for patch in group])
         centres = points.mean(axis=1)
         centre = (centres.min(axis=0) + centres.max(axis=0)) / 2
         radius = float(np.linalg.norm(points - centre, axis=2).max())
@@ -151,9 +158,10 @@ class Unions:
         return [_vector(to_outer(around, (radius * cos(a), radius * sin(a), 0.0))) for a in angles]
 
 
-def _on_ground(face: FaceEntry, ground: Pose | None) -> tuple[int, Pose]:
-    """The body of a face, or FIXED, and its axes there; `ground`: where the body stands if it is fixed."""
-    return (face.body, face.pose) if ground is None else (FIXED, compose(ground, face.pose))
+def _placed(face: FaceEntry, stand: Stand) -> Stand:
+    """The first of the bodies that are fixed to a face, or FIXED, and the axes of the face there."""
+    first, pose = stand
+    return (first, face.pose) if first == face.body else (first, compose(pose, face.pose))
 
 
 def _name(group: Sequence[tuple[ContactPair, PatchEntry]]) -> str:

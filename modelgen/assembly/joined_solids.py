@@ -9,13 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from modelgen.assembly.faces_across_shapes import FIXED
+from modelgen.assembly.welded_bodies import Stand
 from modelgen.geometry.convex_cells import Cell, cells_of
 from modelgen.geometry.exposed_features import exposed, is_hidden
 from modelgen.geometry.extent import bounding_ball
-from modelgen.geometry.face_regions import LEVEL, to_axes
+from modelgen.geometry.face_regions import to_axes
 from modelgen.geometry.shape_features import features_of
-from modelgen.model import BodyMotion
 from modelgen.scene.pose_arithmetic import compose, to_outer
 from modelgen.scene.scene_types import Feature, Pose, Scene, Shape
 
@@ -30,43 +29,15 @@ class _Placed(NamedTuple):
     body: int  # the first of those that are welded to each other, or FIXED
 
 
-Stand = tuple[int, Pose]  # of a body: the first body to which it is welded, or FIXED, and where it is on that
-
-
-def _stands(scene: Scene, motions: Sequence[BodyMotion]) -> list[Stand]:
-    """Where each body stands: fixed ones in the world, others on the first to which welds join them."""
-    number = {body.name: k for k, body in enumerate(scene.bodies)}
-    welds: dict[int, list[tuple[int, Pose]]] = {}
-    for joint in scene.joints:
-        if joint.kind == "weld":
-            (a, b), (of_a, of_b) = (number[name] for name in joint.between), joint.frames
-            welds.setdefault(a, []).append((b, compose(of_a, to_axes(of_b, Pose()))))
-            welds.setdefault(b, []).append((a, compose(of_b, to_axes(of_a, Pose()))))
-    found: dict[int, Stand] = {}
-    fixed = [k for k, motion in enumerate(motions) if motion == "fixed"]
-    for first in (*fixed, *range(len(motions))):
-        if first in found:
-            continue
-        is_fixed = motions[first] == "fixed"
-        found[first] = (FIXED, scene.bodies[first].pose) if is_fixed else (first, Pose())
-        left = [first]
-        while left:
-            body = left.pop()
-            for other, pose in welds.get(body, ()):
-                if other not in found:
-                    found[other] = (found[body][0], compose(found[body][1], pose))
-                    left.append(other)
-    return [found[k] for k in range(len(motions))]
-
-
 class JoinedSolids:
     """The features of shapes that are left beside the shapes that are fixed to them."""
 
-    def __init__(self, scene: Scene, motions: Sequence[BodyMotion]) -> None:
-        """`motions`: of the bodies."""
+    def __init__(self, scene: Scene, stands: Sequence[Stand], flush: float) -> None:
+        """`stands`: of the bodies; `flush`: m, height up to which surfaces are one."""
+        self._flush = flush
         self._placed = {  # in the order of the scene
             (body.name, shape.name): _Placed(shape, compose(pose, shape.pose), first)
-            for body, (first, pose) in zip(scene.bodies, _stands(scene, motions), strict=True)
+            for body, (first, pose) in zip(scene.bodies, stands, strict=True)
             for shape in body.shapes
         }
         touching: dict[Partner, set[Partner]] = {}
@@ -100,7 +71,7 @@ class JoinedSolids:
         features = features_of(own.shape).features
         if own.shape.cavity or len(features) < 2:
             return None
-        flush = LEVEL * (1 + bounding_ball(own.shape)[1])
+        flush = self._flush
         near = [each for each in joined if each != name and _are_near(own, self._placed[each], flush)]
         first = [each for each in near if joined.index(each) < joined.index(name)]
         left = exposed(features, self._cells(own, near), self._cells(own, first), flush)

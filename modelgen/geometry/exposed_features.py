@@ -37,16 +37,18 @@ def exposed(
     Args:
         features: of the shape, in its axes.
         cells: the convex pieces of the others, in the same axes.
-        before: those among them whose level a flat face takes over that is flush with theirs.
+        before: those among them to whose level the shape is moved where a flat face is flush with theirs.
         flush: m, distance from a surface of what counts as lying in it.
 
     Returns:
-        The same objects where nothing of a feature is covered.
+        The same objects where the shape is not moved and nothing of a feature is covered.
     """
-    others = {each.name: each for each in features}
-    parts = [part for each in features for part in _parts(each, cells, others, flush)]
+    off = _off_level(features, before, flush)
+    level = [_moved(each, -off) for each in features] if off.any() else features
+    others = {each.name: each for each in level}
+    parts = [part for each in level for part in _parts(each, cells, others, flush)]
     seen = {each.name for each in parts if NEVER not in each.conditions}
-    return tuple(_levelled(_without(each, seen), before, flush) for each in parts)
+    return tuple(_without(each, seen) for each in parts)
 
 
 def is_hidden(feature: Feature) -> bool:
@@ -58,18 +60,28 @@ def _hidden(feature: Feature) -> Feature:
     return replace(feature, conditions=(*feature.conditions, NEVER))
 
 
-def _levelled(feature: Feature, cells: Sequence[Cell], flush: float) -> Feature:
-    """A flat face in the plane of the first cell that has a face flush with it."""
-    if feature.dimension < 2 or feature.shape.kind != "plane":
-        return feature
-    for cell in cells:
-        heights = _heights_beside(cell, feature)
-        if len(heights) and 0 < abs(heights[0]) <= flush:
-            x, y, z = map(float, feature.shape.pose.position - heights[0] * _outward(feature))
-            return replace(
-                feature, shape=replace(feature.shape, pose=replace(feature.shape.pose, position=(x, y, z)))
-            )
-    return feature
+def _off_level(features: Sequence[Feature], cells: Sequence[Cell], flush: float) -> Array:
+    """(3,) m: the least vector by which flat faces lie off the faces of cells that are flush with them."""
+    flat = [each for each in features if each.dimension == 2 and each.shape.kind == "plane"]
+    found = [
+        (_outward(face), height)
+        for face in flat
+        for height in (h for cell in cells for h in _heights_beside(cell, face)[:1] if abs(h) <= flush)
+    ]
+    if not any(height for _, height in found):
+        return np.zeros(3)
+    normals, heights = (np.array(each) for each in zip(*found, strict=True))
+    return np.asarray(np.linalg.lstsq(normals, heights, rcond=SAME)[0])
+
+
+def _moved(feature: Feature, by: Array) -> Feature:
+    shape = feature.shape
+    if feature.dimension == 0:
+        moved = zip(shape.parameters, by, strict=True)
+        at = tuple((name, value + float(step)) for (name, value), step in moved)
+        return replace(feature, shape=replace(shape, parameters=at))
+    x, y, z = map(float, np.array(shape.pose.position) + by)
+    return replace(feature, shape=replace(shape, pose=replace(shape.pose, position=(x, y, z))))
 
 
 def _without(feature: Feature, names: set[str]) -> Feature:
@@ -241,11 +253,11 @@ class _Polygon:
     corners: Array  # (n, 2)
     sides: tuple[Condition, ...]  # from each corner to the next
 
-    def split(self, normal: Array, offset: float) -> tuple[_Polygon | None, _Polygon | None]:
-        """The parts with normal x <= offset and beyond."""
-        return self._kept(-normal, -offset), self._kept(normal, offset)
+    def split(self, normal: Array, offset: float, flush: float) -> tuple[_Polygon | None, _Polygon | None]:
+        """The parts with normal x <= offset and beyond; None in place of slivers."""
+        return self._kept(-normal, -offset, flush), self._kept(normal, offset, flush)
 
-    def _kept(self, normal: Array, offset: float) -> _Polygon | None:
+    def _kept(self, normal: Array, offset: float, flush: float) -> _Polygon | None:
         """The part with normal x >= offset."""
         height = self.corners @ normal - offset
         size = float(np.ptp(self.corners, axis=0).max())
@@ -264,7 +276,7 @@ class _Polygon:
         if len(points) < 3:
             return None
         found = _Polygon(np.array(points), tuple(sides))
-        return found if found.area > SAME * size**2 else None
+        return found if found.area > max(SAME * size, LEAST * flush) * size else None
 
     @property
     def area(self) -> float:
@@ -336,7 +348,7 @@ def _split(
     for normal, offset in lines:
         if inside is None:
             break
-        inside, beyond = inside.split(normal, offset)
+        inside, beyond = inside.split(normal, offset, flush)
         if beyond is not None:
             outside.append(beyond)
     if inside is None or not any(_runs_along(inside, side, flush) for side in part.sides):

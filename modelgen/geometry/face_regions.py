@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from math import isfinite
 from typing import Any
 
 import casadi as ca
@@ -12,6 +13,7 @@ import numpy as np
 
 from modelgen.geometry.convex_cells import range_of
 from modelgen.geometry.curves import curve_of, is_curve
+from modelgen.geometry.extent import bounding_radius
 from modelgen.geometry.shape_features import features_of
 from modelgen.rotations import rotation_of
 from modelgen.scene.expression import Number
@@ -95,7 +97,7 @@ class _Run:
 def regions_of(shape: Shape) -> tuple[Region, ...]:
     """The planar regions of a shape; flat faces of which the boundary is not known are left out."""
     flat = [feature for feature in features_of(shape).features if _is_flat(feature)]
-    found = (_region(shape, members) for members in _coplanar(flat))
+    found = (_region(shape, members) for members in _coplanar(flat, _height_within(shape)))
     return tuple(region for region in found if region is not None)
 
 
@@ -139,11 +141,17 @@ def _outward(feature: Feature) -> Pose:
     return compose(pose, Pose(quaternion=UPSIDE_DOWN)) if feature.shape.cavity else pose
 
 
-def _coplanar(flat: Sequence[Feature]) -> list[list[Feature]]:
+def _height_within(shape: Shape) -> float:
+    """Height (m) up to which faces of one shape are in one plane."""
+    size = bounding_radius(shape)
+    return LEVEL * size if isfinite(size) else 0.0
+
+
+def _coplanar(flat: Sequence[Feature], flush: float) -> list[list[Feature]]:
     """Flat faces by the plane that they lie in, planes of the catalogue first."""
     groups: list[list[Feature]] = []
     for feature in sorted(flat, key=lambda each: each.shape.chart is not None):
-        mates = (group for group in groups if _in_one_plane(group[0], feature))
+        mates = (group for group in groups if _in_one_plane(group[0], feature, flush))
         group = next(mates, None)
         if group is None:
             groups.append([feature])
@@ -152,16 +160,17 @@ def _coplanar(flat: Sequence[Feature]) -> list[list[Feature]]:
     return groups
 
 
-def _in_one_plane(a: Feature, b: Feature) -> bool:
+def _in_one_plane(a: Feature, b: Feature, flush: float) -> bool:
     turned = b.shape.chart is not None  # a chart's normal depends on the order of u and v
-    return in_one_plane(_outward(a), _outward(b), turned)
+    return in_one_plane(_outward(a), _outward(b), flush, turned)
 
 
-def in_one_plane(a: Pose, b: Pose, turned: bool = False) -> bool:
-    """Whether frames have their first two axes in one plane and, unless they may be turned, z on one side."""
+def in_one_plane(a: Pose, b: Pose, flush: float, turned: bool = False) -> bool:
+    """Whether frames have their first two axes in one plane, within `flush` (m), and, unless they may be
+    turned, z on one side."""
     level, across = to_inner(a, b.position), rotation_of(a.quaternion).T @ rotation_of(b.quaternion)[:, 2]
     aligned = (turned or across[2] > 0) and np.hypot(*across[:2]) < LEVEL
-    return bool(aligned and abs(level[2]) <= LEVEL * (1 + np.hypot(*level[:2])))
+    return bool(aligned and abs(level[2]) <= flush + LEVEL * np.hypot(*level[:2]))
 
 
 def _region(shape: Shape, members: Sequence[Feature]) -> Region | None:

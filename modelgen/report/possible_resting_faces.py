@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rich.console import Console
 
+from modelgen.assembly.characteristic_scales import flush_height
 from modelgen.geometry.face_regions import in_one_plane
 from modelgen.model import Model, PatchEntry
 from modelgen.name_suggestions import listed
@@ -23,7 +24,7 @@ def _is_level(model: Model, entry: PatchEntry) -> bool:
     o, f = (model.faces[k] for k in entry.faces)
     bodies = model.scene.bodies
     facing = compose(bodies[f.body].pose, compose(f.pose, Pose(quaternion=UPSIDE_DOWN)))
-    return in_one_plane(compose(bodies[o.body].pose, o.pose), facing)
+    return in_one_plane(compose(bodies[o.body].pose, o.pose), facing, flush_height(model.scene, model.scales))
 
 
 def print_patches(console: Console, names: list[str], level: list[str]) -> None:

@@ -176,8 +176,9 @@ class Accuracy:
         feature_border: rad, or in L: a contact changes its feature this far beyond the border.
         time_resolution: changes of loads, given motions and paths within this times T may be missed.
         step_fraction: bound on the step, as a fraction of the longest step in which no event can be missed.
-        flush_height: a run is not trusted if a body struck another from the side at a point in the plane of a
-            face of each: within this times L, whether they meet is decided by rounding.
+        flush_height: shapes that are fixed together join where they are flush within this times L, by the
+            value in the scene's [run]. A run is not trusted if a body struck another from the side at a point
+            within this times L of the plane of a face of each.
         companion_cost: the companion stops, and the run is not trusted, where its steps, with those that were
             rejected, exceed this times those of the run, and 100.
         prediction_error_max: rad, or in L: above this estimated error nothing is predicted.
@@ -341,7 +342,7 @@ class Accuracy:
     @classmethod
     def of_run(cls, run: Mapping[str, Any]) -> Accuracy:
         """The record for the `accuracy` or `tolerance` of the [run] of a manifest."""
-        return _of_run(run["accuracy"], run.get("tolerance"), run["imaginary_edge"])
+        return _of_run(run["accuracy"], run.get("tolerance"), run["imaginary_edge"], run["flush_height"])
 
     @classmethod
     def taken(cls, value: object) -> Accuracy:
@@ -419,9 +420,9 @@ class Accuracy:
 
 
 @lru_cache(maxsize=64)
-def _of_run(name: str, tolerance: float | None, imaginary_edge: float) -> Accuracy:
+def _of_run(name: str, tolerance: float | None, imaginary_edge: float, flush_height: float) -> Accuracy:
     base = Accuracy.named(name) if tolerance is None else Accuracy.of(tolerance)
-    return replace(base, imaginary_edge=imaginary_edge)
+    return replace(base, imaginary_edge=imaginary_edge, flush_height=flush_height)
 
 
 NAMES = {"Method": Method, "Scheme": Scheme, "Solver": Solver, "Impacts": Impacts}  # types of fields

@@ -38,6 +38,12 @@ RUN = Table(
             "lean, rad, up to which a face turns on a tangent of its rim; 0: it rolls at once",
             default=0.0,
         ),
+        Field(
+            "flush_height",
+            Real(0.0, 1e-2),
+            "step, in characteristic lengths, up to which shapes that are fixed together join flush",
+            default=1e-8,
+        ),
         Field("samples", Whole(1, 1_000_000), "output intervals from 0 to until", default=200),
         Field("method", Choice(METHODS), "event-driven, adaptive or not, or time-stepping; else dop853"),
         Field("step", POSITIVE, "fixed step of rk4 and time-stepping, s"),

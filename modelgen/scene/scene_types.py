@@ -293,6 +293,7 @@ class RunSettings:
     accuracy: str = "balanced"  # fast | balanced | tight
     tolerance: float | None = None  # overrides the accuracy's relative tolerance
     imaginary_edge: float = 0.0  # rad; lean up to which a face turns on a tangent of its rim
+    flush_height: float = 1e-8  # characteristic lengths; closer surfaces of one solid are one
     samples: int = 200  # output intervals between 0 and until
     method: str | None = None  # dop853 | rk4 | time-stepping
     step: float | None = None  # s, of rk4 and time-stepping

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from modelgen import simulate
+from modelgen import Accuracy, simulate
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Body, Shape
@@ -32,7 +32,11 @@ def plate(height: float = 0.0, width: float = 2.0) -> Body:
 
 
 def slid(
-    shape: Shape, ground: Sequence[Body], yaw: float = 0.0, joints: Sequence[Mapping[str, Any]] = ()
+    shape: Shape,
+    ground: Sequence[Body],
+    yaw: float = 0.0,
+    joints: Sequence[Mapping[str, Any]] = (),
+    flush_height: float = Accuracy().flush_height,
 ) -> Trajectory:
     """A body that slides without friction along x, 0.5 m before the seam at the start."""
     body = make.dynamic(
@@ -40,7 +44,8 @@ def slid(
         velocity=[SPEED, 0.0, 0.0],
     )  # fmt: skip
     contact = [{"between": ["slider", each.name]} for each in ground]
-    scene = make.scene("seam", [*ground, body], contact=contact, joint=list(joints))
+    run = {"flush_height": flush_height}
+    scene = make.scene("seam", [*ground, body], contact=contact, joint=list(joints), run=run)
     return simulate(library_of(scene), until=0.4, samples=2, estimate=False)
 
 
@@ -56,6 +61,25 @@ def test_a_slider_is_not_stopped_by_a_seam(name: str, width: float) -> None:
         path = slid(SLIDERS[name], [LEFT, plate(height, width)], random.uniform(-np.pi, np.pi))
         assert path.is_trusted, path.doubts
         assert not is_stopped(path), (height, path.events)
+
+
+@pytest.mark.parametrize("flush", [1e-12, 1e-8, 1e-5])
+def test_a_step_is_slid_over_up_to_the_flush_height_of_the_scene_and_struck_above(flush: float) -> None:
+    """The characteristic length is the radius of the box."""
+    length = float(np.hypot(np.hypot(0.15, 0.1), 0.05))
+    for part in (0.5, 0.999, 1.001, 2.0):
+        path = slid(SLIDERS["box"], [LEFT, plate(part * flush * length)], 0.3, flush_height=flush)
+        assert path.is_trusted, (part, path.doubts)
+        assert is_stopped(path) == (part > 1), (part, path.events)
+
+
+@pytest.mark.parametrize("height", [1e-9, -1e-9])
+def test_the_far_edge_of_a_plate_is_at_the_level_of_its_face(height: float) -> None:
+    """A box that slides off the second plate, and tips, does not penetrate its edge."""
+    right = make.fixed("right", make.box(0.2, 2.0, 2.0), position=[0.1, 0.0, height - 1.0])
+    path = slid(SLIDERS["box"], [LEFT, right], 0.3)
+    assert "tipping" in [event.kind for event in path.events]
+    assert path.penetration_max < 1e-12
 
 
 @pytest.mark.parametrize("thickness", [0.1, 0.5, 3.0])

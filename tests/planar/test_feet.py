@@ -188,3 +188,40 @@ def test_a_plank_on_two_loose_bricks_tips_over_the_far_edge_of_one() -> None:
     assert np.abs(path.v[rests, 1:3]).max() < 1e-12
     assert np.abs(path.w[rests, 3]).max() < 1e-12
     assert path.energy_drift < 1e-12
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_feet_that_are_welded_to_each_other_slide_as_those_of_one_body(order: int) -> None:
+    """Two blocks of 1 and 2 kg, 0.2 m apart, turn at 2 rad/s as they slide, beside one body of both. How much
+    each of them carries is not told, nor is the force of the weld."""
+    weights, places, turn = np.array([1.0, 2.0]), np.array([-2 / 15, 1 / 15]), 2.0
+    table_wide = make.fixed("table", make.box(4.0, 4.0, 1.0), position=[0.0, 0.0, -0.5])
+    blocks = [
+        make.dynamic(
+            name, make.box(0.1, 0.1, 0.1), mass=mass, inertia=[2e-3 * mass] * 3, position=[x, 0.0, 0.05],
+            velocity=[1.0, turn * x, 0.0], angular_velocity=[0.0, 0.0, turn],
+        )
+        for name, mass, x in zip("ab", map(float, weights), map(float, places), strict=True)
+    ][::order]  # fmt: skip
+    far = float(weights @ places**2)
+    whole = make.dynamic(
+        "whole", *(make.box(0.1, 0.1, 0.1, name=name, position=[float(x), 0.0, 0.0])
+                   for name, x in zip("ab", places, strict=True)),
+        mass=3.0, inertia=[6e-3, 6e-3 + far, 6e-3 + far], position=[0.0, 0.0, 0.05],
+        velocity=[1.0, 0.0, 0.0], angular_velocity=[0.0, 0.0, turn],
+    )  # fmt: skip
+    weld = {"name": "weld", "kind": "weld", "between": ["a", "b"]}
+    welded, one = (
+        simulate(
+            library_of(make.scene("feet", [table_wide, *bodies], contact=contact, joint=joints)), until=0.3
+        )
+        for bodies, joints, contact in (
+            (blocks, [weld], [{"between": [each.name, "table"], "friction": 0.3} for each in blocks]),
+            ([whole], [], [{"between": [f"whole/{name}", "table"], "friction": 0.3} for name in "ab"]),
+        )
+    )
+    assert welded.is_trusted, welded.doubts
+    centre = np.einsum("b,nbi->ni", weights[::order] / 3, welded.p[:, 1:])
+    np.testing.assert_allclose(centre, one.p[:, 1], atol=1e-10)
+    np.testing.assert_allclose(welded.w[:, 1], one.w[:, 1], atol=1e-9)
+    assert np.isnan(welded.joint_force).all()

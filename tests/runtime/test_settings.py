@@ -10,8 +10,9 @@ import pytest
 from modelgen import Accuracy
 from modelgen.errors import SimulationError
 from modelgen.runtime.settings import accuracy_of
+from modelgen.scene.scene_types import RunSettings
 
-PLAIN = {"accuracy": "fast", "tolerance": None, "imaginary_edge": 0.0}
+PLAIN = {**RunSettings().said(), "accuracy": "fast"}
 STEPPED = {**PLAIN, "method": "time-stepping", "step": 1e-3, "scheme": "moreau"}
 
 

@@ -211,7 +211,8 @@ MG_INTERNAL mg_real mg_first_step(const mg_context *c);
 
 /* sensor_readings.c */
 
-/* Writes the wrench of a joint on its second body, from the forces on its rows, into wrench [6]. */
+/* Writes the wrench of a joint on its second body, from the forces on its rows, into wrench [6]; NaN of a weld while a
+   face rests that reaches over bodies welded to each other, whose parts of its pressure are not told apart. */
 MG_INTERNAL void mg_joint_wrench(const mg_context *c, int joint, mg_real *wrench);
 
 /* Writes what the sensors show at time t, with the contact parameters eta and the forces of the contacts, into sensors

@@ -5,6 +5,8 @@
 #include "model/model.h"
 #include "forces/forces.h"
 
+#define MG_WELD_ROWS 6 /* of a joint that leaves no coordinate */
+
 /* Least gap and sum of the normal forces of each pair of shapes, its resting faces included. */
 static void mg_sum_pairs(mg_context *c, const mg_real *eta, const mg_real *force) {
   const mg_system *s = c->system;
@@ -33,11 +35,29 @@ static void mg_sum_pairs(mg_context *c, const mg_real *eta, const mg_real *force
     if (c->sensors.pair[2 * pair] == MG_MAX) c->sensors.pair[2 * pair] = (mg_real)NAN;
 }
 
+/* True if a body that forces move has a part of a face that rests and counts as of another body, to which welds hold
+   it. */
+static int mg_is_face_across_welds(const mg_context *c) {
+  const mg_system *s = c->system;
+  for (int slot = 0; slot < s->n_patch_slot; slot++) {
+    const int patch = mg_patch_of_slot(c, slot);
+    if (patch < 0) continue;
+    const int o = mg_patch_body(c, patch, 0), f = mg_patch_body(c, patch, 1);
+    for (int k = s->patch_share[patch]; k < s->patch_share[patch + 1]; k++)
+      for (int side = 0; side < 2; side++) {
+        const int body = mg_feature_body(c, s->pair_feature_pair[s->share_pair[k]], side);
+        if (body != o && body != f && (mg_is_moved_by_forces(c, body) || mg_is_moved_by_forces(c, side ? f : o)))
+          return 1;
+      }
+  }
+  return 0;
+}
+
 MG_INTERNAL void mg_joint_wrench(const mg_context *c, int joint, mg_real *wrench) {
   const mg_system *s = c->system;
-  const int first = c->layout.joint_row_begin + s->joint_row[joint];
-  for (int j = 0; j < 6; j++) wrench[j] = 0;
-  for (int i = first; i < first + mg_held_joint_rows(c, joint); i++)
+  const int first = c->layout.joint_row_begin + s->joint_row[joint], n = mg_held_joint_rows(c, joint);
+  for (int j = 0; j < 6; j++) wrench[j] = n == MG_WELD_ROWS && mg_is_face_across_welds(c) ? (mg_real)NAN : 0;
+  for (int i = first; i < first + n; i++)
     for (int j = 0; j < 6; j++) wrench[j] += c->solution.force[i] * c->rows.J[12 * i + 6 + j];
 }
 
