@@ -64,11 +64,11 @@ def placed_entry(model: Model, body: int, shape: Shape) -> dict[str, Any]:
 
 
 def shape_entry(model: Model, number: int, body: int, shape: Shape) -> dict[str, Any]:
-    """One shape: by its number among the solids of the manifest, which are all shapes, if these have terms of
-    it; or by samples of its surface."""
-    entry = placed_entry(model, body, shape)
+    """One shape: its number among the solids of the manifest, which are all shapes, and samples of its
+    surface where these have no terms of it."""
+    entry = {**placed_entry(model, body, shape), "solid": number}
     if about_terms_of(shape):
-        return {**entry, "kind": "terms", "solid": number}
+        return {**entry, "kind": "terms"}
     samples = samples_of(shape)
     if samples is None:
         return {**entry, "kind": "unknown", "parameters": []}

@@ -95,7 +95,10 @@ enum {
   MG_TERM_ELLIPSOID = 4,      /* semi-axes a0, a1, a2 */
   MG_TERM_SUPERELLIPSOID = 5, /* (|x / a0|^a3 + |y / a1|^a3)^(a4 / a3) + |z / a2|^a4 = 1 */
   MG_TERM_PARABOLOID = 6,     /* below z = (x^2 / a0 + y^2 / a1) / 2 */
-  MG_TERM_POLYGON = 7         /* within the polygon (a0, a1), (a2, a3), .. in x and y, counterclockwise */
+  MG_TERM_POLYGON = 7,        /* within the polygon (a0, a1), (a2, a3), .. in x and y, counterclockwise */
+  MG_TERM_SAMPLES = 8         /* behind samples of a surface, by the nearest: six numbers each from a1 on, a point and a
+                                 normal out of the material, of a cavity too, or 0 at an end of the surface, where all
+                                 points are outside; points within a0 of the surface count as outside */
 };
 
 /* In place of the solid of a shape. */
@@ -1056,6 +1059,12 @@ MG_API void mg_closest(const mg_closest_queries *queries);
    `how`: MG_FIRST_ORDER or MG_LIPSCHITZ. */
 MG_API void mg_solid_heights(const mg_system *system, int solid, const mg_real *pose, int how, int n,
                              const mg_real *points, mg_real *heights);
+
+/* Searches a ball (centre, world axes, and radius, m) for a point deeper than `deep` > 0, m, in both of two solids:
+   `pose` (24) are those of their bodies. Returns 1 if there is one; else writes into slack [1] a distance, m, by which
+   the bodies can move in all, as a bound from below, before there is one. */
+MG_API int mg_solids_overlap(const mg_system *system, const int *solid, const mg_real *pose, const mg_real *ball,
+                             mg_real deep, mg_real *slack);
 
 /* Finds the minima of the distance of a pair of bodies at n pairs of poses. `run` is one that has not begun. */
 MG_API void mg_find_minima(const mg_system *system, const mg_settings *settings, mg_run *run,

@@ -23,7 +23,7 @@ COUNTED = {  # where more come, the run counts it (mg_note_exceeded) or reports 
 SUFFICIENT = {  # by the method: orders, stages, blocks, rows of one kind, bounded proofs
     *("MG_ARCS", "MG_ARC_LEVELS", "MG_ASCENT_RESTARTS", "MG_BERNSTEIN_DEGREE", "MG_BERNSTEIN_OPEN"),
     "MG_CRITICAL",  # a point that is not kept is found again: effort alone, which is counted
-    "MG_OVERLAP_CELLS",  # a bounded search for a point in both bodies, beside that for closest points
+    "MG_COMMON_CELLS",  # a bounded search for a point in both bodies, beside that for closest points
     "MG_CURVE_SAMPLES",
     *("MG_BERNSTEIN_ROOTS", "MG_BLOCK", "MG_BLOW_ROWS", "MG_CONTACT_BLOCK", "MG_CONTACT_ROWS_MAX"),
     *("MG_DEFINITE_MAX", "MG_DOP_FIFTH", "MG_DOP_THIRD", "MG_FLUSH_SAMPLES", "MG_FRICTION_ROWS_MAX"),

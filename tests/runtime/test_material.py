@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import casadi as ca
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from modelgen.geometry.mass_properties import mass_properties
 from modelgen.geometry.solid_terms import FORMULAS
 from modelgen.geometry.surface_catalogue import SURFACES
 from modelgen.rotations import rotation_of
-from modelgen.runtime.undeclared.point_depth import Depth, depth_of
+from modelgen.runtime.undeclared.materials import Array, Materials
 from modelgen.scene.read import read_text
 from modelgen.scene.scene_types import Shape
 from tests.running import library_of
@@ -38,7 +42,7 @@ SPECIMENS = {
 }
 
 
-def material_of(kind: str, cavity: bool = False) -> tuple[Depth, Shape, float]:
+def material_of(kind: str, cavity: bool = False) -> tuple[Callable[[Array], Array], Shape, float]:
     """The depth in a specimen, its shape, and the spacing of its samples, m."""
     hollow = ", cavity = true" if cavity else ""
     comma = ", " if SPECIMENS[kind] else ""
@@ -52,10 +56,11 @@ body = [{{ name = "a", motion = "fixed", shape = {{ {shape} }} }}, {{ name = "b"
 """
     made = read_text(text, "scene.toml")
     library = library_of(made)
-    entry = library.manifest.instance["unlisted"]["shapes"][0]
-    depth = depth_of(entry, library)
-    assert depth is not None
-    return depth, made.bodies[0].shapes[0], entry.get("parameters", [0.0])[0]
+    table = library.manifest.instance["unlisted"]
+    entry, materials = table["shapes"][0], Materials(table, library)
+    number = materials.number(entry)
+    assert number is not None
+    return partial(materials.heights, number), made.bodies[0].shapes[0], entry.get("parameters", [0.0])[0]
 
 
 def test_every_formula_has_a_specimen() -> None:
@@ -116,3 +121,38 @@ def test_the_points_of_negative_depth_fill_the_volume(kind: str) -> None:
     share = float((depth(points) - layer < 0).mean())
     true = mass_properties(shape, 1.0)[0] / side**3
     assert abs(share - true) < 5 * np.sqrt(true / n) + (0.01 * true if layer else 0.0)
+
+
+TWO = """
+run = {{ until = 1.0 }}
+body = [
+    {{ name = "a", motion = "fixed", shape = {{ kind = "{first}", {sizes} }} }},
+    {{ name = "b", density = 1.0, shape = {{ kind = "sphere", radius = 0.4 }} }},
+]
+"""
+ROUND = 'r = "0.7*sin(t)", z = "-0.7*cos(t)", domain = [0.0, "pi"]'
+
+
+@pytest.mark.parametrize(("first", "sizes"), [("sphere", "radius = 0.7"), ("revolution", ROUND)])
+def test_a_common_point_is_found_where_two_balls_are_deep_enough_and_slack_is_how_far_they_may_move(
+    first: str, sizes: str
+) -> None:
+    """The deepest point of both is (0.7 + 0.4 - distance) / 2 deep; a sampled ball is smaller by a layer."""
+    library = library_of(read_text(TWO.format(first=first, sizes=sizes), "scene.toml"))
+    table = library.manifest.instance["unlisted"]
+    materials = Materials(table, library)
+    a, b = (materials.number(each) for each in table["shapes"])
+    assert a is not None
+    assert b is not None
+    layer = 2 * sum(table["shapes"][0].get("parameters", [0.0]))
+    random = np.random.default_rng(5)
+    for _ in range(200):
+        deep = 10 ** random.uniform(-4, -1.5)
+        way, apart = random.normal(size=3), random.choice([-1, 1]) * 10 ** random.uniform(-5, -0.5)
+        distance = 1.1 - 2 * deep + apart
+        p = way / np.linalg.norm(way) * distance
+        R = Rotation.random(random_state=random).as_matrix()
+        found = materials.common(a, b, R, p, np.zeros(3), 0.4, deep)
+        assert not found.is_deep or apart < 0
+        assert found.slack <= max(apart + 2 * layer, 0.0) + 1e-12
+        assert found.is_deep or apart > -2 * deep - 2 * layer

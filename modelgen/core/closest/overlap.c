@@ -13,8 +13,6 @@
 #define MG_CHORD_HALVINGS 24          /* of the part of a curve that passes through a disc */
 #define MG_GOLDEN ((mg_real)0.3819660112501051)
 #define MG_GOLDEN_STEPS 40
-#define MG_FIRST_CELLS 4                   /* along each side of the cube that is searched */
-#define MG_OVERLAP_CELLS 128               /* most cells that are divided at a time, the lowest ones */
 #define MG_SMALLEST_CELL ((mg_real)1 / 64) /* of the radius of the ball that is searched */
 #define MG_DESCENT_STEPS 60
 
@@ -22,17 +20,22 @@
    point is deeper in both. */
 static mg_real mg_common_depth(const mg_context *c) { return c->settings->start_gap * c->system->length / 2; }
 
-/* Height of a point over what the shapes of a pair have in common, m; a shape without material has all points. */
-static mg_real mg_height_over_both(const mg_context *c, int pair, const mg_real *x, int how) {
-  mg_real height = -MG_MAX;
-  for (int side = 0; side < 2; side++)
-    if (mg_has_material(c, pair, side)) height = mg_max(height, mg_height_over_material(c, pair, side, x, how));
-  return height;
+/* The solids of the shapes of a pair; a shape without material has all points. */
+static mg_both_solids mg_solids_of_pair(const mg_context *c, int pair) {
+  mg_both_solids both = {c->system, {-1, -1}, {0, 0}};
+  MG_NEEDS_ANY(c, MG_VALID_POSES);
+  for (int side = 0; side < 2; side++) {
+    if (!mg_has_material(c, pair, side)) continue;
+    both.solid[side] = c->system->pair_solid[2 * pair + side];
+    both.pose[side] = c->bodies.pose + 12 * c->system->solid_body[both.solid[side]];
+  }
+  return both;
 }
 
-/* A line on the feature of one side of a feature pair, from coordinates to coordinates. */
+/* A line on the feature of one side of a feature pair, from coordinates to coordinates, and the solids of its pair. */
 typedef struct {
-  int pair, feature_pair, side;
+  mg_both_solids both;
+  int feature_pair, side;
   mg_real from[2], to[2];
 } mg_line;
 
@@ -43,7 +46,7 @@ static mg_real mg_height_on_line(mg_context *c, const mg_line *line, mg_real par
   for (int k = 0; k < 2; k++) uv[k] = line->from[k] + part * (line->to[k] - line->from[k]);
   mg_sample_at(c, line->feature_pair, line->side, uv, &at);
   if (!mg_is_within_border(c, line->feature_pair, line->side, at.local, 0)) return MG_MAX;
-  return mg_height_over_both(c, line->pair, at.point, MG_FIRST_ORDER);
+  return mg_height_over_both(&line->both, at.point, MG_FIRST_ORDER);
 }
 
 /* Lowest height on a line about a part of it, by golden sections. */
@@ -81,35 +84,16 @@ static int mg_is_line_in_both(mg_context *c, const mg_line *line) {
   return 0;
 }
 
-/* Cells of the cube around a ball, that may hold points in both bodies: centres and heights, the lowest ones. */
-typedef struct {
-  int count;
-  mg_real centre[3 * MG_OVERLAP_CELLS], height[MG_OVERLAP_CELLS];
-} mg_overlap_cells;
-
-/* Adds a cell; where there is no room, the highest one is left out. */
-static void mg_add_overlap_cell(mg_overlap_cells *cells, const mg_real *centre, mg_real height) {
-  int at = cells->count;
-  if (at == MG_OVERLAP_CELLS) {
-    at = 0;
-    for (int k = 1; k < MG_OVERLAP_CELLS; k++)
-      if (cells->height[k] > cells->height[at]) at = k;
-    if (!(height < cells->height[at])) return;
-  } else cells->count++;
-  for (int k = 0; k < 3; k++) cells->centre[3 * at + k] = centre[k];
-  cells->height[at] = height;
-}
-
 /* True if points lower and lower from a point on lead into both bodies. */
-static int mg_does_descent_reach_both(mg_context *c, int pair, mg_real *x, mg_real step) {
+static int mg_does_descent_reach_both(const mg_context *c, const mg_both_solids *both, mg_real *x, mg_real step) {
   const mg_real deep = -mg_common_depth(c);
-  mg_real height = mg_height_over_both(c, pair, x, MG_FIRST_ORDER);
+  mg_real height = mg_height_over_both(both, x, MG_FIRST_ORDER);
   for (int k = 0; k < MG_DESCENT_STEPS && height >= deep; k++) {
     int is_lower = 0;
     for (int way = 0; way < 6; way++) {
       mg_real y[3] = {x[0], x[1], x[2]};
       y[way / 2] += way % 2 ? -step : step;
-      const mg_real at = mg_height_over_both(c, pair, y, MG_FIRST_ORDER);
+      const mg_real at = mg_height_over_both(both, y, MG_FIRST_ORDER);
       if (!(at < height)) continue;
       height = at, is_lower = 1;
       for (int i = 0; i < 3; i++) x[i] = y[i];
@@ -120,26 +104,11 @@ static int mg_does_descent_reach_both(mg_context *c, int pair, mg_real *x, mg_re
 }
 
 /* True if a point in both bodies is found in a ball, world axes. */
-static int mg_is_ball_in_both(mg_context *c, int pair, const mg_real *centre, mg_real radius) {
-  const mg_real deep = -mg_common_depth(c), root = sqrt((mg_real)3);
-  mg_overlap_cells old, cells;
-  mg_real half = radius, lowest = MG_MAX, at[3] = {0, 0, 0};
-  old.count = 0;
-  mg_add_overlap_cell(&old, centre, 0);
-  for (int parts = MG_FIRST_CELLS; old.count && half > MG_SMALLEST_CELL * radius; parts = 2, old = cells) {
-    half /= parts, cells.count = 0;
-    for (int each = 0; each < old.count; each++)
-      for (int part = 0; part < parts * parts * parts; part++) {
-        const int place[3] = {part % parts, part / parts % parts, part / (parts * parts)};
-        mg_real x[3];
-        for (int k = 0; k < 3; k++) x[k] = old.centre[3 * each + k] + half * (2 * place[k] + 1 - parts);
-        const mg_real height = mg_height_over_both(c, pair, x, MG_LIPSCHITZ);
-        if (height < deep) return 1;
-        if (height < lowest) lowest = height, at[0] = x[0], at[1] = x[1], at[2] = x[2];
-        if (height - root * half < deep) mg_add_overlap_cell(&cells, x, height);
-      }
-  }
-  return old.count && mg_does_descent_reach_both(c, pair, at, half);
+static int mg_is_ball_in_both(const mg_context *c, int pair, const mg_real *centre, mg_real radius) {
+  const mg_both_solids both = mg_solids_of_pair(c, pair);
+  mg_common_point found;
+  return mg_find_common_point(&both, centre, radius, mg_common_depth(c), MG_SMALLEST_CELL * radius, &found) ||
+         (found.is_undecided && mg_does_descent_reach_both(c, &both, found.lowest, found.half));
 }
 
 /* The smaller of the balls around the shapes of a pair that have material, world axes. Returns 0 if none is bounded. */
@@ -268,12 +237,13 @@ static int mg_does_curve_cross(mg_context *c, int feature_pair, int side, mg_rea
 
 /* True if a feature has a point in the material of the other shape of its pair. */
 static int mg_is_feature_in_both(mg_context *c, int feature_pair, int side) {
-  const int pair = c->system->feature_pair_owner[feature_pair], dimension = mg_feature_dimension(c, feature_pair, side);
+  const mg_both_solids both = mg_solids_of_pair(c, c->system->feature_pair_owner[feature_pair]);
+  const int dimension = mg_feature_dimension(c, feature_pair, side);
   mg_real window[4];
   mg_window_of_feature(c, feature_pair, side, window);
   for (int row = 0; row <= (dimension == 2 ? MG_CURVE_SAMPLES : 0); row++) {
     const mg_real v = window[2] + (window[3] - window[2]) * row / MG_CURVE_SAMPLES;
-    const mg_line line = {pair, feature_pair, side, {window[0], v}, {window[1], v}};
+    const mg_line line = {both, feature_pair, side, {window[0], v}, {window[1], v}};
     if (mg_is_line_in_both(c, &line)) return 1;
   }
   return 0;

@@ -1,5 +1,6 @@
-/* How far points are above the material of shapes, by formulas. A solid is where all of its terms are negative, less
-   the cavities of its body; a cavity has its material on the other side. Reads c->bodies. */
+/* How far points are above the material of shapes, by formulas, or by samples of their surfaces. A solid is where all
+   of its terms are negative, less the cavities of its body; a cavity has its material on the other side. Reads
+   c->bodies. */
 #include "solid/solid.h"
 #include "base/base.h"
 
@@ -51,6 +52,16 @@ static mg_real mg_over_polygon(const mg_real *corner, int count, const mg_real *
   return is_inside ? -least : least;
 }
 
+/* Height over the material behind samples of a surface; numbers: as MG_TERM_SAMPLES has them. */
+static mg_real mg_over_samples(const mg_real *n, int size, const mg_real *x) {
+  mg_real least = MG_MAX, side = 0;
+  for (int k = 1; k + 6 <= size; k += 6) {
+    const mg_real arm[3] = {x[0] - n[k], x[1] - n[k + 1], x[2] - n[k + 2]}, square = mg_dot3(arm, arm);
+    if (square < least) least = square, side = mg_dot3(arm, n + k + 3);
+  }
+  return (side < 0 ? -sqrt(least) : sqrt(least)) + n[0];
+}
+
 /* Height over one term at a point in the axes of the shape. */
 static mg_real mg_over_term(const mg_system *s, int term, const mg_real *x, int how) {
   const mg_real *n = s->numbers + s->term_numbers[term];
@@ -78,6 +89,9 @@ static mg_real mg_over_term(const mg_system *s, int term, const mg_real *x, int 
 static mg_real mg_over_terms(const mg_system *s, int solid, const mg_real *in_body, int how) {
   mg_real x[3], height = -MG_MAX;
   mg_world_to_local_point(s->numbers + s->solid_numbers[solid], in_body, x);
+  const int first = s->solid_term[solid];
+  if (s->term_kind[first] == MG_TERM_SAMPLES) /* the only one; its normals tell a cavity */
+    return mg_over_samples(s->numbers + s->term_numbers[first], s->term_size[first], x);
   for (int term = s->solid_term[solid]; term < s->solid_term[solid + 1]; term++)
     height = mg_max(height, mg_over_term(s, term, x, how));
   return s->solid_is_cavity[solid] ? -height : height;

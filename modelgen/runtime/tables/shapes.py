@@ -12,6 +12,7 @@ FEW_PAIRS = 400  # up to so many, all pairs that contacts list are followed all 
 
 TERMS = (
     *("plane", "turned", "ring", "capsule", "ellipsoid", "superellipsoid", "paraboloid", "polygon"),
+    "samples",
 )  # MG_TERM_PLANE ..
 NO_MATERIAL, UNKNOWN = -1, -2  # MG_NO_MATERIAL, MG_UNKNOWN_MATERIAL
 
@@ -81,21 +82,27 @@ class SolidTables:
             key = each["body"], each["shape"]
             if _is_unknown(each) or (each["body"] in unknown and not each["cavity"]):
                 index[key] = UNKNOWN
-        terms = [term for each in known for term in each["terms"]]
         self.count = len(known)
         self.integers = {
             "pair_solid": [
                 *(index[key] for pair in instance["pairs"] for key in _shapes(instance, pair)),
                 *([NO_MATERIAL, NO_MATERIAL] * len(instance["limits"])),
             ],
-            "solid_body": [each["body"] for each in known],
-            "solid_is_cavity": [int(each["cavity"]) for each in known],
-            "solid_numbers": [append(numbers, each["placement"]) for each in known],
-            "solid_term": [*accumulate((len(each["terms"]) for each in known), initial=0)],
-            "term_kind": [TERMS.index(term["kind"]) for term in terms],
-            "term_numbers": [append(numbers, term["numbers"]) for term in terms],
-            "term_size": [len(term["numbers"]) for term in terms],
-        }
+        } | solid_arrays(known, numbers)
+
+
+def solid_arrays(solids: Sequence[Mapping[str, Any]], numbers: list[float]) -> dict[str, list[int]]:
+    """Arrays of mg_system of solids that have terms. Numbers are added to `numbers`."""
+    terms = [term for each in solids for term in each["terms"]]
+    return {
+        "solid_body": [each["body"] for each in solids],
+        "solid_is_cavity": [int(each["cavity"]) for each in solids],
+        "solid_numbers": [append(numbers, each["placement"]) for each in solids],
+        "solid_term": [*accumulate((len(each["terms"]) for each in solids), initial=0)],
+        "term_kind": [TERMS.index(term["kind"]) for term in terms],
+        "term_numbers": [append(numbers, term["numbers"]) for term in terms],
+        "term_size": [len(term["numbers"]) for term in terms],
+    }
 
 
 def solid_numbers(entries: Sequence[Mapping[str, Any]]) -> list[int]:

@@ -18,8 +18,7 @@ import numpy as np
 from modelgen.codegen.library import Library
 from modelgen.rotations import quaternion_of, rotation_of
 from modelgen.runtime.trajectory import Passage, Trajectory
-from modelgen.runtime.undeclared.lipschitz_search import Found, deepest
-from modelgen.runtime.undeclared.point_depth import Array, Depth, depth_of, points_of
+from modelgen.runtime.undeclared.materials import Array, Common, Materials, points_of
 
 STEP = 0.25  # part of the smaller ball's radius that the bodies move between two searches, at most
 PARTS = 1000  # into which the way between two samples is divided, at most
@@ -34,7 +33,7 @@ class _Solid:
     label: str
     centre: Array  # (3,) m, of its ball
     radius: float  # m; infinite where the material is not bounded
-    depth: Depth | None  # of its material, less the cavities of its body
+    solid: int | None  # its material, less the cavities of its body
     points: Array  # (n, 3) m, in place of a material
     spacing: float  # m, of the points
 
@@ -55,13 +54,14 @@ class _Placed(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class _Motion:
-    """The poses and twists of all bodies at the samples, world axes."""
+    """The poses and twists of all bodies at the samples, world axes, and the material of their shapes."""
 
     t: Array  # (n,) s
     p: Array  # (n, nb, 3) m
     R: Array  # (n, nb, 3, 3)
     v: Array  # (n, nb, 3) m/s
     w: Array  # (n, nb, 3) rad/s
+    materials: Materials
 
     def pose(self, body: int, sample: int, after: float) -> _Placed:
         """The pose of a body `after` s from a sample, before the next: position by the cubic with the
@@ -95,10 +95,11 @@ def passages(path: Trajectory, library: Library, depth: float) -> tuple[Passage,
     if not table["shapes"] or not len(path.t):
         return ()
     moves = [body["motion"] in ("point", "free") for body in instance["bodies"]]
-    solids = _solids(table, library)
+    materials = Materials(table, library)
+    solids = _solids(table, materials, library)
     excepted = {tuple(pair) for pair in table["listed"]}
     joined = {tuple(pair) for pair in table["joined"]}
-    return _seen(path, solids, _pairs(solids, moves, excepted, joined), depth)
+    return _seen(path, materials, solids, _pairs(solids, moves, excepted, joined), depth)
 
 
 def passages_over_edges(path: Trajectory, library: Library, depth: float) -> tuple[Passage, ...]:
@@ -110,19 +111,24 @@ def passages_over_edges(path: Trajectory, library: Library, depth: float) -> tup
     table = library.manifest.instance["open_edges"]
     if not table["pairs"] or not len(path.t):
         return ()
-    solids = _solids(table, library)
+    materials = Materials(table, library)
+    solids = _solids(table, materials, library)
     partners: dict[int, list[int]] = {}
     for edge, shape in table["pairs"]:
-        if solids[shape].depth is not None:
+        if solids[shape].solid is not None:
             partners.setdefault(edge, []).append(shape)
-    return _seen(path, solids, iter(partners.items()), depth)
+    return _seen(path, materials, solids, iter(partners.items()), depth)
 
 
 def _seen(
-    path: Trajectory, solids: list[_Solid], pairs: Iterator[tuple[int, list[int]]], depth: float
+    path: Trajectory,
+    materials: Materials,
+    solids: list[_Solid],
+    pairs: Iterator[tuple[int, list[int]]],
+    depth: float,
 ) -> tuple[Passage, ...]:
     """The pairs that overlapped, by time."""
-    motion, found = _motion(path), []
+    motion, found = _motion(path, materials), []
     for i, partners in pairs:
         for j, clear in _near(motion, solids, i, partners):
             t = _first_overlap(motion, solids[i], solids[j], clear, depth)
@@ -131,31 +137,22 @@ def _seen(
     return tuple(sorted(found, key=lambda each: each.t))
 
 
-def _motion(path: Trajectory) -> _Motion:
+def _motion(path: Trajectory, materials: Materials) -> _Motion:
     """What the samples know of the motion; a body whose turning is unknown counts as one that does not
     turn."""
     quaternion = np.where(np.isnan(path.quaternion), (1.0, 0.0, 0.0, 0.0), path.quaternion).astype(float)
     w, x, y, z = np.moveaxis(quaternion, -1, 0)
     R = np.moveaxis(rotation_of((w, x, y, z)), (0, 1), (-2, -1))
     spin = np.nan_to_num(path.w.astype(float))
-    return _Motion(path.t.astype(float), path.p.astype(float), R, path.v.astype(float), spin)
+    return _Motion(path.t.astype(float), path.p.astype(float), R, path.v.astype(float), spin, materials)
 
 
-def _solids(table: Mapping[str, Any], library: Library) -> list[_Solid]:
+def _solids(table: Mapping[str, Any], materials: Materials, library: Library) -> list[_Solid]:
     names = [body["name"] for body in library.manifest.instance["bodies"]]
-    depths = [depth_of(entry, library) for entry in table["shapes"]]
-    cavities: dict[int, list[Depth]] = {}  # known by samples; others belong to the solid
-    for entry, depth in zip(table["shapes"], depths, strict=True):
-        if entry["cavity"] and depth is not None and "points" in entry:
-            cavities.setdefault(entry["body"], []).append(depth)
-    return [
-        _solid(entry, depth, cavities.get(entry["body"], []), names)
-        for entry, depth in zip(table["shapes"], depths, strict=True)
-    ]
+    return [_solid(entry, materials, names[entry["body"]]) for entry in table["shapes"]]
 
 
-def _solid(entry: Mapping[str, Any], depth: Depth | None, holes: list[Depth], names: list[str]) -> _Solid:
-    name = names[entry["body"]]
+def _solid(entry: Mapping[str, Any], materials: Materials, name: str) -> _Solid:
     placement = np.array(entry["placement"])
     R = placement[3:].reshape(3, 3, order="F")
     bounded = entry["radius"] is not None and not entry["cavity"]
@@ -165,15 +162,10 @@ def _solid(entry: Mapping[str, Any], depth: Depth | None, holes: list[Depth], na
         name if entry["alone"] else f"{name}/{entry['name']}",
         placement[:3] + R @ np.array(entry["centre"]),
         float(entry["radius"]) if bounded else np.inf,
-        depth and _both([depth, *holes]),
+        materials.number(entry),
         points_of(entry) if is_thin else np.zeros((0, 3)),
         float(entry["parameters"][0]) if is_thin else 0.0,
     )
-
-
-def _both(depths: list[Depth]) -> Depth:
-    """The depth in the material that several functions have in common."""
-    return depths[0] if len(depths) == 1 else lambda x: np.asarray(np.max([g(x) for g in depths], axis=0))
 
 
 def _pairs(
@@ -187,7 +179,8 @@ def _pairs(
             continue
         if (i, j) in excepted or bodies in joined or np.isinf(min(a.radius, b.radius)):
             continue
-        if (a.depth or len(a.points)) and (b.depth or len(b.points)) and (a.depth or b.depth):
+        solid = [each.solid is not None for each in (a, b)]
+        if any(solid) and (solid[0] or len(a.points)) and (solid[1] or len(b.points)):
             partners.setdefault(i, []).append(j)
     return iter(partners.items())
 
@@ -222,11 +215,11 @@ def _ball(motion: _Motion, solids: list[_Solid]) -> tuple[Array, Array]:
 def _from_unbounded(motion: _Motion, a: _Solid, b: _Solid) -> Array:
     """(n,) m: a bound from below on the distance of two shapes of which one has no end."""
     wide, ball = (a, b) if np.isinf(a.radius) else (b, a)
-    if wide.depth is None:
+    if wide.solid is None:
         return np.full(len(motion.t), -ball.radius)
     centre, _ = _ball(motion, [ball])
     local = np.einsum("nji,nj->ni", motion.R[:, wide.body], centre[:, 0] - motion.p[:, wide.body])
-    return np.asarray(wide.depth(local) - ball.radius)
+    return motion.materials.heights(wide.solid, local) - ball.radius
 
 
 def _first_overlap(motion: _Motion, a: _Solid, b: _Solid, clear: Array, depth: float) -> float | None:
@@ -299,13 +292,13 @@ def _moved(motion: _Motion, a: _Solid, b: _Solid) -> Array:
     return np.asarray(np.diff(motion.t) * np.maximum(speed[1:], speed[:-1]))
 
 
-def _overlap(motion: _Motion, a: _Solid, b: _Solid, k: int, after: float, deep: float) -> Found:
+def _overlap(motion: _Motion, a: _Solid, b: _Solid, k: int, after: float, deep: float) -> Common:
     """Whether the materials have a point in common deeper than `deep` and than the poses are uncertain,
     `after` s from sample k."""
     of_a, of_b = (motion.pose(solid.body, k, after) for solid in (a, b))
     unsure = of_a.far + of_b.far + (of_a.turned + of_b.turned) * _reach(of_a, of_b, b)
-    found = _common(a, b, of_a.R.T @ of_b.R, of_a.R.T @ (of_b.p - of_a.p), deep + unsure)
-    return Found(found.is_deep, max(found.slack - 2 * unsure, 0.0))
+    found = _common(motion.materials, a, b, of_a.R.T @ of_b.R, of_a.R.T @ (of_b.p - of_a.p), deep + unsure)
+    return Common(found.is_deep, max(found.slack - 2 * unsure, 0.0))
 
 
 def _reach(of_a: _Placed, of_b: _Placed, b: _Solid) -> float:
@@ -313,19 +306,18 @@ def _reach(of_a: _Placed, of_b: _Placed, b: _Solid) -> float:
     return float(np.linalg.norm(of_b.p - of_a.p)) + b.extent
 
 
-def _common(a: _Solid, b: _Solid, R: Array, p: Array, deep: float) -> Found:
+def _common(materials: Materials, a: _Solid, b: _Solid, R: Array, p: Array, deep: float) -> Common:
     """Whether two materials have a point in common deeper than `deep`; R and p lead from b's axes to a's."""
-    if a.depth is not None and b.depth is not None:
-        of_a, of_b = a.depth, b.depth
-        return deepest(lambda x: np.maximum(of_a(x), of_b((x - p) @ R)), p + R @ b.centre, b.radius, deep)
-    if a.depth is not None:
-        value, spacing = a.depth(b.points @ R.T + p), b.spacing
-    elif b.depth is not None:
-        value, spacing = b.depth((a.points - p) @ R), a.spacing
+    if a.solid is not None and b.solid is not None:
+        return materials.common(a.solid, b.solid, R, p, b.centre, b.radius, deep)
+    if a.solid is not None:
+        value, spacing = materials.heights(a.solid, b.points @ R.T + p), b.spacing
+    elif b.solid is not None:
+        value, spacing = materials.heights(b.solid, (a.points - p) @ R), a.spacing
     else:
-        return Found(False, np.inf)
+        return Common(False, np.inf)
     least = float(value.min())
-    return Found(least < -deep, max(least - spacing / 2 + deep, 0.0))
+    return Common(least < -deep, max(least - spacing / 2 + deep, 0.0))
 
 
 def _rotation_vector(R: Array) -> Array:
