@@ -61,13 +61,13 @@ def _hidden(feature: Feature) -> Feature:
 
 
 def _off_level(features: Sequence[Feature], cells: Sequence[Cell], flush: float) -> Array:
-    """(3,) m: the least vector by which flat faces lie off the faces of cells that are flush with them."""
-    flat = [each for each in features if each.dimension == 2 and each.shape.kind == "plane"]
-    found = [
-        (_outward(face), height)
-        for face in flat
-        for height in (h for cell in cells for h in _heights_beside(cell, face)[:1] if abs(h) <= flush)
-    ]
+    """(3,) m: the least vector by which flat faces lie off the first cell that has a face flush with each."""
+    found = []
+    for face in features:
+        if face.dimension == 2 and face.shape.kind == "plane":
+            beside = (height for cell in cells for height in _heights_beside(cell, face)[:1])
+            height = next((each for each in beside if abs(each) <= flush), None)
+            found += [] if height is None else [(_outward(face), height)]
     if not any(height for _, height in found):
         return np.zeros(3)
     normals, heights = (np.array(each) for each in zip(*found, strict=True))

@@ -73,6 +73,16 @@ def test_a_step_is_slid_over_up_to_the_flush_height_of_the_scene_and_struck_abov
         assert is_stopped(path) == (part > 1), (part, path.events)
 
 
+def test_plates_that_are_flush_with_a_first_one_are_level_with_each_other() -> None:
+    """One is above it and one below; they are moved to its level."""
+    middle = make.fixed("middle", make.box(0.1, 2.0, 2.0), position=[0.05, 0.0, -1.0 + 9e-10])
+    last = make.fixed("last", make.box(2.0, 2.0, 2.0), position=[1.1, 0.0, -1.0 - 9e-10])
+    for shape in SLIDERS.values():
+        path = slid(shape, [LEFT, middle, last], 0.3)
+        assert path.is_trusted, path.doubts
+        assert not is_stopped(path), path.events
+
+
 @pytest.mark.parametrize("height", [1e-9, -1e-9])
 def test_the_far_edge_of_a_plate_is_at_the_level_of_its_face(height: float) -> None:
     """A box that slides off the second plate, and tips, does not penetrate its edge."""
