@@ -121,7 +121,7 @@ static int mg_is_jump(mg_context *c, int which) {
   mg_set_switch_mode(c, which, MG_BRANCH_POSITIVE);
   mg_set_branch(c, which, 1), mg_load_wrench(c, c->run->t, load, up);
   mg_set_branch(c, which, -1), mg_load_wrench(c, c->run->t, load, down);
-  mg_set_branch(c, which, kept), mg_set_switch_mode(c, which, mode);
+  mg_set_switch_mode(c, which, mode), mg_set_branch(c, which, kept);
   for (int i = 0; i < 12; i++) apart = mg_max(apart, fabs(up[i] - down[i])), size = mg_max(size, fabs(up[i]));
   return apart > c->settings->event_tolerance * size;
 }

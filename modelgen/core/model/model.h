@@ -136,7 +136,8 @@ MG_INTERNAL void mg_set_rolling_start(const mg_context *c, int contact, int star
 MG_INTERNAL void mg_set_friction_mode(const mg_context *c, int constraint, int mode);
 MG_INTERNAL void mg_set_patch_mode(const mg_context *c, int slot, int mode);
 
-/* Set the branch of the loads by a switching function, where that is (MG_BRANCH_NEGATIVE ..), and its leader. */
+/* Set the branch of the loads by a switching function, where that is (MG_BRANCH_NEGATIVE ..), and its leader. The
+   branch of one that slides may pass the ends of -1..1 in a step, in which its event then is. */
 MG_INTERNAL void mg_set_branch(const mg_context *c, int which, mg_real branch);
 MG_INTERNAL void mg_set_switch_mode(const mg_context *c, int which, int mode);
 MG_INTERNAL void mg_set_switch_leader(const mg_context *c, int which, int leader);

@@ -34,7 +34,8 @@ MG_INTERNAL void mg_set_patch_mode(const mg_context *c, int slot, int mode) {
 }
 
 MG_INTERNAL void mg_set_branch(const mg_context *c, int which, mg_real branch) {
-  MG_REQUIRE(which >= 0 && which < c->system->n_switch && branch >= -1 && branch <= 1);
+  MG_REQUIRE(which >= 0 && which < c->system->n_switch &&
+             ((branch >= -1 && branch <= 1) || c->run->switch_mode[which] == MG_BRANCH_SLIDES));
   c->run->branch[which] = branch;
 }
 
