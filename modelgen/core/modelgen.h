@@ -349,16 +349,30 @@ typedef struct {
                                       approach bound of the pair */
   mg_real derivative_error_factor; /* a step with derivatives is refused where their error in it, relative to their
                                       size, exceeds derivative_error_factor * tolerance */
-  mg_real derivative_kink_part;  /* up to the end of a step that was refused so, that bound is smaller by this factor */
-  mg_real derivative_step_min;   /* steps up to derivative_step_min * time are never refused so */
-  mg_real load_jump_rate;        /* a load that changes in a step h by more than load_jump_rate * h / time of its size
-                                    may have jumped */
-  mg_real load_jump_span;        /* it has if half of the change lies at one place of the way of its bodies within
-                                    load_jump_span * time */
-  mg_real rest_loss_factor;      /* a gap held without force opens within a step where its acceleration exceeds
-                                    rest_loss_factor * rest_acceleration * length / time^2 */
-  mg_real event_correction_step; /* an event later in the step than this part of it is corrected by further steps only
-                                    while the correction converges fast */
+  mg_real derivative_kink_part; /* up to the end of a step that was refused so, that bound is smaller by this factor */
+  mg_real derivative_step_min;  /* steps up to derivative_step_min * time are never refused so */
+  mg_real load_jump_rate;       /* a load that changes in a step h by more than load_jump_rate * h / time of its size
+                                   may have jumped */
+  mg_real load_jump_span;       /* it has if half of the change lies at one place of the way of its bodies within
+                                   load_jump_span * time */
+  mg_real derivative_reach;     /* a start has no derivatives beside a jump of a load in a state that differs from it by
+                                   derivative_reach, relative to the scales of poses and twists */
+  mg_real derivative_jump_part; /* such a jump is at least derivative_jump_part of the load */
+  mg_real derivative_impact_residual; /* an impact is not differentiated if its law leaves more than this part of a
+                                         change of velocities unexplained */
+  mg_real derivative_start_change; /* derivatives of changes of velocities at the start up to this, over scale, may be
+                                      left out */
+  mg_real sensor_kink_reach;       /* a kink of a sensor is sought sensor_kink_reach from the state, relative to what it
+                                      depends on */
+  mg_real sensor_kink_part; /* slopes on both sides of a state that differ by more than this part are those of a kink */
+  mg_real sensor_slope_part; /* slopes of a sensor that differ by no more than this part are the same */
+  mg_real face_force_part;   /* forces on a face are changed by this part of its load to see where their centre moves */
+  mg_real face_centre_part;  /* the centre then stays in the face if it moves beyond its border by no more than
+                                face_centre_part * face_force_part * length */
+  mg_real rest_loss_factor;  /* a gap held without force opens within a step where its acceleration exceeds
+                                rest_loss_factor * rest_acceleration * length / time^2 */
+  mg_real event_correction_step;  /* an event later in the step than this part of it is corrected by further steps only
+                                     while the correction converges fast */
   mg_real contact_rank_tolerance; /* a contact row depends on the rows of other constraints if no more than this part of
                                      its diagonal entry of J M^-1 J^T is independent of them */
   mg_real joint_rank_tolerance;   /* a joint row depends on other joint rows if no more than this part of its diagonal
@@ -371,11 +385,16 @@ typedef struct {
   mg_real margin_warn;   /* a contact that starts at a zero of its margin has no bound on it up to here, nor has one of
                             features of revolution closer to coaxial than this and this times the length */
   mg_real margin_refuse; /* a closed contact whose margin falls below this ends the run */
-  mg_real appear_margin; /* a contact without a feature pair of its own appears in a run only with a margin above
-                            this */
-  mg_real appear_tilt_sine;      /* a closest point on a vertex or edge is accepted if no watched condition of it, the
-                                    sine of a tilt, is below -appear_tilt_sine */
-  mg_real search_margin;         /* a search drops closest points with a margin below this */
+  mg_real passage_time_max;   /* a singular contact is passed in parts of at most passage_time_max * time */
+  mg_real overlap_clear_gaps; /* at the start, a point farther from a body than overlap_clear_gaps * start_gap * length
+                                 is clear of it */
+  mg_real overlap_clear_part; /* by overlap_clear_part of the depth of an overlap that distance is less, and so deep two
+                                 sheets may cross */
+  mg_real appear_margin;      /* a contact without a feature pair of its own appears in a run only with a margin above
+                                 this */
+  mg_real appear_tilt_sine;   /* a closest point on a vertex or edge is accepted if no watched condition of it, the
+                                 sine of a tilt, is below -appear_tilt_sine */
+  mg_real search_margin;      /* a search drops closest points with a margin below this */
   mg_real search_merge_distance; /* closest points nearer than search_merge_distance * pair length are one */
   mg_real search_gap;      /* contacts that appear in a run are followed from gaps below search_gap * pair length */
   mg_real search_movement; /* MG_SEARCH_MOVED: a pair is searched after it has moved by search_movement * pair length */

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import fields
+from functools import cache
 from math import inf
 from numbers import Real
-from typing import Any
+from types import MappingProxyType
+from typing import Any, get_args
 
 import numpy as np
 
@@ -144,6 +147,35 @@ def check_name(where: str, value: object, names: Iterable[str], none: str = "") 
         allowed = listed(known) or "there is none"
         remedy = nearest(str(value), known) or ("use one of these names" if known else none)
         raise UnknownNameError(where, shown(value), allowed, remedy)
+
+
+def check_fields(record: Any, names: Mapping[str, Any] = MappingProxyType({})) -> None:
+    """Raises SimulationError for a field of a frozen record that is not of its type; numbers are 0 or more.
+
+    `names`: the Literal types of fields that are one of several names.
+    """
+    for name, kind in _types_of_fields(record.__class__):
+        _check_field(name, getattr(record, name), kind, names)
+
+
+@cache
+def _types_of_fields(record: type) -> tuple[tuple[str, str], ...]:
+    return tuple((each.name, str(each.type)) for each in fields(record))
+
+
+def _check_field(name: str, value: Any, kind: str, names: Mapping[str, Any]) -> None:
+    if kind in names:
+        check_name(name, value, get_args(names[kind]))
+    elif kind == "bool":
+        check_flag(name, value)
+    elif kind == "float | None":
+        if value is not None:
+            check_step(value, name)
+    elif kind[0].isupper() and kind.isalpha():  # a record
+        if type(value).__name__ != kind:
+            raise SimulationError(name, shown(value), f"a {kind}", "change the one that is there")
+    elif kind != "str" and not (is_number(value) and value >= 0):
+        raise SimulationError(name, shown(value), "a number from 0 on", "change it, or leave it out")
 
 
 def check_keywords(verb: str, given: Iterable[str], known: Iterable[str]) -> None:

@@ -40,7 +40,7 @@ import numpy as np
 from modelgen.codegen.library import Library, kernel_table
 from modelgen.errors import SimulationError
 from modelgen.notation import ETA_SIZE
-from modelgen.runtime.accuracy import RESOLVED, Accuracy
+from modelgen.runtime.accuracy import RESOLVED
 from modelgen.runtime.arguments import common_rows, rows_of
 from modelgen.runtime.distance_minima import (
     Searched,
@@ -50,6 +50,7 @@ from modelgen.runtime.distance_minima import (
     searched_pair,
 )
 from modelgen.runtime.tables.ctypes_structures import QUERY_FOUND, QUERY_GIVEN, Array, address, tables_of
+from modelgen.runtime.thresholds import Thresholds
 
 SIGNS = (float("inf"),) * 2  # entries that jump
 PART = 8  # an entry of eta moves by an eighth of its range in one step at most
@@ -189,7 +190,7 @@ def prepared(library: Library, feature_pair: int, rows: list[Array]) -> tuple[An
         setattr(queries, name, address(array))
     queries.length = library.manifest.instance["scales"]["length"]
     resolved = RESOLVED["extremality_residual"] * float(np.finfo(real).eps)
-    queries.residual = max(Accuracy().extremality_residual, resolved)
+    queries.residual = max(Thresholds().extremality_residual, resolved)
     out["d"] = out["d"][:, 0]
     of = np.full(len(eta), feature_pair)
     return queries, ClosestPoints(**out, eta=eta, outcome=outcome, feature_pair=of)

@@ -48,7 +48,7 @@ def nudge(x: Array, instance: Mapping[str, Any]) -> None:
 def steps_max(accuracy: Accuracy, steps: int, rejected: int) -> int:
     """Steps, with rejected ones, after which the companion of a run stops that took so many: where they
     explode, as where its thresholds let contacts chatter, it costs far more than it tells."""
-    return LEAST_STEPS + int(accuracy.companion_cost * (steps + rejected))
+    return LEAST_STEPS + int(accuracy.thresholds.companion_cost * (steps + rejected))
 
 
 def estimate_of(
@@ -76,7 +76,7 @@ def estimate_of(
             compared = motions_compared(mine, theirs, instance)
         errors[:, :n] = _errors(path, _without_blows(path, twin, compared[:, :n], safe), safe, instance)
     position, rotation, velocity, spin = errors
-    predicted = _predicted(position / length, rotation, n, accuracy.prediction_error_max)
+    predicted = _predicted(position / length, rotation, n, accuracy.thresholds.prediction_error_max)
     slow = BOUNCE * accuracy.rest_speed * length / instance["scales"]["time"]
     other = _other(path, twin, predicted, slow, safe, _resolution(path, accuracy))
     reasons = [*_reasons(path, twin, missing)]

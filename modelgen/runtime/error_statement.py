@@ -27,7 +27,7 @@ class Estimate:
             have no like in the companion is `events_unmatched`.
         predicted: how many samples are predicted, at least one.
         horizon: s, the last of them, if there are others: later errors exceed
-            `Accuracy.prediction_error_max`.
+            `Accuracy.thresholds.prediction_error_max`.
         uncertified: what the companion cannot show: reasons, each in words.
         rhs_evals: evaluations of the right-hand side that the companion took.
         interrupted: whether Ctrl-C fell into the companion run.

@@ -107,7 +107,7 @@ def _singular(session: Session, accuracy: Accuracy) -> list[str]:
             f"the rows of the joints had rank {run.rank_min} at some steps and {run.rank_max} at others: "
             "there the joints alone do not say how the linkage goes on, and the least acceleration was taken"
         )
-    elif float(run.joint_margin_min) < accuracy.margin_warn**2:
+    elif float(run.joint_margin_min) < accuracy.thresholds.margin_warn**2:
         found.append(
             f"joint {session.joints[run.joint_margin]!r} came near to losing a row to the joints before it "
             f"at t = {float(run.joint_margin_t):.6g} s (own part {float(run.joint_margin_min):.1e}): a dead "

@@ -119,9 +119,9 @@ def _with_passages(path: Trajectory, accuracy: Accuracy, library: Library) -> Tr
     )
     from modelgen.runtime.warnings.overlap_warnings import edge_warning, passage_warnings
 
-    found = passages(path, library, accuracy.overlap_depth)
+    found = passages(path, library, accuracy.thresholds.overlap_depth)
     told = passage_warnings(found, path.t[0]) if found else ()
-    over = passages_over_edges(path, library, accuracy.overlap_depth)
+    over = passages_over_edges(path, library, accuracy.thresholds.overlap_depth)
     warnings = (*path.warnings, *told, *map(edge_warning, over))
     return replace(path, undeclared=found, over_edges=over, warnings=warnings)
 

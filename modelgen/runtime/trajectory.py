@@ -40,7 +40,9 @@ class Outcome(Enum):
         "bodies penetrate there: a contact was found too late or not at all; what was computed before is "
         "kept; try a tighter accuracy, more `points` in the [[contact]] of the pair, and report the scene"
     )
-    TOO_COSTLY = "it took many times as many steps as the run, and was stopped (Accuracy.companion_cost)"
+    TOO_COSTLY = (
+        "it took many times as many steps as the run, and was stopped (Accuracy.thresholds.companion_cost)"
+    )
     TOO_MANY_EVENTS = "contacts change without end at one time; raise rest_speed or lower the restitution"
 
     @property

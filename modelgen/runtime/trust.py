@@ -26,7 +26,7 @@ def doubts(
     Args:
         path, estimate: the run, and its estimate if there is one.
         accuracy: its record; `gap_error_max`, `start_joint_gap`, `energy_error_max` and
-            `complementarity_error_max` are the bounds, which the core applies (mg_doubts).
+            `complementarity_error_max` of its thresholds are the bounds, which the core applies (mg_doubts).
         instance: of the manifest.
 
     Returns:
@@ -58,8 +58,9 @@ def _doubts(
 def _figures(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) -> Mapping[str, str]:
     """The doubts FIGURES of a run in words, with the figure and its bound."""
     length = instance["scales"]["length"]
-    gap, joint = accuracy.gap_error_max * length, accuracy.start_joint_gap * length
-    energy = max(accuracy.energy_error_max, path.energy_rounding)
+    bounds = accuracy.thresholds
+    gap, joint = bounds.gap_error_max * length, bounds.start_joint_gap * length
+    energy = max(bounds.energy_error_max, path.energy_rounding)
     drift, corrected = path.energy_drift + path.correction_energy, path.correction_energy
     by_corrections = f", {corrected:.2g} of it by corrections of positions," if corrected > energy / 2 else ""
     return {
@@ -69,9 +70,9 @@ def _figures(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) 
         "joint": f"a joint was apart by {path.joint_error_max:.2g} m, above {joint:.2g} m",
         "energy": f"the energy drift {drift:.2g}{by_corrections} is above {energy:.2g}",
         "complementarity": "a contact force pulled, or acted across a gap, by "
-        f"{path.complementarity_max:.2g} (complementarity), above {accuracy.complementarity_error_max:g}",
+        f"{path.complementarity_max:.2g} (complementarity), above {bounds.complementarity_error_max:g}",
         "impact-gain": gain_text(instance, path.impact_gain_contact, path.impact_gain_t, path.impact_gain)
-        + f", above {accuracy.energy_error_max:g} of the largest kinetic energy",
+        + f", above {bounds.energy_error_max:g} of the largest kinetic energy",
         "stand-in": "contacts are with shapes that stand for other surfaces: "
         + "; ".join(f"{name} for {what}" for name, what in instance.get("stand_ins", ())),
     }

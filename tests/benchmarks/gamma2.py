@@ -15,14 +15,16 @@ from tests.running import scene_of
 SCENES = ("ellipsoid_on_plane", "ellipsoid_in_cavity")
 UNTIL, SAMPLES = 2.0, 40
 BASE = Accuracy.of(1e-11)
-FINEST = replace(Accuracy.tight(), tolerance=1e-16, drift_tolerance=1e-18, extremality_residual=1e-16)
+FINEST = replace(
+    Accuracy.tight().with_thresholds(drift_tolerance=1e-18, extremality_residual=1e-16), tolerance=1e-16
+)
 UNLIMITED = 1e3  # of the length: a run without Gamma2 goes on though the bodies sink into each other
 VARIANTS = {
     "with Gamma2, eta corrected once a step, drift projected (default)": BASE,
     "without Gamma2, otherwise the same": replace(BASE, use_gamma=False),
     "with Gamma2, eta integrated only (the paper)": replace(BASE, newton=0, project=0),
     "without Gamma2, eta integrated only": replace(
-        BASE, newton=0, project=0, use_gamma=False, penetration_limit=UNLIMITED
+        BASE.with_thresholds(penetration_limit=UNLIMITED), newton=0, project=0, use_gamma=False
     ),
     "with Gamma2, eta corrected once a step, no projection": replace(BASE, project=0),
     "with Gamma2, eta corrected at every stage": replace(BASE, newton=2),

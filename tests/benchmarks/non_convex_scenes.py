@@ -264,7 +264,7 @@ def judge(seed: int, samples: int = 40) -> Verdict:
         return Verdict(seed, drawn.kind, drawn.clearance, "REFUSED", (str(refused),), 0, 0, 0, 0, 0, 0)
     cost = time.process_time() - begun
     deepest, at = penetration(drawn, path)
-    allowed = Accuracy.of_run(library.manifest.instance["run"]).gap_error_max
+    allowed = Accuracy.of_run(library.manifest.instance["run"]).thresholds.gap_error_max
     return Verdict(
         seed, drawn.kind, drawn.clearance, path.outcome.name, path.doubts, allowed, deepest / length, at,
         path.penetration_max / length, cost, path.steps,

@@ -44,6 +44,7 @@ int main(void) {
                           .rest_speed = (mg_real)1e-6, .slip_speed = (mg_real)1e-7, .friction_bound_margin = (mg_real)1e-9,
                           .rest_acceleration = (mg_real)1e-10, .event_tolerance = (mg_real)1e-13,
                           .extremality_residual = (mg_real)1e-13, .step_min = (mg_real)1e-13, .margin_refuse = (mg_real)1e-5,
+                          .passage_time_max = (mg_real)1e-4, .overlap_clear_gaps = 16, .overlap_clear_part = (mg_real)1e-3,
                           .search_margin = (mg_real)1e-9, .search_merge_distance = (mg_real)1e-6, .search_gap = (mg_real)0.2,
                           .search_movement = (mg_real)0.05, .feature_border = (mg_real)1e-9, .time_resolution = (mg_real)0.02, .step_fraction = 1,
                           .rest_loss_factor = 100, .event_correction_step = (mg_real)1e-3, .contact_rank_tolerance = (mg_real)1e-10,

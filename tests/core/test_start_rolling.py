@@ -13,6 +13,7 @@ from mpmath import mp, mpf
 from scipy.spatial.transform import Rotation
 
 from modelgen import Accuracy
+from modelgen.runtime.thresholds import Thresholds
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Scene
 from tests.oracles.flat_start import FLAT_START, Rolling, rolled, scene_of_glass
@@ -145,11 +146,11 @@ def test_a_start_is_excused_from_the_bound_on_margins_until_it_is_above() -> Non
     tau = np.array([0.001, 0.1])
     run = rolled(scene_of_glass(GLASS, RIM), OUTWARD, tau[:1], Accuracy.tight(), step=0.001)
     assert run.session.rolling_start[0] == YOUNG
-    assert run.session.margin[0] < Accuracy.tight().margin_refuse
+    assert run.session.margin[0] < Thresholds().margin_refuse
     later = rolled(scene_of_glass(GLASS, RIM), OUTWARD, tau, Accuracy.tight(), step=0.001)
     assert later.code == 0
     assert later.session.rolling_start[0] == 0
-    assert later.session.run.margin_min >= Accuracy.tight().margin_refuse
+    assert later.session.run.margin_min >= Thresholds().margin_refuse
     assert FLAT_START != YOUNG
 
 

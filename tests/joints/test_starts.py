@@ -11,6 +11,7 @@ import pytest
 
 from modelgen import Accuracy, simulate, simulate_batch
 from modelgen.errors import SceneError, SimulationError
+from modelgen.runtime.thresholds import Thresholds
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene import python_scenes as make
 from tests.joints.test_closed_forms import block, coordinate, joined
@@ -62,7 +63,7 @@ def test_rows_that_are_lost_together_at_a_dead_centre_do_not_hide_each_other(kin
     (named,) = [each for each in parallelogram(np.pi / 2, 1.2, kinds).warnings if "were singular" in each]
     told = re.search(r"first before t = ([0-9.]+) s", named)
     assert told is not None
-    early = Accuracy().joint_rank_tolerance ** 0.5  # rad: rows count as lost so near to the dead centre
+    early = Thresholds().joint_rank_tolerance ** 0.5  # rad: rows count as lost so near to the dead centre
     assert (np.pi / 2 - early) / SPEED < float(told[1]) < np.pi / 2 / SPEED + 0.1
 
 

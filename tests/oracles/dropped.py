@@ -46,7 +46,7 @@ def of_rims(p: np.ndarray, R: np.ndarray) -> Heights:
     across, found = float(np.hypot(R[2, 0], R[2, 1])), {}
     for rim, z in (("rim_top", LENGTH / 2), ("rim_bottom", -LENGTH / 2)):
         found[rim] = float(p[2] + R[2, 2] * z - RADIUS * across)
-        turns = 2 * np.pi / 3 * np.arange(3) if across < TIGHT.flat_angle else ()
+        turns = 2 * np.pi / 3 * np.arange(3) if across < TIGHT.thresholds.flat_angle else ()
         for k, turn in enumerate(turns):
             x = np.array([RADIUS * np.cos(turn), RADIUS * np.sin(turn), z])
             found[f"{rim}.{k + 1}"] = float(p[2] + R[2] @ x)

@@ -61,7 +61,7 @@ class PlainStepper:
         scales, accuracy = instance["scales"], Accuracy.tight()
         self.near = TOUCHING * scales["length"]
         self.rest = accuracy.rest_speed * scales["length"] / scales["time"]
-        self.slack = accuracy.rest_acceleration * scales["length"] / scales["time"] ** 2
+        self.slack = accuracy.thresholds.rest_acceleration * scales["length"] / scales["time"] ** 2
         self.restitution = np.array([contact["restitution"] for contact in self.scene.contacts])
         self.t = 0.0
         start = [instance["initial_q"], instance["initial_u"], eta, [0.0]]

@@ -3,7 +3,6 @@ time-stepping, says so, and comes back when the events have died."""
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cache
 from itertools import combinations
 
@@ -48,7 +47,7 @@ def library(seed: int) -> Library:
 
 
 def run(seed: int, until: float = 8.0, **changes: float) -> Trajectory:
-    accuracy = replace(Accuracy.balanced(), **{"chatter_work": WORK, **changes})
+    accuracy = Accuracy.balanced().with_thresholds(**{"chatter_work": WORK, **changes})
     return simulate(library(seed), until=until, accuracy=accuracy, estimate=False)
 
 
@@ -97,7 +96,7 @@ def test_the_run_comes_back_and_rests_where_that_of_all_events_does(seed: int) -
 
 
 def test_the_change_is_told_with_its_error() -> None:
-    accuracy = replace(Accuracy.balanced(), chatter_work=WORK)
+    accuracy = Accuracy.balanced().with_thresholds(chatter_work=WORK)
     path = simulate(library(SEEDS[0]), until=1.0, accuracy=accuracy)
     step = 0.01 * library(SEEDS[0]).manifest.instance["scales"]["time"]
     assert path.estimate is not None

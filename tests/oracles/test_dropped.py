@@ -51,7 +51,7 @@ EVERY_TILT = pytest.mark.parametrize(
 
 def slack(start: str) -> float:
     """How far three points of a rim may be above its lowest, m."""
-    return RADIUS * TIGHT.flat_angle if start in ENDS_ON_A_RIM else 0.0
+    return RADIUS * TIGHT.thresholds.flat_angle if start in ENDS_ON_A_RIM else 0.0
 
 
 @cache

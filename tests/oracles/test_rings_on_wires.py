@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
 from modelgen import Accuracy
@@ -38,7 +36,7 @@ SINKING = Accuracy.balanced().time_stepping(1e-2, "anitescu-potra")  # penetrate
 def test_a_penetration_that_may_not_be_corrected_ends_the_run() -> None:
     """One contact alone moves no body farther than it penetrates: a ratio of 1 is enough, and less is not."""
     for ratio, outcome in ((1.0 + 1e-9, Outcome.DONE), (0.99, Outcome.PENETRATED)):
-        path = ran(LANDING, 1.0, WITHOUT_BOUNCE, accuracy=replace(SINKING, correction_ratio=ratio))
+        path = ran(LANDING, 1.0, WITHOUT_BOUNCE, accuracy=SINKING.with_thresholds(correction_ratio=ratio))
         assert path.outcome is outcome
         assert (path.correction_energy > 0) == (outcome is Outcome.DONE)
 

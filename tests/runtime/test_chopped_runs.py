@@ -156,7 +156,7 @@ def test_calls_for_a_number_of_steps_change_no_bit(name: str, accuracy: Accuracy
 def test_a_fallback_lasts_as_long_when_it_is_chopped() -> None:
     one = whole("painleve_rod", BALANCED).session.run
     assert one.fallbacks == 1
-    step = BALANCED.fallback_step * scene_of("painleve_rod").manifest.instance["scales"]["time"]
+    step = BALANCED.thresholds.fallback_step * scene_of("painleve_rod").manifest.instance["scales"]["time"]
     fine = [*np.arange(step / 10, one.fallback_end + 10 * step, step / 10), 1.0]
     many = ran("painleve_rod", BALANCED, fine).session.run
     assert many.fallbacks == 1

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -16,7 +15,7 @@ from modelgen.scene import python_scenes as make
 from tests.benchmarks.companions import KINDS, toss
 from tests.running import library_of, scene_of, with_velocity
 
-CHEAP = replace(Accuracy.balanced(), companion_cost=0.5)
+CHEAP = Accuracy.balanced().with_thresholds(companion_cost=0.5)
 
 
 @pytest.mark.cases(5)

@@ -70,3 +70,26 @@ def test_what_does_not_go_together_is_refused_where_it_stands(own: dict[str, Any
     with pytest.raises(SimulationError) as refused:
         chosen(PLAIN, **own)
     assert refused.value.where == where
+
+
+def test_thresholds_are_changed_by_name_and_checked() -> None:
+    record = Accuracy.fast().with_thresholds(event_tolerance=1e-8)
+    assert record.thresholds == replace(Accuracy.fast().thresholds, event_tolerance=1e-8)
+    assert replace(record, thresholds=Accuracy.fast().thresholds) == Accuracy.fast()
+    for changes, words in (
+        ({"event_tolerence": 1e-8}, "did you mean 'event_tolerance'"),
+        ({"event_tolerance": -1.0}, "^event_tolerance: -1.0; a number from 0 on"),
+        ({"event_tolerance": "fine"}, "^event_tolerance: 'fine'; a number from 0 on"),
+    ):
+        with pytest.raises(SimulationError, match=words):
+            record.with_thresholds(**changes)  # type: ignore[arg-type]
+    with pytest.raises(SimulationError, match=r"^thresholds: 1e-08; a Thresholds"):
+        replace(record, thresholds=1e-8)  # type: ignore[arg-type]
+
+
+def test_a_companion_has_finer_thresholds_of_events_and_shorter_steps() -> None:
+    own = Accuracy.balanced().thresholds
+    finer = Accuracy.balanced().companion(2.0**-52).thresholds
+    assert finer.event_tolerance == own.event_tolerance / 10
+    assert finer.chatter_step < own.chatter_step
+    assert finer.gap_error_max == own.gap_error_max

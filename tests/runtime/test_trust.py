@@ -79,7 +79,7 @@ def test_the_core_doubts_each_figure_beyond_its_bound(
     for kind, part in parts.items():
         figure, bound = BOUNDS[kind]
         size = {"energy": run.kinetic_max, "impact-gain": run.kinetic_max, "complementarity": 1.0}
-        setattr(run, figure, part * getattr(accuracy, bound) * size.get(kind, scales["length"]))
+        setattr(run, figure, part * getattr(accuracy.thresholds, bound) * size.get(kind, scales["length"]))
     for kind in counts:
         setattr(run, COUNTS[kind], 1)
     beyond = {kind for kind, part in parts.items() if not part <= 1} | counts

@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from modelgen import Accuracy, closest_points, read, simulate
+from modelgen import closest_points, read, simulate
 from modelgen.assembly import require
 from modelgen.codegen.library import Library
 from modelgen.codegen.manifest_unlisted_shapes import unlisted_of
 from modelgen.rotations import rotation_of
 from modelgen.runtime.poses import pose_matrices as matrices
+from modelgen.runtime.thresholds import Thresholds
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.runtime.undeclared.undeclared_overlaps import passages
 from modelgen.scene.read import read_text
@@ -204,7 +205,7 @@ def test_bodies_that_roll_slide_and_bounce_on_each_other_do_not_overlap(name: st
     library = library_of(scene)
     path = simulate(library, samples=40, estimate=False)
     apart = library.with_instance({**library.manifest.instance, "unlisted": unlisted})
-    assert not passages(path, apart, Accuracy.balanced().overlap_depth)
+    assert not passages(path, apart, Thresholds().overlap_depth)
 
 
 def poses(path: Trajectory, k: int) -> Any:

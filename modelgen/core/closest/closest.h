@@ -215,8 +215,6 @@ MG_INTERNAL int mg_have_circles_one_minimum(const mg_centred_feature *of, mg_rea
 
 /* segment_crossings.c */
 
-#define MG_CLEAR_GAPS 16 /* start_gap from a body, within which a point may be in it or beside it */
-
 /* The side of its pair that the shape of one side of a feature pair is on. */
 MG_INTERNAL int mg_side_of_pair(const mg_context *c, int feature_pair, int side);
 

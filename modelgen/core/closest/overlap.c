@@ -6,11 +6,10 @@
 #include "model/model.h"
 #include "solid/solid.h"
 
-#define MG_CURVE_SAMPLES 64           /* of a curve, and of each coordinate of a surface without material */
-#define MG_END_PART ((mg_real)1e-7)   /* of a curve, at its ends */
-#define MG_CURVE_LOWEST 3             /* of them, about which the lowest place is refined */
-#define MG_CLEAR_PART ((mg_real)1e-3) /* of the distance of two points, by which what is clear changes */
-#define MG_CHORD_HALVINGS 24          /* of the part of a curve that passes through a disc */
+#define MG_CURVE_SAMPLES 64         /* of a curve, and of each coordinate of a surface without material */
+#define MG_END_PART ((mg_real)1e-7) /* of a curve, at its ends */
+#define MG_CURVE_LOWEST 3           /* of them, about which the lowest place is refined */
+#define MG_CHORD_HALVINGS 24        /* of the part of a curve that passes through a disc */
 #define MG_GOLDEN ((mg_real)0.3819660112501051)
 #define MG_GOLDEN_STEPS 40
 #define MG_SMALLEST_CELL ((mg_real)1 / 64) /* of the radius of the ball that is searched */
@@ -304,8 +303,9 @@ static int mg_is_point_in_other(mg_context *c, int feature_pair, int side) {
   const int pair = c->system->feature_pair_owner[feature_pair], other = mg_side_of_pair(c, feature_pair, 1 - side);
   const mg_real *point = c->search.placement + 8 + 3 * side, depth = -c->search.placement[0],
                 touching = c->settings->start_gap * c->system->length,
-                clear = MG_CLEAR_GAPS * c->settings->start_gap * mg_min(c->system->length, mg_pair_size(c, pair)),
-                allowed = mg_max(clear - MG_CLEAR_PART * depth, -touching);
+                clear = c->settings->overlap_clear_gaps * c->settings->start_gap *
+                        mg_min(c->system->length, mg_pair_size(c, pair)),
+                allowed = mg_max(clear - c->settings->overlap_clear_part * depth, -touching);
   if (!mg_is_material_known(c, pair, other)) return allowed > 0 || mg_is_point_in_body(c, feature_pair, 1 - side);
   return mg_has_material(c, pair, other) && mg_height_over_material(c, pair, other, point, MG_FIRST_ORDER) < allowed;
 }
@@ -315,6 +315,6 @@ MG_INTERNAL int mg_is_between_far_sides(mg_context *c, int feature_pair) {
   const mg_real depth = -c->search.placement[0], touching = c->settings->start_gap * c->system->length;
   if (!(depth > touching) || !mg_has_surfaces(c, pair)) return 0;
   if (!mg_has_volume(c, pair, 0) && !mg_has_volume(c, pair, 1))
-    return !mg_do_sheets_cross(c, pair, mg_max(touching, MG_CLEAR_PART * depth));
+    return !mg_do_sheets_cross(c, pair, mg_max(touching, c->settings->overlap_clear_part * depth));
   return !mg_is_point_in_other(c, feature_pair, 0) && !mg_is_point_in_other(c, feature_pair, 1);
 }

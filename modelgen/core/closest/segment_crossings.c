@@ -260,7 +260,7 @@ MG_INTERNAL mg_real mg_part_in_surfaces(mg_context *c, int feature_pair, int sid
    than what touches, it leaves. */
 static int mg_does_way_leave_first(mg_context *c, int feature_pair, int side, const mg_real *point,
                                    const mg_real *along) {
-  const mg_real least = MG_CLEAR_GAPS * c->settings->start_gap * c->system->length;
+  const mg_real least = c->settings->overlap_clear_gaps * c->settings->start_gap * c->system->length;
   mg_real end[3];
   for (int k = 0; k < 3; k++) end[k] = point[k] + along[k];
   const mg_real part = mg_part_in_surfaces(c, feature_pair, side, point, end, least);

@@ -18,8 +18,6 @@ enum {
   MG_PASSAGE_STEP_CUT = 4 /* factor by which a passage that fails is shortened */
 };
 
-static const mg_real mg_longest_passage = (mg_real)1e-4; /* longest passage over the characteristic time */
-
 /* Add a column M^-1 J^T, times an amount, to the values of the two bodies of a row. */
 static void mg_add_body_impulse(const mg_context *c, int row, const mg_real *column, mg_real amount,
                                 mg_real *per_body) {
@@ -235,7 +233,8 @@ static mg_real mg_try_passage_step(mg_context *c, mg_real tau) {
 static mg_real mg_choose_passage_step(mg_context *c) {
   const mg_real least = c->settings->event_tolerance * c->system->time, left = c->step.stop_time - c->run->t;
   mg_store_passage_start(c);
-  for (mg_real tau = mg_min(mg_longest_passage * c->system->time, left); tau >= least; tau /= MG_PASSAGE_STEP_CUT) {
+  for (mg_real tau = mg_min(c->settings->passage_time_max * c->system->time, left); tau >= least;
+       tau /= MG_PASSAGE_STEP_CUT) {
     if (mg_try_passage_step(c, tau) <= c->settings->tolerance) return tau;
     mg_update_poses(c, c->run->t, c->run->x);
   }

@@ -9,8 +9,6 @@
 #include "forces/forces.h"
 #include "impact/impact.h"
 
-#define MG_LARGEST_BLOW_RESIDUAL ((mg_real)1e-6) /* of velocities, relative: beyond it the law is another */
-
 /* True if a contact may have been struck: it is that of the event, was closed before, or is closed or touching now as
    far as the error of the step can tell; and it has not been found to carry no impulse (c->events.gap_dips). */
 static int mg_may_be_struck(const mg_context *c, const mg_sensitivity *s, int contact) {
@@ -169,7 +167,7 @@ static int mg_solve_blow_impulses(mg_context *c, mg_blow *b) {
     residual = mg_max(residual, fabs(change - mg_blow_rate_change(c, b, r)) / b->scale[r]);
     largest = mg_max(largest, fabs(change) / b->scale[r]);
   }
-  return residual > MG_LARGEST_BLOW_RESIDUAL * largest ? MG_BY_IMPACT_LAW : MG_NO_REASON;
+  return residual > c->settings->derivative_impact_residual * largest ? MG_BY_IMPACT_LAW : MG_NO_REASON;
 }
 
 /* True if the impulses make the change of the velocities, but for the drift that is projected away with it. */

@@ -187,9 +187,6 @@ static mg_real mg_moved_pressure_margin(mg_context *c, const mg_sensitivity *s, 
   return margin;
 }
 
-#define MG_PRESSURE_PART ((mg_real)1e-4) /* of the load of a face: by how much its forces are changed */
-#define MG_PRESSURE_KEPT ((mg_real)1e-6) /* of the way of their centre: up to it, it moves along an edge */
-
 /* Changes that keep the centre of the forces on a face within its hull. */
 static int mg_sides_of_pressure(mg_context *c, mg_sensitivity *s, int slot, mg_real least) {
   const mg_real *N = c->solution.force + mg_first_support(c, slot), *dot = s->at.force + mg_first_support(c, slot),
@@ -198,9 +195,9 @@ static int mg_sides_of_pressure(mg_context *c, mg_sensitivity *s, int slot, mg_r
   if (!mg_does_pressure_move(c, s, slot, least)) return MG_SIDES;
   if (c->run->patch_mode[slot] != MG_STICKING && !mg_is_whole_plane(c, mg_patch_of_slot(c, slot)))
     return MG_SIDE_UNKNOWN; /* the hull moves as well */
-  const mg_real part = is_loaded ? MG_PRESSURE_PART * sum / mg_max_abs(3, dot) : 1,
+  const mg_real part = is_loaded ? c->settings->face_force_part * sum / mg_max_abs(3, dot) : 1,
                 now = is_loaded ? mg_moved_pressure_margin(c, s, slot, 1, 0) : 0,
-                kept = now - MG_PRESSURE_KEPT * MG_PRESSURE_PART * c->system->length;
+                kept = now - c->settings->face_centre_part * c->settings->face_force_part * c->system->length;
   return (mg_moved_pressure_margin(c, s, slot, is_loaded, part) >= kept ? MG_SIDE_LARGER : 0) |
          (mg_moved_pressure_margin(c, s, slot, is_loaded, -part) >= kept ? MG_SIDE_SMALLER : 0);
 }

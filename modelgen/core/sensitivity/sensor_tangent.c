@@ -128,10 +128,7 @@ static void mg_show_moved_sensors(const mg_context *c, mg_sensitivity *s, mg_rea
   c->kernels->derivatives->tangent(MG_TASK_SENSORS, 0, s->weights, s->moved, s->x_dot, slope);
 }
 
-#define MG_PROBE_PART ((mg_real)1e-5) /* of the sizes of what sensors depend on: how far a kink is sought */
-#define MG_PROBE_SHORTER 16           /* times shorter: whether it is a kink, or a bend */
-#define MG_PROBE_KINK ((mg_real)1e-4) /* of a slope: least difference of both sides that is a kink */
-#define MG_PROBE_SAME ((mg_real)1e-7) /* of a slope: up to it two are the same */
+#define MG_PROBE_SHORTER 16 /* times shorter: whether it is a kink, or a bend */
 
 /* What one sensor shows at five places along a direction, and its derivatives there: here, and a way before and after,
    longer and shorter. */
@@ -151,14 +148,14 @@ static mg_real mg_probe_rounding(const mg_probe *p, int shorter) {
 
 /* True if a sensor has another slope on each side of the state, or another than its derivative y_dot, by as much on a
    shorter way. */
-static int mg_is_sensor_on_kink(const mg_probe *p, mg_real y_dot) {
+static int mg_is_sensor_on_kink(const mg_context *c, const mg_probe *p, mg_real y_dot) {
   mg_real off[2][2]; /* differences of both sides, and of their mean from the derivative */
   int is_kink[2] = {1, 1};
   for (int shorter = 0; shorter < 2; shorter++) {
     const mg_real now = p->shown[0], before = (p->shown + 2 * shorter)[MG_PROBE_BEFORE],
                   after = (p->shown + 2 * shorter)[MG_PROBE_AFTER], left = (now - before) / p->way[shorter],
                   right = (after - now) / p->way[shorter], slope = fabs(left) + fabs(right) + fabs(y_dot),
-                  least = MG_PROBE_KINK * slope + mg_probe_rounding(p, shorter);
+                  least = c->settings->sensor_kink_part * slope + mg_probe_rounding(p, shorter);
     off[shorter][0] = fabs(right - left), off[shorter][1] = fabs((left + right) / 2 - y_dot);
     for (int i = 0; i < 2; i++) is_kink[i] &= off[shorter][i] > least && (!shorter || off[1][i] > off[0][i] / 4);
   }
@@ -173,10 +170,10 @@ static mg_real mg_probe_slope(const mg_probe *p) {
 enum { MG_SLOPE_NOT_FOUND = 0, MG_SLOPE_FOUND = 1, MG_JUMPS_THERE = 2 }; /* to a side of a kink */
 
 /* The derivative of a sensor on a side, MG_PROBE_BEFORE or MG_PROBE_AFTER, as the limit of those on the way. */
-static int mg_find_slope_of_side(const mg_probe *p, int side, mg_real *limit) {
+static int mg_find_slope_of_side(const mg_context *c, const mg_probe *p, int side, mg_real *limit) {
   const mg_real slope = p->slope[side + 2], change = p->shown[side + 2] - p->shown[0],
                 rate = (side == MG_PROBE_AFTER ? change : -change) / p->way[1],
-                least = MG_PROBE_KINK * mg_probe_slope(p), rounding = mg_probe_rounding(p, 1);
+                least = c->settings->sensor_kink_part * mg_probe_slope(p), rounding = mg_probe_rounding(p, 1);
   *limit = slope + (slope - p->slope[side]) / (MG_PROBE_SHORTER - 1);
   if (fabs(rate - slope) <= least + rounding)
     return fabs(*limit - slope) <= least ? MG_SLOPE_FOUND : MG_SLOPE_NOT_FOUND;
@@ -186,13 +183,14 @@ static int mg_find_slope_of_side(const mg_probe *p, int side, mg_real *limit) {
 
 /* For which changes the derivative of a sensor on a kink holds. One that is that of neither side, as that of abs(x), is
    replaced by that for larger changes, or if it jumps there by the other. */
-static int mg_sides_of_sensor(const mg_probe *p, mg_real *y_dot) {
+static int mg_sides_of_sensor(const mg_context *c, const mg_probe *p, mg_real *y_dot) {
   static const int place[2] = {MG_PROBE_AFTER, MG_PROBE_BEFORE}, bit[2] = {MG_SIDE_LARGER, MG_SIDE_SMALLER};
   mg_real limit[2];
   int found[2], sides = 0;
   for (int i = 0; i < 2; i++) {
-    found[i] = mg_find_slope_of_side(p, place[i], limit + i);
-    if (found[i] == MG_SLOPE_FOUND && fabs(limit[i] - *y_dot) <= MG_PROBE_SAME * mg_probe_slope(p)) sides |= bit[i];
+    found[i] = mg_find_slope_of_side(c, p, place[i], limit + i);
+    if (found[i] == MG_SLOPE_FOUND && fabs(limit[i] - *y_dot) <= c->settings->sensor_slope_part * mg_probe_slope(p))
+      sides |= bit[i];
   }
   if (sides == MG_SIDES) return MG_SIDE_UNKNOWN; /* both are its derivative, and yet it is on a kink */
   for (int i = 0; i < 2 && !sides; i++)
@@ -211,7 +209,7 @@ static void mg_find_kinks_of_sensors(const mg_context *c, mg_sensitivity *s) {
   MG_NEEDS_TANGENT(c, s, MG_VALID_SENSOR_ARGUMENTS, MG_VALID_FORCES, MG_ANY_DIRECTION, MG_NO_ROW);
   const int n = c->kernels->n_sensor;
   mg_real largest, *slope = s->shown + 5L * n;
-  const mg_real most = mg_packed_change(c, s, &largest), longest = MG_PROBE_PART / most;
+  const mg_real most = mg_packed_change(c, s, &largest), longest = c->settings->sensor_kink_reach / most;
   if (!(most > 0)) return;
   for (int i = 0; i < 5; i++)
     mg_show_moved_sensors(c, s, i ? (i % 2 ? -longest : longest) / (i > 2 ? MG_PROBE_SHORTER : 1) : 0,
@@ -219,8 +217,8 @@ static void mg_find_kinks_of_sensors(const mg_context *c, mg_sensitivity *s) {
   for (int k = 0; k < n; k++) {
     mg_probe p = {{0}, {0}, {longest, longest / MG_PROBE_SHORTER}, largest};
     for (int i = 0; i < 5; i++) p.shown[i] = s->shown[i * n + k], p.slope[i] = slope[i * n + k];
-    if (s->sensor_sides[k] != MG_SIDES || !mg_is_sensor_on_kink(&p, s->y_dot[k])) continue;
-    mg_keep_sensor_sides(s, k, mg_sides_of_sensor(&p, s->y_dot + k), MG_BY_SENSOR_KINK);
+    if (s->sensor_sides[k] != MG_SIDES || !mg_is_sensor_on_kink(c, &p, s->y_dot[k])) continue;
+    mg_keep_sensor_sides(s, k, mg_sides_of_sensor(c, &p, s->y_dot + k), MG_BY_SENSOR_KINK);
   }
 }
 

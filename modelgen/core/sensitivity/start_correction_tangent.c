@@ -5,9 +5,6 @@
 #include "model/model.h"
 #include "forces/forces.h"
 
-#define MG_START_ROUNDING \
-  ((mg_real)1e-9) /* changes of velocities, by their scales, whose derivatives may be left out */
-
 /* Largest difference of the velocities of two states, by their scales. */
 static mg_real mg_velocity_change(const mg_context *c, const mg_real *one, const mg_real *other) {
   const int first = c->system->n_q;
@@ -61,7 +58,7 @@ static int mg_start_blow_tangent(mg_context *c, mg_sensitivity *s, const mg_real
   mg_real *settled = s->slope_before;
   mg_copy_states(c, c->run->x, settled);
   const int solved = mg_restore_start(c, s, given, part),
-            changes = mg_velocity_change(c, s->before, c->run->x) > MG_START_ROUNDING;
+            changes = mg_velocity_change(c, s->before, c->run->x) > c->settings->derivative_start_change;
   for (int j = 0; j < s->directions->n && solved; j++)
     mg_blow_tangent(c, s, j, s->tangent->x + (long)j * c->layout.n_states);
   mg_copy_states(c, settled, c->run->x);

@@ -61,9 +61,6 @@ static int mg_jumps_on_its_way(mg_context *c, const mg_sensitivity *s, mg_real t
   return mg_wrench_difference(c, before, after) > least;
 }
 
-#define MG_JUMP_REACH ((mg_real)1e-6) /* of the scales: how far a changed run is sought for a jump */
-#define MG_JUMP_PART ((mg_real)1e-3)  /* of a load: least jump in that reach */
-
 MG_INTERNAL int mg_has_load_jump_along(mg_context *c, const mg_sensitivity *s, mg_real t) {
   const mg_real length = c->system->length, time = c->system->time;
   mg_real most = 0, wrench[12];
@@ -75,7 +72,9 @@ MG_INTERNAL int mg_has_load_jump_along(mg_context *c, const mg_sensitivity *s, m
   for (int i = 0; i < c->system->n_load && most > 0; i++) {
     mg_wrench_of_load(c, t, i, wrench);
     const mg_real size = mg_wrench_difference(c, wrench, 0);
-    if (size > 0 && mg_jumps_on_its_way(c, s, t, i, MG_JUMP_REACH / most, MG_JUMP_PART * size)) return 1;
+    if (size > 0 &&
+        mg_jumps_on_its_way(c, s, t, i, c->settings->derivative_reach / most, c->settings->derivative_jump_part * size))
+      return 1;
   }
   return 0;
 }

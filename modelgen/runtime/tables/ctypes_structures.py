@@ -115,6 +115,15 @@ SETTINGS_REALS = (
         "derivative_step_min",
         "load_jump_rate",
         "load_jump_span",
+        "derivative_reach",
+        "derivative_jump_part",
+        "derivative_impact_residual",
+        "derivative_start_change",
+        "sensor_kink_reach",
+        "sensor_kink_part",
+        "sensor_slope_part",
+        "face_force_part",
+        "face_centre_part",
         "rest_loss_factor",
         "event_correction_step",
         "contact_rank_tolerance",
@@ -127,6 +136,9 @@ SETTINGS_REALS = (
     *(
         "margin_warn",
         "margin_refuse",
+        "passage_time_max",
+        "overlap_clear_gaps",
+        "overlap_clear_part",
         "appear_margin",
         "appear_tilt_sine",
         "search_margin",
@@ -144,6 +156,9 @@ SETTINGS_REALS = (
         "step_fraction",
     ),
     *("flush_height", "gap_error_max", "energy_error_max", "complementarity_error_max"),
+)
+OWN = (  # of SETTINGS_REALS: fields of Accuracy itself, the others are its thresholds
+    *("tolerance", "contact_gap", "start_gap", "rest_speed", "slip_speed", "imaginary_edge", "flush_height"),
 )
 SETTINGS_COUNTS = ("lcp_iterations", "event_scan_parts", "events_at_once_max", "chatter_closed")
 RUN_ARRAYS = (
@@ -558,10 +573,13 @@ def _settings(tables: Tables, accuracy: Accuracy, has_impact_law: bool) -> Any:
     """Tolerances below the resolution of the real type are raised to it."""
     settings = tables.Settings()
     epsilon = float(np.finfo(tables.dtype).eps)
-    for name in ("newton", "project", "fallback", *SETTINGS_COUNTS):
+    for name in ("newton", "project", "fallback"):
         setattr(settings, name, int(getattr(accuracy, name)))
+    for name in SETTINGS_COUNTS:
+        setattr(settings, name, int(getattr(accuracy.thresholds, name)))
     for name in SETTINGS_REALS[1:]:
-        setattr(settings, name, max(float(getattr(accuracy, name)), RESOLVED.get(name, 0) * epsilon))
+        value = getattr(accuracy, name) if name in OWN else getattr(accuracy.thresholds, name)
+        setattr(settings, name, max(float(value), RESOLVED.get(name, 0) * epsilon))
     settings.method, settings.stepping_scheme = METHODS[accuracy.method], SCHEMES[accuracy.scheme]
     settings.stepping_friction_law = LAWS[accuracy.solver]
     settings.sequential = int(accuracy.impacts == "sequential")

@@ -87,8 +87,8 @@ def passages(path: Trajectory, library: Library, depth: float) -> tuple[Passage,
     Args:
         path: the run.
         library: of which it is a run.
-        depth: `Accuracy.overlap_depth`: a point in both materials is deeper than this times the smaller
-            ball's radius.
+        depth: `Accuracy.thresholds.overlap_depth`: a point in both materials is deeper than this times the
+            smaller ball's radius.
     """
     instance = library.manifest.instance
     table = instance["unlisted"]

@@ -45,9 +45,10 @@ def warnings(session: Session, accuracy: Accuracy, events: Sequence[Event]) -> t
         *session.instance["warnings"],
         *hints(session.instance["bodies"], [*session.contacts, *session.joints]),
     ]
-    if margin < accuracy.margin_warn:
+    bound = accuracy.thresholds.margin_warn
+    if margin < bound:
         found.append(
-            f"the margin of a closed contact fell to {margin:.1e}, below {accuracy.margin_warn:g}: "
+            f"the margin of a closed contact fell to {margin:.1e}, below {bound:g}: "
             "its contact points lose about as many digits as the margin has zeros"
         )
     if session.run.singular_passages:

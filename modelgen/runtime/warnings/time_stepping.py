@@ -55,7 +55,8 @@ def stepping_warnings(session: Session) -> list[str]:
 
 def fallback_step(run: Any, accuracy: Accuracy, instance: Mapping[str, Any]) -> float:
     """s: the longest step of time-stepping by which an event-driven mg_run went on; 0 where it did not."""
-    parts = (accuracy.chatter_step * (run.chatters > 0), accuracy.fallback_step * (run.fallbacks > 0))
+    steps = accuracy.thresholds
+    parts = (steps.chatter_step * (run.chatters > 0), steps.fallback_step * (run.fallbacks > 0))
     return float(max(parts) * instance["scales"]["time"])
 
 
