@@ -12,8 +12,8 @@
    and allocates mg_work_size mg_real and mg_iwork_size int of scratch memory, of which it sets the first int to 0. It
    calls mg_begin once, then mg_advance as long as that returns MG_CONTINUE (after which it calls again) or MG_LIST_FULL
    (after which it empties the lists and calls again). MG_DONE says that t_stop has been reached. Any other code ends
-   the run; run->failed_contact and run->failed_joint then say where. mg_batch does this for many runs of one system,
-   mg_begin_many and mg_advance_many for many runs of systems that may differ.
+   the run; failed_contact and failed_joint of run->report then say where. mg_batch does this for many runs of one
+   system, mg_begin_many and mg_advance_many for many runs of systems that may differ.
 
    Memory. The caller owns every structure and every array and keeps them until the call returns; the library allocates
    nothing. Arrays of an mg_system and an mg_settings are read only. The state of a run is its mg_run alone. The scratch
@@ -503,8 +503,83 @@ enum {
   MG_CAPACITIES = 8
 };
 
-/* One run: its state, its active set and what it reports. Before mg_begin the caller sets t, h (0: chosen by the
-   program), x (eta: 0 or a guess), feature_pair (-1), input and the pointers; it fills the other arrays with zeros. */
+/* What a run tells of itself: counts, largest values and first places, by which no body moves. mg_begin resets it. */
+typedef struct {
+  long lcp_solves;          /* complementarity and friction problems solved */
+  long fallbacks;           /* how often the run has fallen back on time-stepping */
+  long chatters;            /* how often the run went on by time-stepping because its events cost too much */
+  long loose_solutions;     /* time-stepping: problems solved to stepping_residual only */
+  long relaxed_solutions;   /* time-stepping: problems solved by the relaxation, no solution of Coulomb's law found */
+  long singular_passages;   /* places passed at which a closed contact is singular */
+  long slip_stops;          /* how often slip, spin or rolling ended */
+  long redundant_max;       /* most active contacts beyond the rank of their rows; forces then are of minimum norm */
+  long unfollowed_minima;   /* how often a search found closest points within search_gap that no contact could follow */
+  long incomplete_searches; /* searches of feature pairs that were given up before all closest points were found */
+  long exceeded[8];         /* how often each capacity was exceeded, MG_CAPACITY_CLOSED .. */
+
+  mg_real energy_0;          /* energy at the start, J */
+  mg_real energy_error_max;  /* largest |energy - energy_0 - work - correction_work|, J */
+  mg_real correction_work;   /* time-stepping: change of the energy by all corrections of positions, J; no part of the
+                                work */
+  mg_real correction_energy; /* sum of the amounts of these changes, J */
+  mg_real kinetic_max;       /* largest kinetic energy, J */
+  mg_real gap_max;           /* largest |d| of a closed contact, m */
+  mg_real
+      penetration_max;   /* deepest penetration of a pair, m: of a contact, or of closest points that a search found */
+  mg_real penetration_t; /* time of penetration_max, s */
+  mg_real complementarity_max; /* largest |min(d / length, force / (mass length / time^2))| */
+  mg_real margin_min;          /* least margin of a closed contact */
+  mg_real lcp_residual_max;    /* largest residual of a complementarity or friction problem */
+  mg_real joint_error_max;     /* largest error of a joint row, at the start and after accepted steps, m or rad */
+  mg_real joint_speed;         /* largest velocity error of a joint row at the start, m/s or rad/s */
+  mg_real dead_centre_t;       /* end of the step in which the first dead centre was passed, s */
+  mg_real joint_margin_min;    /* least independence of the rows of a joint over the largest of that joint, 0..1 */
+  mg_real joint_margin_t;      /* time of joint_margin_min, s */
+  mg_real fallback_first;      /* start of the first fallback, those by MG_CHATTER not included, s */
+  mg_real fallback_time;       /* duration of all fallbacks, s */
+  mg_real chatter_first;       /* start of the first fallback by MG_CHATTER, s */
+  mg_real chatter_time;        /* duration of all fallbacks by MG_CHATTER, s */
+  mg_real impact_gain_max;     /* most energy that an impact has added, J */
+  mg_real impact_gain_t;       /* time of impact_gain_max, s */
+  mg_real chain_impact_t;      /* time at which an impact first reached a contact at rest, s */
+  mg_real painleve_t;          /* time at which forces were first indeterminate (Painleve's paradox), s */
+  mg_real unfollowed_t;        /* time of the first of unfollowed_minima, s */
+  mg_real spin_max;            /* time-stepping: largest angular speed of a body at the starts of steps, rad/s */
+  mg_real force_rounding;      /* largest relative error that rounding may have made in the forces of an evaluation */
+  mg_real spring_rate_max;     /* time-stepping: fastest rate of a spring or damper alone on its bodies, 1/s */
+  mg_real incomplete_t;        /* time of the first of incomplete_searches, s */
+  mg_real indeterminate_t;     /* time of indeterminate, s */
+  mg_real flush_t;             /* time of flush_contact, s */
+  mg_real exceeded_t[8];       /* when each capacity was exceeded first, s */
+
+  int failed_contact;       /* contact of the outcome, or -1 */
+  int failed_joint;         /* joint with the largest error at the start, or -1 */
+  int joint_margin;         /* joint of joint_margin_min, or -1 */
+  int rank_min;             /* least rank of the rows of all joints at accepted steps; -1 before the first */
+  int rank_max;             /* largest rank of the rows of all joints at accepted steps */
+  int dead_centres;         /* dead centres passed */
+  int dead_centre;          /* joint nearest to the loss of a row at the first dead centre, or -1 */
+  int impact_gain_contact;  /* that added most of impact_gain_max, or -1 */
+  int chain_impact_contact; /* contact of chain_impact_t, or -1 */
+  int painleve_contact;     /* contact of painleve_t, or -1 */
+  int fallback_cause;       /* outcome that the first fallback avoided, those by MG_CHATTER not included */
+  int passage_contact;      /* contact of the first singular passage, or -1 */
+  int unfollowed_pair;      /* pair of shapes of the first of unfollowed_minima, or -1 */
+  int incomplete_pair;      /* pair of shapes of the first of incomplete_searches, or -1 */
+  int penetration_contact;  /* contact, or first contact of the pair, of penetration_max; -1: none */
+  int spin_body;            /* body of spin_max, or -1 */
+  int overlapping_patch;    /* patch of several pairs whose faces overlap, so that their shares are not unique; -1: none
+                               was sampled */
+  int spring_rate_load;     /* load of spring_rate_max, or -1 */
+  int indeterminate;        /* 1: friction forces or a load left the motion open, or were not proved not to */
+  int indeterminate_switch; /* switching function of that load, or -1: friction forces */
+  int flush_contact; /* contact of the first blow from the side within the plane of faces of both bodies, or -1 */
+  int shared_switch; /* switching function of the first load at a jump that contacts or joints hold too, or -1 */
+} mg_run_report;
+
+/* One run: its state, its active set, counts by which it goes on, and its report. Before mg_begin the caller sets t, h
+   (0: chosen by the program), x (eta: 0 or a guess), feature_pair (-1), input and the pointers; it fills the other
+   arrays with zeros. */
 typedef struct {
   mg_real t;         /* time, s */
   mg_real h;         /* next step to try, s */
@@ -560,94 +635,28 @@ typedef struct {
   long rhs_evals;         /* evaluations of the right-hand side */
   long steps_max;         /* the run ends where steps + rejected exceed this; 0: it does not. mg_begin sets it to 0, and
                              the caller may write it after that */
-  long lcp_solves;        /* complementarity and friction problems solved */
   long since_projection;  /* accepted steps since drift was projected away */
   long events_at_t;       /* transitions within one event tolerance of t_event */
   long progress_tries;    /* steps and rejected when progress was last checked */
   long progress_rejected; /* rejected when progress was last checked */
-  long fallbacks;         /* how often the run has fallen back on time-stepping */
   long fallback_transitions; /* contacts closed and opened in the present fallback, since its last prolongation */
-  long chatters;             /* how often the run went on by time-stepping because its events cost too much */
-  long loose_solutions;      /* time-stepping: problems solved to stepping_residual only */
-  long relaxed_solutions;    /* time-stepping: problems solved by the relaxation, no solution of Coulomb's law found */
-  long singular_passages;    /* places passed at which a closed contact is singular */
-  long slip_stops;           /* how often slip, spin or rolling ended */
-  long redundant_max;        /* most active contacts beyond the rank of their rows; forces then are of minimum norm */
-  long unfollowed_minima;   /* how often a search found closest points within search_gap that no contact could follow */
-  long incomplete_searches; /* searches of feature pairs that were given up before all closest points were found */
-  long search_effort;       /* pairs of cells looked at in searches for closest points */
-  long exceeded[8];         /* how often each capacity was exceeded, MG_CAPACITY_CLOSED .. */
+  long search_effort;        /* pairs of cells looked at in searches for closest points */
 
-  mg_real t_event;           /* time of the last transition, s */
-  mg_real t_roundoff;        /* rounding error of t so far, s: the exact time is t + t_roundoff */
-  mg_real energy_0;          /* energy at the start, J */
-  mg_real energy_error_max;  /* largest |energy - energy_0 - work - correction_work|, J */
-  mg_real correction_work;   /* time-stepping: change of the energy by all corrections of positions, J; no part of the
-                                work */
-  mg_real correction_energy; /* sum of the amounts of these changes, J */
-  mg_real kinetic_max;       /* largest kinetic energy, J */
-  mg_real gap_max;           /* largest |d| of a closed contact, m */
-  mg_real
-      penetration_max;   /* deepest penetration of a pair, m: of a contact, or of closest points that a search found */
-  mg_real penetration_t; /* time of penetration_max, s */
-  mg_real complementarity_max; /* largest |min(d / length, force / (mass length / time^2))| */
-  mg_real margin_min;          /* least margin of a closed contact */
-  mg_real lcp_residual_max;    /* largest residual of a complementarity or friction problem */
-  mg_real joint_error_max;     /* largest error of a joint row, at the start and after accepted steps, m or rad */
-  mg_real joint_speed;         /* largest velocity error of a joint row at the start, m/s or rad/s */
-  mg_real dead_centre_t;       /* end of the step in which the first dead centre was passed, s */
-  mg_real joint_margin_min;    /* least independence of the rows of a joint over the largest of that joint, 0..1 */
-  mg_real joint_margin_t;      /* time of joint_margin_min, s */
-  mg_real progress_t;          /* t when progress was last checked, s */
-  mg_real fallback_first;      /* start of the first fallback, those by MG_CHATTER not included, s */
-  mg_real fallback_end;        /* end of the last fallback, s */
-  mg_real fallback_time;       /* duration of all fallbacks, s */
-  mg_real fallback_step;       /* step of the present fallback, s */
-  mg_real fallback_left;       /* time left of the present fallback, s; 0: none */
-  mg_real event_work;          /* work of events beyond what time-stepping would have cost, evaluations of a contact */
-  mg_real event_work_t;        /* t when event_work was last updated, s */
-  mg_real chatter_first;       /* start of the first fallback by MG_CHATTER, s */
-  mg_real chatter_time;        /* duration of all fallbacks by MG_CHATTER, s */
-  mg_real impact_gain_max;     /* most energy that an impact has added, J */
-  mg_real impact_gain_t;       /* time of impact_gain_max, s */
-  mg_real chain_impact_t;      /* time at which an impact first reached a contact at rest, s */
-  mg_real painleve_t;          /* time at which forces were first indeterminate (Painleve's paradox), s */
-  mg_real unfollowed_t;        /* time of the first of unfollowed_minima, s */
-  mg_real spin_max;            /* time-stepping: largest angular speed of a body at the starts of steps, rad/s */
-  mg_real force_rounding;      /* largest relative error that rounding may have made in the forces of an evaluation */
-  mg_real spring_rate_max;     /* time-stepping: fastest rate of a spring or damper alone on its bodies, 1/s */
-  mg_real incomplete_t;        /* time of the first of incomplete_searches, s */
-  mg_real indeterminate_t;     /* time of indeterminate, s */
-  mg_real flush_t;             /* time of flush_contact, s */
-  mg_real exceeded_t[8];       /* when each capacity was exceeded first, s */
+  mg_real t_event;       /* time of the last transition, s */
+  mg_real t_roundoff;    /* rounding error of t so far, s: the exact time is t + t_roundoff */
+  mg_real progress_t;    /* t when progress was last checked, s */
+  mg_real fallback_end;  /* end of the last fallback, s */
+  mg_real fallback_step; /* step of the present fallback, s */
+  mg_real fallback_left; /* time left of the present fallback, s; 0: none */
+  mg_real event_work;    /* work of events beyond what time-stepping would have cost, evaluations of a contact */
+  mg_real event_work_t;  /* t when event_work was last updated, s */
 
-  int failed_contact;       /* contact of the outcome, or -1 */
-  int failed_joint;         /* joint with the largest error at the start, or -1 */
-  int joint_margin;         /* joint of joint_margin_min, or -1 */
-  int rank_min;             /* least rank of the rows of all joints at accepted steps; -1 before the first */
-  int rank_max;             /* largest rank of the rows of all joints at accepted steps */
-  int dead_centres;         /* dead centres passed */
-  int dead_centre;          /* joint nearest to the loss of a row at the first dead centre, or -1 */
-  int impact_gain_contact;  /* that added most of impact_gain_max, or -1 */
-  int chain_impact_contact; /* contact of chain_impact_t, or -1 */
-  int painleve_contact;     /* contact of painleve_t, or -1 */
-  int fallback_cause;       /* outcome that the first fallback avoided, those by MG_CHATTER not included */
-  int present_cause;        /* outcome that the present fallback avoids */
-  int fallback_doublings;   /* how often the length of the last fallback was doubled */
-  int passage_contact;      /* contact of the first singular passage, or -1 */
-  int unfollowed_pair;      /* pair of shapes of the first of unfollowed_minima, or -1 */
-  int incomplete_pair;      /* pair of shapes of the first of incomplete_searches, or -1 */
-  int penetration_contact;  /* contact, or first contact of the pair, of penetration_max; -1: none */
-  int spin_body;            /* body of spin_max, or -1 */
-  int overlapping_patch;    /* patch of several pairs whose faces overlap, so that their shares are not unique; -1: none
-                               was sampled */
-  int spring_rate_load;     /* load of spring_rate_max, or -1 */
-  int forces_redundant;     /* 1: forces are not unique; those nearest to reference_force are taken */
-  int friction_redundant;   /* 1: friction forces of the present modes are not unique */
-  int indeterminate;        /* 1: friction forces or a load left the motion open, or were not proved not to */
-  int indeterminate_switch; /* switching function of that load, or -1: friction forces */
-  int flush_contact; /* contact of the first blow from the side within the plane of faces of both bodies, or -1 */
-  int shared_switch; /* switching function of the first load at a jump that contacts or joints hold too, or -1 */
+  int present_cause;      /* outcome that the present fallback avoids */
+  int fallback_doublings; /* how often the length of the last fallback was doubled */
+  int forces_redundant;   /* 1: forces are not unique; those nearest to reference_force are taken */
+  int friction_redundant; /* 1: friction forces of the present modes are not unique */
+
+  mg_run_report report; /* what it tells */
 } mg_run;
 
 /* Samples at times that the caller gives. Row k of an array belongs to t[k]; shapes are those of one row. The caller's
@@ -919,7 +928,7 @@ enum {
   MG_DOUBT_UNFOLLOWED = 4096,    /* closest points were found that no contact was free to follow */
   MG_DOUBT_INCOMPLETE = 8192,    /* a search for closest points was given up */
   MG_DOUBT_STAND_IN = 16384,     /* contacts are with a shape that stands for another surface, as a hull for a mesh */
-  MG_DOUBT_CAPACITY = 32768      /* a capacity was exceeded, and something left out (run->exceeded) */
+  MG_DOUBT_CAPACITY = 32768      /* a capacity was exceeded, and something left out (exceeded of its report) */
 };
 
 /* Energy to which energy errors are relative, J: the largest kinetic energy, or of what has not moved m (L/T)^2. */

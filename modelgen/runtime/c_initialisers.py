@@ -133,6 +133,8 @@ def values_text(record: ctypes.Structure, names: Mapping[int, str], kernels: str
             values.append(names[value] if value else "0")
         elif kind is ctypes.c_ulonglong:
             values.append(f"{value}ULL")
+        elif isinstance(value, ctypes.Structure):
+            values.append(values_text(value, names))
         elif isinstance(value, ctypes.Array):
             values.append("{" + ", ".join(map(_value_text, value)) + "}")
         else:

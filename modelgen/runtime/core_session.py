@@ -234,12 +234,12 @@ class Session:
     def energy_drift(self, run: Any) -> float:
         """max |E - E_0 - work - corrections| of an mg_run, relative to its largest kinetic energy, or to
         m L^2 / T^2 at rest."""
-        return float(run.energy_error_max) / self._moved_energy(run)
+        return float(run.report.energy_error_max) / self._moved_energy(run)
 
     def correction_energy(self, run: Any) -> float:
         """The sum of the amounts by which corrections of positions changed the energy, relative as
         `energy_drift`."""
-        return float(run.correction_energy) / self._moved_energy(run)
+        return float(run.report.correction_energy) / self._moved_energy(run)
 
     def energy_rounding(self, run: Any) -> float:
         """What rounding of energy and work in each step may add up to, relative as `energy_drift`."""

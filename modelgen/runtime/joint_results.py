@@ -83,10 +83,10 @@ def redundancy(session: Session) -> list[str]:
 
 
 def _misfit(session: Session) -> list[str]:
-    speed, scales = float(session.run.joint_speed), session.instance["scales"]
+    speed, scales = float(session.run.report.joint_speed), session.instance["scales"]
     if speed <= float(session.settings.start_joint_gap) * scales["length"] / scales["time"]:
         return []
-    name = session.joints[session.run.failed_joint]
+    name = session.joints[session.run.report.failed_joint]
     return [
         f"the velocities at the start do not fit joint {name!r} by {speed:.3g} m/s; the nearest ones "
         "that fit, by kinetic energy, were taken"
@@ -94,23 +94,24 @@ def _misfit(session: Session) -> list[str]:
 
 
 def _singular(session: Session, accuracy: Accuracy) -> list[str]:
-    run, found = session.run, []
-    if run.dead_centres:
-        name, t = session.joints[run.dead_centre], float(run.dead_centre_t)
+    report, found = session.run.report, []
+    if report.dead_centres:
+        name, t = session.joints[report.dead_centre], float(report.dead_centre_t)
         found.append(
-            f"the joints were singular {run.dead_centres} times, first before t = {t:.6g} s, where joint "
+            f"the joints were singular {report.dead_centres} times, first before t = {t:.6g} s, where joint "
             f"{name!r} lost a row to the joints before it: at such a dead centre the linkage could have gone "
             "on another way; it went on as it came"
         )
-    if 0 <= run.rank_min < run.rank_max:
+    if 0 <= report.rank_min < report.rank_max:
         found.append(
-            f"the rows of the joints had rank {run.rank_min} at some steps and {run.rank_max} at others: "
-            "there the joints alone do not say how the linkage goes on, and the least acceleration was taken"
+            f"the rows of the joints had rank {report.rank_min} at some steps and {report.rank_max} at "
+            "others: there the joints alone do not say how the linkage goes on, and the least acceleration "
+            "was taken"
         )
-    elif float(run.joint_margin_min) < accuracy.thresholds.margin_warn**2:
+    elif float(report.joint_margin_min) < accuracy.thresholds.margin_warn**2:
         found.append(
-            f"joint {session.joints[run.joint_margin]!r} came near to losing a row to the joints before it "
-            f"at t = {float(run.joint_margin_t):.6g} s (own part {float(run.joint_margin_min):.1e}): a dead "
-            "centre"
+            f"joint {session.joints[report.joint_margin]!r} came near to losing a row to the joints before "
+            f"it at t = {float(report.joint_margin_t):.6g} s "
+            f"(own part {float(report.joint_margin_min):.1e}): a dead centre"
         )
     return found

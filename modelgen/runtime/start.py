@@ -40,7 +40,7 @@ def refusal(session: Session, code: int, run: Any, label: str = "") -> Simulatio
     """The error of the code of an mg_run at the session's state; `label` says which of several runs it is."""
     if code == JOINT_APART:
         return _apart(session, run, label)
-    contact = int(run.failed_contact)
+    contact = int(run.report.failed_contact)
     where = _place_of(session, contact, label)
     if code == NO_EXTREMUM:
         return SimulationError(
@@ -122,9 +122,9 @@ def _place_of_joint(session: Session, name: str, label: str) -> str:
 def _apart(session: Session, run: Any, label: str) -> SimulationError:
     """The error of the joint whose frames are farthest from closing."""
     return SimulationError(
-        _place_of_joint(session, session.joints[run.failed_joint], label),
-        f"its bodies do not fit together at the start by {float(run.joint_error_max):.3g} m: "
-        + ", ".join(_frames_apart(session, run.failed_joint)),
+        _place_of_joint(session, session.joints[run.report.failed_joint], label),
+        f"its bodies do not fit together at the start by {float(run.report.joint_error_max):.3g} m: "
+        + ", ".join(_frames_apart(session, run.report.failed_joint)),
         f"at most {float(session.settings.start_joint_gap * session.system.length):.3g} m",
         "move them to where the joint holds, or give the joint by one frame in the world at the start",
     )

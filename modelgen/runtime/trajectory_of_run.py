@@ -46,9 +46,12 @@ def trajectory_of(
     """
     own, shared = session.instance if instance is None else instance, session.shared
     record = session.accuracy if accuracy is None else accuracy
-    failed, deepest = run.failed_contact, run.penetration_contact
-    switch, paradox = run.indeterminate_switch, run.painleve_contact
-    is_paradox = run.indeterminate and switch < 0 <= paradox and run.painleve_t <= run.indeterminate_t
+    report = run.report
+    failed, deepest = report.failed_contact, report.penetration_contact
+    switch, paradox = report.indeterminate_switch, report.painleve_contact
+    is_paradox = (
+        report.indeterminate and switch < 0 <= paradox and report.painleve_t <= report.indeterminate_t
+    )
     return Trajectory(
         scene=own["name"],
         **columns,
@@ -71,32 +74,32 @@ def trajectory_of(
         energy_drift=session.energy_drift(run),
         energy_rounding=session.energy_rounding(run),
         correction_energy=session.correction_energy(run),
-        force_rounding=float(run.force_rounding),
-        gap_max=float(run.gap_max),
-        penetration_max=float(run.penetration_max),
-        penetration_t=float(run.penetration_t),
+        force_rounding=float(report.force_rounding),
+        gap_max=float(report.gap_max),
+        penetration_max=float(report.penetration_max),
+        penetration_t=float(report.penetration_t),
         penetration_pair=session.contacts[deepest].partition("#")[0] if deepest >= 0 else "",
-        joint_error_max=float(run.joint_error_max),
-        complementarity_max=float(run.complementarity_max),
-        margin_min=float(min(run.margin_min, 1.0)),
-        redundant_max=int(run.redundant_max),
+        joint_error_max=float(report.joint_error_max),
+        complementarity_max=float(report.complementarity_max),
+        margin_min=float(min(report.margin_min, 1.0)),
+        redundant_max=int(report.redundant_max),
         doubt_kinds=doubt_kinds(doubts),
-        indeterminate_t=float(run.indeterminate_t) if run.indeterminate else None,
+        indeterminate_t=float(report.indeterminate_t) if report.indeterminate else None,
         indeterminate_load=session.switching_loads[switch] if switch >= 0 else "",
         paradox_contact=session.contacts[paradox] if is_paradox else "",
-        impact_gain=float(run.impact_gain_max),
-        impact_gain_t=float(run.impact_gain_t),
-        impact_gain_contact=session.contacts[gained] if (gained := run.impact_gain_contact) >= 0 else "",
-        flush_t=float(run.flush_t),
-        flush_contact=session.contacts[flush] if (flush := run.flush_contact) >= 0 else "",
-        unfollowed_minima=int(run.unfollowed_minima),
-        incomplete_searches=int(run.incomplete_searches),
+        impact_gain=float(report.impact_gain_max),
+        impact_gain_t=float(report.impact_gain_t),
+        impact_gain_contact=session.contacts[gained] if (gained := report.impact_gain_contact) >= 0 else "",
+        flush_t=float(report.flush_t),
+        flush_contact=session.contacts[flush] if (flush := report.flush_contact) >= 0 else "",
+        unfollowed_minima=int(report.unfollowed_minima),
+        incomplete_searches=int(report.incomplete_searches),
         search_effort=int(run.search_effort),
         kinds=shared.kind_names,
         instructions=dict(shared.instructions),
         accuracy=record.name,
         warnings=tuple(warnings),
-        fallback_step=fallback_step(run, record, own),
+        fallback_step=fallback_step(report, record, own),
         outcome_function=outcome_function,
         stopped=ending.interrupted,
         parameters=ByName(((each["name"], each["value"]) for each in own.get("parameters", ())), "parameter"),

@@ -13,7 +13,7 @@ CORE = Path(__file__).parents[2] / "modelgen" / "core"
 SOURCES = {path: path.read_text(encoding="utf-8") for path in sorted(CORE.rglob("*.[ch]"))}
 TEXT = "\n".join(re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL) for text in SOURCES.values())
 
-COUNTED = {  # where more come, the run counts it (mg_note_exceeded) or reports it otherwise
+COUNTED = {  # where more come, the run counts it (mg_report_exceeded) or reports it otherwise
     "MG_STATIONARY": "MG_CAPACITY_STATIONARY",
     "MG_SEGMENT_STACK": "MG_CAPACITY_SEGMENT",
     "MG_PENDING_SPAN_PAIRS": "overflow",
@@ -65,7 +65,7 @@ def test_each_capacity_is_noted_told_and_doubted() -> None:
     assert [name.removeprefix("MG_CAPACITY_").lower() for name, _ in names] == list(CAPACITIES)
     assert [int(number) for _, number in names] == list(range(len(CAPACITIES)))
     for name, _ in names:
-        assert re.search(rf"mg_note_exceeded\([^;]*{name}\)", TEXT), name
+        assert re.search(rf"mg_report_exceeded\([^;]*{name}\)", TEXT), name
     assert set(EXCEEDED) == set(CAPACITIES)
     assert f"long exceeded[{len(CAPACITIES)}];" in TEXT
     assert f"mg_real exceeded_t[{len(CAPACITIES)}];" in TEXT

@@ -21,10 +21,12 @@ SCALARS = {
     "mg_digest": ctypes.c_ulonglong,
 }
 TABLES = Tables(np.dtype(float))
+SCALARS["mg_run_report"] = TABLES.Report
 OUTLINE, REGIONS = region_overlap._structures(np.dtype(float))
 STRUCTURES = {
     "mg_system": TABLES.System,
     "mg_settings": TABLES.Settings,
+    "mg_run_report": TABLES.Report,
     "mg_run": TABLES.Run,
     "mg_record": TABLES.Record,
     "mg_events": TABLES.Events,

@@ -58,6 +58,6 @@ int main(void) {
   if (mg_begin(&system, &settings, &run, &events, work, iwork)) return 2;
   if (mg_advance(&system, &settings, &run, 3, 10000, &record, &events, work, iwork)) return 3;
   for (int i = 0; i < events.count; i++) printf("%d %.17g\n", kind[i], (double)t[i]);
-  printf("end %.17g %.17g %.17g %.17g\n", (double)run.t, (double)x[2], (double)force[0], (double)run.energy_error_max);
+  printf("end %.17g %.17g %.17g %.17g\n", (double)run.t, (double)x[2], (double)force[0], (double)run.report.energy_error_max);
   return 0;
 }

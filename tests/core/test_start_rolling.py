@@ -150,7 +150,7 @@ def test_a_start_is_excused_from_the_bound_on_margins_until_it_is_above() -> Non
     later = rolled(scene_of_glass(GLASS, RIM), OUTWARD, tau, Accuracy.tight(), step=0.001)
     assert later.code == 0
     assert later.session.rolling_start[0] == 0
-    assert later.session.run.margin_min >= Thresholds().margin_refuse
+    assert later.session.run.report.margin_min >= Thresholds().margin_refuse
     assert FLAT_START != YOUNG
 
 
@@ -198,7 +198,7 @@ def tipped(world: Rotation, accuracy: Accuracy, step: float = 0.05) -> np.ndarra
     """(n, 3) m, the centre of the plate in the world's own axes."""
     run = rolled(plate(world), world.apply([1.0, 0.0, 0.0]).tolist(), TAU, accuracy, step=step)
     assert run.code == 0
-    assert run.session.run.energy_error_max < 1e-11
+    assert run.session.run.report.energy_error_max < 1e-11
     return world.inv().apply(run.p)
 
 

@@ -84,7 +84,7 @@ def start_flat(session: Session, outward: Sequence[float], eta: Sequence[float])
         session.closed[i] = session.active[i] = 1
         session.tilt_direction[3 * i : 3 * i + 3] = outward
     session.eta[: len(eta)] = eta
-    session.run.margin_min, session.run.failed_contact = 1.0, -1
+    session.run.report.margin_min, session.run.report.failed_contact = 1.0, -1
     at_start = Recording(session, np.array([float(session.run.t)]))
     session.advance(float(session.run.t), 0, at_start.record)
-    session.run.energy_0 = float(at_start.arrays["energy"][0])
+    session.run.report.energy_0 = float(at_start.arrays["energy"][0])

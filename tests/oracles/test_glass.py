@@ -150,7 +150,7 @@ def test_the_glass_rolls_as_the_reference_does(glass: Glass) -> None:
     position, rotation = errors(run, reference(glass))
     assert position < 1e-12
     assert rotation < 1e-11
-    assert run.session.run.energy_error_max < 1e-11
+    assert run.session.run.report.energy_error_max < 1e-11
 
 
 @pytest.mark.slow
@@ -164,7 +164,7 @@ def test_any_smooth_base_rolls_as_the_reference_does(base: str, rim: str) -> Non
     position, rotation = errors(run, reference(glass))
     assert position < 1e-13
     assert rotation < 1e-12
-    assert run.session.run.energy_error_max < 1e-13
+    assert run.session.run.report.energy_error_max < 1e-13
 
 
 BASE_GLASSES = {name: base.glass() for name, base in BASES.items()}

@@ -155,12 +155,12 @@ def test_calls_for_a_number_of_steps_change_no_bit(name: str, accuracy: Accuracy
 
 def test_a_fallback_lasts_as_long_when_it_is_chopped() -> None:
     one = whole("painleve_rod", BALANCED).session.run
-    assert one.fallbacks == 1
+    assert one.report.fallbacks == 1
     step = BALANCED.thresholds.fallback_step * scene_of("painleve_rod").manifest.instance["scales"]["time"]
     fine = [*np.arange(step / 10, one.fallback_end + 10 * step, step / 10), 1.0]
     many = ran("painleve_rod", BALANCED, fine).session.run
-    assert many.fallbacks == 1
-    assert many.fallback_time == pytest.approx(one.fallback_time, abs=0.6 * step)
+    assert many.report.fallbacks == 1
+    assert many.report.fallback_time == pytest.approx(one.report.fallback_time, abs=0.6 * step)
 
 
 def test_a_stop_just_after_a_step_takes_no_step_of_its_own() -> None:
@@ -177,7 +177,7 @@ def test_short_calls_are_no_slow_progress() -> None:
     period = scene_of("bouncing_ball").manifest.instance["scales"]["time"]
     run = ran("bouncing_ball", BALANCED, [1e-8 * period * k for k in range(1, 5000)])
     assert run.code == 0
-    assert run.session.run.fallbacks == 0
+    assert run.session.run.report.fallbacks == 0
     assert run.session.run.steps == 4999
 
 
@@ -237,9 +237,9 @@ def test_a_stop_within_a_singular_passage_does_not_end_the_run() -> None:
     assert one.begin() == 0
     code = CONTINUE
     while code == CONTINUE:
-        before, passed = float(one.run.t), one.run.singular_passages
+        before, passed = float(one.run.t), one.run.report.singular_passages
         code = one.advance(until, 1, record)
-        if one.run.singular_passages > passed:
+        if one.run.report.singular_passages > passed:
             inside += [before + (one.run.t - before) * part for part in (1e-3, 0.1, 0.5, 0.9, 0.999)]
     assert code == 0
     assert len(inside) >= 5
@@ -248,5 +248,5 @@ def test_a_stop_within_a_singular_passage_does_not_end_the_run() -> None:
         assert many.begin() == many.advance(stop, 10**8, record) == 0
         assert many.run.t == stop
         assert many.advance(until, 10**8, record) == 0
-        assert many.run.singular_passages == one.run.singular_passages
+        assert many.run.report.singular_passages == one.run.report.singular_passages
         assert many.x == pytest.approx(one.x, abs=1e-7)

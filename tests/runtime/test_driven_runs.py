@@ -198,7 +198,7 @@ def test_a_jump_of_a_joint_that_is_driven_moves_what_hangs_on_it_and_is_booked()
     assert sim.sensors["turn"] == pytest.approx(1.0 + 0.3 * np.sin(1.0), abs=1e-11)
     assert sim.sensors["rate"] == pytest.approx(2.0 + 0.3 * np.cos(1.0), abs=1e-11)
     ledger = sim.session.run
-    assert ledger.energy_error_max < 1e-10 * ledger.kinetic_max
+    assert ledger.report.energy_error_max < 1e-10 * ledger.report.kinetic_max
 
 
 def lagrange(

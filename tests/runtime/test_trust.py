@@ -74,16 +74,16 @@ def test_the_core_doubts_each_figure_beyond_its_bound(
     accuracy = Accuracy.named(record)
     session = Session(library_of(SCENE), accuracy)
     assert session.begin() == 0
-    run, scales = session.run, instance()["scales"]
-    run.kinetic_max, run.energy_0 = 3 * scales["mass"] * (scales["length"] / scales["time"]) ** 2, 0.0
+    report, scales = session.run.report, instance()["scales"]
+    report.kinetic_max, report.energy_0 = 3 * scales["mass"] * (scales["length"] / scales["time"]) ** 2, 0.0
     for kind, part in parts.items():
         figure, bound = BOUNDS[kind]
-        size = {"energy": run.kinetic_max, "impact-gain": run.kinetic_max, "complementarity": 1.0}
-        setattr(run, figure, part * getattr(accuracy.thresholds, bound) * size.get(kind, scales["length"]))
+        size = {"energy": report.kinetic_max, "impact-gain": report.kinetic_max, "complementarity": 1.0}
+        setattr(report, figure, part * getattr(accuracy.thresholds, bound) * size.get(kind, scales["length"]))
     for kind in counts:
-        setattr(run, COUNTS[kind], 1)
+        setattr(report, COUNTS[kind], 1)
     beyond = {kind for kind, part in parts.items() if not part <= 1} | counts
-    doubted = session.doubts(run, 0)
+    doubted = session.doubts(session.run, 0)
     assert {kind for bit, kind in enumerate(DOUBT_KINDS) if doubted >> bit & 1} == beyond
 
 

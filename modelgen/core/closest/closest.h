@@ -355,7 +355,7 @@ MG_INTERNAL void mg_keep_minimum_at(mg_context *c, int feature_pair, mg_real *et
 /* minima_search.c */
 
 /* Reports an incomplete search of a pair that always has closest points, of which none were found. */
-MG_INTERNAL void mg_report_lost_points(const mg_context *c, int pair);
+MG_INTERNAL void mg_report_lost_points(mg_context *c, int pair);
 
 /* Lower bound of the distance of two convex solids: the largest over their flat faces of the least gap to the
    features of the other; -MG_MAX if no faces are known. An extremum below it is not a minimum of the distance. */

@@ -7,16 +7,15 @@
 
 /* Counts a search that was given up in the report of the run, but where flat faces may lie on each other, which patches
    treat. Returns 1 if it was counted. */
-static int mg_report_incomplete_search(const mg_context *c, int feature_pair) {
+static int mg_report_incomplete_search(mg_context *c, int feature_pair) {
   for (int patch = 0; patch < c->system->n_patch; patch++)
     if (mg_is_feature_pair_in_patch(c, patch, feature_pair)) return 0;
-  if (c->run->incomplete_searches++) return 1;
-  c->run->incomplete_t = c->run->t;
-  c->run->incomplete_pair = c->system->feature_pair_owner[feature_pair];
+  c->search.incomplete++;
+  mg_report_incomplete_pair(c->run, c->system->feature_pair_owner[feature_pair]);
   return 1;
 }
 
-MG_INTERNAL void mg_report_lost_points(const mg_context *c, int pair) {
+MG_INTERNAL void mg_report_lost_points(mg_context *c, int pair) {
   const int feature_pair = c->system->pair_feature_pair[pair];
   if (mg_is_pair_followed_from_anywhere(c, pair) && mg_is_unconditional_feature_pair(c, feature_pair) &&
       !mg_is_on_feature_pair(c, mg_pair_first_contact(c, pair)))
@@ -48,7 +47,7 @@ MG_INTERNAL mg_real mg_least_movement(const mg_context *c, int pair) {
 }
 
 MG_INTERNAL void mg_note_missed_gap(mg_context *c, int pair, long before) {
-  if (c->run->incomplete_searches > before) mg_note_open_gap(c, 2 * mg_least_movement(c, pair));
+  if (c->search.incomplete > before) mg_note_open_gap(c, 2 * mg_least_movement(c, pair));
 }
 
 /* Most pairs of cells that a search of a pair looks at during a run: what searches that were given up have looked at is
@@ -141,12 +140,12 @@ static int mg_is_start_gap_allowed(const mg_context *c, mg_real d) {
 MG_INTERNAL long mg_search_nearest(mg_context *c, int first, int end, mg_real least, long effort, mg_minima *found) {
   const int pair = c->system->feature_pair_owner[first];
   const mg_real near = mg_search_reach(c, pair), length = mg_pair_length(c, pair);
-  const long before = c->run->incomplete_searches;
+  const long before = c->search.incomplete;
   long incomplete = 0;
   mg_search_limits limits = {near, near, effort, near};
   for (;;) {
     for (int each = first; each < end; each++) mg_search_feature_pair(c, each, &limits, least, found);
-    if (limits.gap <= near) incomplete = c->run->incomplete_searches - before;
+    if (limits.gap <= near) incomplete = c->search.incomplete - before;
     const mg_real nearest = mg_min(found->count ? fabs(found->list[0].d) : MG_MAX, c->search.open_gap);
     if (nearest <= limits.gap || !(limits.gap < MG_MAX) || mg_is_search_stopped(c)) return incomplete;
     limits.gap = limits.depth = limits.gap < 1000 * length ? mg_max(8 * limits.gap, length / 8) : MG_MAX;
@@ -172,18 +171,23 @@ static int mg_follow_overlap(mg_context *c, int contact, const mg_minima *found)
 /* Outcome of a start without closest points; if they are not isolated, or the search was given up, the shapes conform.
  */
 static int mg_refuse_start(const mg_context *c) {
-  if (!c->run->incomplete_searches && !mg_is_singular_contact(c)) return MG_NO_EXTREMUM;
-  c->run->margin_min = 0;
+  if (!c->search.incomplete && !mg_is_singular_contact(c)) return MG_NO_EXTREMUM;
+  mg_report_margin(c->run, 0);
   return MG_MARGIN;
+}
+
+/* Takes back that searches were given up, but for the first `left` of this call. */
+static void mg_forget_incomplete_searches(mg_context *c, long left) {
+  mg_withdraw_incomplete_searches(c->run, c->search.incomplete - left);
+  c->search.incomplete = left;
 }
 
 /* Searches feature pairs at the start as mg_search_nearest does. A run follows what is within search_gap: that farther
    closest points may have been missed is reported only if there are none. Returns 0 if some may have been missed. */
 static int mg_search_at_start(mg_context *c, int first, int end, mg_real least, mg_minima *found) {
-  const long before = c->run->incomplete_searches,
-             incomplete = mg_search_nearest(c, first, end, least, MG_EFFORT, found);
-  const int is_complete = c->run->incomplete_searches == before;
-  if (found->count) c->run->incomplete_searches = before + incomplete;
+  const long before = c->search.incomplete, incomplete = mg_search_nearest(c, first, end, least, MG_EFFORT, found);
+  const int is_complete = c->search.incomplete == before;
+  if (found->count) mg_forget_incomplete_searches(c, before + incomplete);
   c->run->withheld_effort[c->system->feature_pair_owner[first]] = 0;
   return is_complete;
 }
@@ -283,7 +287,7 @@ static int mg_start_own_feature_pairs(mg_context *c, int pair) {
     const int feature_pair = s->contact_feature_pair[i];
     mg_minima found = {0};
     const int is_complete = mg_search_at_start(c, feature_pair, feature_pair + 1, -MG_MAX, &found);
-    c->run->failed_contact = i;
+    mg_report_failed_contact(c->run, i);
     const int outcome = mg_judge_overlap(c, i, feature_pair, feature_pair + 1, -MG_MAX, is_complete, &found);
     if (outcome) return outcome;
     if (!found.count && !mg_is_open_gap_allowed(c) && mg_is_unconditional_feature_pair(c, feature_pair))
@@ -303,7 +307,7 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
   mg_minima found = {0};
   const int feature_pair = s->pair_feature_pair[pair],
             is_complete = mg_search_at_start(c, feature_pair, s->pair_feature_pair[pair + 1], least, &found);
-  c->run->failed_contact = first;
+  mg_report_failed_contact(c->run, first);
   const int outcome =
       mg_judge_overlap(c, first, feature_pair, s->pair_feature_pair[pair + 1], least, is_complete, &found);
   if (outcome) return outcome;
@@ -331,7 +335,7 @@ static int mg_start_limits(mg_context *c) {
   for (int i = c->layout.limit_begin; i < c->layout.support_begin; i++) {
     const int feature_pair = c->system->contact_feature_pair[i];
     mg_real eta[MG_MAX_ETA] = {0};
-    c->run->failed_contact = i;
+    mg_report_failed_contact(c->run, i);
     if (mg_converge_from_any_start(c, feature_pair, eta) < 0) return MG_NO_EXTREMUM;
     mg_set_feature_pair(c, i, feature_pair, eta);
   }
@@ -343,7 +347,7 @@ MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
     c->run->unfollowed_gap[pair] = MG_MAX, c->run->last_effort[pair] = c->run->withheld_effort[pair] = 0;
   for (int i = 0; i < c->layout.support_begin; i++) mg_set_feature_pair(c, i, -1, 0);
   for (int pair = mg_next_pair(c, -1); pair < c->system->n_pair; pair = mg_next_pair(c, pair)) {
-    const long incomplete = c->run->incomplete_searches;
+    const long incomplete = c->search.incomplete;
     mg_forget_noted_gaps(c);
     const int outcome = mg_has_own_feature_pairs(c, pair) ? mg_start_own_feature_pairs(c, pair)
                                                           : mg_start_shared_feature_pairs(c, pair);

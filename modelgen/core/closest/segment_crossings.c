@@ -196,7 +196,7 @@ static mg_real mg_part_in_cells(mg_context *c, int feature_pair, int side, const
     }
     const int half = count + 2 <= MG_SEGMENT_STACK ? mg_divide_cell(c, feature_pair, side, at) : 0;
     if (!half) {
-      mg_note_exceeded(c, MG_CAPACITY_SEGMENT);
+      mg_report_exceeded(c->run, MG_CAPACITY_SEGMENT);
       return 0;
     }
     stack[count++] = half, stack[count++] = half + 1;

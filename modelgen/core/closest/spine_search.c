@@ -70,7 +70,7 @@ MG_INTERNAL void mg_search_spines(mg_context *c, int feature_pair, const mg_sear
   mg_stationary_place place[MG_STATIONARY];
   for (int side = 0; side < 2; side++) mg_read_centred_feature(c, feature_pair, side, of + side);
   const int count = mg_stationary_places(of, limits->gap, place);
-  if (count == MG_STATIONARY) mg_note_exceeded(c, MG_CAPACITY_STATIONARY);
+  if (count == MG_STATIONARY) mg_report_exceeded(c->run, MG_CAPACITY_STATIONARY);
   for (int k = 0; k < count; k++) mg_converge_from_spines(c, feature_pair, of, place + k, limits, least, kept);
   if (count || (of[0].curve.kind == MG_SPINE_CIRCLE && of[1].curve.kind == MG_SPINE_CIRCLE)) return;
   mg_note_singular_gap(c, feature_pair, mg_gap_at_spines(of, of + 1, mg_constant_distance(of)));

@@ -112,7 +112,7 @@ MG_INTERNAL void mg_release_contact(mg_context *c, mg_events *events, int contac
     mg_place_contact(c, contact, mg_contact_eta(c, c->run->x, contact), next);
     left->feature_pair = c->run->feature_pair[contact];
     mg_record_minimum(c, left);
-  } else mg_note_exceeded(c, MG_CAPACITY_LEFT);
+  } else mg_report_exceeded(c->run, MG_CAPACITY_LEFT);
   const int unreported = mg_is_feature_pair_unreported(c, c->run->feature_pair[contact], c->rows.d[contact]);
   mg_set_feature_pair(c, contact, -1, none);
   c->run->is_search_due[c->system->contact_pair[contact]] = 1;
@@ -319,7 +319,7 @@ static int mg_is_line_held_at_end(mg_context *c, int pair, int feature_pair) {
 static void mg_search_free_feature_pairs(mg_context *c, int pair, const mg_search_limits *limits, mg_real least,
                                          mg_minima *kept) {
   const mg_system *s = c->system;
-  const long before = c->run->search_effort, incomplete = c->run->incomplete_searches;
+  const long before = c->run->search_effort, incomplete = c->search.incomplete;
   for (int feature_pair = s->pair_feature_pair[pair]; feature_pair < s->pair_feature_pair[pair + 1]; feature_pair++)
     if (!mg_is_feature_pair_in_use(c, pair, feature_pair) && !mg_is_out_of_reach(c, feature_pair) &&
         !mg_is_feature_pair_covered(c, feature_pair) && !mg_is_line_held_at_end(c, pair, feature_pair))

@@ -1,5 +1,5 @@
 /* Diagnostics of a run: energy against work, gaps of closed contacts, complementarity, joint errors and margins.
-   Writes the statistics of the run. */
+   The run reports them. */
 #include "forces/forces.h"
 #include "model/model.h"
 #include "closest/closest.h"
@@ -21,34 +21,27 @@ MG_INTERNAL mg_real mg_energy(mg_context *c, mg_real *kinetic) {
   return total + of_armature;
 }
 
-/* Raises a maximum. */
-static void mg_update_maximum(mg_real *largest, mg_real value) {
-  if (value > *largest) *largest = value;
-}
-
 MG_INTERNAL void mg_update_diagnostics(mg_context *c) {
   MG_NEEDS_AT_RUN(c, MG_VALID_ROWS);
   const mg_system *s = c->system;
   mg_run *run = c->run;
   const mg_real weight = s->mass * s->length / (s->time * s->time);
   mg_real kinetic;
-  const mg_real error = mg_energy(c, &kinetic) - run->energy_0 - run->x[c->layout.work_state] - run->correction_work;
-  mg_update_maximum(&run->energy_error_max, fabs(error));
-  mg_update_maximum(&run->kinetic_max, kinetic);
+  const mg_real energy = mg_energy(c, &kinetic);
+  mg_report_energy(run, energy, kinetic, run->x[c->layout.work_state]);
   if (s->n_joint_row) mg_monitor_joint_rank(c);
   mg_monitor_redundant_friction(c);
-  if (!mg_is_time_stepping(c) && !mg_are_patch_pressures_found(c)) mg_note_exceeded(c, MG_CAPACITY_PRESSURE);
+  if (!mg_is_time_stepping(c) && !mg_are_patch_pressures_found(c)) mg_report_exceeded(c->run, MG_CAPACITY_PRESSURE);
   for (int i = mg_next_row(c, -1); i < s->n_contact; i = mg_next_row(c, i)) {
     const mg_real gap = c->rows.d[i] / s->length, force = c->solution.force[i] / weight;
-    if (!mg_is_support_contact(c, i)) mg_update_maximum(&run->complementarity_max, fabs(gap < force ? gap : force));
+    if (!mg_is_support_contact(c, i)) mg_report_complementarity(run, gap, force);
     if (mg_is_on_feature_pair(c, i) && !mg_is_support_contact(c, i))
       mg_note_penetration(c, i, c->run->feature_pair[i], -c->rows.d[i], MG_PENETRATED);
     if (!run->closed[i]) continue;
-    mg_update_maximum(&run->gap_max, fabs(c->rows.d[i]));
-    if (run->rolling_start[i] || run->margin[i] >= run->margin_min ||
-        mg_is_curved_edge_crossing(c, run->feature_pair[i]))
-      continue;
-    run->margin_min = run->margin[i];
+    mg_report_gap(run, c->rows.d[i]);
+    if (!run->rolling_start[i] && !(run->margin[i] >= run->report.margin_min) &&
+        !mg_is_curved_edge_crossing(c, run->feature_pair[i]))
+      mg_report_margin(run, run->margin[i]);
   }
 }
 
@@ -58,8 +51,8 @@ MG_INTERNAL int mg_check_penetration(mg_context *c, mg_real unresolved) {
   if (!(depth > limit)) return MG_DONE;
   const int contact = c->search.penetration_contact;
   if (!(depth > limit + unresolved * mg_pair_speed_bound(c, c->system->contact_pair[contact]))) return MG_DONE;
-  c->run->failed_contact = contact;
-  if (c->search.penetration_outcome == MG_MARGIN) c->run->margin_min = 0;
+  mg_report_failed_contact(c->run, contact);
+  if (c->search.penetration_outcome == MG_MARGIN) mg_report_margin(c->run, 0);
   return c->search.penetration_outcome;
 }
 
@@ -73,7 +66,7 @@ static int mg_has_finite_rows(const mg_context *c, int contact) {
 MG_INTERNAL int mg_check_contact_rows(mg_context *c) {
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
     if (!mg_is_on_feature_pair(c, i) || c->run->rolling_start[i] || mg_has_finite_rows(c, i)) continue;
-    c->run->failed_contact = i;
+    mg_report_failed_contact(c->run, i);
     return MG_NOT_FINITE;
   }
   return MG_DONE;
@@ -82,7 +75,7 @@ MG_INTERNAL int mg_check_contact_rows(mg_context *c) {
 MG_INTERNAL int mg_check_margins(mg_context *c, mg_events *events) {
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (mg_is_contact_singular(c, i)) {
-      c->run->failed_contact = i;
+      mg_report_failed_contact(c->run, i);
       mg_apply_contact_transition(c, events, i, MG_ENDS_RUN, c->run->t, 0);
       return MG_MARGIN;
     }

@@ -132,11 +132,13 @@ static void mg_project_joint_velocities(mg_context *c) {
 
 MG_INTERNAL int mg_project_initial_joints(mg_context *c) {
   MG_NEEDS_AT_RUN(c, MG_VALID_ROWS);
-  mg_run *run = c->run;
+  mg_real error, speed;
   if (!c->system->n_joint_row) return 1;
-  run->failed_joint = mg_worst_joint(c, c->rows.d, &run->joint_error_max);
-  if (!(run->joint_error_max <= c->settings->start_joint_gap * c->system->length)) return 0;
-  run->failed_joint = mg_worst_joint(c, c->rows.d_dot, &run->joint_speed);
+  const int joint = mg_worst_joint(c, c->rows.d, &error);
+  mg_report_start_of_joints(c->run, joint, error);
+  if (!(error <= c->settings->start_joint_gap * c->system->length)) return 0;
+  const int fastest = mg_worst_joint(c, c->rows.d_dot, &speed);
+  mg_report_start_speed_of_joints(c->run, fastest, speed);
   mg_project_joint_velocities(c);
   if (!mg_project_initial_pose(c)) return 0;
   mg_project_joint_velocities(c);

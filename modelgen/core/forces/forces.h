@@ -346,10 +346,6 @@ MG_INTERNAL mg_real mg_solve_unsymmetric_rows(mg_context *c, const int *list, in
 
 /* motion_uniqueness_monitor.c */
 
-/* Note the first time at which the motion is one of several, or is not proved to be the only one; `load_switch`: the
-   switching function of the load that leaves it open, or -1: friction forces. */
-MG_INTERNAL void mg_note_indeterminate(const mg_context *c, int load_switch);
-
 /* Note the first time at which friction forces are not unique and the motion is not proved to be. Needs rows and forces
    at the run's state where friction is redundant. */
 MG_INTERNAL void mg_monitor_redundant_friction(mg_context *c);

@@ -139,11 +139,11 @@ static mg_friction_problem mg_assemble_friction_problem(mg_context *c, const int
 /* Record the first contact whose sliding friction makes the problem indeterminate (Painleve): its own matrix
    entry is negative while its gap accelerates apart without force. */
 static void mg_note_painleve_paradox(mg_context *c, const mg_friction_problem *p) {
-  for (int k = 0; k < p->n_contact && c->run->painleve_contact < 0; k++) {
-    const int first = p->first[k], contact = c->friction.cone_contact[k];
+  for (int k = 0; k < p->n_contact; k++) {
+    const int first = p->first[k];
     if (p->A[first * (p->n + 1)] < 0 && p->b[first] > mg_acceleration_tolerance(c)) {
-      c->run->painleve_contact = contact, c->run->painleve_t = c->run->t;
-      mg_note_indeterminate(c, -1);
+      mg_report_painleve_paradox(c->run, c->friction.cone_contact[k]);
+      return;
     }
   }
 }
@@ -151,7 +151,7 @@ static void mg_note_painleve_paradox(mg_context *c, const mg_friction_problem *p
 /* Solve the friction problem with all friction coefficients multiplied by `part`; returns 1 if it was solved. */
 static int mg_solve_with_friction_cones(mg_context *c, const mg_friction_problem *p, mg_real part, mg_real *z,
                                         mg_friction_report *report) {
-  c->run->lcp_solves++;
+  mg_report_solve(c->run);
   for (int k = 0; k < p->n_contact; k++)
     mg_set_friction_cone(c, c->friction.cone_contact[k], part, c->friction.cone + MG_CONE * k);
   for (int r = 0; r < p->n; r++) z[r] = 0;
@@ -320,8 +320,8 @@ static void mg_record_friction_report(mg_context *c, const mg_friction_problem *
   int redundant = report->active - report->rank - dependent_joint_rows;
   if (redundant > 0) redundant -= mg_count_held_slip(c, p, c->lcp.z);
   c->run->friction_redundant = redundant > 0;
-  if (redundant > c->run->redundant_max) c->run->redundant_max = redundant;
-  if (report->residual > c->run->lcp_residual_max) c->run->lcp_residual_max = report->residual;
+  mg_report_redundancy(c->run, redundant);
+  mg_report_residual(c->run, report->residual);
 }
 
 MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip) {

@@ -35,9 +35,9 @@ MG_INTERNAL int mg_solve_active_set(mg_context *c, const int *skip) {
     c->rows.row_rate[c->lcp.rows[r]] = mg_row_acceleration(c, c->lcp.rows[r]), c->lcp.mask[r] = 1;
   if (mg_solve_contact_lcp(c, n, c->rows.row_rate, &report) != MG_LCP_SOLVED)
     return mg_may_all_be_active(c, n) ? MG_DONE : MG_COMPLEMENTARITY;
-  if (report.residual > c->run->lcp_residual_max) c->run->lcp_residual_max = report.residual;
+  mg_report_residual(c->run, report.residual);
   for (int r = 0; r < n; r++) c->run->active[c->lcp.rows[r]] = c->lcp.mask[r] != 0, carrying += c->lcp.mask[r] != 0;
-  if (carrying - report.rank > c->run->redundant_max) c->run->redundant_max = carrying - report.rank;
+  mg_report_redundancy(c->run, carrying - report.rank);
   mg_evaluate_run_state(c);
   return MG_DONE;
 }

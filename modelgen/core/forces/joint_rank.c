@@ -67,7 +67,7 @@ static int mg_has_reversed_row(mg_real *A, int n) {
 /* True if the linkage has passed a dead centre in this step: an independent row has reversed its direction, or the rank
    has fallen. Stores the rows for the next step. */
 static int mg_has_passed_dead_centre(mg_context *c) {
-  const int n = c->system->n_joint_row, first = c->run->rank_min < 0;
+  const int n = c->system->n_joint_row, first = c->run->report.rank_min < 0;
   int same = !first, independent = 0, lost = 0;
   for (int r = 0; r < n; r++)
     same &= c->lcp.joint_mask[r] == c->run->joint_row_independent[r],
@@ -99,10 +99,11 @@ static int mg_least_independent_joint(mg_context *c, mg_real *least) {
   *least = 1;
   for (int r = 0; r < c->system->n_joint_row; r++)
     c->run->joint_row_ever_independent[r] =
-        c->lcp.joint_mask[r] || (c->run->rank_min >= 0 && c->run->joint_row_ever_independent[r]);
+        c->lcp.joint_mask[r] || (c->run->report.rank_min >= 0 && c->run->joint_row_ever_independent[r]);
   for (int j = 0; j < c->system->n_joint; j++) {
     const mg_real left = mg_joint_independence(c, j);
-    if (c->run->rank_min < 0 || left > c->run->joint_independence_max[j]) c->run->joint_independence_max[j] = left;
+    if (c->run->report.rank_min < 0 || left > c->run->joint_independence_max[j])
+      c->run->joint_independence_max[j] = left;
     if (left < *least * c->run->joint_independence_max[j])
       *least = left / c->run->joint_independence_max[j], least_independent = j;
   }
@@ -111,15 +112,10 @@ static int mg_least_independent_joint(mg_context *c, mg_real *least) {
 
 MG_INTERNAL void mg_monitor_joint_rank(mg_context *c) {
   MG_NEEDS_AT_RUN(c, MG_VALID_TWISTS), MG_NEEDS_WITH(c, MG_VALID_JOINT_ROWS, MG_VALID_TWISTS);
-  mg_run *run = c->run;
   mg_real off, least;
   const int rank = mg_rank_joints(c, 0), least_independent = mg_least_independent_joint(c, &least);
-  if (mg_has_passed_dead_centre(c) && !run->dead_centres++)
-    run->dead_centre_t = run->t, run->dead_centre = least_independent;
+  if (mg_has_passed_dead_centre(c)) mg_report_dead_centre(c->run, least_independent);
   mg_worst_joint(c, c->rows.d, &off);
-  if (off > run->joint_error_max) run->joint_error_max = off;
-  if (run->rank_min < 0 || rank < run->rank_min) run->rank_min = rank;
-  if (rank > run->rank_max) run->rank_max = rank;
-  if (!(least < run->joint_margin_min)) return;
-  run->joint_margin_min = least, run->joint_margin = least_independent, run->joint_margin_t = run->t;
+  mg_report_joints(c->run, off, rank);
+  mg_report_joint_margin(c->run, least_independent, least);
 }

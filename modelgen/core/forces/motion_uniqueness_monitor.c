@@ -1,6 +1,6 @@
 /* Whether the motion is unique: what Coulomb's law leaves open while friction forces are not unique, and loads that
-   jump away from zeros at which they are. Reads modes, rows and forces of the run at its state; writes its statistics.
- */
+   jump away from zeros at which they are. Reads modes, rows and forces of the run at its state, which
+   reports it. */
 #include "forces/forces.h"
 #include "model/model.h"
 #include "solve/friction/friction_solvers.h"
@@ -81,21 +81,16 @@ static int mg_is_present_motion_unique(mg_context *c) {
   return 1;
 }
 
-MG_INTERNAL void mg_note_indeterminate(const mg_context *c, int load_switch) {
-  if (c->run->indeterminate) return;
-  c->run->indeterminate = 1, c->run->indeterminate_t = c->run->t, c->run->indeterminate_switch = load_switch;
-}
-
 MG_INTERNAL void mg_monitor_redundant_friction(mg_context *c) {
-  if (!c->run->friction_redundant || c->run->indeterminate) return;
+  if (!c->run->friction_redundant || c->run->report.indeterminate) return;
   MG_NEEDS_AT_RUN(c, MG_VALID_ROWS), MG_NEEDS_AT_RUN(c, MG_VALID_FORCES);
-  if (!mg_is_present_motion_unique(c)) mg_note_indeterminate(c, -1);
+  if (!mg_is_present_motion_unique(c)) mg_report_indeterminate(c->run, -1);
 }
 
 MG_INTERNAL void mg_monitor_loads_at_jumps(const mg_context *c) {
   if (!mg_has_branches(c)) return;
   for (int k = 0; k < c->system->n_switch; k++) {
-    if (c->switches.repels[k]) mg_note_indeterminate(c, k);
-    if (c->switches.shares[k] && c->run->shared_switch < 0) c->run->shared_switch = k;
+    if (c->switches.repels[k]) mg_report_indeterminate(c->run, k);
+    if (c->switches.shares[k]) mg_report_shared_switch(c->run, k);
   }
 }

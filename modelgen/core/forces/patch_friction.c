@@ -184,7 +184,7 @@ MG_INTERNAL void mg_update_patch_pressure(mg_context *c, int slot) {
     mg_uniform_pressure(p, r->centre);
     r->force_outside = 0;
   }
-  if (p->overflow) mg_note_exceeded(c, MG_CAPACITY_REGION);
+  if (p->overflow) mg_report_exceeded(c->run, MG_CAPACITY_REGION);
   r->partly_unloaded = p->partly_unloaded || failed, r->extent = p->reach;
 }
 

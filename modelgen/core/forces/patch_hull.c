@@ -83,7 +83,7 @@ MG_INTERNAL int mg_overlay_patch_regions(mg_context *c, int patch) {
   if (!known) mg_load_patch_regions(c, patch);
   mg_face_pose_in_hull(c, patch, between);
   const int edges = mg_overlay_regions(&c->patches.hull, between);
-  if (c->patches.hull.overflow) mg_note_exceeded(c, MG_CAPACITY_REGION);
+  if (c->patches.hull.overflow) mg_report_exceeded(c->run, MG_CAPACITY_REGION);
   return edges;
 }
 

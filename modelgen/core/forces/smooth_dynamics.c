@@ -97,7 +97,7 @@ static void mg_solve_contact_forces(mg_context *c) {
     mg_add_row_response(c, c->lcp.rows[r], c->solution.force[c->lcp.rows[r]], c->bodies.acceleration);
   if (c->friction.couples_normal) mg_apply_slip_forces(c);
   c->friction.couples_normal = 0;
-  c->run->force_rounding = mg_max(c->run->force_rounding, c->lcp.rounding);
+  mg_report_force_rounding(c->run, c->lcp.rounding);
 }
 
 /* True if pose, twist and acceleration of the body are finite. */

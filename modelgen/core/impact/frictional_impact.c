@@ -43,7 +43,7 @@ MG_INTERNAL int mg_solve_frictional_impulses(mg_context *c) {
   mg_friction_report report;
   const mg_friction_problem p = mg_assemble_impact_problem(c);
   int n = 0;
-  c->run->lcp_solves++;
+  mg_report_solve(c->run);
   if (mg_friction(&p, c->lcp.z, c->friction.marks, &report, c->friction.work, c->friction.iwork)) return -1;
   for (int k = 0; k < p.n_contact; k++) n += c->friction.cone_rows[k];
   for (int i = c->layout.support_begin; i < c->system->n_contact; i++) c->solution.impulse[i] = 0;

@@ -69,8 +69,7 @@ static void mg_note_impact_chain(mg_context *c, int n) {
     if (mg_is_approaching(c, i)) struck = 1;
     else chain = i;
   }
-  if (struck && chain >= 0 && c->run->chain_impact_contact < 0)
-    c->run->chain_impact_contact = chain, c->run->chain_impact_t = c->run->t;
+  if (struck && chain >= 0) mg_report_chain_impact(c->run, chain);
 }
 
 MG_INTERNAL int mg_resolve_impacts(mg_context *c, mg_events *events) {

@@ -88,7 +88,8 @@ static void mg_record_shares(mg_context *c, mg_real *share) {
   for (int slot = 0; slot < s->n_patch_slot; slot++) {
     const int patch = mg_patch_of_slot(c, slot);
     if (patch < 0 || s->patch_share[patch] == s->patch_share[patch + 1]) continue;
-    if (mg_find_patch_shares(c, slot, c->solution.force) == MG_SHARES_OVERLAP) c->run->overlapping_patch = patch;
+    if (mg_find_patch_shares(c, slot, c->solution.force) == MG_SHARES_OVERLAP)
+      mg_report_overlapping_patch(c->run, patch);
     for (int k = s->patch_share[patch]; k < s->patch_share[patch + 1]; k++)
       share[k] = mg_share_force(c, slot, k - s->patch_share[patch], c->solution.force);
   }

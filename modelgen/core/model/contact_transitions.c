@@ -28,10 +28,11 @@ static const struct {
 
 MG_INTERNAL void mg_append_event(const mg_context *c, mg_events *events, mg_real t, int kind, int contact,
                                  mg_real speed) {
-  c->run->slip_stops += kind == MG_EVENT_SLIP_STOP || kind == MG_EVENT_SLIP_STOP + MG_EVENTS_PER_FRICTION ||
-                        kind == MG_EVENT_SLIP_STOP + 2 * MG_EVENTS_PER_FRICTION;
+  if (kind == MG_EVENT_SLIP_STOP || kind == MG_EVENT_SLIP_STOP + MG_EVENTS_PER_FRICTION ||
+      kind == MG_EVENT_SLIP_STOP + 2 * MG_EVENTS_PER_FRICTION)
+    mg_report_slip_stop(c->run);
   if (events->count >= events->capacity) {
-    mg_note_exceeded(c, MG_CAPACITY_EVENTS);
+    mg_report_exceeded(c->run, MG_CAPACITY_EVENTS);
     return;
   }
   const int k = events->count++;

@@ -300,6 +300,7 @@ typedef struct {
   mg_real singular_gap;    /* the same of closest points that are not isolated, which no contact can follow */
   mg_minimum overlap;      /* of closest points that are not isolated and penetrate, those noted in the present search
                               with the least depth; d = -MG_MAX: none */
+  long incomplete;         /* searches of feature pairs given up since the context was opened */
   mg_minima abandoned;     /* minima that contacts have left in this step */
   int is_stoppable;        /* 1: a search may end without a result when the call is to stop */
   mg_real penetration;     /* deepest penetration noted in this step, m */

@@ -114,13 +114,86 @@ MG_INTERNAL int mg_is_stopped(const mg_context *c);
 /* True if the search at hand is to end without a result: it is repeated before anything depends on it. */
 MG_INTERNAL int mg_is_search_stopped(const mg_context *c);
 
-/* exceeded_capacities.c */
-
-/* Counts that a capacity, MG_CAPACITY_CLOSED .., was exceeded and something left out. */
-MG_INTERNAL void mg_note_exceeded(const mg_context *c, int capacity);
+/* closed_capacity.c */
 
 /* True if n contacts may be closed at a time; else that is counted. */
 MG_INTERNAL int mg_is_room_for_closed(const mg_context *c, int n);
+
+/* run_report.c: the only door through which what a run tells (mg_run_report) is written. Each takes the run, for its
+   time. */
+
+/* Forget all, at the start. */
+MG_INTERNAL void mg_reset_report(mg_run *run);
+
+/* The energy at the start, J; energy, kinetic energy and work of loads and prescribed motions at a state; the change of
+   the energy by a correction of positions; the energy that an impact at time t has added, most of it at a contact. */
+MG_INTERNAL void mg_report_start_energy(mg_run *run, mg_real energy);
+MG_INTERNAL void mg_report_energy(mg_run *run, mg_real energy, mg_real kinetic, mg_real work);
+MG_INTERNAL void mg_report_correction(mg_run *run, mg_real change);
+MG_INTERNAL void mg_report_impact_gain(mg_run *run, int contact, mg_real t, mg_real gain);
+
+/* An impact that reached a contact at rest. */
+MG_INTERNAL void mg_report_chain_impact(mg_run *run, int contact);
+
+/* The gap of a closed contact, m; gap and force of a contact over their scales; the margin of a closed contact; a
+   penetration, m, at a contact. */
+MG_INTERNAL void mg_report_gap(mg_run *run, mg_real gap);
+MG_INTERNAL void mg_report_complementarity(mg_run *run, mg_real gap, mg_real force);
+MG_INTERNAL void mg_report_margin(mg_run *run, mg_real margin);
+MG_INTERNAL void mg_report_penetration(mg_run *run, int contact, mg_real depth);
+
+/* The contact that an outcome is about, or -1. */
+MG_INTERNAL void mg_report_failed_contact(mg_run *run, int contact);
+
+/* A complementarity or friction problem that is solved; the residual of one; the active contacts beyond the rank of
+   their rows; a solution to stepping_residual only; one of the relaxation; the rounding of forces, relative. */
+MG_INTERNAL void mg_report_solve(mg_run *run);
+MG_INTERNAL void mg_report_residual(mg_run *run, mg_real residual);
+MG_INTERNAL void mg_report_redundancy(mg_run *run, int redundant);
+MG_INTERNAL void mg_report_loose_solution(mg_run *run);
+MG_INTERNAL void mg_report_relaxed_solution(mg_run *run);
+MG_INTERNAL void mg_report_force_rounding(mg_run *run, mg_real rounding);
+
+/* A singular passage of a contact; an end of slip, spin or rolling. */
+MG_INTERNAL void mg_report_passage(mg_run *run, int contact);
+MG_INTERNAL void mg_report_slip_stop(mg_run *run);
+
+/* Closest points of a pair that no contact can follow; a search of a pair that was given up; and that the last `count`
+   of these searches do not count. */
+MG_INTERNAL void mg_report_unfollowed_pair(mg_run *run, int pair);
+MG_INTERNAL void mg_report_incomplete_pair(mg_run *run, int pair);
+MG_INTERNAL void mg_withdraw_incomplete_searches(mg_run *run, long count);
+
+/* That a capacity, MG_CAPACITY_CLOSED .., was exceeded and something left out. */
+MG_INTERNAL void mg_report_exceeded(mg_run *run, int capacity);
+
+/* The joint with the largest error at the start, m or rad, and with the largest velocity error, m/s or rad/s; the
+   largest error of a joint row at a state and the rank of all; a dead centre, and the least independence of the rows of
+   a joint over the largest that it had. */
+MG_INTERNAL void mg_report_start_of_joints(mg_run *run, int joint, mg_real error);
+MG_INTERNAL void mg_report_start_speed_of_joints(mg_run *run, int joint, mg_real speed);
+MG_INTERNAL void mg_report_joints(mg_run *run, mg_real error, int rank);
+MG_INTERNAL void mg_report_dead_centre(mg_run *run, int joint);
+MG_INTERNAL void mg_report_joint_margin(mg_run *run, int joint, mg_real margin);
+
+/* A fallback that avoids an outcome; a step h of the present one. */
+MG_INTERNAL void mg_report_fallback(mg_run *run, int outcome);
+MG_INTERNAL void mg_report_fallback_time(mg_run *run, mg_real h);
+
+/* Time-stepping: the square of the angular speed of a body, rad^2/s^2; the rate of the spring of a load, 1/s. */
+MG_INTERNAL void mg_report_spin(mg_run *run, int body, mg_real square);
+MG_INTERNAL void mg_report_spring_rate(mg_run *run, int load, mg_real rate);
+
+/* That the motion is one of several, or is not proved to be the only one; `load_switch`: the switching function of the
+   load that leaves it open, or -1: friction forces. The first contact in Painleve's paradox. A load at a jump that
+   contacts or joints hold too. */
+MG_INTERNAL void mg_report_indeterminate(mg_run *run, int load_switch);
+MG_INTERNAL void mg_report_painleve_paradox(mg_run *run, int contact);
+MG_INTERNAL void mg_report_shared_switch(mg_run *run, int load_switch);
+
+/* A blow from the side within the plane of faces of both bodies; a patch whose shares overlap. */
+MG_INTERNAL void mg_report_flush_blow(mg_run *run, int contact);
+MG_INTERNAL void mg_report_overlapping_patch(mg_run *run, int patch);
 
 /* modes.c */
 

@@ -64,13 +64,13 @@ MG_INTERNAL void mg_note_flush_blow(mg_context *c, int contact) {
   MG_NEEDS_AT_RUN(c, MG_VALID_ROWS);
   const int pair = c->system->contact_pair[contact], feature_pair = c->run->feature_pair[contact];
   mg_real next[6];
-  if (!c->system->n_patch || c->run->flush_contact >= 0 || feature_pair < 0 ||
+  if (!c->system->n_patch || c->run->report.flush_contact >= 0 || feature_pair < 0 ||
       !mg_is_approaching_beyond_drift(c, contact))
     return;
   mg_place_contact(c, contact, mg_contact_eta(c, c->run->x, contact), next);
   for (int patch = 0; patch < c->system->n_patch; patch++) {
     if (!mg_is_patch_of_pair(c, patch, pair) || !mg_is_flush_with(c, patch, feature_pair)) continue;
-    c->run->flush_contact = contact, c->run->flush_t = c->run->t;
+    mg_report_flush_blow(c->run, contact);
     return;
   }
 }

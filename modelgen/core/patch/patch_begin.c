@@ -43,7 +43,7 @@ MG_INTERNAL int mg_hold_flat_patches_on_trial(mg_context *c, mg_real touching, i
         !mg_is_patch_flat(c, patch, touching, moving))
       continue;
     if (slot < 0) {
-      mg_note_exceeded(c, MG_CAPACITY_SLOT);
+      mg_report_exceeded(c->run, MG_CAPACITY_SLOT);
       continue;
     }
     mg_attach_patch(c, slot, patch);

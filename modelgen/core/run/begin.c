@@ -16,7 +16,7 @@ static int mg_place_start_contacts(mg_context *c) {
   const mg_system *s = c->system;
   const mg_real touching = c->settings->start_gap * s->length;
   for (int i = mg_next_row(c, -1); i < s->n_contact; i = mg_next_row(c, i)) {
-    c->run->failed_contact = i;
+    mg_report_failed_contact(c->run, i);
     mg_set_closed(c, i, 0), mg_set_rolling_start(c, i, MG_START_NONE);
     if (!mg_is_on_feature_pair(c, i)) continue;
     const int lost = mg_newton_on_feature_pair(c, i, mg_contact_eta(c, c->run->x, i)) < 0 ||
@@ -29,11 +29,11 @@ static int mg_place_start_contacts(mg_context *c) {
     if (c->search.placement[0] < -touching) return MG_PENETRATION;
     mg_set_closed(c, i, c->search.placement[0] <= touching);
     c->run->margin[i] = mg_placement_uniqueness(c, i);
-    if (c->run->closed[i] && c->run->margin[i] < c->run->margin_min) c->run->margin_min = c->run->margin[i];
+    if (c->run->closed[i]) mg_report_margin(c->run, c->run->margin[i]);
     const mg_real least = mg_followed_margin_limit(c, c->run->feature_pair[i], c->search.placement[0]);
     if (c->run->closed[i] && !(c->run->margin[i] >= least)) return MG_MARGIN;
   }
-  c->run->failed_contact = -1;
+  mg_report_failed_contact(c->run, -1);
   return mg_has_closed_contact_capacity(c) ? MG_DONE : MG_TOO_MANY_CLOSED;
 }
 
@@ -44,36 +44,16 @@ static void mg_report_touch_downs(mg_context *c, mg_events *events) {
       mg_apply_contact_transition(c, events, i, MG_TOUCHES_DOWN, c->run->t, -c->rows.d_dot[i]);
 }
 
-/* Resets what the run reports. */
-static void mg_reset_report(mg_run *run) {
-  run->steps_max = 0;
-  run->steps = run->rejected = run->rhs_evals = run->lcp_solves = run->since_projection = run->events_at_t = 0;
-  run->redundant_max = run->fallbacks = run->loose_solutions = run->relaxed_solutions = 0;
+/* Resets the counts by which a run goes on, and what it tells. */
+static void mg_reset_counts(mg_run *run) {
+  run->steps_max = run->steps = run->rejected = run->rhs_evals = run->search_effort = 0;
+  run->since_projection = run->events_at_t = 0;
   run->progress_tries = run->progress_rejected = 0, run->progress_t = run->t;
-  run->singular_passages = run->slip_stops = 0, run->passage_contact = -1;
-  run->flush_t = 0, run->flush_contact = -1;
-  run->fallback_first = run->fallback_end = run->fallback_time = run->fallback_left = 0,
-  run->fallback_cause = run->fallback_doublings = 0;
+  run->fallback_end = run->fallback_left = 0, run->fallback_doublings = 0;
   mg_reset_event_work(run);
-  run->energy_error_max = run->kinetic_max = run->gap_max = run->penetration_max = run->complementarity_max =
-      run->lcp_residual_max = 0;
-  run->margin_min = run->joint_margin_min = MG_MAX;
-  run->impact_gain_max = run->impact_gain_t = 0,
-  run->impact_gain_contact = run->chain_impact_contact = run->painleve_contact = -1, run->forces_redundant = 0;
-  run->joint_error_max = run->joint_speed = run->joint_margin_t = 0;
-  run->failed_joint = run->joint_margin = -1, run->rank_min = run->dead_centre = -1,
-  run->rank_max = run->dead_centres = 0;
-  run->dead_centre_t = 0;
+  run->forces_redundant = run->friction_redundant = 0;
   run->t_event = run->t, run->t_roundoff = 0;
-  run->unfollowed_minima = 0, run->unfollowed_t = 0, run->unfollowed_pair = -1;
-  run->friction_redundant = run->indeterminate = 0, run->indeterminate_t = 0,
-  run->indeterminate_switch = run->shared_switch = -1;
-  for (int k = 0; k < MG_CAPACITIES; k++) run->exceeded[k] = 0, run->exceeded_t[k] = 0;
-  run->incomplete_searches = 0, run->search_effort = 0, run->incomplete_t = 0, run->incomplete_pair = -1;
-  run->penetration_t = run->t, run->penetration_contact = -1;
-  run->force_rounding = 0;
-  run->spring_rate_max = run->spin_max = 0, run->spring_rate_load = run->spin_body = -1;
-  run->overlapping_patch = -1;
+  mg_reset_report(run);
 }
 
 /* Start of time-stepping, which needs no modes: its first step takes the first impacts. */
@@ -98,7 +78,7 @@ static int mg_begin_run(mg_context *c, mg_events *events) {
   const mg_settings *settings = c->settings;
   mg_run *run = c->run;
   mg_real kinetic;
-  mg_reset_report(run);
+  mg_reset_counts(run);
   mg_accept_inputs(c);
   mg_start_after_kink(c);
   for (int i = 0; i < system->n_friction; i++)
@@ -122,7 +102,7 @@ static int mg_begin_run(mg_context *c, mg_events *events) {
   if (!mg_project_initial_joints(c)) return MG_JOINT_APART;
   mg_open_separating(c);
   if (settings->project && !mg_project_initial_pose(c)) return MG_NO_EXTREMUM;
-  run->energy_0 = mg_energy(c, &kinetic), run->correction_work = run->correction_energy = 0;
+  mg_report_start_energy(run, mg_energy(c, &kinetic));
   mg_clear_triggered_events(c);
   if (settings->method == MG_TIME_STEPPING) return mg_begin_time_stepping(c);
   mg_settle_load_branches(c, 0);

@@ -37,35 +37,36 @@ static mg_real mg_resting_energy(const mg_system *system) {
 
 MG_API mg_real mg_moved_energy(const mg_system *system, const mg_run *run) {
   const mg_real resting = mg_resting_energy(system);
-  return run->kinetic_max > MG_EPS * resting ? run->kinetic_max : resting;
+  return run->report.kinetic_max > MG_EPS * resting ? run->report.kinetic_max : resting;
 }
 
 MG_API mg_real mg_energy_rounding(const mg_system *system, const mg_run *run) {
-  const mg_real energies = mg_resting_energy(system) + fabs(run->energy_0) + run->kinetic_max;
+  const mg_real energies = mg_resting_energy(system) + fabs(run->report.energy_0) + run->report.kinetic_max;
   return ((mg_real)run->steps + 1) * MG_EPS * energies;
 }
 
 MG_API int mg_doubts(const mg_system *system, const mg_settings *settings, const mg_run *run, int outcome) {
   const mg_real gap = settings->gap_error_max * system->length,
                 energy = settings->energy_error_max * mg_moved_energy(system, run),
-                lost = run->energy_error_max + run->correction_energy;
+                lost = run->report.energy_error_max + run->report.correction_energy;
   int found = 0;
   if (outcome >= MG_PENETRATION) found |= MG_DOUBT_ENDED;
-  if (!(run->gap_max <= gap)) found |= MG_DOUBT_GAP;
-  if (!(run->penetration_max <= gap)) found |= MG_DOUBT_PENETRATION;
-  if (!(run->joint_error_max <= settings->start_joint_gap * system->length)) found |= MG_DOUBT_JOINT;
+  if (!(run->report.gap_max <= gap)) found |= MG_DOUBT_GAP;
+  if (!(run->report.penetration_max <= gap)) found |= MG_DOUBT_PENETRATION;
+  if (!(run->report.joint_error_max <= settings->start_joint_gap * system->length)) found |= MG_DOUBT_JOINT;
   if (!(lost <= mg_max(energy, mg_energy_rounding(system, run)))) found |= MG_DOUBT_ENERGY;
-  if (!(run->complementarity_max <= settings->complementarity_error_max)) found |= MG_DOUBT_COMPLEMENTARITY;
-  if (!(run->impact_gain_max <= energy)) found |= MG_DOUBT_IMPACT_GAIN;
+  if (!(run->report.complementarity_max <= settings->complementarity_error_max)) found |= MG_DOUBT_COMPLEMENTARITY;
+  if (!(run->report.impact_gain_max <= energy)) found |= MG_DOUBT_IMPACT_GAIN;
   if (!settings->use_gamma && system->n_pair) found |= MG_DOUBT_NO_GAMMA;
-  if (settings->method == MG_TIME_STEPPING || run->fallbacks || run->chatters) found |= MG_DOUBT_TIME_STEPPING;
-  if (settings->method == MG_RK4 && run->slip_stops) found |= MG_DOUBT_SLIP_STOP;
-  if (run->indeterminate) found |= MG_DOUBT_INDETERMINATE;
-  if (run->flush_contact >= 0) found |= MG_DOUBT_FLUSH;
-  if (run->unfollowed_minima) found |= MG_DOUBT_UNFOLLOWED;
-  if (run->incomplete_searches) found |= MG_DOUBT_INCOMPLETE;
+  if (settings->method == MG_TIME_STEPPING || run->report.fallbacks || run->report.chatters)
+    found |= MG_DOUBT_TIME_STEPPING;
+  if (settings->method == MG_RK4 && run->report.slip_stops) found |= MG_DOUBT_SLIP_STOP;
+  if (run->report.indeterminate) found |= MG_DOUBT_INDETERMINATE;
+  if (run->report.flush_contact >= 0) found |= MG_DOUBT_FLUSH;
+  if (run->report.unfollowed_minima) found |= MG_DOUBT_UNFOLLOWED;
+  if (run->report.incomplete_searches) found |= MG_DOUBT_INCOMPLETE;
   if (system->n_stand_in) found |= MG_DOUBT_STAND_IN;
   for (int k = 0; k < MG_CAPACITIES; k++)
-    if (run->exceeded[k]) found |= MG_DOUBT_CAPACITY;
+    if (run->report.exceeded[k]) found |= MG_DOUBT_CAPACITY;
   return found;
 }

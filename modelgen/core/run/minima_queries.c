@@ -67,12 +67,12 @@ MG_API void mg_find_minima(const mg_system *system, const mg_settings *settings,
       c.bodies.pose[12 * q->body_o + k] = q->pose_o[12 * i + k];
       c.bodies.pose[12 * q->body_f + k] = q->pose_f[12 * i + k];
     }
-    run->incomplete_searches = run->unfollowed_minima = 0, run->withheld_effort[pair] = 0;
+    c.search.incomplete = 0, run->withheld_effort[pair] = 0;
     mg_forget_noted_gaps(&c);
     const int is_full = mg_search_query(&c, q, &found);
     const mg_real within = !q->is_nearest ? q->gap : found.count ? fabs(found.list[0].d) : MG_MAX;
     q->count[i] = found.count;
-    q->is_complete[i] = !run->incomplete_searches && (c.search.open_gap >= MG_MAX || c.search.open_gap > within) &&
+    q->is_complete[i] = !c.search.incomplete && (c.search.open_gap >= MG_MAX || c.search.open_gap > within) &&
                         (q->is_nearest ? mg_has_all_features(&c, q) : !is_full);
     for (int k = 0; k < found.count; k++) mg_write_minimum(&c, q, found.list + k, i * MG_MINIMA + k);
   }

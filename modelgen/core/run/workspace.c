@@ -369,7 +369,7 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
   mg_zero_reals(c->rows.time_rate, c->layout.friction_row_end);
   mg_zero_reals(c->rows.d + c->layout.friction_row_begin, system->n_friction_row);
   c->layout.n_live_states = c->layout.n_states - system->n_eta, c->search.abandoned.count = 0,
-  c->search.penetration = 0, c->search.is_stoppable = 1;
+  c->search.penetration = 0, c->search.incomplete = 0, c->search.is_stoppable = 1;
   c->layout.n_state_loads = mg_state_load_count(system, 0),
   c->layout.n_steady_loads = c->layout.n_state_loads - mg_state_load_count(system, 1);
   for (int i = 0; i < system->n_contact; i++)

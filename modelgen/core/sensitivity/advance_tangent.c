@@ -64,7 +64,7 @@ static void mg_begin_followed_step(mg_context *c, void *of) {
   step->n_event = step->events->count, step->n_record = step->record->count;
   step->n_differentiated = s->tangent->count;
   step->t = run->t, step->roundoff = run->t_roundoff, step->steps = run->steps;
-  step->passages = run->singular_passages, step->fallbacks = run->fallbacks + run->chatters;
+  step->passages = run->report.singular_passages, step->fallbacks = run->report.fallbacks + run->report.chatters;
 }
 
 /* Notes a reason for a verdict; the first of the worst verdict stays. */
@@ -149,8 +149,8 @@ static int mg_end_followed_step(mg_context *c, void *of) {
   const mg_run *run = c->run;
   const mg_crossing none = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON};
   if (mg_is_step_rejected(run, step)) return step->is_carried = 1;
-  if (!step->is_settled || step->events->count != step->n_event || run->singular_passages != step->passages ||
-      run->fallbacks + run->chatters != step->fallbacks)
+  if (!step->is_settled || step->events->count != step->n_event || run->report.singular_passages != step->passages ||
+      run->report.fallbacks + run->report.chatters != step->fallbacks)
     return 0;
   s->crossing = none;
   mg_store_run(c->system, run, step->after);
@@ -272,8 +272,8 @@ static int mg_carry_over_step(const mg_system *system, const mg_settings *settin
   const mg_followed_step *step = &s->step;
   mg_context c;
   const mg_real h = mg_length_of_step(run, step), end = step->t + h; /* where the step that is taken again ends */
-  int reason = run->singular_passages != step->passages ? MG_BY_SINGULAR_CONTACT : MG_NO_REASON;
-  const int falls_back = run->fallbacks + run->chatters != step->fallbacks;
+  int reason = run->report.singular_passages != step->passages ? MG_BY_SINGULAR_CONTACT : MG_NO_REASON;
+  const int falls_back = run->report.fallbacks + run->report.chatters != step->fallbacks;
   mg_restore_run(system, run, step->before);
   mg_open_context(&c, system, settings, run, work, iwork);
   s->is_lost = mg_is_time_stepping(&c) || falls_back;

@@ -18,8 +18,7 @@ enum {
 
 MG_INTERNAL void mg_reset_event_work(mg_run *run) {
   run->event_work = 0, run->event_work_t = run->t;
-  run->chatters = run->fallback_transitions = 0, run->present_cause = MG_DONE;
-  run->chatter_first = run->chatter_time = 0;
+  run->fallback_transitions = 0, run->present_cause = MG_DONE;
 }
 
 MG_INTERNAL int mg_count_transitions(const mg_events *events, int first) {

@@ -1,6 +1,6 @@
 /* Fallback of an event-driven run on time-stepping for a while: where events accumulate at one time or cost too much,
    where steps become too small to advance, or where no accelerations are admissible, as in Painleve's paradox, but
-   impulses are. Writes run->fallbacks and what belongs to it, modes, patches and events of the run. */
+   impulses are. Writes run->fallback_left and what belongs to it, modes, patches and events of the run. */
 #include "timestep/timestep.h"
 #include "model/model.h"
 #include "forces/forces.h"
@@ -78,26 +78,18 @@ static mg_real mg_fallback_recovery(const mg_context *c, int outcome) {
                                : (MG_FALLBACK_STEPS * s->fallback_step + s->fallback_progress) * c->system->time;
 }
 
-/* Notes the first fallback of its kind. */
-static void mg_note_fallback(mg_run *run, int outcome) {
-  run->present_cause = outcome;
-  if (outcome == MG_CHATTER) {
-    if (!run->chatters++) run->chatter_first = run->t;
-  } else if (!run->fallbacks++) run->fallback_first = run->t, run->fallback_cause = outcome;
-}
-
 MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events) {
   mg_run *run = c->run;
   if (!c->settings->fallback || mg_is_time_stepping(c) || !mg_is_fallback_outcome(outcome) || mg_is_stopped(c))
     return 0;
-  const int again = run->fallbacks + run->chatters > 0 && run->present_cause == outcome &&
-                    run->t - run->fallback_end <= mg_fallback_recovery(c, outcome);
+  const int again = run->present_cause == outcome && run->t - run->fallback_end <= mg_fallback_recovery(c, outcome);
   run->fallback_doublings = again ? run->fallback_doublings + (run->fallback_doublings < MG_FALLBACK_DOUBLINGS) : 0;
   run->fallback_step =
       (outcome == MG_CHATTER ? c->settings->chatter_step : c->settings->fallback_step) * c->system->time;
   run->fallback_left = (mg_real)mg_fallback_steps(c, outcome) * run->fallback_step;
   run->fallback_transitions = 0, run->friction_redundant = 0;
-  mg_note_fallback(run, outcome);
+  run->present_cause = outcome;
+  mg_report_fallback(run, outcome);
   mg_append_event(c, events, run->t, MG_EVENT_FALLBACK_START, mg_first_closed_contact(c), 0);
   mg_update_poses(c, run->t, run->x);
   mg_release_patches(c);

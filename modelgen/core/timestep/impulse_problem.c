@@ -72,8 +72,7 @@ static int mg_solve_frictionless_step(mg_context *c, mg_real h, int *size) {
   if (*size == 0) return MG_DONE;
   for (int r = 0; r < n; r++) c->solution.impulse[c->lcp.rows[r]] = h * c->solution.force[c->lcp.rows[r]];
   const int outcome = mg_solve_step_lcp(c, n, c->rows.row_rate, c->solution.impulse, &report);
-  if (outcome == MG_LCP_SOLVED && report.residual > c->run->lcp_residual_max)
-    c->run->lcp_residual_max = report.residual;
+  if (outcome == MG_LCP_SOLVED) mg_report_residual(c->run, report.residual);
   return outcome == MG_LCP_SOLVED ? MG_DONE : MG_COMPLEMENTARITY;
 }
 
@@ -128,9 +127,9 @@ static int mg_release_slipping_constraints(mg_context *c, const mg_friction_prob
    the outcome of mg_friction. */
 static int mg_try_friction_law(mg_context *c, const mg_friction_problem *p, mg_friction_report *report) {
   const int outcome = mg_friction(p, c->lcp.z, c->friction.marks, report, c->friction.work, c->friction.iwork);
-  c->run->lcp_solves++;
+  mg_report_solve(c->run);
   if (outcome != MG_FRICTION_NOT_FOUND || !(report->residual <= c->settings->stepping_residual)) return outcome;
-  c->run->loose_solutions++;
+  mg_report_loose_solution(c->run);
   return MG_FRICTION_SOLVED;
 }
 
@@ -142,13 +141,14 @@ static int mg_solve_friction_law(mg_context *c, mg_friction_problem *p) {
     mg_set_friction_cone(c, c->friction.cone_contact[k], 1, c->friction.cone + MG_CONE * k);
   int outcome = mg_try_friction_law(c, p, &report);
   if (outcome == MG_FRICTION_NOT_FOUND && p->law == MG_COULOMB && !mg_is_stopped(c)) {
-    p->law = MG_RELAXED, c->run->relaxed_solutions++;
+    p->law = MG_RELAXED;
+    mg_report_relaxed_solution(c->run);
     for (int r = 0; r < p->n; r++) c->lcp.z[r] = 0;
     outcome = mg_try_friction_law(c, p, &report);
   }
   if (outcome == MG_FRICTION_INFEASIBLE) return MG_COMPLEMENTARITY;
   if (outcome) return MG_NO_FRICTION;
-  if (report.residual > c->run->lcp_residual_max) c->run->lcp_residual_max = report.residual;
+  mg_report_residual(c->run, report.residual);
   return MG_DONE;
 }
 

@@ -52,12 +52,6 @@ MG_INTERNAL void mg_update_spring_rows(mg_context *c) {
   for (int i = c->layout.spring_row_begin; i < c->layout.spring_row_end; i++) mg_update_spring_row(c, i);
 }
 
-/* Notes the fastest spring of the run. */
-static void mg_note_spring_rate(mg_context *c, int row, mg_real rate) {
-  if (!(rate > c->run->spring_rate_max)) return;
-  c->run->spring_rate_max = rate, c->run->spring_rate_load = c->springs.load[row - c->layout.spring_row_begin];
-}
-
 MG_INTERNAL void mg_set_spring_impulses(mg_context *c, mg_real h) {
   MG_NEEDS_ANY(c, MG_VALID_TWISTS);
   for (int i = c->layout.spring_row_begin; i < c->layout.spring_row_end; i++) {
@@ -69,7 +63,7 @@ MG_INTERNAL void mg_set_spring_impulses(mg_context *c, mg_real h) {
     const mg_real start_rate = mg_row_times(c, i, c->bodies.twist);
     const mg_real fixed =
         -h * numbers[0] * c->rows.d[i] - (half * (1 - phi) + h * numbers[1] * (1 - theta)) * start_rate;
-    mg_note_spring_rate(c, i, mg_spring_rate(c, i));
+    mg_report_spring_rate(c->run, c->springs.load[i - c->layout.spring_row_begin], mg_spring_rate(c, i));
     for (int k = 0; k < 12; k++) c->rows.J[12 * i + k] *= root;
     c->rows.d_dot[i] = root * start_rate;
     c->springs.impulse[i - c->layout.spring_row_begin] = gain > 0 ? fixed / root : 0;

@@ -33,8 +33,7 @@ static void mg_add_impulse_work(mg_context *c, mg_real h) {
         c->layout.friction_row_begin + (mg_tangential_row_count(c, i) ? c->system->contact_friction_row[i] : 0);
     mg_real gain = mg_row_impulse_work(c, i, h);
     for (int row = first; row < first + mg_tangential_row_count(c, i); row++) gain += mg_row_impulse_work(c, row, h);
-    if (!mg_is_rebounding(c, i, h) || !(gain > run->impact_gain_max)) continue;
-    run->impact_gain_max = gain, run->impact_gain_t = run->t + h, run->impact_gain_contact = i;
+    if (mg_is_rebounding(c, i, h)) mg_report_impact_gain(run, i, run->t + h, gain);
   }
 }
 
@@ -192,7 +191,7 @@ static int mg_correct_positions(mg_context *c, mg_real worst) {
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (mg_is_on_feature_pair(c, i) && c->rows.d[i] <= worst) {
       if (n < c->system->closed_capacity) c->lcp.rows[n] = i, c->lcp.mask[n++] = 1;
-      else mg_note_exceeded(c, MG_CAPACITY_CLOSED);
+      else mg_report_exceeded(c->run, MG_CAPACITY_CLOSED);
     }
   if (mg_solve_step_lcp(c, n, c->rows.d, 0, &report) != MG_LCP_SOLVED) return 0;
   for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
@@ -224,6 +223,6 @@ MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events) {
     break;
   }
   const mg_real change = moved ? mg_energy(c, &kinetic) - before : 0;
-  c->run->correction_work += change, c->run->correction_energy += fabs(change);
+  mg_report_correction(c->run, change);
   return moved;
 }

@@ -58,8 +58,7 @@ static void mg_note_spins(mg_context *c) {
   MG_NEEDS_ANY(c, MG_VALID_TWISTS);
   for (int b = 0; b < c->system->n_body; b++) {
     const mg_real *w = c->bodies.twist + 6 * b + 3, square = mg_dot3(w, w);
-    if (!(square > c->run->spin_max * c->run->spin_max) || !mg_is_free_body(c, b)) continue;
-    c->run->spin_max = sqrt(square), c->run->spin_body = b;
+    if (mg_is_free_body(c, b)) mg_report_spin(c->run, b, square);
   }
 }
 
@@ -85,7 +84,7 @@ MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_eve
   mg_impulses_to_forces(c, h);
   mg_advance_time(run, h);
   run->steps++;
-  if (run->fallback_left > 0) *(run->present_cause == MG_CHATTER ? &run->chatter_time : &run->fallback_time) += h;
+  if (run->fallback_left > 0) mg_report_fallback_time(run, h);
   mg_update_contacts_after_step(c, events, h);
   if (mg_is_sample_due(record, run->t)) {
     mg_record_step_samples(c, record, h);

@@ -84,7 +84,7 @@ MG_INTERNAL void mg_integrate_positions(mg_context *c, mg_real h);
    points, or whose points are no minimum any more, are released. Needs gaps and poses from which run->x is reached. */
 MG_INTERNAL void mg_converge_all_contacts(mg_context *c, mg_events *events);
 
-/* Corrects positions while penetration exceeds contact_gap; the change of the energy counts in run->correction_work,
+/* Corrects positions while penetration exceeds contact_gap; the change of the energy counts as that of a correction,
    not as work, which the impulses have done. Leaves the rows at run->x. Returns the number of corrections. */
 MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events);
 

@@ -25,7 +25,7 @@ int PAGE(page_advance)(double until, long max_steps) { return scene_advance_part
 double PAGE(page_time)(void) { return scene.run.t; }
 int PAGE(page_samples)(void) { return record.count; }
 int PAGE(page_events)(void) { return scene.events.count; }
-int PAGE(page_failed_contact)(void) { return scene.run.failed_contact; }
+int PAGE(page_failed_contact)(void) { return scene.run.report.failed_contact; }
 /* The reasons not to trust the run that has come to `code`, as bits, and one of them in words. */
 int PAGE(page_doubts)(int code) { return scene_doubts(&scene, code); }
 const char *PAGE(page_doubt_text)(int doubt) { return mg_doubt_text(doubt); }

@@ -194,26 +194,42 @@ RUN_COUNTS = (
     "rejected",
     "rhs_evals",
     "steps_max",
-    "lcp_solves",
     "since_projection",
     "events_at_t",
-    *(
-        "progress_tries",
-        "progress_rejected",
-        "fallbacks",
-        "fallback_transitions",
-        "chatters",
-        "loose_solutions",
-        "relaxed_solutions",
-    ),
+    "progress_tries",
+    "progress_rejected",
+    "fallback_transitions",
+    "search_effort",
+)
+RUN_REALS = (
+    "t_event",
+    "t_roundoff",
+    "progress_t",
+    "fallback_end",
+    "fallback_step",
+    "fallback_left",
+    "event_work",
+    "event_work_t",
+)
+RUN_INTEGERS = (
+    "present_cause",
+    "fallback_doublings",
+    "forces_redundant",
+    "friction_redundant",
+)
+REPORT_COUNTS = (
+    "lcp_solves",
+    "fallbacks",
+    "chatters",
+    "loose_solutions",
+    "relaxed_solutions",
     "singular_passages",
     "slip_stops",
     "redundant_max",
     "unfollowed_minima",
     "incomplete_searches",
-    "search_effort",
 )
-CAPACITIES = (
+CAPACITIES = (  # MG_CAPACITY_
     "closed",
     "stationary",
     "left",
@@ -222,49 +238,63 @@ CAPACITIES = (
     "region",
     "events",
     "pressure",
-)  # MG_CAPACITY_
-RUN_REALS = (
-    *("t_event", "t_roundoff", "energy_0", "energy_error_max"),
-    *("correction_work", "correction_energy", "kinetic_max"),
-    *("gap_max", "penetration_max", "penetration_t", "complementarity_max", "margin_min", "lcp_residual_max"),
-    *("joint_error_max", "joint_speed", "dead_centre_t", "joint_margin_min", "joint_margin_t"),
-    *("progress_t", "fallback_first", "fallback_end", "fallback_time", "fallback_step", "fallback_left"),
-    *("event_work", "event_work_t", "chatter_first", "chatter_time"),
-    *(
-        "impact_gain_max",
-        "impact_gain_t",
-        "chain_impact_t",
-        "painleve_t",
-        "unfollowed_t",
-        "spin_max",
-        "force_rounding",
-        "spring_rate_max",
-        "incomplete_t",
-        "indeterminate_t",
-        "flush_t",
-    ),
 )
-RUN_INTEGERS = (
-    *("failed_contact", "failed_joint", "joint_margin", "rank_min", "rank_max"),
-    *("dead_centres", "dead_centre", "impact_gain_contact", "chain_impact_contact", "painleve_contact"),
-    *(
-        "fallback_cause",
-        "present_cause",
-        "fallback_doublings",
-        "passage_contact",
-        "unfollowed_pair",
-        "incomplete_pair",
-        "penetration_contact",
-        "spin_body",
-        "overlapping_patch",
-        "spring_rate_load",
-        "forces_redundant",
-        "friction_redundant",
-        "indeterminate",
-        "indeterminate_switch",
-        "flush_contact",
-        "shared_switch",
-    ),
+REPORT_REALS = (
+    "energy_0",
+    "energy_error_max",
+    "correction_work",
+    "correction_energy",
+    "kinetic_max",
+    "gap_max",
+    "penetration_max",
+    "penetration_t",
+    "complementarity_max",
+    "margin_min",
+    "lcp_residual_max",
+    "joint_error_max",
+    "joint_speed",
+    "dead_centre_t",
+    "joint_margin_min",
+    "joint_margin_t",
+    "fallback_first",
+    "fallback_time",
+    "chatter_first",
+    "chatter_time",
+    "impact_gain_max",
+    "impact_gain_t",
+    "chain_impact_t",
+    "painleve_t",
+    "unfollowed_t",
+    "spin_max",
+    "force_rounding",
+    "spring_rate_max",
+    "incomplete_t",
+    "indeterminate_t",
+    "flush_t",
+)
+REPORT_INTEGERS = (
+    "failed_contact",
+    "failed_joint",
+    "joint_margin",
+    "rank_min",
+    "rank_max",
+    "dead_centres",
+    "dead_centre",
+    "impact_gain_contact",
+    "chain_impact_contact",
+    "painleve_contact",
+    "fallback_cause",
+    "passage_contact",
+    "unfollowed_pair",
+    "incomplete_pair",
+    "penetration_contact",
+    "spin_body",
+    "overlapping_patch",
+    "spring_rate_load",
+    "indeterminate",
+    "indeterminate_switch",
+    "flush_contact",
+    "shared_switch",
 )
 RECORD_ARRAYS = (
     *("t", "pose", "twist", "eta", "force", "gap", "normal", "point_o", "point_f", "feature_pair"),
@@ -320,15 +350,22 @@ class Tables:
             + [(n, real) for n in SETTINGS_REALS]
             + [(n, integer) for n in SETTINGS_COUNTS],
         )
+        self.Report = structure(
+            "Report",
+            [(n, ctypes.c_long) for n in REPORT_COUNTS]
+            + [("exceeded", ctypes.c_long * len(CAPACITIES))]
+            + [(n, real) for n in REPORT_REALS]
+            + [("exceeded_t", real * len(CAPACITIES))]
+            + [(n, integer) for n in REPORT_INTEGERS],
+        )
         self.Run = structure(
             "Run",
             [("t", real), ("h", real)]
             + [(n, pointer) for n in RUN_ARRAYS]
             + [(n, ctypes.c_long) for n in RUN_COUNTS]
-            + [("exceeded", ctypes.c_long * len(CAPACITIES))]
             + [(n, real) for n in RUN_REALS]
-            + [("exceeded_t", real * len(CAPACITIES))]
-            + [(n, integer) for n in RUN_INTEGERS],
+            + [(n, integer) for n in RUN_INTEGERS]
+            + [("report", self.Report)],
         )
         self.Record = structure(
             "Record",

@@ -40,7 +40,8 @@ def hints(bodies: Sequence[Mapping[str, Any]], touching: Sequence[Any]) -> tuple
 
 def warnings(session: Session, accuracy: Accuracy, events: Sequence[Event]) -> tuple[str, ...]:
     """The warnings about a run with these events, and its scene."""
-    margin, redundant = float(session.run.margin_min), int(session.run.redundant_max)
+    report = session.run.report
+    margin, redundant = float(report.margin_min), int(report.redundant_max)
     found = [
         *session.instance["warnings"],
         *hints(session.instance["bodies"], [*session.contacts, *session.joints]),
@@ -51,13 +52,13 @@ def warnings(session: Session, accuracy: Accuracy, events: Sequence[Event]) -> t
             f"the margin of a closed contact fell to {margin:.1e}, below {bound:g}: "
             "its contact points lose about as many digits as the margin has zeros"
         )
-    if session.run.singular_passages:
+    if report.singular_passages:
         found.append(
-            f"closed contacts, first {session.contacts[session.run.passage_contact]}, passed "
-            f"{int(session.run.singular_passages)} times where curvature vanishes or points of a pair become "
+            f"closed contacts, first {session.contacts[report.passage_contact]}, passed "
+            f"{int(report.singular_passages)} times where curvature vanishes or points of a pair become "
             "one: forces there are peaks whose impulses count, but that samples do not show"
         )
-    if (patch := int(session.run.overlapping_patch)) >= 0 and _is_share_measured(session, patch):
+    if (patch := int(report.overlapping_patch)) >= 0 and _is_share_measured(session, patch):
         found.append(
             f"the faces of several pairs in the planar contact {session.shared.patch_names[patch]} overlap: "
             "the force of each pair is not unique, and its share is given in proportion to what presses on "
@@ -65,11 +66,11 @@ def warnings(session: Session, accuracy: Accuracy, events: Sequence[Event]) -> t
         )
     if redundant:
         found.append(_redundancy(redundant, bool(session.system.n_friction)))
-    if session.run.shared_switch >= 0:
+    if report.shared_switch >= 0:
         found.append(_shared(session))
-    if session.run.unfollowed_minima:
+    if report.unfollowed_minima:
         found.append(_unfollowed(session))
-    if session.run.incomplete_searches:
+    if report.incomplete_searches:
         found.append(_incomplete(session))
     found += _capacities(session)
     found += _far(session, accuracy)
@@ -100,7 +101,7 @@ def _redundancy(redundant: int, has_friction: bool) -> str:
 
 def _shared(session: Session) -> str:
     """Warns that a load at a jump and contacts or joints hold the same motion."""
-    load = session.switching_loads[session.run.shared_switch]
+    load = session.switching_loads[session.run.report.shared_switch]
     return (
         f"forces are not unique: {load} rests at its jump, and contacts or joints hold it there too; the "
         "motion is the same however they share what they hold, of which the forces given are one way"
@@ -109,23 +110,25 @@ def _shared(session: Session) -> str:
 
 def _unfollowed(session: Session) -> str:
     """Warns that a pair has more closest points within reach than contacts."""
-    pair = session.instance["pairs"][session.run.unfollowed_pair]
+    report = session.run.report
+    pair = session.instance["pairs"][report.unfollowed_pair]
     first, end = pair["contacts"]
     count = end - first
     is_shared = session.instance["contacts"][first]["feature_pair"] < 0
     remedy = f"; points = {min(2 * count, POINTS_MAX)} in its [[contact]] follows more" if is_shared else ""
     return (
         f"{pair['name']} has more closest points within reach than its contacts can follow ({count}), "
-        f"first at t = {float(session.run.unfollowed_t):.6g} s: it may penetrate there{remedy}"
+        f"first at t = {float(report.unfollowed_t):.6g} s: it may penetrate there{remedy}"
     )
 
 
 def _incomplete(session: Session) -> str:
     """Warns that a search for closest points was given up."""
-    pair = session.instance["pairs"][session.run.incomplete_pair]
+    report = session.run.report
+    pair = session.instance["pairs"][report.incomplete_pair]
     return (
         f"{pair['name']}: a search for closest points was given up before all were found, first at "
-        f"t = {float(session.run.incomplete_t):.6g} s, as where surfaces conform or a chart is singular: a "
+        f"t = {float(report.incomplete_t):.6g} s, as where surfaces conform or a chart is singular: a "
         "contact may be missed there; a small change of the shapes or the start removes a perfect fit"
     )
 
@@ -178,7 +181,7 @@ def _far(session: Session, accuracy: Accuracy) -> list[str]:
 
 
 def _capacities(session: Session) -> list[str]:
-    if not any(session.run.exceeded):
+    if not any(session.run.report.exceeded):
         return []
     from modelgen.runtime.warnings.capacities import capacity_warnings  # few runs need it
 

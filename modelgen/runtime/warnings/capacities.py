@@ -39,7 +39,9 @@ EXCEEDED: Mapping[str, tuple[str, str]] = {  # by CAPACITIES: what was too much 
 def capacity_warnings(session: Session) -> list[str]:
     """A warning for each capacity that the run exceeded."""
     found = []
-    for kind, times, first in zip(CAPACITIES, session.run.exceeded, session.run.exceeded_t, strict=True):
+    for kind, times, first in zip(
+        CAPACITIES, session.run.report.exceeded, session.run.report.exceeded_t, strict=True
+    ):
         if not times:
             continue
         what, remedy = EXCEEDED[kind]

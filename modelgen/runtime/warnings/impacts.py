@@ -14,37 +14,37 @@ def impact_warnings(session: Session, accuracy: Accuracy) -> list[str]:
 
 
 def _gains(session: Session, accuracy: Accuracy) -> list[str]:
-    run = session.run
-    if run.impact_gain_contact < 0 or float(run.impact_gain_max) <= accuracy.tolerance * float(
-        run.kinetic_max
+    report = session.run.report
+    if report.impact_gain_contact < 0 or float(report.impact_gain_max) <= accuracy.tolerance * float(
+        report.kinetic_max
     ):
         return []
-    contact = session.contacts[run.impact_gain_contact]
-    return [gain_text(session.instance, contact, float(run.impact_gain_t), float(run.impact_gain_max))]
+    contact = session.contacts[report.impact_gain_contact]
+    return [gain_text(session.instance, contact, float(report.impact_gain_t), float(report.impact_gain_max))]
 
 
 def _laws(session: Session) -> list[str]:
     """Warns that time-stepping replaced another law by Newton's."""
     others = [p["name"] for p in session.instance["pairs"] if p.get("law", "newton") != "newton"]
-    if not others or not (session.accuracy.method == "time-stepping" or session.run.fallbacks):
+    if not others or not (session.accuracy.method == "time-stepping" or session.run.report.fallbacks):
         return []
     return [f"time-stepping follows Newton's law of impact; another is asked for at {', '.join(others)}"]
 
 
 def _chains(session: Session) -> list[str]:
-    run = session.run
-    if run.chain_impact_contact < 0:
+    report = session.run.report
+    if report.chain_impact_contact < 0:
         return []
     return [
-        f"an impact at t = {float(run.chain_impact_t):.6g} s reached "
-        f"{session.contacts[run.chain_impact_contact]}, "
+        f"an impact at t = {float(report.chain_impact_t):.6g} s reached "
+        f"{session.contacts[report.chain_impact_contact]}, "
         'whose bodies touched at rest: all contacts were struck at once; impacts = "sequential" passes '
         "impacts on one by one, after which bodies may separate otherwise"
     ]
 
 
 def _paradox(session: Session) -> list[str]:
-    run = session.run
-    if run.painleve_contact < 0:
+    report = session.run.report
+    if report.painleve_contact < 0:
         return []
-    return [paradox_text(session.contacts[run.painleve_contact], float(run.painleve_t))]
+    return [paradox_text(session.contacts[report.painleve_contact], float(report.painleve_t))]

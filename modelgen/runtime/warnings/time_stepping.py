@@ -23,51 +23,55 @@ TURN = 0.3  # rad in a step up to which a turn is right to a hundredth
 
 def stepping_warnings(session: Session) -> list[str]:
     """Warnings: falls back on time-stepping, and steps in which the exact friction law was replaced."""
-    run, found = session.run, []
-    if run.fallbacks:
-        more = f" ({run.fallbacks} times in all)" if run.fallbacks > 1 else ""
+    report, found = session.run.report, []
+    if report.fallbacks:
+        more = f" ({report.fallbacks} times in all)" if report.fallbacks > 1 else ""
         found.append(
-            f"at t = {float(run.fallback_first):.6g} s the event-driven run could not go on: "
-            f"{CAUSES[OUTCOME_OF_CODE[run.fallback_cause]]}; it went on by time-stepping{more}, for "
-            f"{float(run.fallback_time):.3g} s, which is of order 1: fallback = false forbids that"
+            f"at t = {float(report.fallback_first):.6g} s the event-driven run could not go on: "
+            f"{CAUSES[OUTCOME_OF_CODE[report.fallback_cause]]}; it went on by time-stepping{more}, for "
+            f"{float(report.fallback_time):.3g} s, which is of order 1: fallback = false forbids that"
         )
-    if run.chatters:
-        more = f" ({run.chatters} times in all)" if run.chatters > 1 else ""
-        step = fallback_step(run, session.accuracy, session.instance)
+    if report.chatters:
+        more = f" ({report.chatters} times in all)" if report.chatters > 1 else ""
+        step = fallback_step(report, session.accuracy, session.instance)
         found.append(
-            f"from t = {float(run.chatter_first):.6g} s on contacts closed and opened so often that their "
+            f"from t = {float(report.chatter_first):.6g} s on contacts closed and opened so often that their "
             f"events cost several times what time-stepping does; the run went on by it{more}, for "
-            f"{float(run.chatter_time):.3g} s in steps of {step:.2g} s: its error is of order 1 in the step, "
-            "and events are told to one step; fallback = false locates every event"
+            f"{float(report.chatter_time):.3g} s in steps of {step:.2g} s: its error is of order 1 in the "
+            "step, and events are told to one step; fallback = false locates every event"
         )
-    if run.loose_solutions:
+    if report.loose_solutions:
         found.append(
-            f"in {run.loose_solutions} steps the impulses were found to a residual of up to "
-            f"{float(run.lcp_residual_max):.1e} only: so much of the largest velocity may be wrong in them"
+            f"in {report.loose_solutions} steps the impulses were found to a residual of up to "
+            f"{float(report.lcp_residual_max):.1e} only: so much of the largest velocity may be wrong in them"
         )
-    if run.relaxed_solutions:
+    if report.relaxed_solutions:
         found.append(
-            f"in {run.relaxed_solutions} steps no solution of Coulomb's law was found and its convex "
+            f"in {report.relaxed_solutions} steps no solution of Coulomb's law was found and its convex "
             "relaxation was taken, with which sliding contacts move off"
         )
     return [*found, *_advice(session)]
 
 
-def fallback_step(run: Any, accuracy: Accuracy, instance: Mapping[str, Any]) -> float:
+def fallback_step(report: Any, accuracy: Accuracy, instance: Mapping[str, Any]) -> float:
     """s: the longest step of time-stepping by which an event-driven mg_run went on; 0 where it did not."""
     steps = accuracy.thresholds
-    parts = (steps.chatter_step * (run.chatters > 0), steps.fallback_step * (run.fallbacks > 0))
+    parts = (steps.chatter_step * (report.chatters > 0), steps.fallback_step * (report.fallbacks > 0))
     return float(max(parts) * instance["scales"]["time"])
 
 
 def _advice(session: Session) -> Iterator[str]:
     """Advice on a step that is long for springs, dampers and spins, from the steps that were taken."""
-    run, bodies = session.run, session.instance["bodies"]
-    step, rate, spin = float(session.settings.step), float(run.spring_rate_max), float(run.spin_max)
+    report, bodies = session.run.report, session.instance["bodies"]
+    step, rate, spin = (
+        float(session.settings.step),
+        float(report.spring_rate_max),
+        float(report.spin_max),
+    )
     if session.accuracy.method != "time-stepping":
         return
     if step * rate > SLOW:
-        load = session.instance["loads"][run.spring_rate_load]
+        load = session.instance["loads"][report.spring_rate_load]
         between = " and ".join(bodies[body]["name"] for body in load["bodies"])
         yield (
             f"the step is {step * rate:.2g} times as long as the time of the fastest spring or damper, "
@@ -77,6 +81,6 @@ def _advice(session: Session) -> Iterator[str]:
         )
     if step * spin > TURN:
         yield (
-            f"{bodies[run.spin_body]['name']} turns by up to {step * spin:.2g} rad in a step (largest "
+            f"{bodies[report.spin_body]['name']} turns by up to {step * spin:.2g} rad in a step (largest "
             f"angular speed at the starts of steps); a step below {TURN / spin:.1g} s follows its spin"
         )
