@@ -218,9 +218,9 @@ MG_INTERNAL int mg_have_circles_one_minimum(const mg_centred_feature *of, mg_rea
 /* The side of its pair that the shape of one side of a feature pair is on. */
 MG_INTERNAL int mg_side_of_pair(const mg_context *c, int feature_pair, int side);
 
-/* True if the point of the other side of a feature pair is in the body of one side, and not only on it, at the
-   placement evaluated last: a segment from a surface to it does not leave the body, or ways to both sides from it do.
- */
+/* True if the point of the other side of a feature pair is in the body of one side, and not only on it: a segment from
+   a surface to it does not leave the body, or ways to both sides from it do. Needs the placement of this feature pair
+   evaluated last. */
 MG_INTERNAL int mg_is_point_in_body(mg_context *c, int feature_pair, int side);
 
 /* True if a point is in the body of one side of a feature pair, and not only on it, by what ways to both sides from it
@@ -241,8 +241,8 @@ MG_INTERNAL int mg_is_body_within(mg_context *c, int pair, int side);
 
 /* overlap.c */
 
-/* True if the points of the placement evaluated last, whose distance is negative, are on sides of the bodies that face
- * away from each other: no penetration. */
+/* True if the points of the placement of a feature pair, whose distance is negative, are on sides of the bodies that
+   face away from each other: no penetration. Needs that placement evaluated last. */
 MG_INTERNAL int mg_is_between_far_sides(mg_context *c, int feature_pair);
 
 /* True if it is known of both shapes of a pair where their material is. */
@@ -312,8 +312,9 @@ MG_INTERNAL int mg_has_no_sides(const mg_context *c, int feature_pair);
 /* Reverses N of two curves, by the signs in eta. */
 MG_INTERNAL void mg_reverse_normal(const mg_context *c, int feature_pair, mg_real *eta);
 
-/* Copies distance, point and normal of the placement evaluated last. Point and normal refer to the body with the
-   smaller number, so that they do not depend on the order of the bodies in the feature pair. */
+/* Copies distance, point and normal of the placement of the minimum's feature pair. Needs that evaluated last. Point
+   and normal refer to the body with the smaller number, so that they do not depend on the order of the bodies in the
+   feature pair. */
 MG_INTERNAL void mg_record_minimum(const mg_context *c, mg_minimum *found);
 
 /* True if two minima have the same point and normal, on whatever feature pairs (charts overlap). Two curves
@@ -345,8 +346,9 @@ MG_INTERNAL void mg_note_open_gap(mg_context *c, mg_real gap);
    no border, beyond which edges and faces are followed. */
 MG_INTERNAL void mg_note_singular_gap(mg_context *c, int feature_pair, mg_real gap);
 
-/* Notes the gap of the critical point at eta, evaluated last, if to rounding it is one of a curve or a surface of them
-   and not beyond the borders of its feature pair by more than a pair moves between searches. */
+/* Notes the gap of the critical point at eta, if to rounding it is one of a curve or a surface of them and not beyond
+   the borders of its feature pair by more than a pair moves between searches. Needs the placement there evaluated last.
+ */
 MG_INTERNAL void mg_note_singular_point(mg_context *c, int feature_pair, const mg_real *eta);
 
 /* Adds the critical point at eta to the minima kept, if it is one and not below `least`. */

@@ -152,9 +152,10 @@ static void mg_point_of_view(const mg_critical_search *s, int which, const mg_re
   if (which) mg_turn_to_first_axes(s, x, s->origin, x);
 }
 
-/* Keeps the points of the placement evaluated last, at eta, as known; returns their number. One for which there is no
-   room is found again in each cell about it, at the cost of effort. */
+/* Keeps the points of the placement at eta as known; returns their number. One for which there is no room is found
+   again in each cell about it, at the cost of effort. Needs that placement evaluated last. */
 static int mg_add_known_point(mg_critical_search *s, const mg_real *eta) {
+  MG_NEEDS_PLACEMENT(s->c, s->feature_pair, eta);
   const mg_real *placed = s->c->search.placement, *at = eta;
   const int number = s->n_known;
   for (int side = 0; side < 2; side++)

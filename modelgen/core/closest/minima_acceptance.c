@@ -9,15 +9,17 @@ MG_INTERNAL void mg_reverse_normal(const mg_context *c, int feature_pair, mg_rea
   else eta[2] = -eta[2], eta[3] = -eta[3];
 }
 
-/* True if conditions tell nothing of the placement evaluated last, because it has no normal, as between spheres about
-   one point. */
+/* True if conditions tell nothing of the placement of a feature pair, because it has no normal, as between spheres
+   about one point. Needs that placement evaluated last. */
 static int mg_has_no_normal(const mg_context *c, int feature_pair) {
+  MG_NEEDS_PLACED_PAIR(c, feature_pair);
   return !mg_is_unconditional_feature_pair(c, feature_pair) && !mg_all_finite(3, c->search.placement + 5);
 }
 
 /* Two curves by themselves have no outside: True if N disagrees with the normal given for the pair, or, if none is
-   given, if the second curve is not on the positive side. */
+   given, if the second curve is not on the positive side. Needs their placement evaluated last. */
 static int mg_is_on_wrong_side(const mg_context *c, int feature_pair) {
+  MG_NEEDS_PLACED_PAIR(c, feature_pair);
   const mg_real *given_normal = c->system->pair_normal + 3 * c->system->feature_pair_owner[feature_pair];
   const mg_real along = mg_dot3(given_normal, c->search.placement + 5);
   return along != 0 ? along < 0 : c->search.placement[0] < 0;
@@ -30,6 +32,7 @@ MG_INTERNAL int mg_has_no_sides(const mg_context *c, int feature_pair) {
 }
 
 MG_INTERNAL void mg_record_minimum(const mg_context *c, mg_minimum *found) {
+  MG_NEEDS_PLACED_PAIR(c, found->feature_pair);
   const int turned = mg_feature_body(c, found->feature_pair, 0) > mg_feature_body(c, found->feature_pair, 1);
   found->d = c->search.placement[0];
   for (int k = 0; k < 3; k++) {
@@ -130,6 +133,7 @@ MG_INTERNAL void mg_note_singular_gap(mg_context *c, int feature_pair, mg_real g
 }
 
 MG_INTERNAL void mg_note_singular_point(mg_context *c, int feature_pair, const mg_real *eta) {
+  MG_NEEDS_PLACEMENT(c, feature_pair, eta);
   const mg_real d = c->search.placement[0];
   int which;
   if (fabs(mg_placement_uniqueness(c, c->system->n_contact)) > c->settings->search_margin) return;

@@ -296,10 +296,11 @@ MG_INTERNAL int mg_are_materials_known(const mg_context *c, int pair) {
   return mg_is_material_known(c, pair, 0) && mg_is_material_known(c, pair, 1);
 }
 
-/* True if the point of one side of the placement evaluated last is in the material of the other, deeper
-   than bodies may be that touch there. Of points near each other, which are of far sides only of a body as thin, also
-   if it is beside it by no more than rounding decides. */
+/* True if the point of one side of the placement of a feature pair is in the material of the other, deeper than bodies
+   may be that touch there. Of points near each other, which are of far sides only of a body as thin, also if it is
+   beside it by no more than rounding decides. Needs that placement evaluated last. */
 static int mg_is_point_in_other(mg_context *c, int feature_pair, int side) {
+  MG_NEEDS_PLACED_PAIR(c, feature_pair);
   const int pair = c->system->feature_pair_owner[feature_pair], other = mg_side_of_pair(c, feature_pair, 1 - side);
   const mg_real *point = c->search.placement + 8 + 3 * side, depth = -c->search.placement[0],
                 touching = c->settings->start_gap * c->system->length,
@@ -311,6 +312,7 @@ static int mg_is_point_in_other(mg_context *c, int feature_pair, int side) {
 }
 
 MG_INTERNAL int mg_is_between_far_sides(mg_context *c, int feature_pair) {
+  MG_NEEDS_PLACED_PAIR(c, feature_pair);
   const int pair = c->system->feature_pair_owner[feature_pair];
   const mg_real depth = -c->search.placement[0], touching = c->settings->start_gap * c->system->length;
   if (!(depth > touching) || !mg_has_surfaces(c, pair)) return 0;

@@ -365,6 +365,7 @@ static int mg_is_on_surface(mg_context *c, int feature_pair, int side, const mg_
 }
 
 MG_INTERNAL int mg_is_point_in_body(mg_context *c, int feature_pair, int side) {
+  MG_NEEDS_PLACED_PAIR(c, feature_pair);
   const mg_real *start = c->search.placement + (side ? 11 : 8), *point = c->search.placement + (side ? 8 : 11);
   if (!mg_is_in_ball_of_shape(c, feature_pair, side, point)) return 0;
   if (!mg_is_surface(c, feature_pair, side)) return mg_is_in_body(c, feature_pair, side, point);

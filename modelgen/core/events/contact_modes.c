@@ -86,6 +86,7 @@ MG_INTERNAL int mg_solve_contact_modes(mg_context *c, mg_events *events) {
 }
 
 MG_INTERNAL int mg_is_active_set_outdated(mg_context *c) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_ROWS), MG_NEEDS_AT_RUN(c, MG_VALID_FORCES);
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->run->closed[i] && !c->run->active[i] && fabs(mg_row_acceleration(c, i)) > mg_acceleration_tolerance(c))
       return 1;

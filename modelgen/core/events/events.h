@@ -77,7 +77,7 @@ MG_INTERNAL mg_real mg_first_hidden_event(mg_context *c, mg_real h, int end, int
 MG_INTERNAL int mg_solve_contact_modes(mg_context *c, mg_events *events);
 
 /* True if a closed contact without force has a gap acceleration beyond the tolerance, so that the active set must
-   be chosen again. */
+   be chosen again. Needs rows and forces at the run's state. */
 MG_INTERNAL int mg_is_active_set_outdated(mg_context *c);
 
 /* load_branch_changes.c */

@@ -5,6 +5,7 @@
 #include "forces/forces.h"
 
 MG_INTERNAL void mg_apply_impulses(mg_context *c, int n) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_RATES);
   const mg_system *s = c->system;
   for (int i = 0; i < 6 * s->n_body; i++) c->bodies.wrench[i] = 0;
   for (int r = 0; r < n; r++) mg_add_row_response(c, c->lcp.rows[r], c->lcp.z[r], c->bodies.wrench);

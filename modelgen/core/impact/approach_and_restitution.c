@@ -24,6 +24,7 @@ MG_INTERNAL mg_real mg_remaining_bounce_time(mg_context *c, int contact) {
 }
 
 MG_INTERNAL void mg_set_support_impact_rates(mg_context *c) {
+  MG_NEEDS_AT_RUN(c, MG_VALID_RATES);
   for (int i = c->layout.support_begin; i < c->layout.joint_row_end; i++) c->rows.row_rate[i] = c->rows.d_dot[i];
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
     const int support = mg_first_support(c, slot);

@@ -37,13 +37,13 @@ MG_INTERNAL mg_real mg_effective_restitution(const mg_context *c, int contact);
 MG_INTERNAL mg_real mg_remaining_bounce_time(mg_context *c, int contact);
 
 /* Set the velocities that the impulses must cancel on supports and joints; the supports of a face that lands flat
-   rebound with one coefficient. */
+   rebound with one coefficient. Needs the rates at the run's state. */
 MG_INTERNAL void mg_set_support_impact_rates(mg_context *c);
 
 /* applied_impulses.c */
 
 /* Add the impulses of the first n listed rows to the velocities of the run's state, and the work they do on the
-   moving bodies to its work. */
+   moving bodies to its work. Needs the rates before the impact. */
 MG_INTERNAL void mg_apply_impulses(mg_context *c, int n);
 
 /* Record an impact that gains kinetic energy, and the contact that gains most. Needs the impulses of the first n

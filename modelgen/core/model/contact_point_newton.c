@@ -14,16 +14,19 @@ MG_INTERNAL int mg_place_contact(mg_context *c, int contact, const mg_real *eta,
 }
 
 MG_INTERNAL mg_real mg_placement_margin(const mg_context *c, int contact) {
+  MG_NEEDS_PLACED(c, contact);
   const mg_real flat = c->search.placement[4] * c->contacts.length[contact];
   return c->search.placement[3] < flat ? c->search.placement[3] : flat;
 }
 
 MG_INTERNAL mg_real mg_placement_uniqueness(const mg_context *c, int contact) {
+  MG_NEEDS_PLACED(c, contact);
   return c->kernels->contact_kinds[c->contacts.kind[contact]].n_eta ? mg_placement_margin(c, contact)
                                                                     : c->search.placement[3];
 }
 
 MG_INTERNAL mg_real mg_contact_margin(const mg_context *c, int contact) {
+  MG_NEEDS_PLACED(c, contact);
   const mg_system *s = c->system;
   const int is_slow = fabs(c->rows.gamma[contact]) * s->time * s->time <= s->length;
   return is_slow ? mg_placement_uniqueness(c, contact) : mg_placement_margin(c, contact);
@@ -59,6 +62,7 @@ MG_INTERNAL int mg_is_residual_small(const mg_real *pose_o, const mg_real *pose_
 }
 
 MG_INTERNAL int mg_is_placement_critical(const mg_context *c, int contact) {
+  MG_NEEDS_PLACED(c, contact);
   return mg_is_residual_small(c->bodies.pose + 12 * c->contacts.o[contact],
                               c->bodies.pose + 12 * c->contacts.f[contact], c->settings->extremality_residual,
                               c->contacts.length[contact], c->search.placement);

@@ -78,6 +78,7 @@ static void mg_add_motion_to_switch(const mg_context *c, int body, const mg_real
 
 MG_INTERNAL const mg_real *mg_switch_gradient(mg_context *c, mg_real t, int load, int which,
                                               const mg_real **input_gradient) {
+  MG_NEEDS_ANY(c, MG_VALID_TWISTS);
   const int row = which - mg_switch_begin(c->system, load);
   mg_evaluate_switches(c, t, load);
   *input_gradient = c->switches.input_gradient + 3L * c->system->n_input * row;

@@ -82,6 +82,10 @@ MG_INTERNAL void mg_require_tables(const mg_system *s);
 #define MG_NEEDS_TIME(c, time) MG_REQUIRE((c)->valid.t == (time))
 #define MG_NEEDS_DIGEST(c, what, digest) MG_REQUIRE((c)->valid.of[what] == (digest))
 #define MG_NEEDS_PLACED(c, contact) MG_NEEDS_DIGEST(c, MG_VALID_PLACED, MG_PLACEMENT_OF(c, contact, 0))
+#define MG_NEEDS_PLACED_PAIR(c, feature_pair)                                                                       \
+  MG_REQUIRE((c)->valid.of[MG_VALID_PLACED] == mg_placement_digest(c, (c)->system->feature_pair_kind[feature_pair], \
+                                                                   (c)->system->feature_pair_o[feature_pair],       \
+                                                                   (c)->system->feature_pair_f[feature_pair], 0))
 #define MG_NEEDS_PLACEMENT(c, feature_pair, eta)                                                                       \
   MG_REQUIRE((c)->valid.of[MG_VALID_PLACEMENT] == mg_placement_digest(c, (c)->system->feature_pair_kind[feature_pair], \
                                                                       (c)->system->feature_pair_o[feature_pair],       \
@@ -103,6 +107,7 @@ MG_INTERNAL void mg_require_tables(const mg_system *s);
 #define MG_NEEDS_TIME(c, time) ((void)0)
 #define MG_NEEDS_DIGEST(c, what, digest) ((void)0)
 #define MG_NEEDS_PLACED(c, contact) ((void)0)
+#define MG_NEEDS_PLACED_PAIR(c, feature_pair) ((void)0)
 #define MG_NEEDS_PLACEMENT(c, feature_pair, eta) ((void)0)
 #endif
 
@@ -234,8 +239,8 @@ MG_INTERNAL long mg_switch_gradient_size(const mg_system *s);
 MG_INTERNAL void mg_add_branch_wrench(const mg_context *c, mg_real t, int load, int from, mg_real weight,
                                       mg_real *wrench);
 
-/* Gradient of a switching function of a load at the state evaluated last: by t, poses and twists
-   (MG_SWITCH_COLUMNS) and parameters; and by the inputs. */
+/* Gradient of a switching function of a load: by t, poses and twists (MG_SWITCH_COLUMNS) and parameters; and by the
+   inputs. Needs poses and twists. */
 MG_INTERNAL const mg_real *mg_switch_gradient(mg_context *c, mg_real t, int load, int which,
                                               const mg_real **input_gradient);
 
@@ -539,18 +544,18 @@ MG_INTERNAL int mg_place_contact(mg_context *c, int contact, const mg_real *eta,
 MG_INTERNAL int mg_is_residual_small(const mg_real *pose_o, const mg_real *pose_f, mg_real tolerance, mg_real length,
                                      const mg_real *placed);
 
-/* True if the placement of a contact evaluated last solves the extremality equations. */
+/* True if the placement of a contact solves the extremality equations. Needs that of this contact evaluated last. */
 MG_INTERNAL int mg_is_placement_critical(const mg_context *c, int contact);
 
-/* Margin of the placement evaluated last, dimensionless. */
+/* Margin of the placement of a contact, dimensionless. Needs that of this contact evaluated last. */
 MG_INTERNAL mg_real mg_placement_margin(const mg_context *c, int contact);
 
-/* How well the closest points of the placement evaluated last are determined: its margin; where eta is empty, how
-   far the points are from a curve of them, whatever the curvature. */
+/* How well the closest points of the placement of a contact are determined: its margin; where eta is empty, how far the
+   points are from a curve of them, whatever the curvature. Needs the placement of this contact evaluated last. */
 MG_INTERNAL mg_real mg_placement_uniqueness(const mg_context *c, int contact);
 
-/* Margin of a contact at the placement evaluated last. A point without curvature where eta is empty is singular only if
-   the contact point moves over it: if Gamma2, as evaluated last, is above the characteristic acceleration. */
+/* Margin of a contact. Needs its placement evaluated last. A point without curvature where eta is empty is singular
+   only if the contact point moves over it: if Gamma2, as evaluated last, is above the characteristic acceleration. */
 MG_INTERNAL mg_real mg_contact_margin(const mg_context *c, int contact);
 
 /* Takes one Newton step of eta in x for every contact at time t, except for those that are still flat, whose

@@ -24,6 +24,7 @@ static void mg_add_row_wrench(const mg_context *c, int row, mg_real factor, mg_r
 }
 
 MG_INTERNAL void mg_gather_wrenches(mg_context *c, mg_sensitivity *s, mg_real t) {
+  MG_NEEDS_ANY(c, MG_VALID_FORCES), MG_NEEDS_TIME(c, t);
   const mg_system *system = c->system;
   mg_real of_load[12];
   mg_zero_reals(s->wrench, 6L * system->n_body);

@@ -244,7 +244,7 @@ MG_INTERNAL mg_real mg_direction_size(const mg_context *c, const mg_sensitivity 
 
 /* rhs_tangent.c */
 
-/* Wrench of loads and of all rows on each body, at the state that mg_right_hand_side evaluated last. */
+/* Wrench of loads and of all rows on each body. Needs mg_right_hand_side at a state at the time t. */
 MG_INTERNAL void mg_gather_wrenches(mg_context *c, mg_sensitivity *s, mg_real t);
 
 /* True if the friction of a slipping constraint follows its slip: not while that begins or has almost ended. */
