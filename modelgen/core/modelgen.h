@@ -355,19 +355,21 @@ typedef struct {
                                    may have jumped */
   mg_real load_jump_span;       /* it has if half of the change lies at one place of the way of its bodies within
                                    load_jump_span * time */
-  mg_real derivative_reach;     /* a start has no derivatives beside a jump of a load in a state that differs from it by
-                                   derivative_reach, relative to the scales of poses and twists */
-  mg_real derivative_jump_part; /* such a jump is at least derivative_jump_part of the load */
-  mg_real derivative_impact_residual; /* an impact is not differentiated if its law leaves more than this part of a
-                                         change of velocities unexplained */
-  mg_real derivative_start_change; /* derivatives of changes of velocities at the start up to this, over scale, may be
-                                      left out */
-  mg_real sensor_kink_reach;       /* a kink of a sensor is sought sensor_kink_reach from the state, relative to what it
-                                      depends on */
-  mg_real sensor_kink_part; /* slopes on both sides of a state that differ by more than this part are those of a kink */
-  mg_real sensor_slope_part; /* slopes of a sensor that differ by no more than this part are the same */
-  mg_real face_force_part;   /* forces on a face are changed by this part of its load to see where their centre moves */
-  mg_real face_centre_part;  /* the centre then stays in the face if it moves beyond its border by no more than
+  mg_real derivative_reach; /* derivatives at a start are undecided if a load jumps at a state that differs from it by
+                               no more than derivative_reach, relative to the scales of poses and twists */
+  mg_real derivative_jump_part; /* a load that changes there by less than derivative_jump_part of it does not jump */
+  mg_real derivative_impact_residual; /* an impact is differentiated if its law explains the change of velocities but
+                                         for this part of it */
+  mg_real derivative_start_change; /* changes of velocities at the start up to this, over scale, may be left out of the
+                                      derivatives */
+  mg_real sensor_kink_reach; /* kinks of sensors are sought up to sensor_kink_reach from the state, relative to what
+                                they depend on */
+  mg_real sensor_kink_part;  /* a sensor is on a kink if slopes on both sides differ by more than this part of them */
+  mg_real sensor_slope_part; /* the derivative of a sensor on a kink holds on a side if it differs from the slope there
+                                by no more than this part */
+  mg_real face_force_part;   /* whether the centre of the forces on a face stays in it is tried with forces that are
+                                changed by this part of its load */
+  mg_real face_centre_part;  /* the centre stays if such a change moves it beyond the border by no more than
                                 face_centre_part * face_force_part * length */
   mg_real rest_loss_factor;  /* a gap held without force opens within a step where its acceleration exceeds
                                 rest_loss_factor * rest_acceleration * length / time^2 */
@@ -385,11 +387,11 @@ typedef struct {
   mg_real margin_warn;   /* a contact that starts at a zero of its margin has no bound on it up to here, nor has one of
                             features of revolution closer to coaxial than this and this times the length */
   mg_real margin_refuse; /* a closed contact whose margin falls below this ends the run */
-  mg_real passage_time_max;   /* a singular contact is passed in parts of at most passage_time_max * time */
+  mg_real passage_time_max;   /* a singular contact is passed in parts that take at most passage_time_max * time */
   mg_real overlap_clear_gaps; /* at the start, a point farther from a body than overlap_clear_gaps * start_gap * length
                                  is clear of it */
-  mg_real overlap_clear_part; /* by overlap_clear_part of the depth of an overlap that distance is less, and so deep two
-                                 sheets may cross */
+  mg_real overlap_clear_part; /* that distance is less by overlap_clear_part * depth of an overlap, and two sheets
+                                 overlap only if they cross deeper than that */
   mg_real appear_margin;      /* a contact without a feature pair of its own appears in a run only with a margin above
                                  this */
   mg_real appear_tilt_sine;   /* a closest point on a vertex or edge is accepted if no watched condition of it, the

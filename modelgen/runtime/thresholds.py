@@ -40,11 +40,11 @@ class Thresholds:
         margin_warn: a closed contact whose margin falls below this is reported. Features of revolution
             closer to coaxial than this and this times L are followed at any margin.
         margin_refuse: a run ends if the margin of a closed contact falls below this.
-        passage_time_max: the state passes a singular contact in parts of at most this times T.
-        overlap_clear_gaps: at the start, a point is clear of a body farther from it than this times
-            `start_gap`.
-        overlap_clear_part: of an overlap, by this part of its depth what is clear is less, and so is what
-            sheets may overlap by.
+        passage_time_max: a singular contact is passed in parts that take at most this times T.
+        overlap_clear_gaps: at the start, a point farther from a body than this times `start_gap` is
+            clear of it.
+        overlap_clear_part: that distance is less by this part of the depth of an overlap, and two
+            sheets overlap only if they cross deeper than this part of it.
         slip_stop_speed_ratio: slip stops at an event only if stopping costs less energy than slip at this
             times `slip_speed` has.
         separation_speed_factor: a step is shortened if a loaded contact separates at its end faster than this
@@ -56,21 +56,23 @@ class Thresholds:
         load_jump_rate: a load that changes in a step h by more than this times h/T of its size is searched
             for a jump where the motion takes it, past which derivatives are undecided.
         load_jump_span: it jumps if half of its change lies at one place of the motion within this times T.
-        derivative_reach: derivatives at a start are undecided if a load jumps at a state that differs from it
-            by no more than this, relative to the scales of places, turns and velocities.
-        derivative_jump_part: a jump is one of at least this part of the load.
-        derivative_impact_residual: largest part of a change of velocities by an impact that the law, as it is
-            differentiated, may leave unexplained.
-        derivative_start_change: changes of velocities at the start up to this, over their scales, may be left
-            out of the derivatives.
-        sensor_kink_reach: a kink of a sensor is sought this far from the state, relative to what it depends
-            on.
-        sensor_kink_part: its slopes on both sides differ at a kink by more than this part of them,
-        sensor_slope_part: and the derivative is that of a side if it differs from it by no more than this
-            part.
-        face_force_part: part of its load by which the forces on a face are changed to see whether their
-            centre stays in the face,
-        face_centre_part: which it does if it moves beyond the border by no more than this part of that, in L.
+        derivative_reach: derivatives at a start are undecided if a load jumps at a state that differs
+            from it by no more than this, relative to the scales of places, turns and velocities.
+        derivative_jump_part: a load that changes there by less than this part of it does not jump.
+        derivative_impact_residual: an impact is differentiated if its law explains the change of
+            velocities but for this part of it.
+        derivative_start_change: changes of velocities at the start up to this, over their scales, may
+            be left out of the derivatives.
+        sensor_kink_reach: kinks of sensors are sought up to this far from the state, relative to what
+            they depend on.
+        sensor_kink_part: a sensor is on a kink if its slopes on both sides differ by more than this
+            part of them.
+        sensor_slope_part: the derivative of a sensor on a kink holds on a side if it differs from the
+            slope there by no more than this part.
+        face_force_part: whether the centre of the forces on a face stays in it is tried with forces
+            that are changed by this part of its load.
+        face_centre_part: the centre stays if such a change moves it beyond the border by no more than
+            this part of `face_force_part` times L.
         rest_loss_factor: a contact held without force opens within a step above this times
             `rest_acceleration`.
         event_correction_step: beyond this fraction of the step, an event is corrected only while the
