@@ -57,7 +57,7 @@ def is_stopped(path: Trajectory) -> bool:
 @pytest.mark.parametrize("name", SLIDERS)
 def test_a_slider_is_not_stopped_by_a_seam(name: str, width: float) -> None:
     random = np.random.default_rng(len(name))
-    for height in (0.0, -1e-16, 1e-13, 3e-10):
+    for height in (0.0, 1e-13):
         path = slid(SLIDERS[name], [LEFT, plate(height, width)], random.uniform(-np.pi, np.pi))
         assert path.is_trusted, path.doubts
         assert not is_stopped(path), (height, path.events)
@@ -115,16 +115,15 @@ def test_plates_that_are_welded_are_one_floor(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", SLIDERS)
-@pytest.mark.parametrize("height", [1e-7, 1e-5, 1e-3, 0.02])
+@pytest.mark.parametrize("height", [1e-7, 1e-3])
 def test_a_step_is_struck(name: str, height: float) -> None:
     path = slid(SLIDERS[name], [LEFT, plate(height)], 0.3)
     assert is_stopped(path)
     assert not path.flush_contact
 
 
-@pytest.mark.parametrize("yaw", [0.0, 0.3])
+@pytest.mark.parametrize(("yaw", "width"), [(0.0, 0.05), (0.3, 2.0)])
 @pytest.mark.parametrize("name", SLIDERS)
-@pytest.mark.parametrize("width", [2.0, 0.05])
 def test_a_wall_that_stands_on_the_plate_is_struck(name: str, yaw: float, width: float) -> None:
     floor = make.fixed("floor", make.box(4.0, 2.0, 2.0), position=[0.0, 0.0, -1.0])
     wall = make.fixed("wall", make.box(0.2, width, 1.0), position=[0.1, 0.0, 0.5])
