@@ -173,6 +173,15 @@ class FeaturePairEntry:
 
 
 @dataclass(frozen=True, slots=True)
+class HandoverEntry:
+    """A condition beyond which a contact goes over to a feature pair of another pair of shapes."""
+
+    feature_pair: int
+    condition: int  # its number within the feature pair
+    next: int  # the feature pair beyond
+
+
+@dataclass(frozen=True, slots=True)
 class FrictionConstraint:
     """One or two rows of a contact below its normal one, whose force is bounded by the normal force."""
 
@@ -340,4 +349,5 @@ class Model:
     initial_u: tuple[float, ...]
     left_out: tuple[str, ...] = ()  # what pruning removed, in words
     joined: tuple[str, ...] = ()  # features of shapes that are fixed together and nothing touches, in words
+    handovers: tuple[HandoverEntry, ...] = ()  # where shapes that are fixed together join smoothly
     warnings: tuple[str, ...] = ()  # what is remarkable about the shapes, in words

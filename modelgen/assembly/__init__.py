@@ -20,6 +20,7 @@ from modelgen.assembly.contact_warnings import soundness
 from modelgen.assembly.faces_across_shapes import Shown, Unions
 from modelgen.assembly.feature_pairs import Whole
 from modelgen.assembly.friction_constraints import friction_constraints_of
+from modelgen.assembly.handovers import handovers_of
 from modelgen.assembly.inputs_of_expressions import inputs_of_expressions
 from modelgen.assembly.joined_solids import JoinedSolids
 from modelgen.assembly.joints import Joined, joined
@@ -47,6 +48,7 @@ from modelgen.model import (
     ContactKind,
     FaceEntry,
     FeaturePairEntry,
+    HandoverEntry,
     LoadEntry,
     LoadKind,
     Model,
@@ -93,6 +95,7 @@ class Touching:
     contact_kinds: tuple[ContactKind, ...]
     warnings: tuple[str, ...]  # on the shapes
     joined: tuple[str, ...]  # features that nothing touches, in words
+    handovers: tuple[HandoverEntry, ...]  # from one pair to another
 
     @property
     def n_eta(self) -> int:
@@ -158,6 +161,7 @@ def _model(
         initial_q=tuple(value for piece in pieces for value in _initial_q(piece)),
         initial_u=tuple(value for piece in pieces for value in _initial_u(piece)),
         joined=touching.joined,
+        handovers=touching.handovers,
         left_out=(*_left_out(pieces), *_unobserved(dropped)),
         warnings=(*scene.remarks, *touching.warnings),
     )
@@ -228,6 +232,7 @@ def _taken_over(scene: Scene, pieces: Sequence[Piece], known: Model, flush: floa
     return Touching(
         pairs, known.feature_pairs, known.contacts, known.faces, patches,
         known.shape_kinds, known.contact_kinds, known.warnings[len(known.scene.remarks) :], known.joined,
+        known.handovers,
     )  # fmt: skip
 
 
@@ -281,6 +286,7 @@ def _touching(scene: Scene, pieces: Sequence[Piece], flush: float) -> Touching:
     return Touching(
         tuple(entries), tuple(all_feature_pairs), tuple(all_contacts), tuple(unions.faces), joined_patches,
         contents.shapes.kinds, contents.kinds.kinds, warnings, tuple(joined.told()),
+        handovers_of(scene.contacts, entries, all_feature_pairs, joined),
     )  # fmt: skip
 
 

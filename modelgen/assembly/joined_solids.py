@@ -1,32 +1,21 @@
-"""Shapes that are fixed or welded together and touch the same partner are one solid for it."""
+"""Shapes that are fixed or welded together and touch the same partner are one solid for it.
+
+What of a shape lies in the material of another one, or flush with it, is no feature of the solid. A border at
+which a face goes over smoothly into a face of another shape is none either: contacts go on there.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from math import isfinite
-from typing import NamedTuple
 
-import numpy as np
-
+from modelgen.assembly.faces_across_shapes import terms_of
+from modelgen.assembly.placed_shapes import Partner, Partners, PlacedShapes
+from modelgen.assembly.smooth_borders import Beyond, BorderName, Group, SmoothBorders
 from modelgen.assembly.welded_bodies import Stand
-from modelgen.geometry.convex_cells import Cell, cells_of
-from modelgen.geometry.exposed_features import exposed, is_hidden
-from modelgen.geometry.extent import bounding_ball
-from modelgen.geometry.face_regions import to_axes
+from modelgen.geometry.exposed_features import exposed, is_hidden, without_edges
 from modelgen.geometry.shape_features import features_of
-from modelgen.scene.pose_arithmetic import compose, to_outer
-from modelgen.scene.scene_types import Feature, Pose, Scene, Shape
-
-Partner = tuple[str, str]  # the names of a body and of its shape
-
-
-class _Placed(NamedTuple):
-    """A shape, where it stands among those that are fixed to it, and what these have in common."""
-
-    shape: Shape
-    pose: Pose
-    body: int  # the first of those that are welded to each other, or FIXED
+from modelgen.scene.scene_types import Feature, Scene
 
 
 class JoinedSolids:
@@ -34,61 +23,79 @@ class JoinedSolids:
 
     def __init__(self, scene: Scene, stands: Sequence[Stand], flush: float) -> None:
         """`stands`: of the bodies; `flush`: m, height up to which surfaces are one."""
-        self._flush = flush
-        self._placed = {  # in the order of the scene
-            (body.name, shape.name): _Placed(shape, compose(pose, shape.pose), first)
-            for body, (first, pose) in zip(scene.bodies, stands, strict=True)
-            for shape in body.shapes
-        }
+        self._shapes = PlacedShapes(scene, stands, flush)
         touching: dict[Partner, set[Partner]] = {}
         for pair in scene.contacts:
             for one, other in (pair.between, pair.between[::-1]):
                 touching.setdefault(one, set()).add(other)
-        self._joined: dict[tuple[Partner, int], tuple[Partner, ...]] = {}  # that a partner may touch, by body
-        for name, each in self._placed.items():
+        self._joined: dict[tuple[Partner, int], Partners] = {}  # that a partner may touch, by body
+        for name in self._shapes.names:
             for partner in touching.get(name, ()):
-                self._joined[partner, each.body] = (*self._joined.get((partner, each.body), ()), name)
-        self._known: dict[tuple[Partner, tuple[Partner, ...]], tuple[Feature, ...] | None] = {}
+                key = partner, self._shapes.solid(name)
+                self._joined[key] = (*self._joined.get(key, ()), name)
+        self._terms = {
+            names: replace(terms_of(pair), features=pair.features)
+            for pair in scene.contacts
+            for names in (pair.between, pair.between[::-1])
+        }
+        self._known: dict[tuple[Partner, Group], tuple[Feature, ...] | None] = {}
+        self._exposed: dict[tuple[Partner, Partners], tuple[Feature, ...]] = {}
+        self._smooth = SmoothBorders(self._shapes, self._exposed_of)
 
     def features_left(self, shape: Partner, partner: Partner) -> tuple[Feature, ...] | None:
         """The features of a shape that a partner can touch; None where all are left as they are."""
-        joined = self._joined[partner, self._placed[shape].body] if shape in self._placed else ()
-        if len(joined) < 2:
+        group = self._group(shape, partner)
+        if len(group.all) < 2:
             return None
-        if (shape, joined) not in self._known:
-            self._known[shape, joined] = self._left(shape, joined)
-        return self._known[shape, joined]
+        if (shape, group) not in self._known:
+            self._known[shape, group] = self._left(shape, group)
+        return self._known[shape, group]
+
+    def smooth_borders(self, shape: Partner, partner: Partner) -> Mapping[BorderName, Beyond]:
+        """Borders of a shape at which contacts with a partner go over to a face of another shape."""
+        return self._smooth.of(shape, self._group(shape, partner))
 
     def told(self) -> Iterator[str]:
-        """What of shapes nothing touches, in words."""
-        for (name, _), left in self._known.items():
-            if left is not None:
-                hidden = sum(map(is_hidden, left))
-                yield f"{name[0]}/{name[1]}: {hidden} faces, edges and corners, joined to what is beside it"
+        """What of shapes nothing touches, and where contacts go on over other shapes, in words."""
+        hidden = {name: sum(map(is_hidden, left)) for (name, _), left in self._known.items() if left}
+        for name, count in hidden.items():
+            if count:
+                yield f"{'/'.join(name)}: {count} faces, edges and corners, joined to what is beside it"
+        for name, count in self._smooth.counts():
+            yield f"{'/'.join(name)}: borders at which other shapes go on smoothly: {count}"
 
-    def _left(self, name: Partner, joined: Sequence[Partner]) -> tuple[Feature, ...] | None:
-        own = self._placed[name]
-        features = features_of(own.shape).features
-        if own.shape.cavity or len(features) < 2:
-            return None
-        flush = self._flush
-        near = [each for each in joined if each != name and _are_near(own, self._placed[each], flush)]
-        first = [each for each in near if joined.index(each) < joined.index(name)]
-        left = exposed(features, self._cells(own, near), self._cells(own, first), flush)
+    def _group(self, shape: Partner, partner: Partner) -> Group:
+        """The shapes that form one solid with a shape for a partner, that shape among them."""
+        are_known = shape in self._shapes and partner in self._shapes  # the scene may name what there is not
+        joined = self._joined[partner, self._shapes.solid(shape)] if are_known else ()
+        if len(joined) < 2:
+            return Group(joined, (), on_plane=False)
+        terms = self._terms[shape, partner]
+        alike = () if terms.features else tuple(e for e in joined if self._terms[e, partner] == terms)
+        faces = features_of(self._shapes.shape(partner)).features
+        return Group(joined, alike, any(each.shape.kind == "plane" for each in faces))
+
+    def _left(self, name: Partner, group: Group) -> tuple[Feature, ...] | None:
+        features = features_of(self._shapes.shape(name)).features
+        left = without_edges(self._exposed_of(name, group.all), self._smooth.of(name, group))
+        for face, condition, _ in self._smooth.ends_of(name, group):
+            left = tuple(
+                replace(each, conditions=(*each.conditions, condition)) if each.name == face else each
+                for each in left
+            )
         is_whole = len(left) == len(features) and all(a is b for a, b in zip(left, features, strict=True))
         return None if is_whole else left
 
-    def _cells(self, own: _Placed, others: Sequence[Partner]) -> list[Cell]:
-        """The material of other shapes in the axes of a shape."""
-        return [
-            cell.placed(to_axes(own.pose, self._placed[each].pose))
-            for each in others
-            for cell in cells_of(replace(self._placed[each].shape, pose=Pose()))
-        ]
-
-
-def _are_near(a: _Placed, b: _Placed, flush: float) -> bool:
-    """Whether balls around two shapes meet."""
-    (at_a, radius_a), (at_b, radius_b) = (bounding_ball(replace(each.shape, cavity=False)) for each in (a, b))
-    apart = np.linalg.norm(to_outer(a.pose, at_a) - to_outer(b.pose, at_b))
-    return not isfinite(radius_a + radius_b) or bool(apart <= radius_a + radius_b + flush)
+    def _exposed_of(self, name: Partner, joined: Partners) -> tuple[Feature, ...]:
+        """The features of a shape, or parts of them, that are left beside the material of others."""
+        key = name, joined
+        if key not in self._exposed:
+            shape = self._shapes.shape(name)
+            features = features_of(shape).features
+            if not shape.cavity and len(features) > 1:
+                near = self._shapes.near(name, joined)
+                first = [each for each in near if joined.index(each) < joined.index(name)]
+                cells, before = (self._shapes.cells(name, others) for others in (near, first))
+                features = exposed(features, cells, before, self._shapes.flush)
+            self._exposed[key] = features
+        return self._exposed[key]

@@ -242,7 +242,17 @@ def instance_of(model: Model, known: tuple[Model, dict[str, Any]] | None = None)
     }
 
 
-CONTACTS = ("pairs", "feature_pairs", "contacts", "faces", "patches", "solids", "unlisted", "open_edges")
+CONTACTS = (
+    "pairs",
+    "feature_pairs",
+    "contacts",
+    "faces",
+    "patches",
+    "solids",
+    "unlisted",
+    "open_edges",
+    "handovers",
+)
 
 
 def _contacts(model: Model) -> dict[str, Any]:
@@ -256,7 +266,14 @@ def _contacts(model: Model) -> dict[str, Any]:
         "solids": solids_of(model),
         "unlisted": unlisted_of(model),
         "open_edges": open_edges_of(model),
+        **_handovers(model),
     }
+
+
+def _handovers(model: Model) -> dict[str, list[list[int]]]:
+    """Feature pair, number of its condition, and the feature pair of another pair beyond that."""
+    found = [[each.feature_pair, each.condition, each.next] for each in model.handovers]
+    return {"handovers": found} if found else {}
 
 
 def _contacts_like(model: Model, other: Model, known: dict[str, Any]) -> dict[str, Any]:
@@ -264,7 +281,7 @@ def _contacts_like(model: Model, other: Model, known: dict[str, Any]) -> dict[st
     joined = [[(joint.a, joint.b) for joint in each.joints] for each in (model, other)]
     if joined[0] != joined[1] or not models_have_same_contacts(model, other):
         return _contacts(model)
-    found = {key: known[key] for key in CONTACTS}
+    found = {key: known[key] for key in CONTACTS if key in known}
     if model.scene.contacts != other.scene.contacts:
         found["pairs"] = [_pair(model, entry) for entry in model.pairs]
         found["patches"] = [patch_table(entry) for entry in model.patches]

@@ -206,7 +206,8 @@ typedef struct {
 
   const int *condition_kind;         /* [all conditions] MG_CONDITION_QUADRIC .. */
   const int *condition_feature;      /* [all conditions] feature whose point, coordinates, N it is about: 0 o, 1 f */
-  const int *condition_feature_pair; /* [all conditions] next feature pair, MG_BEYOND_ENDS or MG_BEYOND_WATCHED */
+  const int *condition_feature_pair; /* [all conditions] next feature pair, of another pair where shapes that are fixed
+                                        to each other join smoothly, MG_BEYOND_ENDS or MG_BEYOND_WATCHED */
   const int *condition_numbers;      /* [all conditions] offset into numbers */
   const int *condition_is_line_end;  /* [all conditions] 1: beyond are two straight features, and this one ends one of
                                         them: parallel they touch along a line, which ends here */

@@ -8,7 +8,7 @@ of the union stays in the list, since it bounds the shape, with a condition that
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -47,6 +47,30 @@ def exposed(
     level = [_moved(each, -off) for each in features] if off.any() else features
     others = {each.name: each for each in level}
     parts = [part for each in level for part in _parts(each, cells, others, flush)]
+    seen = {each.name for each in parts if NEVER not in each.conditions}
+    return tuple(_without(each, seen) for each in parts)
+
+
+def without_edges(
+    features: Sequence[Feature], borders: Container[tuple[str, str, tuple[float, ...]]]
+) -> tuple[Feature, ...]:
+    """The features without the edges behind borders at which a face goes over into another shape.
+
+    Args:
+        features: of the shape, in its axes.
+        borders: names of faces, and kinds and numbers of conditions by which they end.
+
+    Returns:
+        The same objects where nothing is left out.
+    """
+    gone = {
+        condition.next
+        for face in features
+        for condition in face.conditions
+        if (face.name, condition.kind, condition.numbers) in borders
+    }
+    named = {each.name for each in features if each.dimension == 1}
+    parts = [_hidden(each) if each.name in gone & named else each for each in features]
     seen = {each.name for each in parts if NEVER not in each.conditions}
     return tuple(_without(each, seen) for each in parts)
 

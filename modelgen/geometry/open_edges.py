@@ -48,9 +48,16 @@ def _ends_of_curve(curve: Feature) -> Array:
 
 def _on_side(face: Feature, end: Condition, spacing: float, most: int) -> Array:
     """Those where a face ends by a condition."""
-    _, coarse = _points(face, end, COARSE)
+    coarse = points_and_areas(face.shape, _coordinates(face, end, COARSE))[0]
     length = float(np.linalg.norm(np.diff(coarse, axis=0), axis=1).sum())
-    uv, points = _points(face, end, min(max(ceil(length / spacing), COARSE // 8), most))
+    return side_points(face, end, min(max(ceil(length / spacing), COARSE // 8), most))
+
+
+def side_points(face: Feature, end: Condition, n: int) -> Array:
+    """Up to n + 1 points, m, axes of the face's shape, from one end to the other of a side of the domain by
+    which a face ends, as far as the face has them."""
+    uv = _coordinates(face, end, n)
+    points = points_and_areas(face.shape, uv)[0]
     reach, ends = float(np.linalg.norm(points, axis=1).max(initial=0.0)), domain_of(face.shape)
     is_kept = np.ones(len(points), dtype=bool)
     for condition in face.conditions:
@@ -59,8 +66,8 @@ def _on_side(face: Feature, end: Condition, spacing: float, most: int) -> Array:
     return placed[is_kept]
 
 
-def _points(face: Feature, end: Condition, n: int) -> tuple[Array, Array]:
-    """Coordinates (2, n + 1) and points (n + 1, 3) of a side of the domain, axes of the face's shape."""
+def _coordinates(face: Feature, end: Condition, n: int) -> Array:
+    """Coordinates (2, n + 1) of a side of the domain."""
     numbers, ends = np.array(end.numbers), domain_of(face.shape)
     if end.kind == "parameter":
         axis, inward = int(numbers[0]), numbers[1]
@@ -69,4 +76,4 @@ def _points(face: Feature, end: Condition, n: int) -> tuple[Array, Array]:
         inward = numbers[1 + axis]
     uv = np.empty((2, n + 1))
     uv[axis], uv[1 - axis] = ends[axis][0 if inward > 0 else 1], np.linspace(*ends[1 - axis], n + 1)
-    return uv, points_and_areas(face.shape, uv)[0]
+    return uv

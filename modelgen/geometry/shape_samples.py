@@ -58,7 +58,7 @@ def samples_of(shape: Shape) -> Samples | None:
         known = [curve for curve in curves if curve is not None]
         return _joined(known) if len(known) == len(curves) else None
     side = max(int(sqrt(POINTS / len(parts))), LEAST)
-    return _joined([_of_face(part, side, reach) for part in parts])
+    return _joined([samples_of_face(part, side, reach) for part in parts])
 
 
 _NONE = np.zeros((0, 3))
@@ -88,7 +88,9 @@ def ends_of_curve(curve: Shape) -> Array:
     return _NONE if ends is None else ends.points
 
 
-def _of_face(face: Feature, side: int, reach: float) -> Samples:
+def samples_of_face(face: Feature, side: int, reach: float) -> Samples:
+    """Those of a face, axes of the shape, by `side` in each direction; `reach`, m, bounds a coordinate that
+    has no bound."""
     shape = face.shape
     ends = [
         (lower if isfinite(lower) else -reach, upper if isfinite(upper) else reach)

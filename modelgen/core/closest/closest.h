@@ -317,6 +317,10 @@ MG_INTERNAL void mg_reverse_normal(const mg_context *c, int feature_pair, mg_rea
    feature pair. */
 MG_INTERNAL void mg_record_minimum(const mg_context *c, mg_minimum *found);
 
+/* Gives a minimum of one pair of shapes the point and the normal that it has for another pair, the one of a feature
+   pair, which has a body in common with it. */
+MG_INTERNAL void mg_see_from_shared_body(const mg_context *c, int feature_pair, mg_minimum *found);
+
 /* True if two minima have the same point and normal, on whatever feature pairs (charts overlap). Two curves
    without an outside have one contact at two points, whatever the direction of N. */
 MG_INTERNAL int mg_is_same_minimum(const mg_context *c, const mg_minimum *a, const mg_minimum *b);

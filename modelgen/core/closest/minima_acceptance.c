@@ -41,6 +41,15 @@ MG_INTERNAL void mg_record_minimum(const mg_context *c, mg_minimum *found) {
   }
 }
 
+MG_INTERNAL void mg_see_from_shared_body(const mg_context *c, int feature_pair, mg_minimum *found) {
+  const int own[2] = {mg_feature_body(c, found->feature_pair, 0), mg_feature_body(c, found->feature_pair, 1)},
+            other[2] = {mg_feature_body(c, feature_pair, 0), mg_feature_body(c, feature_pair, 1)};
+  const int shared = own[0] == other[0] || own[0] == other[1] ? own[0] : own[1];
+  const int is_first = shared <= mg_min(own[0], own[1]), is_first_there = shared <= mg_min(other[0], other[1]);
+  if (is_first == is_first_there) return;
+  for (int k = 0; k < 3; k++) found->point[k] += found->d * found->normal[k], found->normal[k] = -found->normal[k];
+}
+
 MG_INTERNAL int mg_is_same_minimum(const mg_context *c, const mg_minimum *a, const mg_minimum *b) {
   mg_real apart = 0, turned = 0, opposite = 0;
   for (int k = 0; k < 3; k++) {

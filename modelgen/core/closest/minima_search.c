@@ -75,11 +75,14 @@ static int mg_is_searched_by_cells(const mg_context *c, int feature_pair) {
          parametrisation != MG_SIGN;
 }
 
-/* True if the contacts of a feature pair end at the end of a curve or of a chart, where no other one follows. */
+/* True if the contacts of a feature pair end at the end of a curve or of a chart, where no other one of the same shapes
+   follows. */
 static int mg_ends_openly(const mg_context *c, int feature_pair) {
   const mg_system *s = c->system;
   for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++)
-    if (s->condition_feature_pair[k] == MG_BEYOND_ENDS && s->condition_kind[k] == MG_CONDITION_PARAMETER) return 1;
+    if (s->condition_kind[k] == MG_CONDITION_PARAMETER &&
+        (s->condition_feature_pair[k] == MG_BEYOND_ENDS || mg_leads_to_other_pair(c, feature_pair, k)))
+      return 1;
   return 0;
 }
 

@@ -45,7 +45,8 @@ static void mg_eta_from_points(mg_context *c, int feature_pair, const mg_real *p
    the worst condition there, -MG_MAX where no extremum is found. */
 static mg_real mg_transfer_to_feature_pair(mg_context *c, int from, int to, const mg_real *at, mg_real *eta,
                                            int *which) {
-  const int sides_swapped = mg_feature_body(c, from, 0) != mg_feature_body(c, to, 0),
+  const int sides_swapped = mg_feature_body(c, from, 0) == mg_feature_body(c, to, 1) ||
+                            mg_feature_body(c, from, 1) == mg_feature_body(c, to, 0),
             probe_contact = mg_use_probe_contact(c, to);
   mg_real next[6];
   *which = -1;
@@ -72,7 +73,9 @@ MG_INTERNAL int mg_is_at_end_of_line(mg_context *c, int contact, int line) {
   return worst < -c->settings->feature_border;
 }
 
-MG_INTERNAL int mg_is_minimum_tracked(mg_context *c, int pair, int contact, const mg_minimum *found) {
+/* A contact of a pair, other than `contact`, that is at a minimum of this or another pair, or converges to it; -1 if
+   there is none. */
+static int mg_find_contact_at_minimum(mg_context *c, int pair, int contact, const mg_minimum *found) {
   mg_real eta[6];
   mg_minimum other;
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
@@ -81,7 +84,30 @@ MG_INTERNAL int mg_is_minimum_tracked(mg_context *c, int pair, int contact, cons
     mg_newton_on_feature_pair(c, i, eta);
     other.feature_pair = c->run->feature_pair[i];
     mg_record_minimum(c, &other);
-    if (mg_is_same_minimum(c, &other, found)) return 1;
+    mg_see_from_shared_body(c, found->feature_pair, &other);
+    if (mg_is_same_minimum(c, &other, found)) return i;
+  }
+  return -1;
+}
+
+/* True if contacts go over from a feature pair to another pair of shapes. */
+static int mg_leads_to_pair(const mg_context *c, int feature_pair, int pair) {
+  const mg_system *s = c->system;
+  for (int k = s->feature_pair_condition[feature_pair]; k < s->feature_pair_condition[feature_pair + 1]; k++)
+    if (mg_leads_to_other_pair(c, feature_pair, k) && s->feature_pair_owner[s->condition_feature_pair[k]] == pair)
+      return 1;
+  return 0;
+}
+
+MG_INTERNAL int mg_is_minimum_tracked(mg_context *c, int pair, int contact, const mg_minimum *found) {
+  const mg_system *s = c->system;
+  if (mg_find_contact_at_minimum(c, pair, contact, found) >= 0) return 1;
+  for (int k = s->feature_pair_condition[found->feature_pair]; k < s->feature_pair_condition[found->feature_pair + 1];
+       k++) {
+    if (!mg_leads_to_other_pair(c, found->feature_pair, k)) continue;
+    const int beyond = s->feature_pair_owner[s->condition_feature_pair[k]],
+              i = c->run->is_far[beyond] ? -1 : mg_find_contact_at_minimum(c, beyond, contact, found);
+    if (i >= 0 && mg_leads_to_pair(c, c->run->feature_pair[i], pair)) return 1;
   }
   return 0;
 }
@@ -104,7 +130,8 @@ static int mg_is_feature_pair_unreported(const mg_context *c, int feature_pair, 
   return mg_is_feature_pair_of_flat_faces(c, feature_pair) || mg_is_guiding_contact_only(c, feature_pair, d);
 }
 
-MG_INTERNAL void mg_release_contact(mg_context *c, mg_events *events, int contact) {
+/* Takes a contact off its feature pair and remembers its point for the search. */
+static void mg_leave_feature_pair(mg_context *c, int contact) {
   const mg_real none[6] = {0};
   mg_real next[6];
   if (c->search.abandoned.count < MG_MINIMA) {
@@ -113,9 +140,13 @@ MG_INTERNAL void mg_release_contact(mg_context *c, mg_events *events, int contac
     left->feature_pair = c->run->feature_pair[contact];
     mg_record_minimum(c, left);
   } else mg_report_exceeded(c->run, MG_CAPACITY_LEFT);
-  const int unreported = mg_is_feature_pair_unreported(c, c->run->feature_pair[contact], c->rows.d[contact]);
   mg_set_feature_pair(c, contact, -1, none);
   c->run->is_search_due[c->system->contact_pair[contact]] = 1;
+}
+
+MG_INTERNAL void mg_release_contact(mg_context *c, mg_events *events, int contact) {
+  const int unreported = mg_is_feature_pair_unreported(c, c->run->feature_pair[contact], c->rows.d[contact]);
+  mg_leave_feature_pair(c, contact);
   if (!unreported) mg_apply_contact_transition(c, events, contact, MG_CONTACT_VANISHES, c->run->t, 0);
 }
 
@@ -158,6 +189,25 @@ static int mg_is_minimum_on_far_sides(mg_context *c, const mg_minimum *found) {
   return mg_is_between_far_sides(c, found->feature_pair);
 }
 
+/* Hands a contact over to one of another pair of shapes, at the minimum found, where the surfaces of two shapes that
+   are fixed to each other join smoothly: it stays closed, with its force and its modes of friction. */
+static void mg_hand_over_contact(mg_context *c, mg_events *events, int contact, int pair, const mg_minimum *found) {
+  int next = c->run->is_far[pair] ? -1 : mg_find_contact_at_minimum(c, pair, contact, found);
+  if (next < 0 && !c->run->is_far[pair]) {
+    next = mg_find_contact_for_minimum(c, pair, found);
+    if (next >= 0) mg_set_feature_pair(c, next, found->feature_pair, found->eta);
+  }
+  if (next < 0) {
+    mg_release_contact(c, events, contact);
+    return;
+  }
+  c->rows.d[next] = found->d;
+  if (c->run->closed[contact] && !c->run->closed[next]) mg_take_over_modes(c, contact, next);
+  mg_apply_contact_transition(c, events, contact, MG_FEATURE_CHANGES, c->run->t, 0);
+  if (events->count) events->feature_pair[events->count - 1] = found->feature_pair;
+  mg_leave_feature_pair(c, contact);
+}
+
 /* Move a contact whose feature pair condition is broken to the adjacent feature pair whose conditions hold, or release
    it. Needs the poses at the run's state. */
 static void mg_change_contact_feature(mg_context *c, mg_events *events, int contact) {
@@ -188,8 +238,16 @@ static void mg_change_contact_feature(mg_context *c, mg_events *events, int cont
     feature_pair = to;
   }
   const int not_found = found.feature_pair < 0 || best < -100 * c->settings->feature_border;
-  if (not_found || mg_is_minimum_on_far_sides(c, &found) ||
-      mg_is_minimum_tracked(c, c->system->contact_pair[contact], contact, &found)) {
+  if (not_found || mg_is_minimum_on_far_sides(c, &found)) {
+    mg_release_contact(c, events, contact);
+    return;
+  }
+  const int pair = c->system->feature_pair_owner[found.feature_pair];
+  if (pair != c->system->contact_pair[contact]) {
+    mg_hand_over_contact(c, events, contact, pair, &found);
+    return;
+  }
+  if (mg_is_minimum_tracked(c, pair, contact, &found)) {
     mg_release_contact(c, events, contact);
     return;
   }

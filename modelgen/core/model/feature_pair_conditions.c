@@ -258,6 +258,11 @@ MG_INTERNAL mg_real mg_feature_pair_condition(const mg_context *c, int feature_p
   return mg_condition_value(c, feature_pair, k, eta, &view);
 }
 
+MG_INTERNAL int mg_leads_to_other_pair(const mg_context *c, int feature_pair, int condition) {
+  const int to = c->system->condition_feature_pair[condition];
+  return to >= 0 && c->system->feature_pair_owner[to] != c->system->feature_pair_owner[feature_pair];
+}
+
 /* True if a condition is one of those: MG_LEAVING .. . */
 static int mg_is_condition_of(const mg_context *c, int condition, int those) {
   const int is_watched = c->system->condition_feature_pair[condition] == MG_BEYOND_WATCHED,

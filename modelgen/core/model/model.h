@@ -208,6 +208,10 @@ MG_INTERNAL void mg_set_active(const mg_context *c, int contact, int is_active);
 MG_INTERNAL void mg_set_closed(const mg_context *c, int contact, int is_closed);
 MG_INTERNAL void mg_close_contact(const mg_context *c, int contact);
 
+/* Gives a contact that goes on with the same force the modes of a closed contact, whose friction is switched off. Both
+   have the same constraints of friction. */
+MG_INTERNAL void mg_take_over_modes(const mg_context *c, int from, int to);
+
 /* Set how a contact starts to roll (MG_START_NONE ..), and the modes of a friction constraint and of the friction of a
    slot (MG_FRICTION_OFF ..). */
 MG_INTERNAL void mg_set_rolling_start(const mg_context *c, int contact, int start);
@@ -374,6 +378,9 @@ enum {
    time-stepping adds parallel_angle to those that end a line. Needs mg_place_contact at eta. */
 MG_INTERNAL mg_real mg_least_feature_pair_condition(const mg_context *c, int feature_pair, const mg_real *eta,
                                                     int those, int *which);
+
+/* True if the feature pair beyond a condition is of another pair of shapes: their surfaces join smoothly there. */
+MG_INTERNAL int mg_leads_to_other_pair(const mg_context *c, int feature_pair, int condition);
 
 /* Least value of the conditions beyond which a contact leaves the feature pair. */
 MG_INTERNAL mg_real mg_most_violated_condition(const mg_context *c, int feature_pair, const mg_real *eta, int *which);

@@ -28,6 +28,19 @@ MG_INTERNAL void mg_set_friction_mode(const mg_context *c, int constraint, int m
   c->run->friction_mode[constraint] = mode;
 }
 
+MG_INTERNAL void mg_take_over_modes(const mg_context *c, int from, int to) {
+  const int *first = c->system->contact_friction,
+            is_turned = c->contacts.o[from] == c->contacts.f[to] || c->contacts.f[from] == c->contacts.o[to];
+  mg_set_closed(c, to, c->run->closed[from]), mg_set_active(c, to, c->run->active[from]);
+  c->run->force[to] = c->run->force[from], c->run->reference_force[to] = c->run->reference_force[from];
+  for (int g = first[from], h = first[to]; g < first[from + 1] && h < first[to + 1]; g++, h++) {
+    const mg_real sign = is_turned && c->system->friction_kind[g] != MG_FRICTION_SPIN ? -1 : 1;
+    mg_set_friction_mode(c, h, c->run->friction_mode[g]), mg_set_friction_mode(c, g, MG_FRICTION_OFF);
+    c->friction.mode_before[h] = c->friction.mode_before[g], c->friction.mode_before[g] = MG_FRICTION_OFF;
+    for (int k = 0; k < 3; k++) c->run->slip_direction[3 * h + k] = sign * c->run->slip_direction[3 * g + k];
+  }
+}
+
 MG_INTERNAL void mg_set_patch_mode(const mg_context *c, int slot, int mode) {
   MG_REQUIRE(slot >= 0 && slot < c->system->n_patch_slot && mode >= MG_FRICTION_OFF && mode <= MG_SLIPPING);
   c->run->patch_mode[slot] = mode;

@@ -56,7 +56,7 @@ class FeatureTables:
                 instance, lambda pair: [CONDITIONS.index(each["kind"]) for each in _conditions(pair)]
             ),
             "condition_feature": _each(instance, lambda pair: [each["side"] for each in _conditions(pair)]),
-            "condition_feature_pair": _beyond(instance),
+            "condition_feature_pair": _beyond(instance, counts),
             "condition_numbers": _pooled(
                 instance, self.numbers, lambda pair: [each["numbers"] for each in _conditions(pair)]
             ),
@@ -119,15 +119,20 @@ def _pooled(
     return starts
 
 
-def _beyond(instance: Entry) -> list[int]:
-    """The feature pair beyond each condition, which says its number within the pair."""
+def _beyond(instance: Entry, counts: Sequence[int]) -> list[int]:
+    """The feature pair beyond each condition, which says its number within the pair, or that of another pair
+    to which contacts go over. `counts`: the number of conditions of each feature pair."""
     nexts = _by_pair(instance, lambda pair: [each["next"] for each in _conditions(pair)])
     firsts = (pair["feature_pairs"][0] for pair in instance["pairs"])
-    return [
+    beyond = [
         first + each if each >= 0 else each
         for first, found in zip(firsts, nexts, strict=True)
         for each in found
     ]
+    starts = [0, *accumulate(counts)]
+    for feature_pair, condition, to in instance.get("handovers", ()):
+        beyond[starts[feature_pair] + condition] = to
+    return beyond
 
 
 class _Trees:
