@@ -8,7 +8,8 @@ their curvatures differ. They are fixed bodies, shapes of one body or welded bod
 gravity, and passed in both directions. Without friction, and where a ball rolls, the energy of the body is
 constant. The centre of a ball that slides moves on the surface at the distance of its radius, which is
 integrated independently. The body touches the ground at each sample, by distances of its own geometry. There
-is no impact, lift-off or touch-down. Told for each ground: right, doubted, wrong and trusted.
+is no impact, lift-off or touch-down. Told for each ground: right, doubted, wrong and trusted, and how many
+pass the joint.
 """
 
 from __future__ import annotations
@@ -387,17 +388,23 @@ def drawn(seed: int, grounds: Sequence[str]) -> Member:
     return Member(ground, kind, held, mover, sizes, start, heading, speed, spin, yaw, rotation, 0.45 / speed)
 
 
-def judged(member: Member) -> tuple[str, str]:
-    """(verdict, why)."""
+def judged(member: Member) -> tuple[str, str, bool]:
+    """(verdict, why, whether the body passes the joint)."""
     try:
         path = run_of(member)
     except ModelgenError as error:
-        return "refused", str(error)[:200]
+        return "refused", str(error)[:200], False
     told = "" if path.is_trusted else f"{path.outcome} {path.doubts[:2]}"
     wrong = fault(member, path)
     if not wrong:
-        return ("right" if path.is_trusted else "right, doubted"), told
-    return ("WRONG" if path.is_trusted else "wrong, doubted"), f"{wrong}; {told}"
+        return ("right" if path.is_trusted else "right, doubted"), told, _passes(member, path)
+    return ("WRONG" if path.is_trusted else "wrong, doubted"), f"{wrong}; {told}", _passes(member, path)
+
+
+def _passes(member: Member, path: Trajectory) -> bool:
+    joint = ca.Function("joint", [X, Y], [member.ground.joint])
+    at = member.rotation.inv().apply(path.p[[0, -1], path.body_names.index("mover")])
+    return (float(joint(*at[0, :2])) < 0) != (float(joint(*at[1, :2])) < 0)
 
 
 def run_of(member: Member) -> Trajectory:
@@ -525,8 +532,9 @@ def main() -> None:
     table: defaultdict[str, Counter[str]] = defaultdict(Counter)
     for seed in seeds:
         member = drawn(seed, chosen.only)
-        verdict, why = judged(member)
+        verdict, why, passes = judged(member)
         table[member.kind][verdict] += 1
+        table[member.kind]["pass the joint"] += passes
         if verdict != "right":
             print(seed, verdict, member.kind, member.held, member.mover, why, flush=True)
     for name, counts in table.items():

@@ -1,6 +1,6 @@
-/* Feature changes of contacts: from feature pair to adjacent feature pair where a condition is broken, release where
-   none continues, and new contacts where a search finds them. Writes feature pairs, eta and search requests of the run,
-   and the event list.
+/* Feature changes of contacts: from feature pair to adjacent feature pair where a condition is broken, also to one of
+   another pair of shapes, release where none continues, and new contacts where a search finds them. Writes feature
+   pairs, eta and search requests of the run, and the event list.
 
    Feature changes at vertices: a touching contact reaches the end of an edge, where a vertex is on an edge or a
    vertex and no normal is defined. The feature pair that follows is the one whose conditions hold a short time later.
@@ -189,22 +189,30 @@ static int mg_is_minimum_on_far_sides(mg_context *c, const mg_minimum *found) {
   return mg_is_between_far_sides(c, found->feature_pair);
 }
 
+/* Puts a contact of a pair that is at no closest points, or at those farthest away, at the minimum found; returns it,
+   or -1 if there is none. */
+static int mg_put_contact_at_minimum(mg_context *c, int pair, const mg_minimum *found) {
+  const int next = mg_find_contact_for_minimum(c, pair, found);
+  if (next < 0) return -1;
+  if (mg_is_on_feature_pair(c, next)) mg_note_unfollowed_gap(c, pair, c->rows.d[next]); /* what it followed so far */
+  mg_set_feature_pair(c, next, found->feature_pair, found->eta);
+  c->rows.d[next] = found->d;
+  return next;
+}
+
 /* Hands a contact over to one of another pair of shapes, at the minimum found, where the surfaces of two shapes that
    are fixed to each other join smoothly: it stays closed, with its force and its modes of friction. */
 static void mg_hand_over_contact(mg_context *c, mg_events *events, int contact, int pair, const mg_minimum *found) {
-  int next = c->run->is_far[pair] ? -1 : mg_find_contact_at_minimum(c, pair, contact, found);
-  if (next < 0 && !c->run->is_far[pair]) {
-    next = mg_find_contact_for_minimum(c, pair, found);
-    if (next >= 0) mg_set_feature_pair(c, next, found->feature_pair, found->eta);
-  }
+  const int count = events->count, is_far = c->run->is_far[pair];
+  int next = is_far ? -1 : mg_find_contact_at_minimum(c, pair, contact, found);
+  if (next < 0 && !is_far) next = mg_put_contact_at_minimum(c, pair, found);
   if (next < 0) {
     mg_release_contact(c, events, contact);
     return;
   }
-  c->rows.d[next] = found->d;
   if (c->run->closed[contact] && !c->run->closed[next]) mg_take_over_modes(c, contact, next);
   mg_apply_contact_transition(c, events, contact, MG_FEATURE_CHANGES, c->run->t, 0);
-  if (events->count) events->feature_pair[events->count - 1] = found->feature_pair;
+  if (events->count > count) events->feature_pair[count] = found->feature_pair;
   mg_leave_feature_pair(c, contact);
 }
 
