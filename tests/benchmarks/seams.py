@@ -87,15 +87,15 @@ class Member:
         shapes, above = SLIDERS[self.slider]
         turned = self.rotation
         moving = {
-            "position": _row(turned.apply([-0.4, 0.0, level + above])),
-            "quaternion": _quaternion(turned * Rotation.from_rotvec([0, 0, self.yaw])),
-            "velocity": _row(turned.apply([self.speed, 0.0, 0.0])),
-            "angular_velocity": _row(turned.apply([0.0, 0.0, self.turn])),
+            "position": row(turned.apply([-0.4, 0.0, level + above])),
+            "quaternion": quaternion_row(turned * Rotation.from_rotvec([0, 0, self.yaw])),
+            "velocity": row(turned.apply([self.speed, 0.0, 0.0])),
+            "angular_velocity": row(turned.apply([0.0, 0.0, self.turn])),
             "mass": 1.0,
             "inertia": [0.01, 0.01, 0.01],
         }
         slider = make.dynamic("slider", *shapes, **moving)
-        at = {"quaternion": _quaternion(turned)}
+        at = {"quaternion": quaternion_row(turned)}
         fixed = self._seamless(level, at) if seamless else self._seamed(level, other, at)
         contacts = [
             {"between": [f"slider/{a.name}" if len(shapes) > 1 else "slider", b], "restitution": 0.3}
@@ -105,26 +105,26 @@ class Member:
         ]
         is_welded = self.ground == "welded" and not seamless
         welds = [{"kind": "weld", "between": ["left", "right"]}] if is_welded else []
-        down = _row(turned.apply([0, 0, -G]))
+        down = row(turned.apply([0, 0, -G]))
         return make.scene("seam", [*fixed[0], slider], gravity=down, contact=contacts, joint=welds)
 
     def _seamless(self, level: float, at: Mapping[str, Any]) -> tuple[list[Any], list[str]]:
         """A plane in place of the plugged one; one prism in place of two solids."""
         if self.ground.endswith("plug"):
-            where = _row(self.rotation.apply([0.0, 0.0, level]))
+            where = row(self.rotation.apply([0.0, 0.0, level]))
             return [make.fixed("ground", make.plane(), position=where, **at)], ["ground"]
         w = self.width / 2
         points = [[-2, -1], [0, -1], [0, -w], [2, -w], [2, w], [0, w], [0, 1], [-2, 1]]
         if w == 1.0:
             points = [[-2, -1], [2, -1], [2, 1], [-2, 1]]
-        where = _row(self.rotation.apply([0.0, 0.0, level - 0.5]))
+        where = row(self.rotation.apply([0.0, 0.0, level - 0.5]))
         return [make.fixed("ground", make.extrusion(length=1.0, points=points), position=where, **at)], [
             "ground"
         ]
 
     def _seamed(self, level: float, other: float, at: Mapping[str, Any]) -> tuple[list[Any], list[str]]:
         def placed(name: str, shape: Shape, where: Sequence[float]) -> Any:
-            return make.fixed(name, shape, position=_row(self.rotation.apply(where)), **at)
+            return make.fixed(name, shape, position=row(self.rotation.apply(where)), **at)
 
         w = self.width
         if self.ground == "boxes":
@@ -133,7 +133,7 @@ class Member:
                 placed("right", make.box(2.0, w, 2.0), [1.0, 0.0, other - 1.0]),
             ], ["left", "right"]
         if self.ground == "welded":
-            where = {"position": _row(self.rotation.apply([1.0, 0.0, other - 1.0])), **at}
+            where = {"position": row(self.rotation.apply([1.0, 0.0, other - 1.0])), **at}
             right = make.dynamic("right", make.box(2.0, w, 2.0), density=100.0, **where)
             return [placed("left", make.box(2.0, 2.0, 2.0), [-1.0, 0.0, level - 1.0]), right], [
                 "left",
@@ -170,12 +170,14 @@ def _corners(x0: float, x1: float, y: float, z0: float, z1: float) -> list[list[
     return [[x, s * y, z] for x in (x0, x1) for s in (-1, 1) for z in (z0, z1)]
 
 
-def _row(values: Any) -> list[float]:
+def row(values: Any) -> list[float]:
+    """Numbers as a scene takes them."""
     return [float(each) for each in np.asarray(values, dtype=float)]
 
 
-def _quaternion(rotation: Rotation) -> list[float]:
-    return _row(np.roll(rotation.as_quat(), 1))
+def quaternion_row(rotation: Rotation) -> list[float]:
+    """w, x, y, z."""
+    return row(np.roll(rotation.as_quat(), 1))
 
 
 def drawn(seed: int, sliders: Sequence[str]) -> Member:

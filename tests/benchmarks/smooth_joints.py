@@ -32,6 +32,7 @@ from modelgen import Accuracy, ModelgenError, derive, emit, require, simulate
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Scene, Shape
+from tests.benchmarks.seams import quaternion_row, row
 from tests.running import compiled
 
 G = 9.81
@@ -320,14 +321,14 @@ class Member:
         mover = make.dynamic(
             "mover",
             self.shape,
-            position=_row(whole.apply(position)),
-            quaternion=_quaternion(whole * turned),
-            velocity=_row(whole.apply(v)),
-            angular_velocity=_row(whole.apply(w)),
+            position=row(whole.apply(position)),
+            quaternion=quaternion_row(whole * turned),
+            velocity=row(whole.apply(v)),
+            angular_velocity=row(whole.apply(w)),
             mass=MASS,
             inertia=self.inertia,
         )
-        at = {"quaternion": _quaternion(whole)}
+        at = {"quaternion": quaternion_row(whole)}
         shapes, welds = self.ground.shapes, []
         names = [each.name for each in shapes]
         if self.held == "one body" or len(shapes) == 1:
@@ -344,20 +345,12 @@ class Member:
             welds = [{"kind": "weld", "between": ["left", "right"]}]
         law = {"friction": 2.0} if self.mover == "rolling ball" else {}
         contacts = [{"between": ["mover", name]} | law for name in names]
-        down = _row(whole.apply([0, 0, -G]))
+        down = row(whole.apply([0, 0, -G]))
         return make.scene("joint", [*fixed, mover], gravity=down, contact=contacts, joint=welds)
 
 
 def _ends(at: Array, turned: Rotation, length: float) -> list[Array]:
     return [at + turned.apply([0.0, s * length / 2, 0.0]) for s in (-1, 1)]
-
-
-def _row(values: Any) -> list[float]:
-    return [float(each) for each in np.asarray(values, dtype=float)]
-
-
-def _quaternion(rotation: Rotation) -> list[float]:
-    return _row(np.roll(rotation.as_quat(), 1))
 
 
 def drawn(seed: int, grounds: Sequence[str]) -> Member:
