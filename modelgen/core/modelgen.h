@@ -658,6 +658,8 @@ typedef struct {
   int fallback_doublings; /* how often the length of the last fallback was doubled */
   int forces_redundant;   /* 1: forces are not unique; those nearest to reference_force are taken */
   int friction_redundant; /* 1: friction forces of the present modes are not unique */
+  int is_passage_due; /* 1: the next call of mg_advance begins with the passage of singular contacts: the run has just
+                         begun, or the call before it ended in one */
 
   mg_run_report report; /* what it tells */
 } mg_run;

@@ -15,7 +15,10 @@ from modelgen.runtime.settings import accuracy_of
 from tests.running import NAMES, library_of, scene_of
 
 SCENES = Path(__file__).parent / "scenes"
-QUICK = ("light_rim", "spin_box", "stool_on_floor", "grip_fast_ratio", "a_box", "heavy_on_light")
+QUICK = (
+    *("light_rim", "spin_box", "stool_on_floor", "grip_fast_ratio", "a_box", "heavy_on_light"),
+    "frustum_in_ring",
+)
 SHIPPED = ("sliding_puck", "glass_on_table", "painleve_rod", "cube_toss")
 SEED, STEPS_MAX = 1, 600
 

@@ -292,7 +292,7 @@ static int mg_cross_singular_place(mg_context *c, mg_record *record) {
     c->events.passage.is_paused = !crossed && mg_is_stop_reached(c);
   }
   if (c->events.passage.is_paused) {
-    run->t = c->step.stop_time, run->t_roundoff = 0;
+    run->t = c->step.stop_time, run->t_roundoff = 0, run->is_passage_due = 1;
     return 1;
   }
   if (!crossed) mg_set_run_state(c, t, c->step.settled);

@@ -245,7 +245,9 @@ MG_INTERNAL int mg_advance_followed(const mg_system *system, const mg_settings *
     if (run->steps_max > 0 && run->steps + run->rejected > run->steps_max) return MG_TOO_COSTLY;
     if (!mg_has_event_room(&c, events)) return MG_LIST_FULL;
     if (follower) follower->begin(&c, follower->of);
-    if (!step && !mg_is_time_stepping(&c)) { /* a passage in which the call before this one stopped */
+    const int is_passage_due = run->is_passage_due && !mg_is_time_stepping(&c);
+    run->is_passage_due = 0;
+    if (is_passage_due) {
       const int resumed = mg_cross_singular_contacts(&c, record, events);
       if (resumed || run->t >= t_stop) return resumed;
     }

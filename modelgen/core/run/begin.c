@@ -51,7 +51,7 @@ static void mg_reset_counts(mg_run *run) {
   run->progress_tries = run->progress_rejected = 0, run->progress_t = run->t;
   run->fallback_end = run->fallback_left = 0, run->fallback_doublings = 0;
   mg_reset_event_work(run);
-  run->forces_redundant = run->friction_redundant = 0;
+  run->forces_redundant = run->friction_redundant = 0, run->is_passage_due = 1;
   run->t_event = run->t, run->t_roundoff = 0;
   mg_reset_report(run);
 }

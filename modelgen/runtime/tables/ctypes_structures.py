@@ -216,6 +216,7 @@ RUN_INTEGERS = (
     "fallback_doublings",
     "forces_redundant",
     "friction_redundant",
+    "is_passage_due",
 )
 REPORT_COUNTS = (
     "lcp_solves",
