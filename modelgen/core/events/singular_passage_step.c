@@ -275,8 +275,8 @@ static int mg_is_passage_allowed(const mg_context *c) {
   return c->settings->method == MG_DOP853 && c->settings->project && c->settings->use_gamma && c->settings->newton;
 }
 
-/* Integrate across the singular place of a closed contact until its margin is regular, or up to stop_time, where the
-   passage pauses; returns 0, with the state restored, where that fails. */
+/* Integrate across the singular place of a closed contact until its margin is well regular, or up to stop_time, where
+   the passage pauses while the contact is singular; returns 0, with the state restored, where that fails. */
 static int mg_cross_singular_place(mg_context *c, mg_record *record) {
   mg_run *run = c->run;
   const mg_real t = run->t;
@@ -287,9 +287,10 @@ static int mg_cross_singular_place(mg_context *c, mg_record *record) {
   for (int k = 0; k < MG_PASSAGES_MAX && !crossed && !c->events.passage.is_paused; k++) {
     tau = mg_choose_passage_step(c);
     if (!(tau > 0) || !mg_set_run_state(c, run->t + tau, c->step.end) || !mg_project_drift(c)) break;
-    crossed = c->events.passage.margin >= 2 * c->settings->margin_refuse;
+    const int is_stopped = mg_is_stop_reached(c);
+    crossed = c->events.passage.margin >= (is_stopped ? 1 : 2) * c->settings->margin_refuse;
     mg_record_passage(c, record);
-    c->events.passage.is_paused = !crossed && mg_is_stop_reached(c);
+    c->events.passage.is_paused = !crossed && is_stopped;
   }
   if (c->events.passage.is_paused) {
     run->t = c->step.stop_time, run->t_roundoff = 0, run->is_passage_due = 1;
