@@ -2,6 +2,7 @@
    Writes c->search; at the start also feature pairs and eta of the contacts. */
 #include "closest/closest.h"
 #include "model/model.h"
+#include "solid/solid.h"
 
 #define MG_SEARCHES_IN_DEPTH 8 /* searches while a pair moves by appear_depth, at most */
 
@@ -231,11 +232,22 @@ static int mg_are_surfaces_apart(mg_context *c, int first, int end, const mg_min
   return searched > 0 && searched == surfaces[0] * surfaces[1];
 }
 
+/* The contact of a pair that can be on a feature pair: its own, or else the given one. */
+static int mg_contact_for(const mg_context *c, int contact, int feature_pair) {
+  const int *own = c->system->contact_feature_pair, pair = c->system->contact_pair[contact];
+  for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
+    if (own[i] == feature_pair) return i;
+  return contact;
+}
+
 /* Puts a contact on the nearest one of minima that penetrates. Returns 1 if there is one. */
 static int mg_follow_penetration(mg_context *c, int contact, const mg_minima *found) {
   for (int k = 0; k < found->count; k++) {
-    if (mg_is_start_gap_allowed(c, found->list[k].d)) continue;
-    mg_set_feature_pair(c, contact, found->list[k].feature_pair, found->list[k].eta);
+    const mg_minimum *at = found->list + k;
+    if (mg_is_start_gap_allowed(c, at->d)) continue;
+    const int on = mg_contact_for(c, contact, at->feature_pair);
+    mg_report_failed_contact(c->run, on);
+    mg_set_feature_pair(c, on, at->feature_pair, at->eta);
     return 1;
   }
   return 0;
@@ -256,27 +268,46 @@ static int mg_follow_deep_penetration(mg_context *c, int contact, int first, int
   return mg_follow_overlap(c, contact, &(mg_minima){0});
 }
 
-/* True if nothing shows yet that the bodies of a pair are beside each other: a face of one that has all of the other in
-   front of it, which a lower bound `least` of the gaps tells, m, or the only closest points of two convex bodies. */
-static int mg_may_overlap(const mg_context *c, int pair, mg_real least, const mg_minima *nearest) {
+/* True if closest points that do not penetrate part the bodies of a pair: those of two convex bodies by the planes
+   across their normal. All that there are do where one body is around a convex room, in which the farthest point of the
+   other would penetrate most, or is a ball whose centre is not in the other. */
+static int mg_do_closest_points_part(const mg_context *c, int pair, int are_all, const mg_minima *nearest) {
   const mg_system *s = c->system;
-  const int first = s->pair_feature_pair[pair], is_alone = s->pair_feature_pair[pair + 1] == first + 1;
-  return least <= -2 * c->settings->start_gap * s->length &&
-         !(is_alone && nearest->count && c->kernels->contact_kinds[s->feature_pair_kind[first]].is_convex);
+  const int first = s->pair_feature_pair[pair], *solid = s->pair_solid + 2 * pair;
+  if (!nearest->count && !(c->search.singular_gap < MG_MAX)) return 0;
+  if (s->pair_feature_pair[pair + 1] == first + 1 && c->kernels->contact_kinds[s->feature_pair_kind[first]].is_convex)
+    return 1;
+  if (solid[0] >= 0 && solid[1] >= 0 && mg_is_solid_convex(s, solid[0]) && mg_is_solid_convex(s, solid[1])) return 1;
+  for (int side = 0; side < 2 && are_all; side++) {
+    if (solid[side] < 0) continue;
+    if (mg_is_outside_convex(s, solid[side])) return 1;
+    if (!mg_is_solid_ball(s, solid[side]) || !mg_has_material(c, pair, 1 - side)) continue;
+    mg_real centre[3];
+    mg_to_world(c->bodies.pose + 12 * s->solid_body[solid[side]], s->numbers + s->solid_numbers[solid[side]], 1,
+                centre);
+    if (mg_height_over_material(c, pair, 1 - side, centre, MG_FIRST_ORDER) > 0) return 1;
+  }
+  return 0;
 }
 
-/* Outcome of a start where the bodies of feature pairs from `first` to `end` overlap, or MG_DONE. Puts a contact on
-   closest points that penetrate, also where those found by the search before, complete or not, are nearer. Where the
-   material of both is known, deep ones are looked for only to say how deep the overlap is. */
-static int mg_judge_overlap(mg_context *c, int contact, int first, int end, mg_real least, int is_complete,
-                            const mg_minima *nearest) {
-  const int pair = c->system->feature_pair_owner[first];
-  if (mg_follow_overlap(c, contact, nearest)) return MG_PENETRATION;
+/* Puts a contact on closest points that penetrate. Returns 1 if there are some among those found. */
+static int mg_follow_found(mg_context *c, int contact, const mg_minima *found) {
+  return mg_follow_overlap(c, contact, found) ||
+         (!(mg_pair_clearance(c, c->system->contact_pair[contact]) > 0) && mg_follow_penetration(c, contact, found));
+}
+
+/* Outcome of a start where the bodies of a pair overlap, or MG_DONE, of which closest points that do not penetrate were
+   found, all of them or not. Where the material of both is known, deep ones are looked for only to say how deep the
+   overlap is; a contact is put on them. */
+static int mg_judge_overlap(mg_context *c, int contact, mg_real least, int are_all, const mg_minima *nearest) {
+  const int pair = c->system->contact_pair[contact], first = c->system->pair_feature_pair[pair],
+            end = c->system->pair_feature_pair[pair + 1];
   if (mg_pair_clearance(c, pair) > 0) return MG_DONE;
-  if (mg_follow_penetration(c, contact, nearest)) return MG_PENETRATION;
-  if (!mg_may_overlap(c, pair, least, nearest)) return MG_DONE;
+  if (least > -2 * c->settings->start_gap * c->system->length || /* a face has all of the other body in front of it */
+      mg_do_closest_points_part(c, pair, are_all, nearest))
+    return MG_DONE;
   const int is_seen = mg_is_overlap_seen(c, pair);
-  if (!is_seen && is_complete &&
+  if (!is_seen && are_all &&
       (mg_are_materials_known(c, pair) || (nearest->count && mg_are_surfaces_apart(c, first, end, nearest))))
     return MG_DONE;
   if (mg_follow_deep_penetration(c, contact, first, end, least)) return MG_PENETRATION;
@@ -286,16 +317,25 @@ static int mg_judge_overlap(mg_context *c, int contact, int first, int end, mg_r
 /* Start of a pair whose contacts have feature pairs of their own. Returns an outcome. */
 static int mg_start_own_feature_pairs(mg_context *c, int pair) {
   const mg_system *s = c->system;
-  for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++) {
+  const int end = mg_pair_first_contact(c, pair + 1);
+  int are_all = 1;
+  mg_minima all = {0};
+  for (int i = mg_pair_first_contact(c, pair); i < end; i++) {
     const int feature_pair = s->contact_feature_pair[i];
     mg_minima found = {0};
-    const int is_complete = mg_search_at_start(c, feature_pair, feature_pair + 1, -MG_MAX, &found);
+    are_all &= mg_search_at_start(c, feature_pair, feature_pair + 1, -MG_MAX, &found);
     mg_report_failed_contact(c->run, i);
-    const int outcome = mg_judge_overlap(c, i, feature_pair, feature_pair + 1, -MG_MAX, is_complete, &found);
-    if (outcome) return outcome;
-    if (!found.count && !mg_is_open_gap_allowed(c) && mg_is_unconditional_feature_pair(c, feature_pair))
-      return mg_refuse_start(c);
-    if (found.count && found.list[0].undecided) return MG_NO_OUTSIDE;
+    if (mg_follow_found(c, i, &found)) return MG_PENETRATION;
+    for (int k = 0; k < found.count && all.count < MG_MINIMA; k++) all.list[all.count++] = found.list[k];
+    const int is_missing =
+        !found.count && !mg_is_open_gap_allowed(c) && mg_is_unconditional_feature_pair(c, feature_pair);
+    const int is_undecided = found.count && found.list[0].undecided;
+    if (i + 1 == end || is_missing || is_undecided) {
+      const int outcome = mg_judge_overlap(c, i, -MG_MAX, are_all && i + 1 == end, &all);
+      if (outcome) return outcome;
+    }
+    if (is_missing) return mg_refuse_start(c);
+    if (is_undecided) return MG_NO_OUTSIDE;
     mg_set_feature_pair(c, i, found.count ? feature_pair : -1, found.list[0].eta);
   }
   return MG_DONE;
@@ -311,8 +351,8 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
   const int feature_pair = s->pair_feature_pair[pair],
             is_complete = mg_search_at_start(c, feature_pair, s->pair_feature_pair[pair + 1], least, &found);
   mg_report_failed_contact(c->run, first);
-  const int outcome =
-      mg_judge_overlap(c, first, feature_pair, s->pair_feature_pair[pair + 1], least, is_complete, &found);
+  if (mg_follow_found(c, first, &found)) return MG_PENETRATION;
+  const int outcome = mg_judge_overlap(c, first, least, is_complete, &found);
   if (outcome) return outcome;
   if (!found.count && !mg_is_open_gap_allowed(c) && mg_is_unconditional_feature_pair(c, feature_pair) &&
       s->pair_feature_pair[pair + 1] - feature_pair == 1)

@@ -7,6 +7,8 @@
 #include "solid/solid.h"
 
 #define MG_CURVE_SAMPLES 64         /* of a curve, and of each coordinate of a surface without material */
+#define MG_BLOCKS 8                 /* into which each coordinate of such a surface is divided first */
+#define MG_BLOCK_REACH 2            /* how far a block reaches from its middle, over how far its corners are */
 #define MG_END_PART ((mg_real)1e-7) /* of a curve, at its ends */
 #define MG_CURVE_LOWEST 3           /* of them, about which the lowest place is refined */
 #define MG_CHORD_HALVINGS 24        /* of the part of a curve that passes through a disc */
@@ -34,7 +36,7 @@ static mg_both_solids mg_solids_of_pair(const mg_context *c, int pair) {
 /* A line on the feature of one side of a feature pair, from coordinates to coordinates, and the solids of its pair. */
 typedef struct {
   mg_both_solids both;
-  int feature_pair, side;
+  int feature_pair, side, samples;
   mg_real from[2], to[2];
 } mg_line;
 
@@ -63,10 +65,23 @@ static mg_real mg_lowest_about(mg_context *c, const mg_line *line, mg_real low, 
   return mg_min(at_a, at_b);
 }
 
+/* True if a line may be in both bodies between two parts of it, in whose middle it is at a height: it comes as far as
+   its ends are apart. */
+static int mg_may_line_be_lower(mg_context *c, const mg_line *line, mg_real low, mg_real high, mg_real height) {
+  mg_real uv[2], apart[3];
+  mg_sample from, to;
+  for (int k = 0; k < 2; k++) uv[k] = line->from[k] + low * (line->to[k] - line->from[k]);
+  mg_sample_at(c, line->feature_pair, line->side, uv, &from);
+  for (int k = 0; k < 2; k++) uv[k] = line->from[k] + high * (line->to[k] - line->from[k]);
+  mg_sample_at(c, line->feature_pair, line->side, uv, &to);
+  for (int k = 0; k < 3; k++) apart[k] = to.point[k] - from.point[k];
+  return height < sqrt(mg_dot3(apart, apart));
+}
+
 /* True if a point of a line is in both bodies. */
 static int mg_is_line_in_both(mg_context *c, const mg_line *line) {
   const mg_real deep = -mg_common_depth(c);
-  const int samples = MG_CURVE_SAMPLES;
+  const int samples = line->samples;
   mg_real height[MG_CURVE_SAMPLES + 1];
   for (int k = 0; k <= samples; k++)
     if ((height[k] = mg_height_on_line(c, line, (mg_real)k / samples)) < deep) return 1;
@@ -77,6 +92,7 @@ static int mg_is_line_in_both(mg_context *c, const mg_line *line) {
     if (best < 0) return 0;
     const mg_real low = (mg_real)(best > 0 ? best - 1 : 0) / samples,
                   high = (mg_real)(best < samples ? best + 1 : samples) / samples;
+    if (!mg_may_line_be_lower(c, line, low, high, height[best])) return 0;
     if (mg_lowest_about(c, line, low, high, deep) < deep) return 1;
     for (int k = best > 0 ? best - 1 : 0; k <= best + 1 && k <= samples; k++) height[k] = MG_MAX;
   }
@@ -234,16 +250,50 @@ static int mg_does_curve_cross(mg_context *c, int feature_pair, int side, mg_rea
   return 0;
 }
 
+/* True if a block of a surface, by its coordinates (u0, u1, v0, v1), may reach into both bodies. */
+static int mg_may_block_be_in_both(mg_context *c, const mg_both_solids *both, int feature_pair, int side,
+                                   const mg_real *box) {
+  const mg_real middle[2] = {(box[0] + box[1]) / 2, (box[2] + box[3]) / 2};
+  mg_sample at, corner;
+  mg_real reach = 0;
+  mg_sample_at(c, feature_pair, side, middle, &at);
+  for (int k = 0; k < 4; k++) {
+    const mg_real uv[2] = {box[k % 2], box[2 + k / 2]};
+    mg_real arm[3];
+    mg_sample_at(c, feature_pair, side, uv, &corner);
+    for (int i = 0; i < 3; i++) arm[i] = corner.point[i] - at.point[i];
+    reach = mg_max(reach, mg_dot3(arm, arm));
+  }
+  return mg_height_over_both(both, at.point, MG_LIPSCHITZ) < MG_BLOCK_REACH * sqrt(reach);
+}
+
+/* True if a block of a surface has a point in both bodies: lines along u of it. */
+static int mg_is_block_in_both(mg_context *c, const mg_both_solids *both, int feature_pair, int side,
+                               const mg_real *box) {
+  const int samples = MG_CURVE_SAMPLES / MG_BLOCKS;
+  if (!mg_may_block_be_in_both(c, both, feature_pair, side, box)) return 0;
+  for (int row = 0; row <= samples; row++) {
+    const mg_real v = box[2] + (box[3] - box[2]) * row / samples;
+    const mg_line line = {*both, feature_pair, side, samples, {box[0], v}, {box[1], v}};
+    if (mg_is_line_in_both(c, &line)) return 1;
+  }
+  return 0;
+}
+
 /* True if a feature has a point in the material of the other shape of its pair. */
 static int mg_is_feature_in_both(mg_context *c, int feature_pair, int side) {
   const mg_both_solids both = mg_solids_of_pair(c, c->system->feature_pair_owner[feature_pair]);
-  const int dimension = mg_feature_dimension(c, feature_pair, side);
   mg_real window[4];
   mg_window_of_feature(c, feature_pair, side, window);
-  for (int row = 0; row <= (dimension == 2 ? MG_CURVE_SAMPLES : 0); row++) {
-    const mg_real v = window[2] + (window[3] - window[2]) * row / MG_CURVE_SAMPLES;
-    const mg_line line = {both, feature_pair, side, {window[0], v}, {window[1], v}};
-    if (mg_is_line_in_both(c, &line)) return 1;
+  if (mg_feature_dimension(c, feature_pair, side) < 2) {
+    const mg_line line = {both, feature_pair, side, MG_CURVE_SAMPLES, {window[0], window[2]}, {window[1], window[2]}};
+    return mg_is_line_in_both(c, &line);
+  }
+  const mg_real u = (window[1] - window[0]) / MG_BLOCKS, v = (window[3] - window[2]) / MG_BLOCKS;
+  for (int k = 0; k < MG_BLOCKS * MG_BLOCKS; k++) {
+    const int i = k % MG_BLOCKS, j = k / MG_BLOCKS;
+    const mg_real box[4] = {window[0] + i * u, window[0] + (i + 1) * u, window[2] + j * v, window[2] + (j + 1) * v};
+    if (mg_is_block_in_both(c, &both, feature_pair, side, box)) return 1;
   }
   return 0;
 }

@@ -288,7 +288,8 @@ static int mg_cross_singular_place(mg_context *c, mg_record *record) {
     tau = mg_choose_passage_step(c);
     if (!(tau > 0) || !mg_set_run_state(c, run->t + tau, c->step.end) || !mg_project_drift(c)) break;
     const int is_stopped = mg_is_stop_reached(c);
-    crossed = c->events.passage.margin >= (is_stopped ? 1 : 2) * c->settings->margin_refuse;
+    crossed = c->events.passage.margin >= 2 * c->settings->margin_refuse ||
+              (is_stopped && c->events.passage.margin >= c->settings->margin_refuse);
     mg_record_passage(c, record);
     c->events.passage.is_paused = !crossed && is_stopped;
   }

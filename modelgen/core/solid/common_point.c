@@ -42,8 +42,10 @@ MG_INTERNAL int mg_find_common_point(const mg_both_solids *both, const mg_real *
   const mg_real root = sqrt((mg_real)3);
   mg_common_cells old, cells;
   mg_real lowest = MG_MAX;
-  found->half = radius, found->slack = MG_MAX;
-  old.count = 0;
+  found->half = radius, found->is_undecided = 0;
+  found->slack = mg_height_over_both(both, centre, MG_LIPSCHITZ) - radius + deep;
+  if (found->slack >= 0) return 0;
+  found->slack = MG_MAX, old.count = 0;
   mg_add_common_cell(&old, centre, 0);
   for (int parts = MG_FIRST_CELLS; old.count && found->half > smallest; parts = 2, old = cells) {
     const mg_real half = found->half /= parts;

@@ -109,6 +109,67 @@ MG_INTERNAL mg_real mg_height_over_solid(const mg_system *s, int solid, const mg
   return height;
 }
 
+/* True if no cavity but a solid itself bounds its material. */
+static int mg_has_no_other_cavity(const mg_system *s, int solid) {
+  const int body = s->solid_body[solid];
+  for (int step = -1; step < 2; step += 2) /* solids of a body follow one another */
+    for (int each = solid + step; each >= 0 && each < s->n_solid && s->solid_body[each] == body; each += step)
+      if (s->solid_is_cavity[each]) return 0;
+  return 1;
+}
+
+/* True if the points at which a term is negative are convex. */
+static int mg_is_term_convex(const mg_system *s, int term) {
+  const mg_real *n = s->numbers + s->term_numbers[term];
+  const int count = s->term_size[term] / 2;
+  switch (s->term_kind[term]) {
+    case MG_TERM_PLANE:
+    case MG_TERM_CAPSULE:
+    case MG_TERM_ELLIPSOID:
+      return 1;
+    case MG_TERM_TURNED:
+      return n[0] >= 0;
+    case MG_TERM_RING:
+      return n[0] == 0;
+    case MG_TERM_SUPERELLIPSOID:
+      return n[3] >= 1 && n[4] >= 1;
+    case MG_TERM_POLYGON:
+      for (int k = 0; k < count; k++) {
+        const mg_real *a = n + 2 * k, *b = n + 2 * ((k + 1) % count), *d = n + 2 * ((k + 2) % count);
+        if ((b[0] - a[0]) * (d[1] - b[1]) - (b[1] - a[1]) * (d[0] - b[0]) < 0) return 0;
+      }
+      return 1;
+    default:
+      return 0;
+  }
+}
+
+/* True if the points at which all terms of a solid are negative are convex. */
+static int mg_are_terms_convex(const mg_system *s, int solid) {
+  for (int term = s->solid_term[solid]; term < s->solid_term[solid + 1]; term++)
+    if (!mg_is_term_convex(s, term)) return 0;
+  return 1;
+}
+
+MG_INTERNAL int mg_is_solid_convex(const mg_system *s, int solid) {
+  return !s->solid_is_cavity[solid] && mg_are_terms_convex(s, solid) && mg_has_no_other_cavity(s, solid);
+}
+
+MG_INTERNAL int mg_is_outside_convex(const mg_system *s, int solid) {
+  const int term = s->solid_term[solid], kind = s->term_kind[term];
+  const int is_outside = kind == MG_TERM_PLANE || kind == MG_TERM_PARABOLOID ||
+                         (kind == MG_TERM_TURNED && s->numbers[s->term_numbers[term]] <= 0);
+  return (s->solid_is_cavity[solid] ? mg_are_terms_convex(s, solid)
+                                    : is_outside && s->solid_term[solid + 1] == term + 1) &&
+         mg_has_no_other_cavity(s, solid);
+}
+
+MG_INTERNAL int mg_is_solid_ball(const mg_system *s, int solid) {
+  const int term = s->solid_term[solid];
+  return !s->solid_is_cavity[solid] && s->solid_term[solid + 1] == term + 1 && s->term_kind[term] == MG_TERM_RING &&
+         s->numbers[s->term_numbers[term]] == 0 && mg_has_no_other_cavity(s, solid);
+}
+
 MG_INTERNAL int mg_is_material_known(const mg_context *c, int pair, int side) {
   return c->system->pair_solid[2 * pair + side] != MG_UNKNOWN_MATERIAL;
 }

@@ -11,6 +11,11 @@
    no point nearer to x than its size is on the other side (MG_LIPSCHITZ). It ends at the cavities of its body. */
 MG_INTERNAL mg_real mg_height_over_solid(const mg_system *s, int solid, const mg_real *pose, const mg_real *x, int how);
 
+/* True if a solid, less the cavities of its body, is convex; if the points that are not in it are; if it is a ball. */
+MG_INTERNAL int mg_is_solid_convex(const mg_system *s, int solid);
+MG_INTERNAL int mg_is_outside_convex(const mg_system *s, int solid);
+MG_INTERNAL int mg_is_solid_ball(const mg_system *s, int solid);
+
 /* True if the material of the shape of one side of a pair is known: that it has none, too. */
 MG_INTERNAL int mg_is_material_known(const mg_context *c, int pair, int side);
 
