@@ -190,6 +190,8 @@ def _points_on(face: Feature, condition: Condition, edge: Feature | None) -> Arr
         return np.asarray(to_outer(edge.shape.pose, points_of(edge.shape, inner)))
     if face.shape.kind == "plane":
         return _points_on_side(face, condition)
+    if not np.isfinite(domain_of(face.shape)).all():
+        return np.zeros((0, 3))
     return side_points(face, condition, SAMPLES + 1)[1:-1]
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from modelgen import Accuracy, simulate
+from modelgen import Accuracy, require, simulate
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Body, Shape
@@ -71,6 +71,17 @@ def test_a_step_is_slid_over_up_to_the_flush_height_of_the_scene_and_struck_abov
         path = slid(SLIDERS["box"], [LEFT, plate(part * flush * length)], 0.3, flush_height=flush)
         assert path.is_trusted, (part, path.doubts)
         assert is_stopped(path) == (part > 1), (part, path.events)
+
+
+def test_a_round_plug_in_a_plane_joins_it_by_finite_numbers() -> None:
+    """Faces of a cylinder are unbounded but for their conditions."""
+    plane = make.fixed("floor", make.plane())
+    plug = make.fixed("plug", make.cylinder(0.2, 0.5), position=[0.2, 0.0, -0.25])
+    body = make.dynamic("slider", SLIDERS["puck"], mass=1.0, inertia=[0.01] * 3, position=[-0.5, 0.0, 0.05])
+    contact = [{"between": ["slider", each]} for each in ("floor", "plug")]
+    with np.errstate(all="raise"):
+        joined = require(make.scene("plug", [plane, plug, body], contact=contact)).joined
+    assert len(joined) == 1
 
 
 def test_plates_that_are_flush_with_a_first_one_are_level_with_each_other() -> None:
