@@ -27,7 +27,9 @@ FAR = 30.0  # m, of a shape without end what the judge sees, to either side
 ENDLESS = ("line", "endless")
 PIERCED = ("box", "plate", "frustum", "polyhedron", "disc", "cylinder")
 PAIRS = tuple(
-    kinds for kinds in product((*ENDLESS, "segment", "rod", "disc"), PIERCED) if kinds != ("disc", "frustum")
+    kinds
+    for kinds in product((*ENDLESS, "segment", "rod", "capsule", "disc"), PIERCED)
+    if kinds != ("disc", "frustum")
 )
 
 
@@ -49,6 +51,12 @@ def _shape(kind: str, rng: np.random.Generator) -> tuple[Shape, Array]:
             return make.segment(3 * a), np.array([[0, 0, -1.5 * a], [0, 0, 1.5 * a]])
         case "rod":
             return make.cylinder(0.1 * a, 3 * b), _circles((0.1 * a, -1.5 * b), (0.1 * a, 1.5 * b))
+        case "capsule":
+            angles, length = np.linspace(0, np.pi / 2, 20), 3 * b
+            rims = [
+                (0.1 * a * np.cos(t), s * (length / 2 + 0.1 * a * np.sin(t))) for t in angles for s in (-1, 1)
+            ]
+            return make.capsule(0.1 * a, length), _circles(*rims)
         case "cylinder":
             return make.cylinder(a, b), _circles((a, -b / 2), (a, b / 2))
         case "frustum":

@@ -268,16 +268,28 @@ static int mg_follow_deep_penetration(mg_context *c, int contact, int first, int
   return mg_follow_overlap(c, contact, &(mg_minima){0});
 }
 
+/* True if closest points are within those conditions, too, beyond which a contact would stay. */
+static int mg_is_within_all_conditions(mg_context *c, const mg_minimum *at) {
+  const int probe_contact = mg_use_probe_contact(c, at->feature_pair);
+  mg_real next[6];
+  int which;
+  mg_place_contact(c, probe_contact, at->eta, next);
+  return mg_least_feature_pair_condition(c, at->feature_pair, at->eta, MG_SEARCHED_BEYOND, &which) >=
+         -c->settings->feature_border * mg_min(c->system->length, (mg_real)1);
+}
+
 /* True if closest points that do not penetrate part the bodies of a pair: those of two convex bodies by the planes
    across their normal. All that there are do where one body is around a convex room, in which the farthest point of the
    other would penetrate most, or is a ball whose centre is not in the other. */
-static int mg_do_closest_points_part(const mg_context *c, int pair, int are_all, const mg_minima *nearest) {
+static int mg_do_closest_points_part(mg_context *c, int pair, int are_all, const mg_minima *nearest) {
   const mg_system *s = c->system;
   const int first = s->pair_feature_pair[pair], *solid = s->pair_solid + 2 * pair;
-  if (!nearest->count && !(c->search.singular_gap < MG_MAX)) return 0;
+  if (!nearest->count) return 0;
   if (s->pair_feature_pair[pair + 1] == first + 1 && c->kernels->contact_kinds[s->feature_pair_kind[first]].is_convex)
     return 1;
-  if (solid[0] >= 0 && solid[1] >= 0 && mg_is_solid_convex(s, solid[0]) && mg_is_solid_convex(s, solid[1])) return 1;
+  if (solid[0] >= 0 && solid[1] >= 0 && mg_is_solid_convex(s, solid[0]) && mg_is_solid_convex(s, solid[1]))
+    for (int k = 0; k < nearest->count; k++)
+      if (mg_is_within_all_conditions(c, nearest->list + k)) return 1;
   for (int side = 0; side < 2 && are_all; side++) {
     if (solid[side] < 0) continue;
     if (mg_is_outside_convex(s, solid[side])) return 1;
