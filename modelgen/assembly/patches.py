@@ -13,6 +13,7 @@ from modelgen.assembly.feature_pairs import Whole, is_allowed
 from modelgen.assembly.friction_constraints import has_friction
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.rim_support_points import SUPPORT_POINTS, rim_of
+from modelgen.geometry.exposed_features import is_hidden
 from modelgen.geometry.face_regions import Region, regions_of
 from modelgen.model import BoundaryEntry, ContactKind, FaceEntry, FeaturePairEntry, PatchEntry, ShapeKind
 from modelgen.scene.pose_arithmetic import compose, to_outer
@@ -136,8 +137,15 @@ def patches_of(
 
 
 def _allowed(whole: Whole, pair: ContactPair) -> Iterable[Region]:
-    """The planar regions whose contact the scene allows."""
-    return (region for region in regions_of(whole.shape) if not region.name or is_allowed(region.name, pair))
+    """The planar regions whose contact the scene allows, but those of which all faces are hidden."""
+    faces = [each for each in whole.left or () if each.dimension == 2 and not is_hidden(each)]
+    seen = {each.name.partition(".")[0] for each in faces}
+    return (
+        region
+        for region in regions_of(whole.shape)
+        if (not region.name or is_allowed(region.name, pair))
+        and (whole.left is None or seen & region.features)
+    )
 
 
 def _numbers_by_features(

@@ -37,7 +37,8 @@ def exposed(
     Args:
         features: of the shape, in its axes.
         cells: the convex pieces of the others, in the same axes.
-        before: those among them to whose level the shape is moved where a flat face is flush with theirs.
+        before: those among them to whose level the shape is moved where a flat face is flush with theirs, and
+            whose faces cover it there.
         flush: m, distance from a surface of what counts as lying in it.
 
     Returns:
@@ -46,9 +47,22 @@ def exposed(
     off = _off_level(features, before, flush)
     level = [_moved(each, -off) for each in features] if off.any() else features
     others = {each.name: each for each in level}
-    parts = [part for each in level for part in _parts(each, cells, others, flush)]
+    beside = [_Beside(cell, any(_are_same(cell, each) for each in before)) for cell in cells]
+    parts = [part for each in level for part in _parts(each, beside, others, flush)]
     seen = {each.name for each in parts if NEVER not in each.conditions}
     return tuple(_without(each, seen) for each in parts)
+
+
+@dataclass(frozen=True, slots=True)
+class _Beside:
+    """The material beside a shape, and whether its level faces count instead of the shape's."""
+
+    cell: Cell
+    is_first: bool
+
+
+def _are_same(a: Cell, b: Cell) -> bool:
+    return np.array_equal(a.normals, b.normals) and np.array_equal(a.offsets, b.offsets)
 
 
 def without_edges(
@@ -120,27 +134,27 @@ def _without(feature: Feature, names: set[str]) -> Feature:
 
 
 def _parts(
-    feature: Feature, cells: Sequence[Cell], others: dict[str, Feature], flush: float
+    feature: Feature, beside: Sequence[_Beside], others: dict[str, Feature], flush: float
 ) -> Iterator[Feature]:
     """The feature, or its parts, of which some may be hidden."""
+    cells = [each.cell for each in beside]
     if feature.shape.kind == "edge" and is_bounded(feature):
         yield from _parts_of_edge(feature, cells, flush)
     elif feature.shape.kind == "plane" and feature.conditions and all(map(is_linear, feature.conditions)):
-        yield from _parts_of_face(feature, cells, flush)
+        yield from _parts_of_face(feature, beside, flush)
     elif feature.dimension == 0:
         yield _hidden(feature) if any(_covers_vertex(cell, feature, flush) for cell in cells) else feature
     else:
-        is_within = any(_is_within(cell, feature, others, flush) for cell in cells)
+        is_within = any(_is_within(each, feature, others, flush) for each in beside)
         yield _hidden(feature) if is_within else feature
 
 
-def _is_within(cell: Cell, feature: Feature, others: dict[str, Feature], flush: float) -> bool:
-    bound = highest(feature, cell, others)
+def _is_within(beside: _Beside, feature: Feature, others: dict[str, Feature], flush: float) -> bool:
+    bound = highest(feature, beside.cell, others)
     if bound is None or bound.max() > flush:
         return False
-    return not (
-        feature.dimension == 2 and feature.shape.kind == "plane" and _shares_plane(cell, feature, flush)
-    )
+    is_flat = feature.dimension == 2 and feature.shape.kind == "plane"
+    return beside.is_first or not (is_flat and _shares_plane(beside.cell, feature, flush))
 
 
 def _outward(feature: Feature) -> Array:
@@ -320,16 +334,17 @@ def _polygon_of(face: Feature) -> _Polygon | None:
     return _Polygon(found[1], tuple(found[0]))
 
 
-def _parts_of_face(face: Feature, cells: Sequence[Cell], flush: float) -> Iterator[Feature]:
+def _parts_of_face(face: Feature, beside: Sequence[_Beside], flush: float) -> Iterator[Feature]:
     whole = _polygon_of(face)
     if whole is None:
         yield face
         return
     left, hidden = [whole], []
-    for cell in cells:
-        lines = None if _shares_plane(cell, face, flush) else _lines_in(face, cell, flush)
+    for each in beside:
+        is_level = _shares_plane(each.cell, face, flush) and not each.is_first
+        lines = None if is_level else _lines_in(face, each.cell, flush)
         if lines is not None:
-            split = [_split(each, lines, flush) for each in left]
+            split = [_split(part, lines, flush) for part in left]
             left = [part for outside, _ in split for part in outside]
             hidden += [inside for _, inside in split if inside is not None]
     if not hidden:

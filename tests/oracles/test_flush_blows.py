@@ -150,3 +150,28 @@ def test_the_wall_of_a_tray_is_struck(name: str) -> None:
     path = slid(SLIDERS[name], [tray], 0.3)
     assert is_stopped(path)
     assert not path.flush_contact
+
+
+def test_friction_on_a_plug_in_a_plane_is_that_of_the_plane() -> None:
+    """The face of the plug lies in that of the plane, which counts alone, under a frustum that spins."""
+    plane = make.fixed("floor", make.plane())
+    plug = make.fixed("plug", make.cylinder(0.15, 0.5), position=[0.2, 0.0, -0.25])
+    body = make.dynamic(
+        "slider", make.frustum(0.2, 0.1, 0.1), mass=1.0, inertia=[0.01] * 3, position=[-0.1, 0.05, 0.05],
+        velocity=[SPEED, 0.0, 0.0], angular_velocity=[0.0, 0.0, 2.0],
+    )  # fmt: skip
+    alone, plugged = (
+        simulate(
+            library_of(
+                make.scene(
+                    "plug",
+                    [*ground, body],
+                    contact=[{"between": ["slider", each.name], "friction": 0.2} for each in ground],
+                )
+            ),
+            until=0.2,
+        )
+        for ground in ([plane], [plane, plug])
+    )
+    assert [event.kind for event in plugged.events] == ["face-contact"]
+    np.testing.assert_allclose(plugged.p[-1, -1], alone.p[-1, -1], atol=1e-12)
