@@ -45,7 +45,7 @@ class Unions:
     ) -> None:
         """Of faces as single shapes have them; `stands`, `centres`: of the bodies, and their centres of mass
         in their axes, m; `flush`: m, height up to which faces are in one plane."""
-        self.given, self._stands, self._flush = faces, stands, flush
+        self.given, self._flush = faces, flush
         self._centred = [  # the axes of the centres of mass where the bodies stand
             compose(pose, Pose(centre)) for (_, pose), centre in zip(stands, centres, strict=True)
         ]

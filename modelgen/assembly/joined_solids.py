@@ -13,7 +13,7 @@ from modelgen.assembly.faces_across_shapes import terms_of
 from modelgen.assembly.placed_shapes import Partner, Partners, PlacedShapes
 from modelgen.assembly.smooth_borders import Beyond, BorderName, Group, SmoothBorders
 from modelgen.assembly.welded_bodies import Stand
-from modelgen.geometry.exposed_features import exposed, is_hidden, without_edges
+from modelgen.geometry.exposed_features import Beside, exposed, is_hidden, without_edges
 from modelgen.geometry.shape_features import features_of
 from modelgen.scene.scene_types import Feature, Scene
 
@@ -93,9 +93,11 @@ class JoinedSolids:
             shape = self._shapes.shape(name)
             features = features_of(shape).features
             if not shape.cavity and len(features) > 1:
-                near = self._shapes.near(name, joined)
-                first = [each for each in near if joined.index(each) < joined.index(name)]
-                cells, before = (self._shapes.cells(name, others) for others in (near, first))
-                features = exposed(features, cells, before, self._shapes.flush)
+                beside = [
+                    Beside(cell, joined.index(each) < joined.index(name))
+                    for each in self._shapes.near(name, joined)
+                    for cell in self._shapes.cells(name, (each,))
+                ]
+                features = exposed(features, beside, self._shapes.flush)
             self._exposed[key] = features
         return self._exposed[key]

@@ -10,7 +10,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from modelgen.geometry.coordinate_domains import domain_of
+from modelgen.geometry.coordinate_domains import domain_within
 from modelgen.geometry.curves import curve_of
 from modelgen.geometry.extent import bounding_radius
 from modelgen.geometry.face_meshes import face_mesh
@@ -95,8 +95,7 @@ def _placed(pose: Pose, points: Array) -> Array:
 
 def _line(curve: Shape, size: float, allowed: float) -> tuple[Array, float]:
     """A curve as segments (k, 2, 3), and how far they are from it."""
-    ((lower, upper),) = domain_of(curve)
-    ends = lower if isfinite(lower) else -size, upper if isfinite(upper) else size
+    (ends,) = domain_within(curve, size)
     t, numbers = ca.SX.sym("t"), ca.DM([value for _, value in curve.parameters])
     function = ca.Function("point", [t], [ca.densify(curve_of(curve).jet(t, ca.SX(numbers)).x)])
     points, off = _chain(lambda at: np.asarray(function(at.reshape(1, -1))).T, ends, allowed)

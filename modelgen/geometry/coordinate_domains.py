@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import isfinite
+
 from modelgen.geometry.curves import curve_of, is_curve
 from modelgen.geometry.points import is_point
 from modelgen.geometry.surface_catalogue import surface_of
@@ -22,3 +24,11 @@ def domain_of(shape: Shape) -> tuple[tuple[float, float], ...]:
         half = shape.parameters[0][1] / 2
         return ((-half, half),)
     return (curve_of(shape).domain,) if is_curve(shape) else surface_of(shape).domain
+
+
+def domain_within(shape: Shape, reach: float) -> tuple[tuple[float, float], ...]:
+    """The same bounds, those that are infinite replaced by `reach`, m, to either side."""
+    return tuple(
+        (lower if isfinite(lower) else -reach, upper if isfinite(upper) else reach)
+        for lower, upper in domain_of(shape)
+    )

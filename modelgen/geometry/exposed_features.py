@@ -29,40 +29,35 @@ LEAST = 4.0  # tolerances, length of a part that is left
 NEVER = Condition("tip", (0.0, 0.0, 0.0, 1.0), None)  # of the normal, which no normal fulfils
 
 
-def exposed(
-    features: Sequence[Feature], cells: Sequence[Cell], before: Sequence[Cell], flush: float
-) -> tuple[Feature, ...]:
-    """The features, or parts of them, that are left beside other solids.
-
-    Args:
-        features: of the shape, in its axes.
-        cells: the convex pieces of the others, in the same axes.
-        before: those among them to whose level the shape is moved where a flat face is flush with theirs, and
-            whose faces cover it there.
-        flush: m, distance from a surface of what counts as lying in it.
-
-    Returns:
-        The same objects where the shape is not moved and nothing of a feature is covered.
-    """
-    off = _off_level(features, before, flush)
-    level = [_moved(each, -off) for each in features] if off.any() else features
-    others = {each.name: each for each in level}
-    beside = [_Beside(cell, any(_are_same(cell, each) for each in before)) for cell in cells]
-    parts = [part for each in level for part in _parts(each, beside, others, flush)]
-    seen = {each.name for each in parts if NEVER not in each.conditions}
-    return tuple(_without(each, seen) for each in parts)
-
-
 @dataclass(frozen=True, slots=True)
-class _Beside:
-    """The material beside a shape, and whether its level faces count instead of the shape's."""
+class Beside:
+    """A convex piece of the material beside a shape.
+
+    If it comes first, the shape is moved to its level where a flat face is flush with one of it, and that
+    face is covered there.
+    """
 
     cell: Cell
     is_first: bool
 
 
-def _are_same(a: Cell, b: Cell) -> bool:
-    return np.array_equal(a.normals, b.normals) and np.array_equal(a.offsets, b.offsets)
+def exposed(features: Sequence[Feature], beside: Sequence[Beside], flush: float) -> tuple[Feature, ...]:
+    """The features, or parts of them, that are left beside other solids.
+
+    Args:
+        features: of the shape, in its axes.
+        beside: the convex pieces of the others, in the same axes.
+        flush: m, distance from a surface of what counts as lying in it.
+
+    Returns:
+        The same objects where the shape is not moved and nothing of a feature is covered.
+    """
+    off = _off_level(features, [each.cell for each in beside if each.is_first], flush)
+    level = [_moved(each, -off) for each in features] if off.any() else features
+    others = {each.name: each for each in level}
+    parts = [part for each in level for part in _parts(each, beside, others, flush)]
+    seen = {each.name for each in parts if NEVER not in each.conditions}
+    return tuple(_without(each, seen) for each in parts)
 
 
 def without_edges(
@@ -134,7 +129,7 @@ def _without(feature: Feature, names: set[str]) -> Feature:
 
 
 def _parts(
-    feature: Feature, beside: Sequence[_Beside], others: dict[str, Feature], flush: float
+    feature: Feature, beside: Sequence[Beside], others: dict[str, Feature], flush: float
 ) -> Iterator[Feature]:
     """The feature, or its parts, of which some may be hidden."""
     cells = [each.cell for each in beside]
@@ -149,7 +144,7 @@ def _parts(
         yield _hidden(feature) if is_within else feature
 
 
-def _is_within(beside: _Beside, feature: Feature, others: dict[str, Feature], flush: float) -> bool:
+def _is_within(beside: Beside, feature: Feature, others: dict[str, Feature], flush: float) -> bool:
     bound = highest(feature, beside.cell, others)
     if bound is None or bound.max() > flush:
         return False
@@ -334,7 +329,7 @@ def _polygon_of(face: Feature) -> _Polygon | None:
     return _Polygon(found[1], tuple(found[0]))
 
 
-def _parts_of_face(face: Feature, beside: Sequence[_Beside], flush: float) -> Iterator[Feature]:
+def _parts_of_face(face: Feature, beside: Sequence[Beside], flush: float) -> Iterator[Feature]:
     whole = _polygon_of(face)
     if whole is None:
         yield face

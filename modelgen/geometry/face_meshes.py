@@ -10,13 +10,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from math import hypot, isfinite
+from math import hypot
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from modelgen.geometry.coordinate_domains import domain_of
+from modelgen.geometry.coordinate_domains import domain_within
 from modelgen.geometry.frames import cross
 from modelgen.geometry.mesh_cuts import Border, cut
 from modelgen.geometry.surface_catalogue import exterior_sign, surface_of
@@ -59,10 +59,7 @@ def face_mesh(face: Feature, size: float, allowed: float) -> FaceMesh:
     points = _points(face.shape)
     conditions = [each for each in (_value_of(c, points) for c in face.conditions) if each is not None]
     reach = size + hypot(*face.shape.pose.position)  # in the axes of the surface
-    whole = tuple(
-        (lower if isfinite(lower) else -reach, upper if isfinite(upper) else reach)
-        for lower, upper in domain_of(face.shape)
-    )
+    whole = domain_within(face.shape, reach)
     first = 1 if face.shape.kind == "plane" and not conditions else FIRST
     lines = [np.linspace(*ends, first + 1) for ends in _extent(whole, conditions)]
     while True:

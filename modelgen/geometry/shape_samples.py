@@ -10,7 +10,7 @@ from math import isfinite, sqrt
 import casadi as ca
 import numpy as np
 
-from modelgen.geometry.coordinate_domains import domain_of
+from modelgen.geometry.coordinate_domains import domain_of, domain_within
 from modelgen.geometry.curves import curve_of
 from modelgen.geometry.extent import bounding_radius
 from modelgen.geometry.frames import cross
@@ -92,10 +92,7 @@ def samples_of_face(face: Feature, side: int, reach: float) -> Samples:
     """Those of a face, axes of the shape, by `side` in each direction; `reach`, m, bounds a coordinate that
     has no bound."""
     shape = face.shape
-    ends = [
-        (lower if isfinite(lower) else -reach, upper if isfinite(upper) else reach)
-        for lower, upper in domain_of(shape)
-    ]
+    ends = domain_within(shape, reach)
     u, v = (np.linspace(*each, side) for each in ends)
     uv = np.array([entry.ravel() for entry in np.meshgrid(u, v, indexing="ij")])
     points, areas = points_and_areas(shape, uv)

@@ -16,7 +16,7 @@ import numpy as np
 
 from modelgen.geometry.composites.feature_constructors import linear
 from modelgen.geometry.convex_cells import range_of
-from modelgen.geometry.coordinate_domains import domain_of
+from modelgen.geometry.coordinate_domains import domain_of, domain_within
 from modelgen.geometry.face_regions import is_linear, points_of, polygon_of
 from modelgen.geometry.frames import cross
 from modelgen.geometry.open_edges import side_points
@@ -152,7 +152,7 @@ def feet(face: Feature, points: Array) -> Feet:
     size = np.linalg.norm(area, axis=1, keepdims=True)
     normals = exterior_sign(shape) * area / np.where(size > 0, size, 1.0)
     reach = float(np.abs(x).max(initial=0.0))
-    ends = _bounded(shape, reach)
+    ends = domain_within(shape, reach)
     is_on, is_within = size[:, 0] > 0, size[:, 0] > 0
     for condition in face.conditions:
         slack = AT_END * extent_of(condition, ends, reach)
@@ -210,19 +210,11 @@ def _points_on_side(face: Feature, condition: Condition) -> Array:
 def _nearest_of_grid(shape: Shape, jet: ca.Function, numbers: ca.DM, points: Array) -> Array:
     """(2, n) the coordinates on a grid over a face that are nearest to points (n, 3)."""
     reach = float(np.abs(points).max(initial=0.0)) + 1.0
-    sides = [np.linspace(*each, GRID) for each in _bounded(shape, reach)]
+    sides = [np.linspace(*each, GRID) for each in domain_within(shape, reach)]
     grid = np.array([entry.ravel() for entry in np.meshgrid(*sides, indexing="ij")])
     x = np.asarray(jet(grid, numbers)[0]).T
     nearest = np.linalg.norm(points[:, None, :] - x[None, :, :], axis=2).argmin(axis=1)
     return np.asarray(grid[:, nearest])
-
-
-def _bounded(shape: Shape, reach: float) -> list[tuple[float, float]]:
-    """The domain of a surface, up to `reach`, m, where a coordinate has no bound."""
-    return [
-        (low if isfinite(low) else -reach, high if isfinite(high) else reach)
-        for low, high in domain_of(shape)
-    ]
 
 
 def _least_squares(u: Array, v: Array, off: Array) -> Array:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import argparse
 from collections import Counter, defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -252,18 +252,24 @@ def _stated(path: Trajectory) -> float:
     return float(path.position_error[-1])
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--count", type=int, default=1000)
+def members_asked_for(text: str | None, count: int, kinds: Iterable[str]) -> tuple[Sequence[int], list[str]]:
+    """The numbers of members and the kinds that the command line of a study asks for; `text` describes it."""
+    parser = argparse.ArgumentParser(description=text, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--count", type=int, default=count)
     parser.add_argument("--part", default="1/1")
-    parser.add_argument("--only", nargs="*", default=list(SLIDERS))
+    parser.add_argument("--only", nargs="*", default=list(kinds))
     parser.add_argument("--member", type=int)
     chosen = parser.parse_args()
     part, parts = map(int, chosen.part.split("/"))
     seeds = range(part - 1, chosen.count, parts) if chosen.member is None else [chosen.member]
+    return seeds, chosen.only
+
+
+def main() -> None:
+    seeds, only = members_asked_for(__doc__, 1000, SLIDERS)
     table: defaultdict[str, Counter[str]] = defaultdict(Counter)
     for seed in seeds:
-        member = drawn(seed, chosen.only)
+        member = drawn(seed, only)
         verdict, why = judged(member)
         table[member.slider][verdict] += 1
         if verdict != "right":

@@ -14,7 +14,6 @@ pass the joint.
 
 from __future__ import annotations
 
-import argparse
 from collections import Counter, defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -32,7 +31,7 @@ from modelgen import Accuracy, ModelgenError, derive, emit, require, simulate
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Scene, Shape
-from tests.benchmarks.seams import quaternion_row, row
+from tests.benchmarks.seams import members_asked_for, quaternion_row, row
 from tests.running import compiled
 
 G = 9.81
@@ -514,17 +513,10 @@ def _centre_at_end(member: Member) -> Array:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--count", type=int, default=200)
-    parser.add_argument("--part", default="1/1")
-    parser.add_argument("--only", nargs="*", default=list(GROUNDS))
-    parser.add_argument("--member", type=int)
-    chosen = parser.parse_args()
-    part, parts = map(int, chosen.part.split("/"))
-    seeds = range(part - 1, chosen.count, parts) if chosen.member is None else [chosen.member]
+    seeds, only = members_asked_for(__doc__, 200, GROUNDS)
     table: defaultdict[str, Counter[str]] = defaultdict(Counter)
     for seed in seeds:
-        member = drawn(seed, chosen.only)
+        member = drawn(seed, only)
         verdict, why, passes = judged(member)
         table[member.kind][verdict] += 1
         table[member.kind]["pass the joint"] += passes

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from modelgen.geometry.convex_cells import Cell, cells_of, ends_of, range_of
-from modelgen.geometry.exposed_features import exposed, is_hidden
+from modelgen.geometry.exposed_features import Beside, exposed, is_hidden
 from modelgen.geometry.face_regions import to_axes
 from modelgen.geometry.shape_features import features_of
 from modelgen.rotations import rotation_of
@@ -65,7 +65,7 @@ def test_features_left_are_those_of_the_union(others: list[Box], off: float, see
     features = features_of(WHOLE).features
     left = [
         each
-        for each in exposed(features, [cell_of(*each) for each in beside], [], FLUSH)
+        for each in exposed(features, [Beside(cell_of(*each), False) for each in beside], FLUSH)
         if not is_hidden(each)
     ]
     for feature in features:
@@ -124,6 +124,7 @@ def test_it_does_not_matter_how_the_scene_is_turned(turn: int) -> None:
     own = Pose((0.3, 0.1 + 0.2, -0.7), (w, x, y, z))
     other = Pose(tuple(map(float, to_outer(own, [1.5, 0.0, 0.0]))), (w, x, y, z))  # type: ignore[arg-type]
     (cell,) = cells_of(beside)
-    left = exposed(features_of(WHOLE).features, [cell.placed(to_axes(own, other))], [], FLUSH)
+    beside = [Beside(cell.placed(to_axes(own, other)), False)]
+    left = exposed(features_of(WHOLE).features, beside, FLUSH)
     hidden = {each.name for each in left if is_hidden(each)}
     assert hidden == {each.name for each in features_of(WHOLE).features if "right" in each.name}

@@ -40,12 +40,17 @@ typedef struct {
   mg_real from[2], to[2];
 } mg_line;
 
+/* The point at a part of a line. */
+static void mg_sample_on_line(mg_context *c, const mg_line *line, mg_real part, mg_sample *at) {
+  mg_real uv[2];
+  for (int k = 0; k < 2; k++) uv[k] = line->from[k] + part * (line->to[k] - line->from[k]);
+  mg_sample_at(c, line->feature_pair, line->side, uv, at);
+}
+
 /* Height over both bodies at a part of a line; MG_MAX beyond the borders of its feature. */
 static mg_real mg_height_on_line(mg_context *c, const mg_line *line, mg_real part) {
-  mg_real uv[2];
   mg_sample at;
-  for (int k = 0; k < 2; k++) uv[k] = line->from[k] + part * (line->to[k] - line->from[k]);
-  mg_sample_at(c, line->feature_pair, line->side, uv, &at);
+  mg_sample_on_line(c, line, part, &at);
   if (!mg_is_within_border(c, line->feature_pair, line->side, at.local, 0)) return MG_MAX;
   return mg_height_over_both(&line->both, at.point, MG_FIRST_ORDER);
 }
@@ -68,12 +73,10 @@ static mg_real mg_lowest_about(mg_context *c, const mg_line *line, mg_real low, 
 /* True if a line may be in both bodies between two parts of it, in whose middle it is at a height: it comes as far as
    its ends are apart. */
 static int mg_may_line_be_lower(mg_context *c, const mg_line *line, mg_real low, mg_real high, mg_real height) {
-  mg_real uv[2], apart[3];
+  mg_real apart[3];
   mg_sample from, to;
-  for (int k = 0; k < 2; k++) uv[k] = line->from[k] + low * (line->to[k] - line->from[k]);
-  mg_sample_at(c, line->feature_pair, line->side, uv, &from);
-  for (int k = 0; k < 2; k++) uv[k] = line->from[k] + high * (line->to[k] - line->from[k]);
-  mg_sample_at(c, line->feature_pair, line->side, uv, &to);
+  mg_sample_on_line(c, line, low, &from);
+  mg_sample_on_line(c, line, high, &to);
   for (int k = 0; k < 3; k++) apart[k] = to.point[k] - from.point[k];
   return height < sqrt(mg_dot3(apart, apart));
 }

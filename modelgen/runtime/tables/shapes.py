@@ -75,7 +75,7 @@ class SolidTables:
         entries = instance["solids"]
         known = [each for each in entries if each["terms"]]
         index = {
-            (each["body"], each["shape"]): k for each, k in zip(entries, solid_numbers(entries), strict=True)
+            (each["body"], each["shape"]): k for each, k in zip(entries, _solid_numbers(entries), strict=True)
         }
         unknown = {each["body"] for each in entries if each["cavity"] and _is_unknown(each)}
         for each in entries:
@@ -105,7 +105,7 @@ def solid_arrays(solids: Sequence[Mapping[str, Any]], numbers: list[float]) -> d
     }
 
 
-def solid_numbers(entries: Sequence[Mapping[str, Any]]) -> list[int]:
+def _solid_numbers(entries: Sequence[Mapping[str, Any]]) -> list[int]:
     """The number in the core of each of the manifest's solids; NO_MATERIAL of one without terms."""
     ends = accumulate(int(bool(each["terms"])) for each in entries)
     return [end - 1 if each["terms"] else NO_MATERIAL for each, end in zip(entries, ends, strict=True)]
