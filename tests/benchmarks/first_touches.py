@@ -1,6 +1,6 @@
 """The law over pairs of kinds: a shape falls on another without rotation, and the first touch is not missed.
 
-    python -m tests.benchmarks.first_touches --count 50 --out FILE [--kinds sphere frustum] [--part 0/2]
+    python -m tests.benchmarks.first_touches --count 50 --out FILE [--kinds sphere frustum] [--part 0/2] [--by-pair]
 
 Each pair of kinds of the scene format is drawn `--count` times, by turns with its specimens, solid,
 hollow or without end: poses at random, ratios of sizes from 1e-3 to 1e3, aspect ratios, wall thicknesses
@@ -12,6 +12,8 @@ fails if the run has its first touch later than that (missed), or earlier, by po
 shapes (spurious), or refuses the start. One line for each member that fails or is not trusted, why pairs
 are left out, then a table of the pairs that have such a member, with the commits at which members ran.
 With `--out`, verdicts are appended to FILE (JSON lines), and a member that is there is not run again.
+A few drops of all pairs come before the rest; with `--by-pair`, which derives each library once and takes
+two thirds of the time, all drops of a pair come before those of the next one.
 MODELGEN_POOL=FOLDER keeps compiled libraries.
 """
 
@@ -79,7 +81,7 @@ CROSSING = ("line", "endless cylinder")  # may cross each other without end
 RULED = ("outline_wall", "profile_wall")
 TILT = 0.3  # rad, most of a shape with open edges
 SEEN = 60.0  # m, of a shape without end that falls
-KEPT_LIBRARIES = 8
+KEPT_LIBRARIES = 16
 PASSES = (1, 5, 20)  # drops of each pair after the first passes over all of them
 WINDOWS = 10_000  # parts of a curve, by which those near another shape are found
 STRAIGHT = ("line", "segment", "edge")  # curves of one part
@@ -692,8 +694,10 @@ def main() -> None:
     parser.add_argument("--kinds", nargs="*", default=[])
     parser.add_argument("--part", default="0/1", help="k/n: every n-th pair, from the k-th")
     parser.add_argument("--out", type=Path)
+    parser.add_argument("--by-pair", action="store_true", help="all drops of a pair before the next pair")
     options = parser.parse_args()
     part, parts = map(int, options.part.split("/"))
+    passes = () if options.by_pair else (n for n in PASSES if n < options.count)
     known: dict[tuple[str, str, int], Verdict] = {}
     if options.out and options.out.exists():
         for row in options.out.read_text().splitlines():
@@ -707,7 +711,7 @@ def main() -> None:
     impossible = [kinds for kinds, found in of_kinds if not found]
     of_kinds = [each for each in of_kinds if each[1]][part::parts]
     verdicts: dict[tuple[str, str], list[Verdict]] = {kinds: [] for kinds, _ in of_kinds}
-    for first, end in pairwise([0, *(n for n in PASSES if n < options.count), options.count]):
+    for first, end in pairwise([0, *passes, options.count]):
         for kinds, found in of_kinds:
             for seed in range(first, end):
                 one, two = found[seed % len(found)]
