@@ -1,6 +1,6 @@
 """The law over pairs of kinds: a shape falls on another without rotation, and the first touch is not missed.
 
-    python -m tests.benchmarks.first_touches --count 50 --out FILE [--kinds sphere frustum] [--part 0/2] [--by-pair]
+    python -m tests.benchmarks.first_touches --count 50 --out FILE [--kinds sphere frustum] [--part 0/2]
 
 Each pair of kinds of the scene format is drawn `--count` times, by turns with its specimens, solid,
 hollow or without end: poses at random, ratios of sizes from 1e-3 to 1e3, aspect ratios, wall thicknesses
