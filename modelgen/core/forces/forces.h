@@ -35,7 +35,7 @@ struct mg_patch_friction {
   int slips;                             /* 1: it slips */
   int centre_known;                      /* MG_CENTRE_UNKNOWN .. */
   int partly_unloaded;                   /* 1: the pressure vanishes in a part of the overlap, or was not found */
-  int force_outside;                     /* 1: the centre of pressure is outside the hull */
+  int place;                             /* of the centre of pressure: MG_INSIDE_HULL .. (region/region.h) */
   mg_real centre[2];                     /* centre of pressure, also outside the hull, in the axes of this, m */
   mg_real extent;                        /* extent of the loaded region about it, m */
   mg_real step[2], part;                 /* step of Newton's method that led to the centre, m; the part taken of it */

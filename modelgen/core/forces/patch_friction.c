@@ -176,24 +176,36 @@ MG_INTERNAL void mg_update_patch_pressure(mg_context *c, int slot) {
   mg_open_pressure(p, &c->patches.hull, c->patches.strip_capacity, c->patches.strips);
   if (r->centre_known != MG_CENTRE_KNOWN) mg_place_starting_centre(c, slot);
   mg_real inside[2] = {r->centre[0], r->centre[1]};
-  r->force_outside = r->centre_known && mg_move_inside_hull(&c->patches.hull, inside);
+  r->place = r->centre_known ? mg_move_inside_hull(&c->patches.hull, inside) : MG_INSIDE_HULL;
   const int found = r->centre_known && mg_winkler_pressure(p, 1, inside), failed = r->centre_known && !found;
   if (!found) {
     r->centre_known = MG_CENTRE_UNKNOWN;
     mg_place_starting_centre(c, slot);
     mg_uniform_pressure(p, r->centre);
-    r->force_outside = 0;
+    r->place = MG_INSIDE_HULL;
   }
   if (p->overflow) mg_report_exceeded(c->run, MG_CAPACITY_REGION);
   r->partly_unloaded = p->partly_unloaded || failed, r->extent = p->reach;
 }
 
-/* How the centre from which the pressure is computed moves with the centre x: derivatives of mg_move_inside_hull. */
-static void mg_inward_derivatives(const mg_hull *h, const mg_real *x, mg_real step, mg_real by[2][2]) {
+/* Moves a centre of pressure near the boundary of a hull, or outside it, to the one for which its friction is found. At
+   a curved edge that is where the pressure is found, because the loaded region shrinks to a point whose slip may come
+   to rest; behind straight edges friction goes on linearly from there to as far outside. Returns whether it was moved.
+ */
+static int mg_move_to_friction_centre(const mg_hull *h, int place, mg_real *x) {
+  return place == MG_AT_CURVE ? mg_move_inside_hull(h, x) != MG_INSIDE_HULL
+                              : place == MG_AT_STRAIGHT_EDGES && mg_move_near_hull(h, x);
+}
+
+/* The centre for which friction is found, and its derivatives by the centre x. */
+static void mg_friction_centre(const mg_hull *h, int place, const mg_real *x, mg_real step, mg_real *centre,
+                               mg_real by[2][2]) {
+  for (int k = 0; k < 2; k++) centre[k] = x[k], by[k][k] = 1, by[k][1 - k] = 0;
+  if (!mg_move_to_friction_centre(h, place, centre)) return;
   for (int k = 0; k < 2; k++) {
     mg_real ahead[2] = {x[0], x[1]}, behind[2] = {x[0], x[1]};
     ahead[k] += step, behind[k] -= step;
-    mg_move_inside_hull(h, ahead), mg_move_inside_hull(h, behind);
+    mg_move_to_friction_centre(h, place, ahead), mg_move_to_friction_centre(h, place, behind);
     for (int i = 0; i < 2; i++) by[i][k] = (ahead[i] - behind[i]) / (2 * step);
   }
 }
@@ -203,9 +215,10 @@ MG_INTERNAL void mg_find_patch_friction(mg_context *c, int slot, mg_patch_slip *
   const mg_winkler_pressure_field *p = &c->patches.pressure;
   const mg_patch_friction *r = c->patches.friction + slot;
   mg_patch_frame *at = &slip->at;
-  mg_real G[3][3], inward[2][2];
+  mg_real G[3][3], centre[2], by[2][2];
   mg_update_patch_pressure(c, slot);
-  if (r->force_outside) mg_inward_derivatives(&c->patches.hull, r->centre, p->reach / 1024, inward);
+  if (r->place != MG_INSIDE_HULL)
+    mg_friction_centre(&c->patches.hull, r->place, r->centre, p->reach / 1024, centre, by);
   mg_set_patch_frame(c, slot, at);
   for (int k = 0; k < 2; k++) slip->offset[k] = p->centre[k] - at->support[0][k];
   slip->twist[2] = at->sign * slip->slip[2];
@@ -215,9 +228,9 @@ MG_INTERNAL void mg_find_patch_friction(mg_context *c, int slot, mg_patch_slip *
   for (int i = 0; i < 3; i++) {
     mg_real moment[3] = {1, at->support[i][0] - p->centre[0], at->support[i][1] - p->centre[1]};
     mg_real *level = slip->level[i];
-    if (r->force_outside) {
+    if (r->place != MG_INSIDE_HULL) {
       const mg_real arm[2] = {at->support[i][0] - r->centre[0], at->support[i][1] - r->centre[1]};
-      for (int k = 0; k < 2; k++) moment[1 + k] = mg_dot2(inward[k], arm);
+      for (int k = 0; k < 2; k++) moment[1 + k] = centre[k] - p->centre[k] + mg_dot2(by[k], arm);
     }
     if (!mg_solve_moments(p, moment, level))
       for (int k = 0; k < 3; k++) level[k] = p->coefficients[k];
@@ -277,7 +290,7 @@ static mg_real mg_inner_part_of_step(mg_context *c, int slot, const mg_real *ste
    no shorter once they are small beside the hull are rounding, which a small loaded region amplifies. */
 static int mg_step_to_centre(mg_context *c, int slot, const mg_real *centre) {
   mg_patch_friction *r = c->patches.friction + slot;
-  const int was_cut = r->partly_unloaded || r->force_outside;
+  const int was_cut = r->partly_unloaded || r->place;
   const mg_real step[2] = {centre[0] - r->centre[0], centre[1] - r->centre[1]}, size = sqrt(mg_dot2(step, step));
   const int stalls = c->patches.pressure_rounds % MG_PRESSURE_ROUNDS > 0 &&
                      size > (1 - r->part / 4) * sqrt(mg_dot2(r->step, r->step)),
@@ -287,12 +300,12 @@ static int mg_step_to_centre(mg_context *c, int slot, const mg_real *centre) {
     for (int k = 0; k < 2; k++) r->centre[k] -= r->part * r->step[k];
     return 0;
   }
-  r->part = r->force_outside || agrees ? 1 : mg_inner_part_of_step(c, slot, step);
+  r->part = r->place || agrees ? 1 : mg_inner_part_of_step(c, slot, step);
   for (int k = 0; k < 2; k++) r->step[k] = step[k], r->centre[k] += r->part * step[k];
   r->centre_known = MG_CENTRE_KNOWN;
   if (was_cut || r->part < 1) return agrees;
   mg_update_patch_pressure(c, slot);
-  return !r->partly_unloaded && !r->force_outside;
+  return !r->partly_unloaded && !r->place;
 }
 
 MG_INTERNAL int mg_has_changed_patch_pressures(mg_context *c) {

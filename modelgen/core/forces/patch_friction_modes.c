@@ -99,7 +99,7 @@ MG_INTERNAL int mg_find_patch_friction_event(mg_context *c, int slot) {
                             : mode == MG_SLIPPING ? mg_patch_slip_tolerance(c)
                                                   : -2 * mg_patch_slip_tolerance(c);
   const mg_real value = mg_patch_friction_event_value(c, slot, cause) - threshold;
-  if (mode == MG_STICKING && c->patches.friction[slot].force_outside) return 0; /* at the edge of its hull it tips */
+  if (mode == MG_STICKING && c->patches.friction[slot].place) return 0; /* at the edge of its hull it tips */
   margin->lower = margin->upper = value;
   return value < 0 ? cause : 0;
 }

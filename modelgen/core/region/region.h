@@ -287,9 +287,20 @@ MG_INTERNAL int mg_solve_moments(const mg_winkler_pressure_field *p, const mg_re
 /* Sets a uniform pressure on the whole overlap, with moments about a point. */
 MG_INTERNAL void mg_uniform_pressure(mg_winkler_pressure_field *p, const mg_real *about);
 
+/* Where a point is by its distance from the boundary of a hull. */
+enum {
+  MG_INSIDE_HULL,       /* inside, far enough for a pressure to be found */
+  MG_AT_STRAIGHT_EDGES, /* nearer to straight edges, or outside them */
+  MG_AT_CURVE           /* nearer to a curved edge, or outside it */
+};
+
 /* Moves a point that is not inside the hull, or too near to its boundary for a pressure to be found, to the least
-   distance inside. The place is continuous in the point. Returns whether it had to be moved. */
+   distance inside. The place is continuous in the point. Returns where the point was. */
 MG_INTERNAL int mg_move_inside_hull(const mg_hull *h, mg_real *x);
+
+/* Moves a point that is farther outside the hull than the least distance to there. Returns whether it had to be moved.
+ */
+MG_INTERNAL int mg_move_near_hull(const mg_hull *h, mg_real *x);
 
 /* Finds the pressure with a resultant force, N, and a centre inside the hull. Returns 0 if it fails. */
 MG_INTERNAL int mg_winkler_pressure(mg_winkler_pressure_field *p, mg_real force, const mg_real *centre);

@@ -220,37 +220,50 @@ static mg_real mg_least_depth(void) { return sqrt(sqrt(MG_EPS)); }
    is as long as the root of reach times depth, and friction amplifies errors as the loaded point comes to rest. */
 static mg_real mg_least_curved_distance(mg_real reach) { return 16 * mg_least_depth() * mg_least_depth() * reach; }
 
-/* How far a point is beyond the least distance from the boundary of a hull, m, by the nearest place or, if `worst`, by
-   the edge for which it is the most; and the outward unit normal there. Behind a straight edge the loaded region is as
-   long as the edge. */
-static mg_real mg_boundary_shortfall(const mg_hull *h, mg_real reach, const mg_real *x, int worst,
+/* How far a point is beyond a number of least distances inside the boundary of a hull, m, at the place where it is the
+   most; and the outward unit normal there. Behind a straight edge the loaded region is as long as the edge. */
+static mg_real mg_boundary_shortfall(const mg_hull *h, mg_real reach, const mg_real *x, int distances,
                                      mg_nearest_boundary *nearest) {
-  mg_real shortfall = mg_least_curved_distance(reach) - mg_hull_margin(h, x, nearest);
-  for (int i = 0; i < h->n_edge && (worst || !(shortfall > 0)); i++) {
+  mg_real shortfall = distances * mg_least_curved_distance(reach) - mg_hull_margin(h, x, nearest);
+  for (int i = 0; i < h->n_edge; i++) {
     const mg_hull_edge *e = h->edges + i;
     const mg_real *p = h->vertices[e->from_vertex].point, arm[2] = {x[0] - p[0], x[1] - p[1]};
-    const mg_real off = mg_dot2(arm, e->normal) + mg_least_depth() * e->length;
+    const mg_real off = mg_dot2(arm, e->normal) + distances * mg_least_depth() * e->length;
     if (e->direction || !(off > shortfall)) continue;
-    shortfall = off;
+    shortfall = off, nearest->n = 2;
     for (int k = 0; k < 2; k++) nearest->normal[k] = e->normal[k];
   }
   return shortfall;
+}
+
+/* Moves a point that is not a number of least distances inside a hull there. Returns where the point was. */
+static int mg_move_inward(const mg_hull *h, mg_real reach, int distances, mg_real *x) {
+  mg_nearest_boundary nearest;
+  mg_real shortfall = mg_boundary_shortfall(h, reach, x, distances, &nearest);
+  if (!(shortfall > 0)) return MG_INSIDE_HULL;
+  int place = MG_AT_STRAIGHT_EDGES;
+  for (int pass = 0; pass < MG_INWARD_PASSES && shortfall > 64 * MG_EPS * reach; pass++) {
+    if (nearest.n == 1) place = MG_AT_CURVE;
+    for (int k = 0; k < 2; k++) x[k] -= shortfall * nearest.normal[k];
+    shortfall = mg_boundary_shortfall(h, reach, x, distances, &nearest);
+  }
+  return place;
 }
 
 MG_INTERNAL int mg_move_inside_hull(const mg_hull *h, mg_real *x) {
   mg_nearest_boundary nearest;
   mg_real middle[2];
   const mg_real reach = mg_hull_middle(h, middle);
-  if (h->n_edge == 0) return 0;
-  mg_real shortfall = mg_boundary_shortfall(h, reach, x, 0, &nearest);
-  if (!(shortfall > 0)) return 0;
-  for (int pass = 0; pass < MG_INWARD_PASSES && shortfall > 64 * MG_EPS * reach; pass++) {
-    for (int k = 0; k < 2; k++) x[k] -= shortfall * nearest.normal[k];
-    shortfall = mg_boundary_shortfall(h, reach, x, 1, &nearest);
-  }
-  if (mg_hull_margin(h, x, &nearest) < mg_least_curved_distance(reach) / 2)
+  const int place = h->n_edge > 0 ? mg_move_inward(h, reach, 1, x) : MG_INSIDE_HULL;
+  if (place != MG_INSIDE_HULL && mg_hull_margin(h, x, &nearest) < mg_least_curved_distance(reach) / 2)
     for (int k = 0; k < 2; k++) x[k] = nearest.at[0].point[k] + mg_least_depth() * (middle[k] - nearest.at[0].point[k]);
-  return 1;
+  return place;
+}
+
+MG_INTERNAL int mg_move_near_hull(const mg_hull *h, mg_real *x) {
+  mg_real middle[2];
+  const mg_real reach = mg_hull_middle(h, middle);
+  return h->n_edge > 0 && mg_move_inward(h, reach, -1, x) != MG_INSIDE_HULL;
 }
 
 /* Pressure with a resultant and a centre from one near it, by Newton's method. Returns 0 if it fails. */

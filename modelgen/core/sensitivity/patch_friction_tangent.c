@@ -34,7 +34,7 @@ static int mg_is_patch_translated(const mg_context *c, int slot) {
 MG_INTERNAL int mg_is_patch_slip_known(const mg_context *c, int slot) {
   MG_NEEDS_WITH(c, MG_VALID_SLIP, MG_VALID_TWISTS);
   const mg_patch_friction *r = c->patches.friction + slot;
-  if (!mg_is_whole_plane(c, mg_patch_of_slot(c, slot)) || r->force_outside) return 0;
+  if (!mg_is_whole_plane(c, mg_patch_of_slot(c, slot)) || r->place) return 0;
   return (!r->partly_unloaded || mg_is_patch_translated(c, slot)) && c->run->patch_mode[slot] != MG_SLIP_ONSET;
 }
 
