@@ -1,5 +1,6 @@
 """Coaxial supports: a ball on the axis of a ring, or another body of revolution coaxial with it, touches all
-of it at once, at no point by itself; three parts of the ring, a third of a turn apart, hold it there."""
+of it at once, at no point by itself; three parts of the ring, a third of a turn apart, hold it there; of
+an arc those at its ends and in the middle."""
 
 from __future__ import annotations
 
@@ -7,13 +8,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import cos, pi, sin
 
+from modelgen.assembly.rim_support_points import SUPPORT_POINTS, held_places
 from modelgen.geometry.composites.feature_constructors import turned
 from modelgen.geometry.meridians import is_of_revolution, meridian_of
 from modelgen.rotations import rotation_of
 from modelgen.scene.pose_arithmetic import compose, to_outer
 from modelgen.scene.scene_types import Condition, Feature, Pose, Shape, Vector
 
-SUPPORTS = 3
+TURN = [2 * pi * k / SUPPORT_POINTS for k in range(SUPPORT_POINTS)]
 
 
 def coaxial_supports_of(feature: Feature) -> tuple[Feature, ...]:
@@ -25,14 +27,14 @@ def coaxial_supports_of(feature: Feature) -> tuple[Feature, ...]:
     if meridian is None:
         return ()
     supports, condition = [], _on_axis_of(feature, 1.0)
-    for k in range(SUPPORTS):
-        half = pi * k / SUPPORTS
+    for k, angle in enumerate(held_places(feature) if feature.dimension == 1 else TURN, start=1):
+        half = angle / 2
         turn = compose(feature.shape.pose, Pose(quaternion=(cos(half), 0.0, 0.0, sin(half))))
         rotation = rotation_of(turn.quaternion)
         supports.append(
             replace(
                 meridian,
-                name=f"{_label(feature)}.coaxial{k + 1}",
+                name=f"{_label(feature)}.coaxial{k}",
                 shape=_moved_shape(meridian.shape, turn),
                 conditions=(*(turned(each, rotation) for each in meridian.conditions), condition),
             )

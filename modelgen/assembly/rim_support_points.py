@@ -63,7 +63,7 @@ def support_points_of(feature: Feature) -> tuple[Feature, ...]:
         return ()
     if is_rim(feature):
         side = _outward_side(feature)
-        places = [(at, side) for at in _on_rim(feature)]
+        places = [(point_of(feature.shape, t), side) for t in held_places(feature)]
     else:
         places = [(at, float(np.sign(at[2]))) for at in _on_crests(feature)]
     axis = rotation_of(feature.shape.pose.quaternion)[:, 2]
@@ -87,12 +87,13 @@ def _flat(axis: Array, side: float) -> Condition:
     return Condition("tilt", (x, y, z, -1.0, abs(side)), None)
 
 
-def _on_rim(rim: Feature) -> list[Array]:
-    """A third of a turn apart; of an arc the ends and the middle."""
+def held_places(rim: Feature) -> list[float]:
+    """Three parameters of a curve at which it is held: a third of a turn apart; of an arc the ends and the
+    middle."""
     is_arc = any(each.kind == "parameter" and each.next != rim.name for each in rim.conditions)
     whole = (0.0, 2 * pi) if rim.shape.kind in RIMS else domain_of(rim.shape)[0]
     (low, high), parts = (range_of(rim), SUPPORT_POINTS - 1) if is_arc else (whole, SUPPORT_POINTS)
-    return [point_of(rim.shape, low + (high - low) * k / parts) for k in range(SUPPORT_POINTS)]
+    return [low + (high - low) * k / parts for k in range(SUPPORT_POINTS)]
 
 
 def _on_crests(ring: Feature) -> list[Array]:

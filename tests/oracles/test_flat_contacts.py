@@ -6,7 +6,7 @@ ring that lies flat meets it in a circle: three points of it hold it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from itertools import product
 from math import sin, sqrt
@@ -15,12 +15,13 @@ import numpy as np
 import pytest
 
 from modelgen import simulate
+from modelgen.assembly.coaxial_supports import coaxial_supports_of
 from modelgen.assembly.rim_support_points import support_points_of
 from modelgen.codegen.library import Library
 from modelgen.geometry.shape_features import features_of
 from modelgen.runtime.trajectory import Outcome, Trajectory
 from modelgen.scene import python_scenes as make
-from modelgen.scene.scene_types import Body, Shape
+from modelgen.scene.scene_types import Body, Feature, Shape
 from tests.running import library_of
 
 AXES = (0.05, 0.04, 0.03)  # m
@@ -198,11 +199,15 @@ def falling(shape: Shape, origin: float) -> Library:
     return on_floor([body])
 
 
-def test_the_points_that_hold_an_arc_are_on_the_wire() -> None:
-    """Not on the rest of its circle: at both ends and in the middle."""
+@pytest.mark.parametrize("supports_of", [support_points_of, coaxial_supports_of])
+def test_the_points_that_hold_an_arc_are_on_the_wire(
+    supports_of: Callable[[Feature], tuple[Feature, ...]],
+) -> None:
+    """Not on the rest of its circle: at both ends and in the middle. They hold it while it lies flat, or
+    while a ball is on its axis."""
     line = make.polyline([[0.0, 0.0, 0.0], [0.2, 0.0, 0.0], [0.2, 0.2, 0.0]], radius=0.05)
     (arc,) = (each for each in features_of(line).features if each.shape.kind == "circle")
-    held = [[value for _, value in each.shape.parameters] for each in support_points_of(arc)]
+    held = [[value for _, value in each.shape.parameters] for each in supports_of(arc)]
     middle = 0.05 * (1 - sqrt(0.5))
     expected = [[0.15, 0.0, 0.0], [0.2 - middle, middle, 0.0], [0.2, 0.05, 0.0]]
     np.testing.assert_allclose(held, expected, atol=1e-15)
