@@ -165,6 +165,7 @@ class Accuracy:
             name="tight",
             tolerance=1e-13,
             rest_speed=SLOWEST,
+            slip_speed=1e-8,
             thresholds=Thresholds(stepping_tolerance=1e-9),
         )
 
