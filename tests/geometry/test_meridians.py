@@ -9,7 +9,8 @@ from math import tan
 import numpy as np
 import pytest
 
-from modelgen.assembly.coaxial_supports import SUPPORTS, coaxial_supports_of
+from modelgen.assembly.coaxial_supports import coaxial_supports_of
+from modelgen.assembly.rim_support_points import SUPPORT_POINTS
 from modelgen.geometry.face_regions import points_of
 from modelgen.geometry.shape_features import features_of
 from modelgen.scene import python_scenes as make
@@ -47,10 +48,10 @@ def test_three_meridians_lie_on_the_surface_a_third_of_a_turn_apart(name: str) -
     bearer = features_of(shape).features[0]
     found = [places(each) for each in coaxial_supports_of(bearer)]
     azimuths = [np.arctan2(x[-1, 1], x[-1, 0]) for x in found]
-    assert len(found) == SUPPORTS
+    assert len(found) == SUPPORT_POINTS
     for x in found:
         np.testing.assert_allclose(residual(np.hypot(x[:, 0], x[:, 1]), x[:, 2]), 0, atol=1e-15)
-    np.testing.assert_allclose(np.exp(1j * np.array(azimuths)) ** SUPPORTS, 1, atol=1e-14)
+    np.testing.assert_allclose(np.exp(1j * np.array(azimuths)) ** SUPPORT_POINTS, 1, atol=1e-14)
 
 
 def test_the_supports_of_a_torus_are_balls_in_it() -> None:
@@ -66,7 +67,8 @@ def test_an_open_surface_that_faces_away_from_its_axis_has_those_of_its_rims() -
     assert not coaxial_supports_of(sheet)
     for rim, (r, z), slope in zip(rims, ((0.1, 0.0), (1.1, 1.0)), ((1, 0), (-1, -2)), strict=True):
         for k, each in enumerate(coaxial_supports_of(rim)):
-            across = np.array([np.cos(2 * np.pi * k / SUPPORTS), np.sin(2 * np.pi * k / SUPPORTS)])
+            turn = 2 * np.pi * k / SUPPORT_POINTS
+            across = np.array([np.cos(turn), np.sin(turn)])
             np.testing.assert_allclose(places(each)[0], [*(r * across), z], atol=1e-15)
             inward = np.array([*(slope[0] * across), slope[1]]) / np.hypot(*slope)
             for condition in each.conditions[:-1]:

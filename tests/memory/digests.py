@@ -9,6 +9,7 @@ bit. Libraries go to FOLDER; with SECONDS 0 they are only built.
 from __future__ import annotations
 
 import argparse
+import os
 from collections.abc import Mapping
 from hashlib import sha256
 from pathlib import Path
@@ -18,6 +19,7 @@ import numpy as np
 
 from modelgen import derive, emit, read, require
 from modelgen.codegen import build
+from modelgen.codegen.compiler import DEBUG
 from modelgen.codegen.library import Library
 from modelgen.errors import ModelgenError
 from modelgen.runtime.core_session import CONTINUE, FULL, Session
@@ -87,9 +89,9 @@ def derivative_digest(library: Library, seconds: float) -> str:
 
 
 def digest_of(scene: Path, folder: Path, seconds: float, derivatives: bool, steps_max: int) -> str:
-    """What is printed of a scene."""
+    """What is printed of a scene. The debug core has derivatives in any case, so that it is compiled once."""
     try:
-        package = emit(derive(require(read(scene))), derivatives=derivatives)
+        package = emit(derive(require(read(scene))), derivatives=derivatives or DEBUG in os.environ)
         library = build.build(package, folder=folder / scene.stem, level=LEVEL)
         if not seconds > 0:
             return "built"
