@@ -9,11 +9,12 @@ one shape into the other, by rays from dense points of curved faces, edges and c
 are shortest: each of them is an overlap that is certain; of two curves, and of a curve and the edges of a
 solid that rays between points may miss, it follows from where they cross as seen from above. A member
 fails if the run has its first touch later than that (missed), or earlier, by points that are not on both
-shapes (spurious), or refuses the start. One line for each member that fails or is not trusted, why pairs
-are left out, then a table of the pairs that have such a member, with the commits at which members ran.
+shapes (spurious), or refuses the start. One line for each member that fails, is not trusted, or starts
+although the shapes overlap, why pairs are left out, then a table of the pairs that have such a member, with
+the commits at which members ran.
 With `--out`, verdicts are appended to FILE (JSON lines), and a member that is there is not run again.
-A few drops of all pairs come before the rest; with `--by-pair`, which derives each library once and takes
-two thirds of the time, all drops of a pair come before those of the next one.
+A few drops of all pairs come before the rest; with `--by-pair`, which derives fewer libraries, all drops of
+a pair come before those of the next one.
 MODELGEN_POOL=FOLDER keeps compiled libraries.
 """
 
@@ -76,7 +77,7 @@ TOLERANCE = 1e-8  # of the way fallen, against the radius of the body that falls
 ROUNDING = 1e-10  # the same against the radius of the fixed body, which may be a thousand times larger
 DOWN = np.array([0.0, 0.0, -1.0])
 FAILS = ("missed", "spurious", "refused")
-TOLD = (*FAILS, "doubted")
+TOLD = (*FAILS, "doubted", "overlapping")
 CROSSING = ("line", "endless cylinder")  # may cross each other without end
 RULED = ("outline_wall", "profile_wall")
 TILT = 0.3  # rad, most of a shape with open edges
@@ -565,7 +566,8 @@ class Verdict:
     first: str
     second: str
     seed: int
-    outcome: str  # right, missed, doubted (missed, and not trusted), spurious, refused, no pair, not set up
+    outcome: str  # right, missed, doubted (missed, and not trusted), spurious, refused, overlapping (started
+    # although the shapes overlap, and trusted), no pair, not set up
     error: float = 0.0  # m, of the way to the first touch; of one that the run knows better, of its points
     told: str = ""
     seconds: float = 0.0  # of CPU time
@@ -620,7 +622,7 @@ def _judged(member: Member) -> tuple[str, float, str]:
     told = f"{path.outcome.name} {list(path.events)[:2]} {path.doubts}"
     error = G * touches[0].t ** 2 / 2 - member.way if touches else np.inf
     if error > member.tolerance:
-        outcome = "doubted" if path.doubts else "not set up" if _do_overlap(member) else "missed"
+        outcome = "doubted" if path.doubts else "overlapping" if _do_overlap(member) else "missed"
         return outcome, error, told
     if error < -member.tolerance:
         again = travel(member.moving, member.fixed, member.limit, parts=4, most=100)
