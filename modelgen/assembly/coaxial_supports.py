@@ -8,14 +8,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import cos, pi, sin
 
-from modelgen.assembly.rim_support_points import SUPPORT_POINTS, held_places
+from modelgen.assembly.rim_support_points import held_places, spread
 from modelgen.geometry.composites.feature_constructors import turned
 from modelgen.geometry.meridians import is_of_revolution, meridian_of
 from modelgen.rotations import rotation_of
 from modelgen.scene.pose_arithmetic import compose, to_outer
 from modelgen.scene.scene_types import Condition, Feature, Pose, Shape, Vector
-
-TURN = [2 * pi * k / SUPPORT_POINTS for k in range(SUPPORT_POINTS)]
 
 
 def coaxial_supports_of(feature: Feature) -> tuple[Feature, ...]:
@@ -27,7 +25,8 @@ def coaxial_supports_of(feature: Feature) -> tuple[Feature, ...]:
     if meridian is None:
         return ()
     supports, condition = [], _on_axis_of(feature, 1.0)
-    for k, angle in enumerate(held_places(feature) if feature.dimension == 1 else TURN, start=1):
+    angles = held_places(feature) if feature.dimension == 1 else spread(0.0, 2 * pi, True)
+    for k, angle in enumerate(angles, start=1):
         half = angle / 2
         turn = compose(feature.shape.pose, Pose(quaternion=(cos(half), 0.0, 0.0, sin(half))))
         rotation = rotation_of(turn.quaternion)

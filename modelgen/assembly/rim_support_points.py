@@ -92,15 +92,19 @@ def held_places(rim: Feature) -> list[float]:
     middle."""
     is_arc = any(each.kind == "parameter" and each.next != rim.name for each in rim.conditions)
     whole = (0.0, 2 * pi) if rim.shape.kind in RIMS else domain_of(rim.shape)[0]
-    (low, high), parts = (range_of(rim), SUPPORT_POINTS - 1) if is_arc else (whole, SUPPORT_POINTS)
+    return spread(*range_of(rim), False) if is_arc else spread(*whole, True)
+
+
+def spread(low: float, high: float, is_closed: bool) -> list[float]:
+    """A third of the way round apart; of what is not closed the ends and the middle."""
+    parts = SUPPORT_POINTS if is_closed else SUPPORT_POINTS - 1
     return [low + (high - low) * k / parts for k in range(SUPPORT_POINTS)]
 
 
 def _on_crests(ring: Feature) -> list[Array]:
     """A third of a turn apart; of a half ring the ends and the middle."""
     (_, major), (_, minor) = ring.shape.parameters
-    part = pi / 2 if ring.conditions else 2 * pi / SUPPORT_POINTS
-    angles = [part * k for k in range(SUPPORT_POINTS)]
+    angles = spread(0.0, pi, False) if ring.conditions else spread(0.0, 2 * pi, True)
     return [
         np.array([major * cos(angle), major * sin(angle), z]) for z in (minor, -minor) for angle in angles
     ]

@@ -561,13 +561,16 @@ def _scene(moving: Placed, fixed: Placed) -> Scene:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What became of a member."""
+    """What became of a member.
+
+    `outcome`: right, missed, doubted (missed, and not trusted), spurious, refused, overlapping (started
+    although the shapes overlap, and trusted), no pair, not set up.
+    """
 
     first: str
     second: str
     seed: int
-    outcome: str  # right, missed, doubted (missed, and not trusted), spurious, refused, overlapping (started
-    # although the shapes overlap, and trusted), no pair, not set up
+    outcome: str
     error: float = 0.0  # m, of the way to the first touch; of one that the run knows better, of its points
     told: str = ""
     seconds: float = 0.0  # of CPU time

@@ -217,8 +217,7 @@ MG_INTERNAL void mg_find_patch_friction(mg_context *c, int slot, mg_patch_slip *
   mg_patch_frame *at = &slip->at;
   mg_real G[3][3], centre[2], by[2][2];
   mg_update_patch_pressure(c, slot);
-  if (r->place != MG_INSIDE_HULL)
-    mg_friction_centre(&c->patches.hull, r->place, r->centre, p->reach / 1024, centre, by);
+  mg_friction_centre(&c->patches.hull, r->place, r->centre, p->reach / 1024, centre, by);
   mg_set_patch_frame(c, slot, at);
   for (int k = 0; k < 2; k++) slip->offset[k] = p->centre[k] - at->support[0][k];
   slip->twist[2] = at->sign * slip->slip[2];
@@ -226,12 +225,9 @@ MG_INTERNAL void mg_find_patch_friction(mg_context *c, int slot, mg_patch_slip *
   slip->twist[1] = slip->slip[0] * at->t[0][1] + slip->slip[1] * at->t[1][1] + slip->twist[2] * slip->offset[0];
   mg_friction_matrix(p, slip->twist, G);
   for (int i = 0; i < 3; i++) {
-    mg_real moment[3] = {1, at->support[i][0] - p->centre[0], at->support[i][1] - p->centre[1]};
-    mg_real *level = slip->level[i];
-    if (r->place != MG_INSIDE_HULL) {
-      const mg_real arm[2] = {at->support[i][0] - r->centre[0], at->support[i][1] - r->centre[1]};
-      for (int k = 0; k < 2; k++) moment[1 + k] = centre[k] - p->centre[k] + mg_dot2(by[k], arm);
-    }
+    const mg_real arm[2] = {at->support[i][0] - r->centre[0], at->support[i][1] - r->centre[1]};
+    mg_real moment[3] = {1, 0, 0}, *level = slip->level[i];
+    for (int k = 0; k < 2; k++) moment[1 + k] = centre[k] - p->centre[k] + mg_dot2(by[k], arm);
     if (!mg_solve_moments(p, moment, level))
       for (int k = 0; k < 3; k++) level[k] = p->coefficients[k];
     for (int k = 0; k < 3; k++) slip->force[i][k] = mu * (G[k][0] * level[0] + G[k][1] * level[1] + G[k][2] * level[2]);

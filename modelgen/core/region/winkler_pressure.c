@@ -221,7 +221,8 @@ static mg_real mg_least_depth(void) { return sqrt(sqrt(MG_EPS)); }
 static mg_real mg_least_curved_distance(mg_real reach) { return 16 * mg_least_depth() * mg_least_depth() * reach; }
 
 /* How far a point is beyond a number of least distances inside the boundary of a hull, m, at the place where it is the
-   most; and the outward unit normal there. Behind a straight edge the loaded region is as long as the edge. */
+   most; and the outward unit normal there, with n = 2 of a straight edge and 1 of another place. Behind a straight edge
+   the loaded region is as long as the edge. */
 static mg_real mg_boundary_shortfall(const mg_hull *h, mg_real reach, const mg_real *x, int distances,
                                      mg_nearest_boundary *nearest) {
   mg_real shortfall = distances * mg_least_curved_distance(reach) - mg_hull_margin(h, x, nearest);
