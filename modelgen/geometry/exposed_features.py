@@ -214,7 +214,7 @@ def _parts_of_edge(edge: Feature, cells: Sequence[Cell], flush: float) -> Iterat
     normals = _normals_of_edge(edge)
     left = [(start, end)]
     for cell in cells:
-        within = _clipped(cell.heights(a), cell.heights(b), flush)
+        within = _clipped(cell, (a, b), flush)
         if within is None or normals is None:
             continue
         low, high = (float(start + share * (end - start)) for share in within)
@@ -231,13 +231,19 @@ def _parts_of_edge(edge: Feature, cells: Sequence[Cell], flush: float) -> Iterat
         yield _cut(edge, low, high, (low > start, high < end), "" if k == 0 else f".{k + 1}")
 
 
-def _clipped(at_a: Array, at_b: Array, flush: float) -> tuple[float, float] | None:
-    """The shares of the way from a to b between which a line is in a cell, by its heights at both."""
+def _clipped(cell: Cell, ends: tuple[Array, Array], flush: float) -> tuple[float, float] | None:
+    """The shares of the way from one end of an edge to the other between which it is in a cell.
+
+    An edge in a plane of the cell, within `flush`, is on its inner side. One that crosses the plane ends
+    exactly there, as faces do, since what slides on the plane may touch it at that end alone.
+    """
     low, high = 0.0, 1.0
-    for first, last in zip(at_a - flush, at_b - flush, strict=True):
-        if first > 0 and last > 0:
+    slight = SAME * np.linalg.norm(ends[1] - ends[0])
+    for first, last in zip(cell.heights(ends[0]), cell.heights(ends[1]), strict=True):
+        allowed = flush if abs(last - first) <= slight else 0.0
+        if first > allowed and last > allowed:
             return None
-        if first > 0 or last > 0:
+        if allowed == 0.0 and (first > 0 or last > 0):
             cut = first / (first - last)
             low, high = (max(low, cut), high) if first > 0 else (low, min(high, cut))
     return (low, high) if low < high else None

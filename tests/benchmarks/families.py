@@ -73,8 +73,8 @@ def row(values: np.ndarray) -> list[float]:
 
 def flush(rng: Random) -> str:
     """A body slides without friction over the seam of level plates, of two bodies or of one, whose heights
-    are equal or differ by rounding. No force acts along its way."""
-    height = float(rng.choice([0.0, 1.0, -1.0])) * 10.0 ** rng.uniform(-17, -9)
+    are equal or differ by rounding, by less than `flush_height`. No force acts along its way."""
+    height = float(rng.choice([0.0, 1.0, -1.0])) * 10.0 ** rng.uniform(-17, -9.5)
     legs = [
         make.cylinder(0.03, 0.1, name=f"leg{k}", position=[0.1 * x, 0.08 * y, 0])
         for k, (x, y) in enumerate(((1, 1), (1, -1), (-1, 1), (-1, -1)))

@@ -91,8 +91,9 @@ def check_vertex(
 def check_edge(
     edge: Feature, parts: list[Feature], solids: list[tuple[Array, Array]], random: np.random.Generator
 ) -> None:
-    """At points that are off the grid, and well within it or not."""
+    """At points that are off the grid, and well within it or not; parts end on the grid."""
     a, b = ends_of(edge)
+    assert all(abs(end - np.rint(end)) < FLUSH / 2 for each in parts for end in range_of(each))
     outward = np.sign((a + b) / 2)
     for share in (random.integers(0, 2, 6) + random.uniform(0.1, 0.9, 6)) / 2:
         at = a + share * (b - a)

@@ -143,6 +143,22 @@ def test_a_wall_that_stands_on_the_plate_is_struck(name: str, yaw: float, width:
     assert not path.flush_contact
 
 
+@pytest.mark.parametrize("aside", [-0.06, 0.0, 0.03])
+@pytest.mark.parametrize("sunk", [0.0, 0.3])
+def test_the_upright_edge_of_a_post_is_struck_by_a_low_edge(aside: float, sunk: float) -> None:
+    """The sides of a pyramid lean back: its base strikes the post, where the post leaves the floor."""
+    floor = make.fixed("floor", make.box(4.0, 2.0, 2.0), position=[0.0, 0.0, -1.0])
+    half, turned = 0.05, [0.0, 0.0, np.pi / 4]
+    post = make.fixed(
+        "post", make.box(2 * half, 2 * half, 1.0), position=[0.1, aside, 0.5 - sunk], rpy=turned
+    )
+    base = [[x, y, -0.05] for x in (-0.1, 0.1) for y in (-0.1, 0.1)]
+    path = slid(make.polyhedron([*base, [0.0, 0.0, 0.1]]), [floor, post])
+    blow = next(each for each in path.events if each.kind == "touch-down")
+    assert blow.t == pytest.approx((0.1 - half * np.sqrt(2) + 0.5 - 0.1) / SPEED, abs=1e-9)
+    assert is_stopped(path)
+
+
 @pytest.mark.parametrize("name", SLIDERS)
 def test_the_wall_of_a_tray_is_struck(name: str) -> None:
     points = [[-2.0, -1.0], [1.0, -1.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0], [-2.0, 0.0]]
