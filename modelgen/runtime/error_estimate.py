@@ -7,7 +7,6 @@ goes from the run is the error of the run, whatever caused it.
 
 from __future__ import annotations
 
-from bisect import bisect
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -15,13 +14,12 @@ import numpy as np
 
 from modelgen.runtime.accuracy import TENTH, Accuracy
 from modelgen.runtime.error_statement import Estimate
+from modelgen.runtime.event_matching import BLOWS, Subject, alone, in_pairs, modes_apart, subject_of
 from modelgen.runtime.run_distance import (
     APART,
-    events_between,
     forces_between,
     gaps_between,
     motions_compared,
-    times_by_kind,
 )
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import Event, Outcome, Trajectory
@@ -32,9 +30,10 @@ SAFE = 2.0  # times the error that the difference shows: for what the companion 
 ORDERS = {"rk4": 4, "time-stepping": 1}  # of methods whose companion has a finer step, not a finer tolerance
 ROUNDED = 8.0  # roundings of lengths, and of 1: no error below is claimed
 BOUNCE = 10.0  # times the bound of rest: slower bounces end in one run and not in the other
+SETTLING = 100.0  # times the time in which such a bounce comes to its top: how long it takes to settle
 MOTION = ("p", "quaternion", "v", "w")  # columns
-TimesByKind = Mapping[tuple[str, str], Sequence[float]]
 LEAST_STEPS = 100  # that every companion may take
+UNKNOWN = {"gap": None, "force": None, "events": None, "events_unmatched": None}  # without a companion
 NUDGE = 2.0  # roundings by which each number of the start differs, at most
 
 
@@ -78,12 +77,17 @@ def estimate_of(
     position, rotation, velocity, spin = errors
     predicted = _predicted(position / length, rotation, n, accuracy.thresholds.prediction_error_max)
     slow = BOUNCE * accuracy.rest_speed * length / instance["scales"]["time"]
-    other = _other(path, twin, predicted, slow, safe, _resolution(path, accuracy))
-    reasons = [*_reasons(path, twin, missing)]
-    if other["events_unmatched"]:
-        reasons.append(f"events that one of the two runs has alone: {other['events_unmatched']}")
+    brief = SETTLING * slow * instance["scales"]["time"] ** 2 / length
+    end, error = float(path.t[predicted - 1]), float(position[predicted - 1])
+    reasons, other = [*_reasons(path, twin, missing)], dict[str, Any](UNKNOWN)
     if twin is not None:
-        reasons += _order(path, twin, float(position[predicted - 1]), float(path.t[predicted - 1]), instance)
+        told = _told(path.events, slow), _told(twin.events, slow)
+        times, unmatched = _events(told, modes_apart(path.events, twin.events, instance, end), brief, end)
+        other = _gaps_and_forces(path, twin, predicted, safe)
+        other["events"] = None if times is None else safe * times + _resolution(path, accuracy)
+        other["events_unmatched"] = len(unmatched) if path.events or twin.events else None
+        reasons += _alone(unmatched)
+        reasons += _order(undecided_impacts(*told, instance, SAFE, error, end))
     return Estimate(
         position=position,
         rotation=rotation,
@@ -103,9 +107,9 @@ def _without_blows(path: Trajectory, twin: Trajectory, compared: Array, safe: fl
     within the error of its time: each run shows those before it or those after it."""
     far, found = compared[len(APART)].max(initial=0.0), compared.copy()
     rounding = ROUNDED * float(np.finfo(path.p.dtype).eps)
-    mine, theirs = (times_by_kind(run.events, np.inf) for run in (path, twin))
+    likes = {id(event): like.t for event, like in in_pairs(path.events, twin.events)}
     blows = [
-        (event.t, _partner(mine, theirs, event), event.speed) for event in path.events if event.speed > 0
+        (event.t, likes.get(id(event), event.t), event.speed) for event in path.events if event.speed > 0
     ]
     t, like, speed = np.array(blows).reshape(-1, 3).T
     reach = safe * np.abs(t - like) + rounding * (path.t_end + far / speed)
@@ -164,46 +168,51 @@ def _resolution(path: Trajectory, accuracy: Accuracy) -> float:
     return path.fallback_step if told else 0.0
 
 
-def _partner(mine: TimesByKind, theirs: TimesByKind, event: Event) -> float:
-    """The time of an event in the other run: the nearest of its kind, if the event is the nearest to that in
-    turn; else its own."""
-    kind = event.kind, event.contact
-    like = _nearest(theirs.get(kind, ()), event.t)
-    return like if _nearest(mine[kind], like) == event.t else event.t
-
-
-def _nearest(times: Sequence[float], t: float) -> float:
-    """The one of increasing times that is nearest to t; t itself where there is none."""
-    at = bisect(times, t)
-    return min(times[max(at - 1, 0) : at + 1], key=lambda each: abs(each - t), default=t)
-
-
 def _predicted(position: Array, rotation: Array, n: int, predictable: float) -> int:
     """The number of leading samples whose estimated error is below `prediction_error_max`."""
     lost = np.flatnonzero(~(np.maximum(position, rotation)[:n] <= predictable))
     return max(int(lost[0]) if lost.size else n, 1)
 
 
-def _other(
-    path: Trajectory, twin: Trajectory | None, n: int, slow: float, safe: float, resolution: float
-) -> dict[str, Any]:
-    """Errors in gaps, forces and event times up to sample n, but of bounces slower than `slow`, m/s; where no
-    event is told up to there, in the times of later ones."""
-    if twin is None:
-        return {"gap": None, "force": None, "events": None, "events_unmatched": None}
-    end = float(path.t[n - 1])
+def _told(events: Sequence[Event], slow: float) -> list[Event]:
+    """The events but for blows slower than `slow`, m/s, which a run of other thresholds has not."""
+    return [event for event in events if not 0 < event.speed < slow]
+
+
+def _gaps_and_forces(path: Trajectory, twin: Trajectory, n: int, safe: float) -> dict[str, Any]:
+    """Errors in gaps and forces up to sample n."""
     gap, force = gaps_between(path, twin, n), forces_between(path.force[:n], twin.force[:n])
-    told = [[event for event in run.events if not 0 < event.speed < slow] for run in (path, twin)]
-    times = events_between(told[0], told[1], end)
-    worst = times["events"]
-    if worst is None and told[0]:
-        worst = events_between(told[0], told[1], min(path.t_end, twin.t_end))["events"]
     return {
         "gap": None if gap is None else safe * gap,
         "force": None if force is None else safe * force + path.force_rounding,
-        "events": None if worst is None else safe * worst + resolution,
-        "events_unmatched": times["events_unmatched"],
     }
+
+
+def _events(
+    told: tuple[Sequence[Event], Sequence[Event]], apart: Mapping[Subject, float], brief: float, end: float
+) -> tuple[float | None, list[Event]]:
+    """How far the times of events of two runs are apart, s, and those that only one of them has, up to `end`;
+    where no event is told up to there, that of later ones.
+
+    An event of one run that is no blow, and changes a mode in which the runs differ for no longer than
+    `brief`, s, in all, is one whose time is off by as much.
+    """
+    mine, theirs = told
+    pairs = in_pairs(mine, theirs)
+    single = [event for event in alone(mine, theirs, pairs) if event.t <= end]
+    lasting = [
+        event for event in single if (event.kind in BLOWS and event.speed) or apart[subject_of(event)] > brief
+    ]
+    late = [apart[subject_of(event)] for event in single if event not in lasting]
+    late += [abs(a.t - b.t) for a, b in pairs if a.t <= end]
+    return max(late or [abs(a.t - b.t) for a, b in pairs], default=None), lasting
+
+
+def _alone(unmatched: Sequence[Event]) -> Iterator[str]:
+    if unmatched:
+        first = min(unmatched, key=lambda event: event.t)
+        what = f"the first is a {first.kind} at {first.contact} (t = {first.t:.6g} s)"
+        yield f"{len(unmatched)} events are in the run or in its companion only: {what}"
 
 
 def _reasons(path: Trajectory, twin: Trajectory | None, missing: str) -> Iterator[str]:
@@ -220,10 +229,7 @@ def _reasons(path: Trajectory, twin: Trajectory | None, missing: str) -> Iterato
     yield from uncertified(path)
 
 
-def _order(
-    path: Trajectory, twin: Trajectory, error: float, end: float, instance: Mapping[str, Any]
-) -> Iterator[str]:
-    found = undecided_impacts(path.events, twin.events, instance, SAFE, error, end)
-    if found is not None:
-        names = f"{found[0].contact} and {found[1].contact}"
-        yield f"which of the impacts at {names} (t = {found[1].t:.6g} s) comes first is within the error"
+def _order(tie: tuple[Event, Event] | None) -> Iterator[str]:
+    if tie is not None:
+        names = f"{tie[0].contact} and {tie[1].contact}"
+        yield f"which of the impacts at {names} (t = {tie[1].t:.6g} s) comes first is within the error"

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from math import sqrt
 from typing import Any
 
 import numpy as np
 
+from modelgen.runtime.event_matching import alone, in_pairs
 from modelgen.runtime.tables.ctypes_structures import Array
-from modelgen.runtime.trajectory import SEARCH_EVENTS, Event, Trajectory
+from modelgen.runtime.trajectory import Event, Trajectory
 
 APART = ("position", "rotation", "velocity", "spin")
 
@@ -63,23 +63,11 @@ def forces_between(a: Array, b: Array) -> float | None:
 
 
 def events_between(found: Sequence[Event] | None, true: Sequence[Event] | None, end: float) -> dict[str, Any]:
-    """Largest difference of event times up to `end`, each matched with its like in order, None without any,
-    and how many have none. SEARCH_EVENTS, whose times are those of steps, are left out."""
+    """Largest difference of the times of events up to `end` that both runs have, None without any, and how
+    many one of them has alone."""
     if found is None or true is None or not (found or true):
         return {"events": None, "events_unmatched": None}
-    times = [times_by_kind(events, end) for events in (found, true)]
-    apart, unmatched = [], 0
-    for key in times[0].keys() | times[1].keys():
-        mine, theirs = times[0].get(key, []), times[1].get(key, [])
-        unmatched += abs(len(mine) - len(theirs))
-        apart += [abs(a - b) for a, b in zip(mine, theirs, strict=False)]
-    return {"events": max(apart, default=None), "events_unmatched": unmatched}
-
-
-def times_by_kind(events: Sequence[Event], end: float) -> Mapping[tuple[str, str], list[float]]:
-    """Times of events up to `end` by kind and contact, in order, without SEARCH_EVENTS."""
-    times: dict[tuple[str, str], list[float]] = defaultdict(list)
-    for event in events:
-        if event.t <= end and event.kind not in SEARCH_EVENTS:
-            times[event.kind, event.contact].append(event.t)
-    return times
+    until = [[event for event in events if event.t <= end] for events in (found, true)]
+    pairs = in_pairs(until[0], until[1])
+    apart = [abs(a.t - b.t) for a, b in pairs]
+    return {"events": max(apart, default=None), "events_unmatched": len(alone(until[0], until[1], pairs))}

@@ -8,15 +8,12 @@ err to the same side.
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
+from modelgen.runtime.event_matching import BLOWS, in_pairs
 from modelgen.runtime.trajectory import Event
-
-IMPACTS = ("impact", "touch-down")
-Key = tuple[str, int]  # the contact, and the number of the impact there
 
 
 def undecided_impacts(
@@ -36,39 +33,31 @@ def undecided_impacts(
         least: m; impacts that move less than this until `end`, s, are left aside.
     """
     struck = _moving(instance)
-    numbered, other = (_numbered(_impacts(events, end)) for events in (mine, theirs))
-    for (a, key_a), (b, key_b) in pairwise((event, key) for key, event in numbered.items()):
-        if not struck[a.contact] & struck[b.contact]:
+    before = [_blows_before(events) for events in (mine, theirs)]
+    blows = [(a, b) for a, b in in_pairs(mine, theirs) if a.kind in BLOWS and a.t <= end]
+    for (a, like_a), (b, like_b) in pairwise(blows):
+        if a.contact == b.contact or not struck[a.contact] & struck[b.contact]:
             continue
-        if key_a not in other or key_b not in other or min(a.speed, b.speed) * (end - b.t) <= least:
+        if min(a.speed, b.speed) * (end - b.t) <= least:
             continue
-        if all(_is_after(key_b, key_a, impacts) for impacts in (numbered, other)):
-            continue
-        between, again = b.t - a.t, other[key_b].t - other[key_a].t
+        if before[0].get(id(b)) == a.t and before[1].get(id(like_b)) == like_a.t:
+            continue  # the contact of b was struck with that of a, and so b comes after a in any case
+        between, again = b.t - a.t, like_b.t - like_a.t
         if between > 0 and again > 0 and safe * abs(between - again) >= min(between, again):
             return a, b
     return None
 
 
-def _impacts(events: Sequence[Event], end: float) -> Iterator[Event]:
-    return (event for event in events if event.kind in IMPACTS and event.t <= end)
-
-
-def _numbered(impacts: Iterator[Event]) -> dict[Key, Event]:
-    """The impacts in order, keyed by contact and number of the impact at that contact."""
-    counts: dict[str, int] = defaultdict(int)
-    numbered = {}
-    for event in impacts:
-        numbered[event.contact, counts[event.contact]] = event
-        counts[event.contact] += 1
-    return numbered
-
-
-def _is_after(key: Key, first: Key, impacts: Mapping[Key, Event]) -> bool:
-    """Whether an impact follows one at its own contact that was at the time of the `first`, so that it comes
-    after that in any case."""
-    before = impacts.get((key[0], key[1] - 1))
-    return before is not None and before.t == impacts[first].t
+def _blows_before(events: Sequence[Event]) -> dict[int, float]:
+    """s: of each blow by its id, the time of the one before at its contact, where there is one."""
+    last: dict[str, float] = {}
+    found = {}
+    for event in events:
+        if event.kind in BLOWS:
+            if event.contact in last:
+                found[id(event)] = last[event.contact]
+            last[event.contact] = event.t
+    return found
 
 
 def _moving(instance: Mapping[str, Any]) -> dict[str, set[int]]:

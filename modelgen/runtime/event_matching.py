@@ -1,0 +1,188 @@
+"""Which events of two runs of one scene are the same, and for how long both are in different modes.
+
+A bounce that settles ends by a few more or fewer blows where thresholds differ, and all that hangs on it
+starts and stops as often: events of one run alone, although contacts are open, closed, slide and stick at the
+same times. So events other than blows count by how long the modes that they change differ.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect, bisect_left
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from heapq import merge
+from typing import Any, NamedTuple
+
+from modelgen.runtime.trajectory import LOAD_SWITCH, SEARCH_EVENTS, Event
+
+BLOWS = ("impact", "touch-down")  # the last blow of a bounce that settles is a touch-down
+Subject = tuple[str, str]  # what an event is about, and the name of its contact
+Pairs = Sequence[tuple[Event, Event]]
+TOUCHES = {  # the modes before and after
+    "impact": ("open", "open"),
+    "lift-off": ("closed", "open"),
+    "touch-down": ("open", "closed"),
+    "face-contact": ("open", "face"),
+    "tipping": ("face", "edge"),
+}
+
+
+class Change(NamedTuple):
+    """A mode that begins, and the one that ends, where an event tells it; None: not known."""
+
+    t: float  # s
+    before: str | None
+    after: str | None
+
+
+def in_pairs(mine: Sequence[Event], theirs: Sequence[Event]) -> list[tuple[Event, Event]]:
+    """The events of one run that another has too, with those, by time. Without SEARCH_EVENTS, whose times are
+    those of steps.
+
+    As many events of a contact are the same in order; else those that are the nearest to each other in turn.
+    """
+    found: list[tuple[Event, Event]] = []
+    likes = _by_subject(theirs)
+    for subject, events in _by_subject(mine).items():
+        like = likes.get(subject, [])
+        found += zip(events, like, strict=True) if len(events) == len(like) else _nearest_pairs(events, like)
+    return sorted(found, key=lambda pair: pair[0].t)
+
+
+def alone(
+    mine: Sequence[Event], theirs: Sequence[Event], pairs: Sequence[tuple[Event, Event]]
+) -> list[Event]:
+    """The events that one of two runs has and the other has not. `pairs`: of `in_pairs`."""
+    paired = {id(event) for pair in pairs for event in pair}
+    return [
+        event for event in (*mine, *theirs) if event.kind not in SEARCH_EVENTS and id(event) not in paired
+    ]
+
+
+def modes_apart(
+    mine: Sequence[Event], theirs: Sequence[Event], instance: Mapping[str, Any], end: float
+) -> dict[Subject, float]:
+    """s: for how long up to `end` two runs are in different modes, by what the modes are of. A blow that
+    leaves its contact open changes no mode."""
+    resting = _contacts_by_patch(instance)
+    changes, likes = (_changes(run, resting) for run in (mine, theirs))
+    subjects = changes.keys() | likes.keys()
+    return {each: _time_apart(changes.get(each, []), likes.get(each, []), end) for each in subjects}
+
+
+def subject_of(event: Event) -> Subject:
+    """What an event changes: touch, slip, spin, roll, the features that touch, or what it is by itself."""
+    what = "touch" if event.kind in TOUCHES else event.kind.split("-")[0]
+    return what, event.contact
+
+
+def _by_subject(events: Sequence[Event]) -> dict[Subject, list[Event]]:
+    """Events by kind and contact, in order; all blows of a contact are of one kind."""
+    found: dict[Subject, list[Event]] = defaultdict(list)
+    for event in events:
+        if event.kind not in SEARCH_EVENTS:
+            found["blow" if event.kind in BLOWS else event.kind, event.contact].append(event)
+    return found
+
+
+def _nearest_pairs(mine: Sequence[Event], theirs: Sequence[Event]) -> Iterator[tuple[Event, Event]]:
+    times, likes = ([event.t for event in run] for run in (mine, theirs))
+    for k, t in enumerate(times):
+        like = _nearest(likes, t)
+        if like is not None and _nearest(times, likes[like]) == k:
+            yield mine[k], theirs[like]
+
+
+def _nearest(times: Sequence[float], t: float) -> int | None:
+    """The index of the one of increasing times that is nearest to t, of equals the first; None of none."""
+    at = bisect(times, t)
+    near = range(max(at - 1, 0), min(at + 1, len(times)))
+    best = min(near, key=lambda k: abs(times[k] - t), default=None)
+    return None if best is None else bisect_left(times, times[best])
+
+
+def _contacts_by_patch(instance: Mapping[str, Any]) -> dict[str, list[str]]:
+    """The contacts at points of the faces that rest, by the name that events have of the faces."""
+    by_pair: dict[int, list[str]] = defaultdict(list)
+    for contact in instance["contacts"]:
+        by_pair[contact["pair"]].append(contact["name"])
+    found: dict[str, list[str]] = {}
+    for patch in instance["patches"]:
+        pairs = {patch["pair"], *(instance["feature_pairs"][k]["pair"] for k in patch["feature_pairs"])}
+        found[patch["name"].rpartition(":")[0]] = [name for pair in sorted(pairs) for name in by_pair[pair]]
+    return found
+
+
+def _changes(events: Sequence[Event], resting: Mapping[str, Sequence[str]]) -> dict[Subject, list[Change]]:
+    """The modes of each subject by time. What opens neither slips nor rolls, and a face that rests takes the
+    place of the contacts at its points."""
+    found: dict[Subject, list[Change]] = defaultdict(list)
+    for event in events:
+        if event.kind in SEARCH_EVENTS:
+            continue
+        own, (before, after) = subject_of(event), _modes(event, found)
+        if after == "open":
+            _end(found, [event.contact], event.t)
+        elif after == "face":
+            _end(found, resting.get(event.contact, ()), event.t)
+        found[own].append(Change(event.t, before, after))
+    return found
+
+
+def _end(found: Mapping[Subject, list[Change]], names: Sequence[str], t: float) -> None:
+    for subject, changes in found.items():
+        if subject[1] in names:
+            changes.append(Change(t, None, None))
+
+
+def _modes(event: Event, known: Mapping[Subject, Sequence[Change]]) -> tuple[str, str]:
+    """The modes before and after an event."""
+    if event.kind in TOUCHES:
+        return TOUCHES[event.kind]
+    if event.kind == LOAD_SWITCH:
+        odd = len(known.get(subject_of(event), ())) % 2
+        return str(odd), str(1 - odd)
+    what, _, how = event.kind.partition("-")
+    if how == "start":
+        return "stop", "start"
+    if how in ("stop", "end", "reversal"):
+        return "start", "start" if how == "reversal" else "stop"
+    return f"before {what}", event.features or what
+
+
+class _Modes:
+    """The modes of one subject in two runs as they change by time, and for how long they differed."""
+
+    def __init__(self) -> None:
+        self.apart = 0.0  # s
+        self._modes: list[str | None] = [None, None]
+        self._since = [0.0, 0.0]  # s
+        self._told = 0.0  # s
+
+    def go_on(self, t: float) -> None:
+        """Up to a time. A mode that is not known yet is taken for that of the other run."""
+        a, b = self._modes
+        if a is not None and b is not None and a != b:
+            self.apart += t - self._told
+        self._told = t
+
+    def change(self, side: int, to: Change) -> None:
+        self.go_on(to.t)
+        other = self._modes[1 - side]
+        if self._modes[side] is None and to.before is not None:
+            if other is None:
+                self._modes[1 - side] = to.before
+            elif other != to.before:
+                self.apart += to.t - max(self._since)
+        self._modes[side], self._since[side] = to.after, to.t
+
+
+def _time_apart(mine: Sequence[Change], theirs: Sequence[Change], end: float) -> float:
+    """s: for how long two series of changes leave different modes, up to `end`."""
+    both = ([(change, side) for change in run] for side, run in enumerate((mine, theirs)))
+    modes = _Modes()
+    for change, side in merge(*both, key=lambda each: each[0].t):
+        if change.t < end:
+            modes.change(side, change)
+    modes.go_on(end)
+    return modes.apart
