@@ -36,10 +36,12 @@ static int mg_list_island_contacts(mg_context *c, int first, mg_slip_under_way *
   int n = 0;
   *count = 0;
   for (int i = first; i >= 0; i = c->islands.next[i]) {
-    const int k = *count, g = c->system->contact_friction[i];
+    const int k = *count;
+    if (i >= c->system->n_contact) continue;
     if (k == MG_MOTION_CONTACTS || mg_is_support_contact(c, i) || !mg_has_one_coefficient(c, i) ||
         !mg_set_slip_under_way(c, i, slip->slides + k, slip->ratio + 2 * k))
       return 0;
+    const int g = c->system->contact_friction[i];
     c->friction.bound[g] = MG_BOUND_KINETIC;
     n = mg_append_friction_contact(c, i, k, n);
     mg_set_cone_coefficients(c, g, c->system->friction_kinetic, 1, c->friction.cone + MG_CONE * k);
@@ -48,36 +50,101 @@ static int mg_list_island_contacts(mg_context *c, int first, mg_slip_under_way *
   return n;
 }
 
+/* True if a row is of a joint or a spring, which hold or act in any motion. */
+static int mg_is_held_row(const mg_context *c, int row) {
+  return (row >= c->layout.joint_row_begin && row < c->layout.joint_row_end) || row >= c->layout.spring_row_begin;
+}
+
+/* Appends the rows of joints and springs of an island to a list of n rows; returns its length. */
+static int mg_append_held_rows_of_island(mg_context *c, int first, int n) {
+  for (int i = first; i >= 0; i = c->islands.next[i])
+    if (mg_is_held_row(c, i)) c->lcp.rows[n++] = i;
+  return n;
+}
+
+/* Appends the rows of the friction of an island that sticks to a list of n rows; returns its length. */
+static int mg_append_sticking_rows_of_island(mg_context *c, int first, int n) {
+  for (int i = first; i >= 0; i = c->islands.next[i]) {
+    if (mg_is_held_row(c, i)) continue;
+    if (i >= c->system->n_contact) c->lcp.rows[n++] = i;
+    if (i >= c->system->n_contact || !c->run->active[i]) continue;
+    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
+      for (int k = 0; k < mg_friction_row_count(c, g) && c->run->friction_mode[g] == MG_STICKING; k++)
+        c->lcp.rows[n++] = mg_first_friction_row(c, i, g) + k;
+  }
+  return n;
+}
+
+/* Appends the gaps of an island that carry force to a list of n rows; returns its length. */
+static int mg_append_loaded_gaps_of_island(mg_context *c, int first, int n) {
+  for (int i = first; i >= 0; i = c->islands.next[i])
+    if (i < c->system->n_contact && c->run->active[i]) c->lcp.rows[n++] = i;
+  return n;
+}
+
+/* Rank of the first n listed rows. */
+static int mg_rank_of_listed_rows(mg_context *c, int n) {
+  mg_assemble_delassus(c, c->lcp.rows, n);
+  for (int r = 0; r < n; r++) c->lcp.b[r] = 0;
+  return mg_unsymmetric_rank(c, c->lcp.rows, n);
+}
+
+/* True if the normal forces of an island are unique while its contacts keep their modes: its gaps depend neither on
+   each other nor on joints, springs and sticking friction. Friction forces may then share what they hold, each below
+   bounds that are known. */
+static int mg_are_normal_forces_unique(mg_context *c, int first) {
+  const int m = mg_append_sticking_rows_of_island(c, first, mg_append_held_rows_of_island(c, first, 0)),
+            rank = mg_rank_of_listed_rows(c, m), n = mg_append_loaded_gaps_of_island(c, first, m);
+  return mg_rank_of_listed_rows(c, n) == rank + n - m;
+}
+
+/* The matrix S of the first m of n listed rows, with the accelerations of the others kept by the forces on them. */
+static void mg_eliminate_held_rows(mg_context *c, int m, int n, mg_real *S) {
+  const int held = n - m;
+  const mg_real *A = c->lcp.A;
+  mg_real *x = c->lcp.work + (long)held * (held + 4); /* behind the scratch of the solution */
+  for (int j = 0; j < m; j++) {
+    if (held) mg_solve_least_norm_rows(c, c->lcp.rows + m, held, A + m + (long)n * m, n, A + m + (long)n * j, x);
+    for (int i = 0; i < m; i++) {
+      S[i + j * m] = A[i + (long)n * j];
+      for (int r = 0; r < held; r++) S[i + j * m] += A[i + (long)n * (m + r)] * x[r];
+    }
+  }
+}
+
 /* True if the present motion of the bodies of an island is proved to be the only one. */
 static int mg_is_island_motion_unique(mg_context *c, int first) {
   mg_slip_under_way slip;
+  mg_real S[9 * MG_MOTION_CONTACTS * MG_MOTION_CONTACTS];
   int count;
   const int n = mg_list_island_contacts(c, first, &slip, &count);
   const mg_friction_problem p = {
-      n,        count, MG_COULOMB, 0, c->friction.cone_first, c->friction.cone_rows, c->friction.cone, c->lcp.A,
-      c->lcp.b, 0,     0,          0};
+      n, count, MG_COULOMB, 0, c->friction.cone_first, c->friction.cone_rows, c->friction.cone, S, c->lcp.b, 0, 0, 0};
   if (n == 0) return 0;
-  mg_assemble_delassus(c, c->lcp.rows, n);
+  const int size = mg_append_held_rows_of_island(c, first, n);
+  mg_assemble_delassus(c, c->lcp.rows, size);
+  mg_eliminate_held_rows(c, n, size, S);
   for (int r = 0; r < n; r++) {
     c->lcp.z[r] = c->run->active[c->friction.cone_contact[r / 3]] ? c->solution.force[c->lcp.rows[r]] : 0;
     c->lcp.b[r] = mg_row_acceleration(c, c->lcp.rows[r]);
   }
   for (int j = 0; j < n; j++)
-    for (int r = 0; r < n; r++) c->lcp.b[r] -= p.A[r + n * j] * c->lcp.z[j];
+    for (int r = 0; r < n; r++) c->lcp.b[r] -= S[r + n * j] * c->lcp.z[j];
   return mg_is_motion_unique(&p, c->lcp.z, slip.slides, slip.ratio, c->friction.motion_work);
 }
 
-/* The same of all bodies. An island of one contact has unique forces. */
+/* The same of all bodies, but for islands whose normal forces are unique. */
 static int mg_is_present_motion_unique(mg_context *c) {
   int n = 0;
-  if (c->system->n_joint_row) return 0;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->run->closed[i]) c->lcp.rows[n++] = i;
+  n = mg_append_sticking_patch_rows(c, c->lcp.rows,
+                                    mg_append_spring_rows(c, c->lcp.rows, mg_append_joint_rows(c, c->lcp.rows, n)));
   mg_chain_islands(c, n);
-  for (int b = 0; b < c->system->n_body; b++)
-    if (c->islands.head[b] >= 0 && c->islands.next[c->islands.head[b]] >= 0 &&
-        !mg_is_island_motion_unique(c, c->islands.head[b]))
-      return 0;
+  for (int b = 0; b < c->system->n_body; b++) {
+    const int first = c->islands.head[b];
+    if (first >= 0 && !mg_are_normal_forces_unique(c, first) && !mg_is_island_motion_unique(c, first)) return 0;
+  }
   return 1;
 }
 
