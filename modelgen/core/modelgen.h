@@ -422,6 +422,7 @@ typedef struct {
   int lcp_iterations;     /* bound of the active-set changes of one complementarity problem */
   int event_scan_parts;   /* parts into which a step is divided to find its first event */
   int events_at_once_max; /* bound of the transitions within one event_tolerance * time; more end the run */
+  int sweep_from_last;    /* 1: solves for friction sweep over the contacts from the last one on */
   int chatter_closed;     /* a run that left its events for time-stepping does not return with more closed contacts */
 } mg_settings;
 

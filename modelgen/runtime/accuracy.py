@@ -300,6 +300,7 @@ class Accuracy:
             **{key: getattr(own, key) / FINER for key in (*finer, "time_resolution", "stepping_tolerance")},
             **{key: getattr(own, key) * TENTH for key in shorter},
             flat_angle=max(own.flat_angle / 2, RESOLVED["flat_angle"] * epsilon),
+            sweep_from_last=1 - own.sweep_from_last,
         )
 
 

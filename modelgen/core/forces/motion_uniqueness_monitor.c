@@ -119,7 +119,8 @@ static int mg_is_island_motion_unique(mg_context *c, int first) {
   int count;
   const int n = mg_list_island_contacts(c, first, &slip, &count);
   const mg_friction_problem p = {
-      n, count, MG_COULOMB, 0, c->friction.cone_first, c->friction.cone_rows, c->friction.cone, S, c->lcp.b, 0, 0, 0};
+      n, count, MG_COULOMB, 0, c->friction.cone_first, c->friction.cone_rows, c->friction.cone, S, c->lcp.b,
+      0, 0,     0,          0};
   if (n == 0) return 0;
   const int size = mg_append_held_rows_of_island(c, first, n);
   mg_assemble_delassus(c, c->lcp.rows, size);

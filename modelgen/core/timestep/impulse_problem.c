@@ -96,7 +96,8 @@ static mg_friction_problem mg_make_friction_problem(mg_context *c, mg_real h) {
                            c->lcp.b,
                            1,
                            c->settings->stepping_tolerance,
-                           c->run->stop};
+                           c->run->stop,
+                           c->settings->sweep_from_last};
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->events.is_near[i]) p.n = mg_append_friction_contact(c, i, p.n_contact++, p.n);
   p.n = mg_append_spring_rows(c, c->lcp.rows, mg_append_joint_rows(c, c->lcp.rows, p.n));

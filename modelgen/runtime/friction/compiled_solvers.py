@@ -178,6 +178,7 @@ def _problem(dtype: np.dtype[Any]) -> Any:
         ("starts", ctypes.c_int),
         ("accepted", C_REALS[dtype.char]),
         ("stop", ctypes.c_void_p),
+        ("from_last", ctypes.c_int),
     ]
     return type("FrictionProblem", (ctypes.Structure,), {"_fields_": fields})
 

@@ -160,7 +160,9 @@ SETTINGS_REALS = (
 OWN = (  # of SETTINGS_REALS: fields of Accuracy itself, the others are its thresholds
     *("tolerance", "contact_gap", "start_gap", "rest_speed", "slip_speed", "imaginary_edge", "flush_height"),
 )
-SETTINGS_COUNTS = ("lcp_iterations", "event_scan_parts", "events_at_once_max", "chatter_closed")
+SETTINGS_COUNTS = (
+    *("lcp_iterations", "event_scan_parts", "events_at_once_max", "sweep_from_last", "chatter_closed"),
+)
 RUN_ARRAYS = (
     *(
         "x",

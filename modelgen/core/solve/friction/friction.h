@@ -39,6 +39,7 @@ typedef struct {
                           longer halve the merit, and Newton's method is tried again only after progress; 0: only a
                           thousand roundings are, and Newton steps go on while they reduce them */
   const int *stop;     /* [1] or null; 1, also set by another thread during the solve: it ends soon, NOT_FOUND */
+  int from_last;       /* 1: sweeps over the contacts begin with the last one */
 } mg_friction_problem;
 
 /* Outcome of mg_friction. */

@@ -192,7 +192,7 @@ static void mg_update_friction_contact(mg_scaled_friction *s, int contact) {
 MG_INTERNAL int mg_friction_sweep(mg_scaled_friction *s, int sweeps) {
   mg_friction_update_motion(s);
   for (int sweep = 0; sweep < sweeps && !mg_friction_is_stopped(s); ++sweep) {
-    for (int c = 0; c < s->n; ++c) mg_update_friction_contact(s, sweep % 2 ? s->n - 1 - c : c);
+    for (int c = 0; c < s->n; ++c) mg_update_friction_contact(s, (sweep + s->given->from_last) % 2 ? s->n - 1 - c : c);
     ++s->sweeps;
     if (mg_friction_error(s) <= mg_friction_tolerance(s, s->y)) break;
   }
