@@ -14,7 +14,15 @@ import numpy as np
 
 from modelgen.runtime.accuracy import TENTH, Accuracy
 from modelgen.runtime.error_statement import Estimate
-from modelgen.runtime.event_matching import BLOWS, Subject, alone, in_pairs, modes_apart, subject_of
+from modelgen.runtime.event_matching import (
+    BLOWS,
+    Subject,
+    alone,
+    in_pairs,
+    modes_apart,
+    subject_of,
+    undecided_impacts,
+)
 from modelgen.runtime.run_distance import (
     APART,
     forces_between,
@@ -24,7 +32,6 @@ from modelgen.runtime.run_distance import (
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import Event, Outcome, Trajectory
 from modelgen.runtime.trust import steps_in_time, uncertified
-from modelgen.runtime.warnings.impact_order import undecided_impacts
 
 SAFE = 2.0  # times the error that the difference shows: for what the companion errs itself
 ORDERS = {"rk4": 4, "time-stepping": 1}  # of methods whose companion has a finer step, not a finer tolerance

@@ -1,8 +1,14 @@
-"""Which events of two runs of one scene are the same, and for how long both are in different modes.
+"""Which events of two runs of one scene are the same, in which modes they differ, and which impacts have no
+order.
 
 A bounce that settles ends by a few more or fewer blows where thresholds differ, and all that hangs on it
-starts and stops as often: events of one run alone, although contacts are open, closed, slide and stick at the
-same times. So events other than blows count by how long the modes that they change differ.
+starts and stops as often: events of one run alone, although contacts are open, closed, slide and stick at
+the same times. So events other than blows count by how long the modes that they change differ.
+
+What follows two impacts on one body differs by a finite amount if they come in the other order: a cube that
+falls on an edge goes on otherwise when one corner of it is struck first. Contacts that are struck at once,
+as the supports of a ball on a ring, have no order, and the next impact at one of them comes after those.
+Where run and companion differ in that, it shows; but both may err to the same side.
 """
 
 from __future__ import annotations
@@ -11,6 +17,7 @@ from bisect import bisect, bisect_left
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from heapq import merge
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 from modelgen.runtime.trajectory import LOAD_SWITCH, SEARCH_EVENTS, Event
@@ -68,6 +75,38 @@ def modes_apart(
     changes, likes = (_changes(run, resting) for run in (mine, theirs))
     subjects = changes.keys() | likes.keys()
     return {each: _time_apart(changes.get(each, []), likes.get(each, []), end) for each in subjects}
+
+
+def undecided_impacts(
+    mine: Sequence[Event],
+    theirs: Sequence[Event],
+    instance: Mapping[str, Any],
+    safe: float,
+    least: float,
+    end: float,
+) -> tuple[Event, Event] | None:
+    """The first two impacts of a run whose times differ by no more than the error.
+
+    Args:
+        mine, theirs: the events of the run, and of its companion.
+        instance: of the manifest.
+        safe: the time between two impacts errs by `safe` times what the companion has otherwise.
+        least: m; impacts that move less than this until `end`, s, are left aside.
+    """
+    struck = _moving(instance)
+    before = [_blows_before(events) for events in (mine, theirs)]
+    blows = [(a, b) for a, b in in_pairs(mine, theirs) if a.kind in BLOWS and a.t <= end]
+    for (a, like_a), (b, like_b) in pairwise(blows):
+        if a.contact == b.contact or not struck[a.contact] & struck[b.contact]:
+            continue
+        if min(a.speed, b.speed) * (end - b.t) <= least:
+            continue
+        if before[0].get(id(b)) == a.t and before[1].get(id(like_b)) == like_a.t:
+            continue  # the contact of b was struck with that of a, and so b comes after a in any case
+        between, again = b.t - a.t, like_b.t - like_a.t
+        if between > 0 and again > 0 and safe * abs(between - again) >= min(between, again):
+            return a, b
+    return None
 
 
 def subject_of(event: Event) -> Subject:
@@ -186,3 +225,27 @@ def _time_apart(mine: Sequence[Change], theirs: Sequence[Change], end: float) ->
             modes.change(side, change)
     modes.go_on(end)
     return modes.apart
+
+
+def _blows_before(events: Sequence[Event]) -> dict[int, float]:
+    """s: of each blow by its id, the time of the one before at its contact, where there is one."""
+    last: dict[str, float] = {}
+    found = {}
+    for event in events:
+        if event.kind in BLOWS:
+            if event.contact in last:
+                found[id(event)] = last[event.contact]
+            last[event.contact] = event.t
+    return found
+
+
+def _moving(instance: Mapping[str, Any]) -> dict[str, set[int]]:
+    """For each contact and joint limit, its bodies that forces move."""
+    free = {k for k, body in enumerate(instance["bodies"]) if body["motion"] in ("point", "free")}
+    feature_pairs = [instance["feature_pairs"][pair["feature_pairs"][0]] for pair in instance["pairs"]]
+    pairs = [free & {feature_pair["o"], feature_pair["f"]} for feature_pair in feature_pairs]
+    return {
+        **{contact["name"]: pairs[contact["pair"]] for contact in instance["contacts"]},
+        **{pair["name"]: bodies for pair, bodies in zip(instance["pairs"], pairs, strict=True)},
+        **{limit["name"]: free & {limit["o"], limit["f"]} for limit in instance["limits"]},
+    }

@@ -93,8 +93,8 @@ class Thresholds:
             face that a vertex or edge is found above.
         lcp_iterations: bound on the active-set changes of one complementarity problem.
         events_at_once_max: bound on the transitions at one time.
-        sweep_from_last: 1: solves for friction sweep over the contacts from the last one on, and where Coulomb's
-            law has several solutions may find another; a companion does the other than its run.
+        sweep_from_last: 1: solves for friction sweep over the contacts from the last one on, and where
+            Coulomb's law has several solutions may find another; a companion does the other than its run.
         search_margin: a search for closest points drops results with a smaller margin; a ball whose centre is
             within this times L of the axis of a ring touches three parts of it.
         search_merge_distance: closest points nearer to each other than this times P are one.

@@ -71,6 +71,7 @@ SMALL_IN_CORE = {
     ("closest/segment_crossings.c", 1e-6): "overlap of neighbouring cells",
     ("events/event_location.c", 1e-6): "where bisection hands over to the search for a zero",
     ("forces/row_refinement.c", 1e-3): "condition from which rows are refined",
+    ("impact/frictional_impact.c", 1e-3): "first yield of contacts that share a blow",
     ("region/winkler_pressure.c", 1e-6): "least part of a Newton step",
     ("region/winkler_pressure.c", 1e-3): "least part of a continuation step",
     ("solve/friction/interior_point.c", 1e-4): "least centring of an interior-point step",

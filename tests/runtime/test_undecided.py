@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from modelgen import Accuracy, simulate
 from modelgen.runtime.error_estimate import SAFE, estimate_of
+from modelgen.runtime.event_matching import undecided_impacts
 from modelgen.runtime.trajectory import Event
-from modelgen.runtime.warnings.impact_order import undecided_impacts
 from tests.running import scene_of
 
 LEFT, RIGHT = "cube-table:top_back_left", "cube-table:top_front_left"

@@ -246,6 +246,7 @@ typedef struct {
   int *cone_rows;          /* [per contact of the problem] its number of rows: 1, 3 or 6 */
   int *marks;              /* [per contact of the problem] MG_MARK_FORCE .. */
   int *iwork;              /* memory of the solver */
+  mg_real *share;          /* [per contact of the problem] its normal impulse in the round before, N s */
   mg_real *motion_work;    /* of mg_is_motion_unique, if several contacts may be closed; keeps a call's last proof */
 } mg_friction_workspace;
 

@@ -133,7 +133,7 @@ static void mg_set_friction_arrays(mg_context *c, mg_memory *memory) {
   c->friction.slip_time_left = mg_reserve_reals(memory, s->n_friction);
   c->friction.slip_angle = mg_reserve_reals(memory, s->n_friction);
   c->step.angle_slopes = mg_reserve_reals(memory, (long)MG_RADAU_STAGES * MG_SLIP_UNKNOWNS * s->n_u);
-  c->friction.cone = mg_reserve_reals(memory, MG_CONE * k),
+  c->friction.cone = mg_reserve_reals(memory, MG_CONE * k), c->friction.share = mg_reserve_reals(memory, k);
   c->rows.tangents = mg_reserve_reals(memory, 6L * s->n_contact);
   c->rows.kernel_rows = mg_reserve_reals(memory, 78),
   c->friction.motion_work = mg_reserve_reals(memory, mg_motion_memory_size(s)),
