@@ -36,8 +36,8 @@ from modelgen.runtime.trust import steps_in_time, uncertified
 SAFE = 2.0  # times the error that the difference shows: for what the companion errs itself
 ORDERS = {"rk4": 4, "time-stepping": 1}  # of methods whose companion has a finer step, not a finer tolerance
 ROUNDED = 8.0  # roundings of lengths, and of 1: no error below is claimed
-BOUNCE = 10.0  # times the bound of rest: slower bounces end in one run and not in the other
-SETTLING = 100.0  # times the time in which such a bounce comes to its top: how long it takes to settle
+BOUNCE = 100.0  # times the bound of rest: slower bounces end in one run and not in the other
+SETTLING = 10.0  # times the time in which such a bounce comes to its top: how long it takes to settle
 MOTION = ("p", "quaternion", "v", "w")  # columns
 LEAST_STEPS = 100  # that every companion may take
 UNKNOWN = {"gap": None, "force": None, "events": None, "events_unmatched": None}  # without a companion

@@ -16,13 +16,15 @@ from __future__ import annotations
 from bisect import bisect, bisect_left
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from heapq import merge
-from itertools import pairwise
+from itertools import pairwise, takewhile
 from typing import Any, NamedTuple
 
 from modelgen.runtime.trajectory import LOAD_SWITCH, SEARCH_EVENTS, Event
 
 BLOWS = ("impact", "touch-down")  # the last blow of a bounce that settles is a touch-down
+TOUCH = "touch"
+LOAD = LOAD_SWITCH.partition("-")[0]
+ONE_SPEED = 1e-2  # relative difference up to which blows of two runs may be the same
 Subject = tuple[str, str]  # what an event is about, and the name of its contact
 Pairs = Sequence[tuple[Event, Event]]
 TOUCHES = {  # the modes before and after
@@ -42,17 +44,25 @@ class Change(NamedTuple):
     after: str | None
 
 
+class Stretch(NamedTuple):
+    start: float  # s
+    end: float  # s
+    mode: str | None
+
+
 def in_pairs(mine: Sequence[Event], theirs: Sequence[Event]) -> list[tuple[Event, Event]]:
     """The events of one run that another has too, with those, by time. Without SEARCH_EVENTS, whose times are
     those of steps.
 
-    As many events of a contact are the same in order; else those that are the nearest to each other in turn.
+    As many events of a contact are the same in order. Of others, those are the same that have one speed, from
+    the first and from the last on, then those that are the nearest to each other in turn.
     """
     found: list[tuple[Event, Event]] = []
     likes = _by_subject(theirs)
     for subject, events in _by_subject(mine).items():
         like = likes.get(subject, [])
-        found += zip(events, like, strict=True) if len(events) == len(like) else _nearest_pairs(events, like)
+        same = len(events) == len(like)
+        found += zip(events, like, strict=True) if same else _pairs_of_unequal(events, like)
     return sorted(found, key=lambda pair: pair[0].t)
 
 
@@ -72,9 +82,13 @@ def modes_apart(
     """s: for how long up to `end` two runs are in different modes, by what the modes are of. A blow that
     leaves its contact open changes no mode."""
     resting = _contacts_by_patch(instance)
-    changes, likes = (_changes(run, resting) for run in (mine, theirs))
-    subjects = changes.keys() | likes.keys()
-    return {each: _time_apart(changes.get(each, []), likes.get(each, []), end) for each in subjects}
+    changes = [_changes(run, resting) for run in (mine, theirs)]
+    apart = {}
+    for subject in changes[0].keys() | changes[1].keys():
+        first = "0" if subject[0] == LOAD else None
+        both = (_stretches(run.get(subject, []), first, end) for run in changes)
+        apart[subject] = _time_apart(*both)
+    return apart
 
 
 def undecided_impacts(
@@ -111,7 +125,7 @@ def undecided_impacts(
 
 def subject_of(event: Event) -> Subject:
     """What an event changes: touch, slip, spin, roll, the features that touch, or what it is by itself."""
-    what = "touch" if event.kind in TOUCHES else event.kind.split("-")[0]
+    what = TOUCH if event.kind in TOUCHES else event.kind.split("-")[0]
     return what, event.contact
 
 
@@ -122,6 +136,26 @@ def _by_subject(events: Sequence[Event]) -> dict[Subject, list[Event]]:
         if event.kind not in SEARCH_EVENTS:
             found["blow" if event.kind in BLOWS else event.kind, event.contact].append(event)
     return found
+
+
+def _pairs_of_unequal(mine: Sequence[Event], theirs: Sequence[Event]) -> list[tuple[Event, Event]]:
+    first = _count_of_like(mine, theirs)
+    last = _count_of_like(mine[first:][::-1], theirs[first:][::-1])
+    ends = [len(run) - last for run in (mine, theirs)]
+    return [
+        *zip(mine[:first], theirs[:first], strict=True),
+        *_nearest_pairs(mine[first : ends[0]], theirs[first : ends[1]]),
+        *zip(mine[ends[0] :], theirs[ends[1] :], strict=True),
+    ]
+
+
+def _count_of_like(mine: Sequence[Event], theirs: Sequence[Event]) -> int:
+    """How many blows from the first on have one speed in both."""
+    like = (
+        abs(a.speed - b.speed) <= ONE_SPEED * a.speed and a.speed > 0
+        for a, b in zip(mine, theirs, strict=False)
+    )
+    return sum(1 for _ in takewhile(bool, like))
 
 
 def _nearest_pairs(mine: Sequence[Event], theirs: Sequence[Event]) -> Iterator[tuple[Event, Event]]:
@@ -153,25 +187,24 @@ def _contacts_by_patch(instance: Mapping[str, Any]) -> dict[str, list[str]]:
 
 
 def _changes(events: Sequence[Event], resting: Mapping[str, Sequence[str]]) -> dict[Subject, list[Change]]:
-    """The modes of each subject by time. What opens neither slips nor rolls, and a face that rests takes the
-    place of the contacts at its points."""
+    """The modes of each subject by time. Where a contact opens or closes, other modes of it begin that are
+    not known, and a face that rests takes the place of the contacts at its points."""
     found: dict[Subject, list[Change]] = defaultdict(list)
+    begun: dict[str, float] = {}  # s, when other modes of a contact began
     for event in events:
         if event.kind in SEARCH_EVENTS:
             continue
         own, (before, after) = subject_of(event), _modes(event, found)
-        if after == "open":
-            _end(found, [event.contact], event.t)
-        elif after == "face":
-            _end(found, resting.get(event.contact, ()), event.t)
+        if own not in found and own[0] != TOUCH and event.contact in begun:
+            found[own].append(Change(begun[event.contact], None, None))
+        names = [event.contact, *(resting.get(event.contact, ()) if after == "face" else ())]
+        for name in names if own[0] == TOUCH else ():
+            begun[name] = event.t
+            for subject, changes in found.items():
+                if subject[1] == name and subject != (TOUCH, event.contact):
+                    changes.append(Change(event.t, None, None))
         found[own].append(Change(event.t, before, after))
     return found
-
-
-def _end(found: Mapping[Subject, list[Change]], names: Sequence[str], t: float) -> None:
-    for subject, changes in found.items():
-        if subject[1] in names:
-            changes.append(Change(t, None, None))
 
 
 def _modes(event: Event, known: Mapping[Subject, Sequence[Change]]) -> tuple[str, str]:
@@ -189,42 +222,34 @@ def _modes(event: Event, known: Mapping[Subject, Sequence[Change]]) -> tuple[str
     return f"before {what}", event.features or what
 
 
-class _Modes:
-    """The modes of one subject in two runs as they change by time, and for how long they differed."""
-
-    def __init__(self) -> None:
-        self.apart = 0.0  # s
-        self._modes: list[str | None] = [None, None]
-        self._since = [0.0, 0.0]  # s
-        self._told = 0.0  # s
-
-    def go_on(self, t: float) -> None:
-        """Up to a time. A mode that is not known yet is taken for that of the other run."""
-        a, b = self._modes
-        if a is not None and b is not None and a != b:
-            self.apart += t - self._told
-        self._told = t
-
-    def change(self, side: int, to: Change) -> None:
-        self.go_on(to.t)
-        other = self._modes[1 - side]
-        if self._modes[side] is None and to.before is not None:
-            if other is None:
-                self._modes[1 - side] = to.before
-            elif other != to.before:
-                self.apart += to.t - max(self._since)
-        self._modes[side], self._since[side] = to.after, to.t
+def _stretches(changes: Sequence[Change], first: str | None, end: float) -> list[Stretch]:
+    """The stretches of one mode up to `end`, of which the first has the mode `first`, if it is known. Where
+    neither the event before a stretch nor that after it tells the mode, it is None."""
+    found, t, mode = [], 0.0, first
+    for change in changes:
+        if change.t >= end:
+            break
+        found.append(Stretch(t, change.t, change.before if mode is None else mode))
+        t, mode = change.t, change.after
+    return [*found, Stretch(t, end, mode)]
 
 
-def _time_apart(mine: Sequence[Change], theirs: Sequence[Change], end: float) -> float:
-    """s: for how long two series of changes leave different modes, up to `end`."""
-    both = ([(change, side) for change in run] for side, run in enumerate((mine, theirs)))
-    modes = _Modes()
-    for change, side in merge(*both, key=lambda each: each[0].t):
-        if change.t < end:
-            modes.change(side, change)
-    modes.go_on(end)
-    return modes.apart
+def _time_apart(mine: Sequence[Stretch], theirs: Sequence[Stretch]) -> float:
+    """s: for how long two runs are in different modes. A mode that is not known is taken for that in which
+    the other run is the longest meanwhile: where it is another one, the motions differ."""
+    apart = 0.0
+    for run, other in ((mine, theirs), (theirs, mine)):
+        for stretch in run:
+            spent: dict[str | None, float] = defaultdict(float)
+            for like in other[bisect(other, stretch.start, key=lambda each: each.end) :]:
+                if like.start >= stretch.end:
+                    break
+                spent[like.mode] += min(stretch.end, like.end) - max(stretch.start, like.start)
+            spent.pop(None, None)
+            same = max(spent.values(), default=0.0) if stretch.mode is None else spent[stretch.mode]
+            once = 1.0 if stretch.mode is None else 0.5  # two known modes are compared from both sides
+            apart += once * (sum(spent.values()) - same)
+    return apart
 
 
 def _blows_before(events: Sequence[Event]) -> dict[int, float]:

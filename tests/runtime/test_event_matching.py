@@ -106,6 +106,21 @@ def test_a_face_that_rests_takes_the_place_of_its_corners() -> None:
     assert modes_apart([rests], [slips, rests], instance, END)["slip", "floor-box:2"] == 0.25
 
 
+def test_a_face_that_slides_on_in_one_run_counts_from_when_it_rests() -> None:
+    """The other run, in which it sticks at once, tells nothing of its slip."""
+    rests, stops = Event(2.0, "face-contact", "floor-box"), Event(2.25, "slip-stop", "floor-box")
+    assert modes_apart([rests, stops], [rests], BARE, END)["slip", "floor-box"] == 0.25
+
+
+def test_blows_of_one_speed_are_the_same_at_one_time_too() -> None:
+    """Of two blows at one instant, and a third that only one run has."""
+    first, second = (Event(1.0, "impact", "a", speed=speed) for speed in (1.0, 0.5))
+    more = Event(1.0 + 1e-12, "touch-down", "a", speed=0.01)
+    pairs = in_pairs([first, second, more], [first, second])
+    assert pairs == [(first, first), (second, second)]
+    assert alone([first, second, more], [first, second], pairs) == [more]
+
+
 @given(seeds)
 def test_bounces_that_settle_leave_no_event_alone(seed: int) -> None:
     """A ball that is thrown on a floor: run and companion give up its bounces at different speeds."""
