@@ -53,3 +53,32 @@ def test_forces_that_are_not_unique_have_the_least_weighted_norm(seed: int, hang
     assert shown == pytest.approx(right, rel=1e-9)
     plain = np.linalg.pinv(np.array([np.ones(4), at[:, 1], -at[:, 0]])) @ [mass * G, 0, 0]
     assert np.abs(plain - right).max() > 1e-4 * right.max()  # the plain norm is another one
+
+
+@pytest.mark.parametrize("armature", [0.0, 1e-4])
+def test_a_cart_on_four_wheels_has_three_forces_too_many_with_armature_or_without(armature: float) -> None:
+    """12 components at the contacts hold 9 of the 10 motions: one is left, straight on."""
+    radius, upright, speed = 0.05, [np.pi / 2, 0.0, 0.0], 0.5
+    bodies = [
+        make.fixed("floor", make.plane()),
+        make.dynamic(
+            "cart", make.box(0.4, 0.2, 0.05), density=800.0, position=[0, 0, 0.11], velocity=[speed, 0, 0]
+        ),
+    ]
+    joint, contact = [], []
+    for k, (x, y) in enumerate(((0.2, 0.12), (0.2, -0.12), (-0.2, 0.12), (-0.2, -0.12))):
+        wheel = make.dynamic(
+            f"wheel{k}", make.sphere(radius), density=800.0, position=[x, y, radius], rpy=upright,
+            velocity=[speed, 0, 0], angular_velocity=[0, speed / radius, 0],
+        )  # fmt: skip
+        bodies.append(wheel)
+        axle = {
+            "kind": "revolute",
+            "between": ["cart", f"wheel{k}"],
+            "position": [x, y, radius],
+            "rpy": upright,
+        }
+        joint.append({"name": f"axle{k}", "damping": 1e-3, "armature": armature, **axle})
+        contact.append({"between": [f"wheel{k}", "floor"], "friction": 0.6})
+    library = library_of(make.scene("cart", bodies, joint=joint, contact=contact))
+    assert simulate(library, until=0.1).redundant_max == 3

@@ -311,6 +311,9 @@ MG_INTERNAL int mg_solve_contact_lcp(mg_context *c, int n, const mg_real *value,
    the independent rows of each joint into `rank` unless it is 0. Returns the rank. */
 MG_INTERNAL int mg_rank_joints(mg_context *c, int *rank);
 
+/* Number of joint rows that depend on those before them. Rows of armature, which yield, do not. */
+MG_INTERNAL int mg_count_dependent_joint_rows(mg_context *c);
+
 /* Updates rank, margin and dead centres of the joints. Needs the rows at run->x. */
 MG_INTERNAL void mg_monitor_joint_rank(mg_context *c);
 

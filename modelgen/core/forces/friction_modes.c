@@ -336,7 +336,7 @@ MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip) {
   mg_set_friction_bound_kinds(c);
   mg_deactivate_all_contacts(c);
   c->run->friction_redundant = 0;
-  if (c->system->n_joint_row) dependent_joint_rows = c->system->n_joint_row - mg_rank_joints(c, 0);
+  if (c->system->n_joint_row) dependent_joint_rows = mg_count_dependent_joint_rows(c);
   const mg_friction_problem p = mg_assemble_friction_problem(c, skip);
   if (p.n_contact == 0) {
     mg_evaluate_run_state(c);

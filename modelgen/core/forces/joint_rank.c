@@ -29,6 +29,14 @@ MG_INTERNAL int mg_rank_joints(mg_context *c, int *rank) {
   return total;
 }
 
+MG_INTERNAL int mg_count_dependent_joint_rows(mg_context *c) {
+  int count = 0;
+  mg_rank_joints(c, 0);
+  for (int r = 0; r < c->system->n_joint_row; r++)
+    count += !c->lcp.joint_mask[r] && !c->contacts.is_inertial[c->layout.joint_row_begin + r];
+  return count;
+}
+
 /* J_row M^-1 J_column^T with J_row of this step and J_column of the step before. */
 static mg_real mg_delassus_with_previous(const mg_context *c, int row, int column) {
   const mg_real *J = c->rows.J + 12 * row, *MJ = c->run->joint_response + 12 * (column - c->layout.joint_row_begin);
