@@ -34,8 +34,8 @@ def stack_or_pile(random: Random) -> Tables:
 def _stack(random: Random) -> Tables:
     """Two to five boxes, cylinders and discs of wood on each other, hardly off centre, at rest or dropped."""
     friction, restitution = random.uniform(0.2, 0.8), float(random.choice([0.0, 0.0, 0.2]))
-    level, bodies, contacts = 0.0, [ground()], []
-    below = "floor"
+    level, bodies, below = 0.0, [ground()], "floor"
+    contacts: list[Table] = []
     drop = float(random.choice([0.0, 0.0, 1e-3]))
     for k in range(int(random.integers(2, 6))):
         kind = str(random.choice(["box", "box", "cylinder"]))

@@ -35,14 +35,14 @@ def ground(name: str = "floor") -> Table:
     return {"name": name, "motion": "fixed", "shape": {"kind": "plane"}}
 
 
-def body(name: str, shape: Table | Sequence[Table], position: Sequence[float], **keys: Any) -> Table:
+def body(name: str, shape: Table | Sequence[Table], position: Any, **keys: Any) -> Table:
     """A body of one density, unless `keys` give another mass."""
     given = keys if "mass" in keys or "density" in keys else {"density": DENSITY, **keys}
     return {"name": name, "shape": shape, "position": row(position), **given}
 
 
 def weighed(
-    name: str, shape: Table, position: Sequence[float], mass: float, size: float, **keys: Any
+    name: str, shape: Table, position: Any, mass: float, size: float, **keys: Any
 ) -> Table:
     """A body whose mass does not follow from its shape: about that of a ball of `size`, m."""
     inertia = number(0.4 * mass * size**2)
@@ -66,7 +66,7 @@ def solid(random: Random, kind: str, size: float) -> Table:
     """A solid of the catalogue whose half extents are 0.4 to 1 of `size`."""
     r = sizes(random, 0.4 * size, size)
     tall = sizes(random, 0.8 * size, 2 * size)
-    table = {
+    table: dict[str, Callable[[], Table]] = {
         "sphere": lambda: {"radius": r()},
         "box": lambda: {"size": [tall(), tall(), tall()]},
         "cylinder": lambda: {"radius": r(), "length": tall()},
