@@ -41,9 +41,7 @@ def body(name: str, shape: Table | Sequence[Table], position: Any, **keys: Any) 
     return {"name": name, "shape": shape, "position": row(position), **given}
 
 
-def weighed(
-    name: str, shape: Table, position: Any, mass: float, size: float, **keys: Any
-) -> Table:
+def weighed(name: str, shape: Table, position: Any, mass: float, size: float, **keys: Any) -> Table:
     """A body whose mass does not follow from its shape: about that of a ball of `size`, m."""
     inertia = number(0.4 * mass * size**2)
     return body(name, shape, position, mass=number(mass), inertia=[inertia] * 3, **keys)
