@@ -16,6 +16,7 @@ from modelgen.runtime.accuracy import TENTH, Accuracy
 from modelgen.runtime.error_statement import Estimate
 from modelgen.runtime.event_matching import (
     BLOWS,
+    Pairs,
     Subject,
     alone,
     in_pairs,
@@ -89,12 +90,13 @@ def estimate_of(
     reasons, other = [*_reasons(path, twin, missing)], dict[str, Any](UNKNOWN)
     if twin is not None:
         told = _told(path.events, slow), _told(twin.events, slow)
-        times, unmatched = _events(told, modes_apart(path.events, twin.events, instance, end), brief, end)
+        pairs, apart = in_pairs(*told), modes_apart(path.events, twin.events, instance, end)
+        times, unmatched = _events(pairs, alone(*told, pairs), apart, brief, end)
         other = _gaps_and_forces(path, twin, predicted, safe)
         other["events"] = None if times is None else safe * times + _resolution(path, accuracy)
         other["events_unmatched"] = len(unmatched) if path.events or twin.events else None
         reasons += _alone(unmatched)
-        reasons += _order(undecided_impacts(*told, instance, SAFE, error, end))
+        reasons += _order(undecided_impacts(*told, pairs, instance, SAFE, error, end))
     return Estimate(
         position=position,
         rotation=rotation,
@@ -196,7 +198,7 @@ def _gaps_and_forces(path: Trajectory, twin: Trajectory, n: int, safe: float) ->
 
 
 def _events(
-    told: tuple[Sequence[Event], Sequence[Event]], apart: Mapping[Subject, float], brief: float, end: float
+    pairs: Pairs, single: Sequence[Event], apart: Mapping[Subject, float], brief: float, end: float
 ) -> tuple[float | None, list[Event]]:
     """How far the times of events of two runs are apart, s, and those that only one of them has, up to `end`;
     where no event is told up to there, that of later ones.
@@ -204,14 +206,14 @@ def _events(
     An event of one run that is no blow, and changes a mode in which the runs differ for no longer than
     `brief`, s, in all, is one whose time is off by as much.
     """
-    mine, theirs = told
-    pairs = in_pairs(mine, theirs)
-    single = [event for event in alone(mine, theirs, pairs) if event.t <= end]
-    lasting = [
-        event for event in single if (event.kind in BLOWS and event.speed) or apart[subject_of(event)] > brief
-    ]
-    late = [apart[subject_of(event)] for event in single if event not in lasting]
-    late += [abs(a.t - b.t) for a, b in pairs if a.t <= end]
+    late, lasting = [abs(a.t - b.t) for a, b in pairs if a.t <= end], list[Event]()
+    for event in single:
+        if event.t > end:
+            continue
+        if (event.kind in BLOWS and event.speed) or apart[subject_of(event)] > brief:
+            lasting.append(event)
+        else:
+            late.append(apart[subject_of(event)])
     return max(late or [abs(a.t - b.t) for a, b in pairs], default=None), lasting
 
 

@@ -66,9 +66,7 @@ def in_pairs(mine: Sequence[Event], theirs: Sequence[Event]) -> list[tuple[Event
     return sorted(found, key=lambda pair: pair[0].t)
 
 
-def alone(
-    mine: Sequence[Event], theirs: Sequence[Event], pairs: Sequence[tuple[Event, Event]]
-) -> list[Event]:
+def alone(mine: Sequence[Event], theirs: Sequence[Event], pairs: Pairs) -> list[Event]:
     """The events that one of two runs has and the other has not. `pairs`: of `in_pairs`."""
     paired = {id(event) for pair in pairs for event in pair}
     return [
@@ -94,6 +92,7 @@ def modes_apart(
 def undecided_impacts(
     mine: Sequence[Event],
     theirs: Sequence[Event],
+    pairs: Pairs,
     instance: Mapping[str, Any],
     safe: float,
     least: float,
@@ -103,13 +102,14 @@ def undecided_impacts(
 
     Args:
         mine, theirs: the events of the run, and of its companion.
+        pairs: of `in_pairs`.
         instance: of the manifest.
         safe: the time between two impacts errs by `safe` times what the companion has otherwise.
         least: m; impacts that move less than this until `end`, s, are left aside.
     """
     struck = _moving(instance)
     before = [_blows_before(events) for events in (mine, theirs)]
-    blows = [(a, b) for a, b in in_pairs(mine, theirs) if a.kind in BLOWS and a.t <= end]
+    blows = [(a, b) for a, b in pairs if a.kind in BLOWS and a.t <= end]
     for (a, like_a), (b, like_b) in pairwise(blows):
         if a.contact == b.contact or not struck[a.contact] & struck[b.contact]:
             continue

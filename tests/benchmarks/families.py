@@ -73,8 +73,9 @@ def row(values: np.ndarray) -> list[float]:
 
 def flush(rng: Random) -> str:
     """A body slides without friction over the seam of level plates, of two bodies or of one, whose heights
-    are equal or differ by rounding, by less than `flush_height`. No force acts along its way."""
-    height = float(rng.choice([0.0, 1.0, -1.0])) * 10.0 ** rng.uniform(-17, -9.5)
+    are equal or differ by rounding. No force acts along its way, unless the second plate is higher by more
+    than `flush_height`, which is a step that the body strikes."""
+    height = float(rng.choice([0.0, 1.0, -1.0])) * 10.0 ** rng.uniform(-17, -9)
     legs = [
         make.cylinder(0.03, 0.1, name=f"leg{k}", position=[0.1 * x, 0.08 * y, 0])
         for k, (x, y) in enumerate(((1, 1), (1, -1), (-1, 1), (-1, -1)))
@@ -91,9 +92,11 @@ def flush(rng: Random) -> str:
         rpy=[0, 0, float(rng.uniform(-np.pi, np.pi))],
     )  # fmt: skip
     scene = make.scene("seam", [*ground, slider], contacts={"between": "all"})
-    path = simulate(library_of(scene), until=0.45, samples=9)
+    library = library_of(scene)
+    is_step = height > scene.run.flush_height * library.manifest.instance["scales"]["length"]
+    path = simulate(library, until=0.45, samples=9)
     off = np.abs(path.p[:, -1] - (start + path.t[:, None] * v)).max()
-    return told(path, path.outcome.succeeded and bool(off < 1e-7))
+    return told(path, path.outcome.succeeded and bool(off < 1e-7) != is_step)
 
 
 def _frustum_height(R: np.ndarray, radii: tuple[float, float], half: float, normal: np.ndarray) -> float:

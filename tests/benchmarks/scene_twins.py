@@ -183,7 +183,7 @@ def _sum(numbers: Array, texts: Vector) -> Text:
 
 def _times(scale: float, value: Any) -> Any:
     if isinstance(value, str):
-        return f"{scale!r} * ({value})"
+        return value if value == "none" else f"{scale!r} * ({value})"
     return [_times(scale, each) for each in value] if isinstance(value, list) else scale * value
 
 
@@ -198,11 +198,7 @@ def _scale_joint(joint: Tables, scale: float) -> None:
     slides = joint["kind"] in ("prismatic", "distance", "rope")
     for key in ("limits", "rest", "motion", "distance") if slides else ():
         if key in joint:
-            joint[key] = (
-                [each if each == "none" else scale * each for each in joint[key]]
-                if key == "limits"
-                else (_times(scale, joint[key]))
-            )
+            joint[key] = _times(scale, joint[key])
     for key in () if slides else ("stiffness", "damping"):
         if key in joint:
             joint[key] *= scale**2

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from modelgen import Accuracy, simulate
 from modelgen.runtime.error_estimate import SAFE, estimate_of
-from modelgen.runtime.event_matching import undecided_impacts
+from modelgen.runtime.event_matching import in_pairs, undecided_impacts
 from modelgen.runtime.trajectory import Event
 from tests.running import scene_of
 
@@ -24,7 +24,8 @@ Events = tuple[Event, ...]
 
 
 def found(mine: Events, theirs: Events, least: float = 1e-6) -> Events | None:
-    return undecided_impacts(mine, theirs, scene_of("cube_toss").manifest.instance, SAFE, least, 0.36)
+    instance, pairs = scene_of("cube_toss").manifest.instance, in_pairs(mine, theirs)
+    return undecided_impacts(mine, theirs, pairs, instance, SAFE, least, 0.36)
 
 
 def shifted(event: Event, by: float) -> Event:

@@ -63,6 +63,15 @@ MG_INTERNAL int mg_count_held_slip(mg_context *c, const mg_friction_problem *p, 
   return count;
 }
 
+MG_INTERNAL void mg_eliminate_bilateral_rows(mg_context *c, int m, int n, const mg_real *A, const mg_real *column,
+                                             mg_real *x, mg_real *out) {
+  mg_solve_least_norm_rows(c, c->lcp.rows + m, n - m, A + m + (long)n * m, n, column + m, x);
+  for (int i = 0; i < m; i++) {
+    out[i] = column[i];
+    for (int r = 0; r < n - m; r++) out[i] += A[i + (long)n * (m + r)] * x[r];
+  }
+}
+
 MG_INTERNAL int mg_solve_friction_with_bilaterals(mg_context *c, const mg_friction_problem *p, mg_real *z,
                                                   mg_friction_report *report) {
   MG_REQUIRE(mg_are_contact_rows_first(c, p));
@@ -72,15 +81,8 @@ MG_INTERNAL int mg_solve_friction_with_bilaterals(mg_context *c, const mg_fricti
     return mg_friction(p, z, c->friction.marks, report, c->friction.work, c->friction.iwork);
   const int k = p->n - m;
   mg_real *A = c->patches.reduced_problem, *b = A + m * m, *x = b + m;
-  for (int j = 0; j <= m; j++) {
-    const mg_real *column = j < m ? p->A + p->n * j : p->b;
-    mg_real *out = j < m ? A + m * j : b;
-    mg_solve_bilateral_forces(c, p, m, column + m, x);
-    for (int i = 0; i < m; i++) {
-      out[i] = column[i];
-      for (int r = 0; r < k; r++) out[i] += p->A[i + p->n * (m + r)] * x[r];
-    }
-  }
+  for (int j = 0; j <= m; j++)
+    mg_eliminate_bilateral_rows(c, m, p->n, p->A, j < m ? p->A + p->n * j : p->b, x, j < m ? A + m * j : b);
   mg_friction_problem own = *p;
   own.n = m, own.A = A, own.b = b;
   const int outcome = mg_friction(&own, z, c->friction.marks, report, c->friction.work, c->friction.iwork);

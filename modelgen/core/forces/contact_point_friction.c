@@ -21,13 +21,19 @@ MG_INTERNAL int mg_friction_row_count(const mg_context *c, int constraint) {
   return c->system->friction_kind[constraint] == MG_FRICTION_SPIN ? 1 : 2;
 }
 
+MG_INTERNAL int mg_append_sticking_rows_of_contact(const mg_context *c, int contact, int *list, int n) {
+  if (!c->run->active[contact]) return n;
+  for (int g = c->system->contact_friction[contact]; g < c->system->contact_friction[contact + 1]; g++) {
+    if (c->run->friction_mode[g] != MG_STICKING) continue;
+    const int first = mg_first_friction_row(c, contact, g), rows = mg_friction_row_count(c, g);
+    for (int k = 0; k < rows; k++) list[n++] = first + k;
+  }
+  return n;
+}
+
 MG_INTERNAL int mg_append_sticking_rows(const mg_context *c, int *list, int n) {
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
-    for (int g = c->system->contact_friction[i]; c->run->active[i] && g < c->system->contact_friction[i + 1]; g++) {
-      if (c->run->friction_mode[g] != MG_STICKING) continue;
-      const int first = mg_first_friction_row(c, i, g), rows = mg_friction_row_count(c, g);
-      for (int k = 0; k < rows; k++) list[n++] = first + k;
-    }
+    n = mg_append_sticking_rows_of_contact(c, i, list, n);
   return mg_append_sticking_patch_rows(c, list, n);
 }
 

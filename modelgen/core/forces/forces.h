@@ -324,6 +324,11 @@ MG_INTERNAL void mg_monitor_joint_rank(mg_context *c);
 MG_INTERNAL int mg_solve_friction_with_bilaterals(mg_context *c, const mg_friction_problem *p, mg_real *z,
                                                   mg_friction_report *report);
 
+/* Eliminates the rows from m on of n listed rows of the assembled matrix A [n n] from a column of n accelerations: the
+   first m of them, with forces on the others that keep theirs. Writes out [m], and x [n - m], those forces. */
+MG_INTERNAL void mg_eliminate_bilateral_rows(mg_context *c, int m, int n, const mg_real *A, const mg_real *column,
+                                             mg_real *x, mg_real *out);
+
 /* How many contacts of a problem stick whose slip bilateral rows hold in one direction in which friction need not carry
    anything, in the solution z. Needs the marks of the solution. */
 MG_INTERNAL int mg_count_held_slip(mg_context *c, const mg_friction_problem *p, const mg_real *z);
@@ -364,6 +369,10 @@ MG_INTERNAL int mg_contact_of_friction(const mg_context *c, int constraint);
 
 /* Number of rows of a friction constraint: 1 for spin, 2 for slip and rolling. */
 MG_INTERNAL int mg_friction_row_count(const mg_context *c, int constraint);
+
+/* Append the rows of the friction of a contact that sticks to a list of n rows, none of one without force; returns its
+   length. */
+MG_INTERNAL int mg_append_sticking_rows_of_contact(const mg_context *c, int contact, int *list, int n);
 
 /* Append the rows of sticking friction, of contacts and of patches, to a list of n rows; returns its length. */
 MG_INTERNAL int mg_append_sticking_rows(const mg_context *c, int *list, int n);

@@ -64,14 +64,9 @@ static int mg_append_held_rows_of_island(mg_context *c, int first, int n) {
 
 /* Appends the rows of the friction of an island that sticks to a list of n rows; returns its length. */
 static int mg_append_sticking_rows_of_island(mg_context *c, int first, int n) {
-  for (int i = first; i >= 0; i = c->islands.next[i]) {
-    if (mg_is_held_row(c, i)) continue;
-    if (i >= c->system->n_contact) c->lcp.rows[n++] = i;
-    if (i >= c->system->n_contact || !c->run->active[i]) continue;
-    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
-      for (int k = 0; k < mg_friction_row_count(c, g) && c->run->friction_mode[g] == MG_STICKING; k++)
-        c->lcp.rows[n++] = mg_first_friction_row(c, i, g) + k;
-  }
+  for (int i = first; i >= 0; i = c->islands.next[i])
+    if (i < c->system->n_contact) n = mg_append_sticking_rows_of_contact(c, i, c->lcp.rows, n);
+    else if (!mg_is_held_row(c, i)) c->lcp.rows[n++] = i; /* of a patch */
   return n;
 }
 
@@ -98,20 +93,6 @@ static int mg_are_normal_forces_unique(mg_context *c, int first) {
   return mg_rank_of_listed_rows(c, n) == rank + n - m;
 }
 
-/* The matrix S of the first m of n listed rows, with the accelerations of the others kept by the forces on them. */
-static void mg_eliminate_held_rows(mg_context *c, int m, int n, mg_real *S) {
-  const int held = n - m;
-  const mg_real *A = c->lcp.A;
-  mg_real *x = c->lcp.work + (long)held * (held + 4); /* behind the scratch of the solution */
-  for (int j = 0; j < m; j++) {
-    if (held) mg_solve_least_norm_rows(c, c->lcp.rows + m, held, A + m + (long)n * m, n, A + m + (long)n * j, x);
-    for (int i = 0; i < m; i++) {
-      S[i + j * m] = A[i + (long)n * j];
-      for (int r = 0; r < held; r++) S[i + j * m] += A[i + (long)n * (m + r)] * x[r];
-    }
-  }
-}
-
 /* True if the present motion of the bodies of an island is proved to be the only one. */
 static int mg_is_island_motion_unique(mg_context *c, int first) {
   mg_slip_under_way slip;
@@ -124,7 +105,9 @@ static int mg_is_island_motion_unique(mg_context *c, int first) {
   if (n == 0) return 0;
   const int size = mg_append_held_rows_of_island(c, first, n);
   mg_assemble_delassus(c, c->lcp.rows, size);
-  mg_eliminate_held_rows(c, n, size, S);
+  mg_real *x = c->lcp.work + (long)(size - n) * (size - n + 4); /* behind the scratch of the elimination */
+  for (int j = 0; j < n; j++)
+    mg_eliminate_bilateral_rows(c, n, size, c->lcp.A, c->lcp.A + (long)size * j, x, S + n * j);
   for (int r = 0; r < n; r++) {
     c->lcp.z[r] = c->run->active[c->friction.cone_contact[r / 3]] ? c->solution.force[c->lcp.rows[r]] : 0;
     c->lcp.b[r] = mg_row_acceleration(c, c->lcp.rows[r]);

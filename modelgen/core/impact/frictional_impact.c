@@ -8,7 +8,7 @@
 #include "model/model.h"
 #include "forces/forces.h"
 
-#define MG_SHARE_YIELD ((mg_real)1e-3)    /* of contacts that share a blow, over the mean diagonal entry of the gaps */
+#define MG_SHARE_YIELD ((mg_real)1e-3)  /* of contacts that share a blow, over the mean diagonal entry of the gaps */
 #define MG_SHARE_SETTLED (512 * MG_EPS) /* change of the impulses of a round, relative, at which they are found */
 #define MG_SHARE_ROUNDS 60
 
