@@ -339,6 +339,8 @@ typedef struct {
                               the forces permit it */
   mg_real friction_bound_margin; /* a friction constraint whose force has reached its bound is tried with a bound that
                                     is smaller by this part */
+  mg_real other_motion;          /* forces that change accelerations by more than this part of those without forces
+                                    cause another motion */
   mg_real rest_acceleration;     /* gap accelerations below rest_acceleration * length / time^2 do not open a contact */
   mg_real event_tolerance;       /* events are located to event_tolerance * time */
   mg_real extremality_residual;  /* eta is converged at the start until the residual of the extremality equations is <=

@@ -33,6 +33,8 @@ class Thresholds:
         start_joint_gap: joints that fit at t = 0 up to this times L are closed; others are refused.
         drift_tolerance: |d| above this times L, or |d_dot| above this times L/T, is projected away.
         friction_bound_margin: fraction by which the friction bound of a contact that reached it is lowered.
+        other_motion: other forces that obey Coulomb's law and change accelerations by more than this part of
+            those without forces are another motion.
         rest_acceleration: separation slower than this times L/T^2 does not open a contact.
         event_tolerance: events are located to this times T.
         extremality_residual: residual of the closest-point equations at the start, relative to L and 1.
@@ -137,6 +139,7 @@ class Thresholds:
     start_joint_gap: float = 1e-6
     drift_tolerance: float = 1e-15
     friction_bound_margin: float = 1e-9
+    other_motion: float = 1e-7
     rest_acceleration: float = 1e-10
     event_tolerance: float = 1e-13
     extremality_residual: float = 1e-13

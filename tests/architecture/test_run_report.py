@@ -20,7 +20,7 @@ READERS = {  # beside the writer, and why
     "sensitivity/advance_tangent.c": "derivatives end where a step has fallen back or passed a singularity",
     "forces/diagnostics.c": "asks whether a margin is the least so far before it asks whether it counts",
     "forces/joint_rank.c": "compares with the joints of the step before, if there was one",
-    "forces/motion_uniqueness_monitor.c": "proves nothing more once the motion is known to be open",
+    "forces/motion_uniqueness_monitor.c": "seeks no other motion once one was found",
     "patch/flush_blow.c": "seeks no further blow once there was one",
 }
 

@@ -1,7 +1,7 @@
-"""Contacts that hold a body in dependent rows: what is proved to be the only motion has no other.
+"""Contacts that hold a body in dependent rows: scattered starts find its other motions, and only true ones.
 
 Others are searched for mode by mode (scipy.optimize.root from many starts), and built into problems whose two
-motions are known; neither shares anything with the proof.
+motions are known; neither shares anything with the starts.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.linalg import null_space
 from scipy.optimize import nnls, root
 
-from modelgen.runtime.friction import FrictionProblem, motion_is_unique, motion_work
+from modelgen.runtime.friction import FrictionProblem, Outcome, coulomb, scattered_start
 
 Array = NDArray[Any]
 TOLERANCE = 1e-8  # of the largest |b|
@@ -56,8 +56,39 @@ class Held:
     z: Array
     slides: dict[int, Array]  # f / N
 
-    def is_proved(self, library: Any, work: Array | None = None) -> bool:
-        return motion_is_unique(self.problem, self.z, library, self.slides, work)
+    def reduced(self) -> tuple[FrictionProblem, Array, Array]:
+        """The problem with one unknown for each contact that slides, its rows, and the map to all forces."""
+        kept = [r for r in range(len(self.z)) if r % 3 == 0 or r // 3 not in self.slides]
+        all_forces = np.eye(len(self.z))[:, kept]
+        for k, ratio in self.slides.items():
+            all_forces[3 * k + 1 : 3 * k + 3, kept.index(3 * k)] = ratio
+        under_way = np.isin(np.arange(len(self.z) // 3), list(self.slides))
+        return (
+            FrictionProblem(
+                A=(self.problem.A @ all_forces)[kept],
+                b=self.problem.b[kept],
+                cone=np.where(under_way[:, None], 0.0, self.problem.cone),
+                first=np.array([kept.index(3 * k) for k in range(len(under_way))]),
+                rows=np.where(under_way, 1, 3),
+            ),
+            np.array(kept),
+            all_forces,
+        )
+
+    def other(self, library: Any, starts: int) -> Array | None:
+        """Forces (n,) that cause another motion, from so many scattered starts; None if none are found."""
+        problem, kept, all_forces = self.reduced()
+        for number in range(starts):
+            start = scattered_start(problem, self.z[kept], number, library)
+            answer = coulomb(problem, library, start, starts=1)
+            if answer.outcome is Outcome.SOLVED and self.moves_otherwise(all_forces @ answer.z):
+                return np.asarray(all_forces @ answer.z)
+        return None
+
+    def moves_otherwise(self, z: Array) -> bool:
+        scale = np.sqrt(np.repeat(np.diag(self.problem.A)[::3], 3))
+        change = self.problem.A @ (z - self.z) / scale
+        return bool(np.abs(change).max() > 1e-6 * np.abs(self.problem.b / scale).max())
 
 
 def in_cone(rng: np.random.Generator, mu: float) -> Array:
@@ -236,99 +267,70 @@ def ambiguous(seed: int, count: int, modes: tuple[str, ...]) -> tuple[Held, Arra
 
 STICKING = ("sticks",)
 MIXED = ("sticks", "sticks", "slides", "opens")
+STARTS_OF_STEPS = 24  # those of a change of modes and of some steps after it
 
 
 @pytest.mark.parametrize(
-    ("count", "strongest", "modes", "draws", "least_proved", "least_open"),
+    ("count", "strongest", "modes", "draws", "least"),
     [
-        (2, 0.5, STICKING, 15, 5, 1),
-        (2, 2.0, STICKING, 15, 2, 2),
-        (3, 0.5, STICKING, 6, 2, 0),
-        (3, 2.0, STICKING, 6, 1, 1),
-        (3, 0.5, MIXED, 6, 2, 0),
-        (3, 2.0, MIXED, 6, 2, 1),
+        (2, 0.5, STICKING, 15, 0),
+        (2, 2.0, STICKING, 15, 2),
+        (3, 2.0, STICKING, 6, 1),
+        (3, 2.0, MIXED, 6, 1),
     ],
 )
-def test_what_is_proved_has_no_other_motion(
-    count: int,
-    strongest: float,
-    modes: tuple[str, ...],
-    draws: int,
-    least_proved: int,
-    least_open: int,
-    lcp: Any,
+def test_where_scattered_starts_find_no_other_motion_there_is_none(
+    count: int, strongest: float, modes: tuple[str, ...], draws: int, least: int, lcp: Any
 ) -> None:
-    """And the search does find others where nothing is proved."""
-    proved = several = 0
+    """As far as a search in each mode can tell, which is no proof."""
+    several = 0
     for seed in range(draws):
         case = held(seed, count, strongest, modes)
-        found, only = others(case, seed), case.is_proved(lcp)
-        assert not (only and found), f"seed {seed}: {found[0]}"
-        proved, several = proved + only, several + bool(found)
-    assert proved >= least_proved
-    assert several >= least_open
+        found = others(case, seed)
+        assert not found or case.other(lcp, STARTS_OF_STEPS) is not None, f"seed {seed}: {found[0]}"
+        several += bool(found)
+    assert several >= least
 
 
-@pytest.mark.parametrize("count", [1, 2, 3, 4])
-@pytest.mark.parametrize("modes", [STICKING, ("sticks", "slides", "opens")])
-def test_nothing_is_proved_of_two_known_motions(count: int, modes: tuple[str, ...], lcp: Any) -> None:
-    known = 0
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 6])
+@pytest.mark.parametrize("modes", [STICKING, MIXED, ("sticks", "slides", "opens")])
+def test_most_of_two_known_motions_are_found(count: int, modes: tuple[str, ...], lcp: Any) -> None:
+    """A start that leads back to the given forces, or to none, finds nothing: a share is missed."""
+    known = found = 0
     for seed in range(400):
         if (drawn := ambiguous(seed, count, modes)) is None:
             continue
         case, z = drawn
         assert obeys(case, case.z)
         assert obeys(case, z)
-        known += 1
-        assert not case.is_proved(lcp), f"seed {seed}"
+        known, found = known + 1, found + (case.other(lcp, STARTS_OF_STEPS) is not None)
     assert known >= 20 or count == 1
+    assert found >= (0.85 if count < 5 else 0.5) * known - 2
 
 
 @pytest.mark.parametrize("count", [2, 3, 4])
-def test_the_proof_of_another_problem_proves_nothing_false(count: int, lcp: Any) -> None:
-    """Problems with two known motions, each after the proof of another problem of as many contacts."""
-    others = [case for seed in range(40) if (case := held(seed, count, 0.5, MIXED)).is_proved(lcp)]
-    pairs = [drawn[0] for seed in range(200) if (drawn := ambiguous(seed, count, MIXED)) is not None]
-    assert len(others) >= 5
-    for k, case in enumerate(pairs):
-        work = motion_work(lcp)
-        assert others[k % len(others)].is_proved(lcp, work)
-        assert not case.is_proved(lcp, work)
+def test_what_is_found_obeys_coulombs_law(count: int, lcp: Any) -> None:
+    found = 0
+    for seed in range(60):
+        case = even(held(seed, count, 2.0, MIXED))
+        z = case.other(lcp, STARTS_OF_STEPS)
+        found += z is not None
+        assert z is None or obeys(case, z), f"seed {seed}"
+    assert found >= 5
 
 
-def test_what_is_proved_is_proved_after_the_proof_of_a_similar_problem(lcp: Any) -> None:
+def test_starts_do_not_depend_on_units(lcp: Any) -> None:
     for seed in range(30):
         case = held(seed, 2 + seed % 3, 0.5, MIXED)
-        if not case.is_proved(lcp):
-            continue
-        work = motion_work(lcp)
-        rng = np.random.default_rng(seed)
-        for _ in range(5):
-            z = case.z.copy()
-            z.reshape(-1, 3)[:] *= rng.uniform(0.5, 2, size=(len(z) // 3, 1))
-            b = case.problem.b - case.problem.A @ (z - case.z)
-            near = Held(FrictionProblem.of(case.problem.A, b, case.problem.cone[:, 0]), z, case.slides)
-            assert near.is_proved(lcp, work) >= near.is_proved(lcp)
-
-
-def test_the_proof_does_not_depend_on_units_and_tangents(lcp: Any) -> None:
-    for seed in range(30):
-        count = 2 + seed % 3
-        case = held(seed, count, 0.5, MIXED)
-        turn = np.kron(np.eye(count), [[1, 0, 0], [0, 0.6, 0.8], [0, -0.8, 0.6]])
-        A, b = 1e6 * turn @ case.problem.A @ turn.T, 1e-3 * turn @ case.problem.b
-        slides = {k: turn[1:3, 1:3] @ f for k, f in case.slides.items()}
-        same = Held(FrictionProblem.of(A, b, case.problem.cone[:, 0]), 1e-9 * turn @ case.z, slides)
-        assert same.is_proved(lcp) == case.is_proved(lcp)
-
-
-def test_other_problems_are_not_proved(lcp: Any) -> None:
-    """Forces that do not stick, a matrix that is not symmetric, two coefficients, five contacts."""
-    case = next(held(s, 2, 0.5) for s in range(100) if held(s, 2, 0.5).is_proved(lcp))
-    problem, z = case.problem, case.z
-    assert not motion_is_unique(problem, 1.01 * z, lcp)
-    odd = problem.A + 0.1 * np.triu(problem.A)
-    assert not motion_is_unique(FrictionProblem.of(odd, -odd @ z, problem.cone[:, 0]), z, lcp)
-    unlike = problem.cone[:, :2] * [1.0, 1.1]
-    assert not motion_is_unique(FrictionProblem.of(problem.A, problem.b, unlike), z, lcp)
-    assert not held(0, 5, 0.05).is_proved(lcp)
+        problem, kept, _ = case.reduced()
+        same = FrictionProblem(
+            A=2.0**20 * problem.A,
+            b=problem.b / 1024,
+            cone=problem.cone,
+            first=problem.first,
+            rows=problem.rows,
+        )
+        for number in range(9):
+            one = scattered_start(problem, case.z[kept], number, lcp)
+            two = scattered_start(same, case.z[kept] * 2.0**-30, number, lcp)
+            assert two == pytest.approx(one * 2.0**-30, rel=1e-12)

@@ -63,8 +63,10 @@ MG_INTERNAL int mg_count_held_slip(mg_context *c, const mg_friction_problem *p, 
   return count;
 }
 
-MG_INTERNAL void mg_eliminate_bilateral_rows(mg_context *c, int m, int n, const mg_real *A, const mg_real *column,
-                                             mg_real *x, mg_real *out) {
+/* Eliminates the rows from m on of n listed rows of the assembled matrix A [n n] from a column of n accelerations: the
+   first m of them, with forces on the others that keep theirs. Writes out [m], and x [n - m], those forces. */
+static void mg_eliminate_bilateral_rows(mg_context *c, int m, int n, const mg_real *A, const mg_real *column,
+                                        mg_real *x, mg_real *out) {
   mg_solve_least_norm_rows(c, c->lcp.rows + m, n - m, A + m + (long)n * m, n, column + m, x);
   for (int i = 0; i < m; i++) {
     out[i] = column[i];

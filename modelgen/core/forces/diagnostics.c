@@ -30,7 +30,7 @@ MG_INTERNAL void mg_update_diagnostics(mg_context *c) {
   const mg_real energy = mg_energy(c, &kinetic);
   mg_report_energy(run, energy, kinetic, run->x[c->layout.work_state]);
   if (s->n_joint_row) mg_monitor_joint_rank(c);
-  mg_monitor_redundant_friction(c);
+  mg_monitor_redundant_friction(c, 0);
   if (!mg_is_time_stepping(c) && !mg_are_patch_pressures_found(c)) mg_report_exceeded(c->run, MG_CAPACITY_PRESSURE);
   for (int i = mg_next_row(c, -1); i < s->n_contact; i = mg_next_row(c, i)) {
     const mg_real gap = c->rows.d[i] / s->length, force = c->solution.force[i] / weight;

@@ -324,11 +324,6 @@ MG_INTERNAL void mg_monitor_joint_rank(mg_context *c);
 MG_INTERNAL int mg_solve_friction_with_bilaterals(mg_context *c, const mg_friction_problem *p, mg_real *z,
                                                   mg_friction_report *report);
 
-/* Eliminates the rows from m on of n listed rows of the assembled matrix A [n n] from a column of n accelerations: the
-   first m of them, with forces on the others that keep theirs. Writes out [m], and x [n - m], those forces. */
-MG_INTERNAL void mg_eliminate_bilateral_rows(mg_context *c, int m, int n, const mg_real *A, const mg_real *column,
-                                             mg_real *x, mg_real *out);
-
 /* How many contacts of a problem stick whose slip bilateral rows hold in one direction in which friction need not carry
    anything, in the solution z. Needs the marks of the solution. */
 MG_INTERNAL int mg_count_held_slip(mg_context *c, const mg_friction_problem *p, const mg_real *z);
@@ -354,9 +349,10 @@ MG_INTERNAL mg_real mg_solve_unsymmetric_rows(mg_context *c, const int *list, in
 
 /* motion_uniqueness_monitor.c */
 
-/* Note the first time at which friction forces are not unique and the motion is not proved to be. Needs rows and forces
-   at the run's state where friction is redundant. */
-MG_INTERNAL void mg_monitor_redundant_friction(mg_context *c);
+/* Note the first time at which friction forces are not unique and another motion is found, or could not be sought, from
+   many starts where modes are new and from one of these at the end of a step. Needs rows and forces at the run's state
+   where friction is redundant. */
+MG_INTERNAL void mg_monitor_redundant_friction(mg_context *c, int is_new);
 
 /* Note the first time at which a load is at a jump from which it leads away (c->switches.repels), and the first load
    that shares what it holds (c->switches.shares). */

@@ -358,7 +358,7 @@ MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip) {
       mg_set_friction_mode(c, g, MG_FRICTION_OFF);
   mg_evaluate_run_state(c);
   mg_remove_sticking_slip(c);
-  mg_monitor_redundant_friction(c);
+  mg_monitor_redundant_friction(c, 1);
   return MG_DONE;
 }
 

@@ -1,53 +1,35 @@
-/* Whether the motion is unique: what Coulomb's law leaves open while friction forces are not unique, and loads that
-   jump away from zeros at which they are. Reads modes, rows and forces of the run at its state, which
-   reports it. */
+/* Whether the motion is unique: other motions that Coulomb's law allows where forces are not unique, and loads that
+   jump away from zeros at which they are. Reads modes, rows and forces of the run at its state, which reports what is
+   found. */
 #include "forces/forces.h"
+#include "base/base.h"
 #include "model/model.h"
 #include "solve/friction/friction_solvers.h"
 
-/* Contacts of a friction problem whose slip is under way, and their friction in parts of N. */
-typedef struct {
-  int slides[MG_MOTION_CONTACTS];
-  mg_real ratio[2 * MG_MOTION_CONTACTS];
-} mg_slip_under_way;
-
-/* True if the contact has one coefficient of friction, static and kinetic, in all directions. */
-static int mg_has_one_coefficient(const mg_context *c, int contact) {
-  const int g = c->system->contact_friction[contact];
-  const mg_real *s = c->system->friction_static + 2 * g, *d = c->system->friction_kinetic + 2 * g;
-  return c->kernels->contact_kinds[c->contacts.kind[contact]].rows == 3 &&
-         c->system->contact_friction[contact + 1] == g + 1 && s[0] == d[0] && s[1] == d[0] && d[1] == d[0];
+/* True if the direction of friction of a closed contact is known: its slip is under way. */
+static int mg_is_slip_under_way(const mg_context *c, int contact, int constraint) {
+  mg_real slip[2];
+  if (c->run->friction_mode[constraint] != MG_FRICTION_OFF) return c->run->friction_mode[constraint] >= MG_SLIP_ONSET;
+  mg_slip_along_direction(c, contact, constraint, slip);
+  return sqrt(mg_dot2(slip, slip)) > 2 * mg_slip_velocity_tolerance(c, constraint);
 }
 
-/* Sets whether the slip of a closed contact is under way, and its friction. Returns 0 where its slip starts. */
-static int mg_set_slip_under_way(const mg_context *c, int contact, int *slides, mg_real *ratio) {
-  const int g = c->system->contact_friction[contact], mode = c->run->friction_mode[g];
-  mg_real slip[2], size;
-  mg_slip_along_direction(c, contact, g, slip);
-  size = (mg_real)sqrt(mg_dot2(slip, slip));
-  *slides = mode == MG_SLIPPING || (mode == MG_FRICTION_OFF && size > 2 * mg_slip_velocity_tolerance(c, g));
-  for (int k = 0; k < 2; k++) ratio[k] = *slides ? -c->system->friction_kinetic[2 * g] * slip[k] / size : 0;
-  return *slides || mode == MG_FRICTION_OFF || mode == MG_STICKING;
-}
-
-/* Lists the rows of the contacts of an island. Returns their number; 0 if there are others than contacts with one
-   coefficient of friction that stick, slide or open. */
-static int mg_list_island_contacts(mg_context *c, int first, mg_slip_under_way *slip, int *count) {
-  int n = 0;
-  *count = 0;
-  for (int i = first; i >= 0; i = c->islands.next[i]) {
-    const int k = *count;
-    if (i >= c->system->n_contact) continue;
-    if (k == MG_MOTION_CONTACTS || mg_is_support_contact(c, i) || !mg_has_one_coefficient(c, i) ||
-        !mg_set_slip_under_way(c, i, slip->slides + k, slip->ratio + 2 * k))
-      return 0;
-    const int g = c->system->contact_friction[i];
-    c->friction.bound[g] = MG_BOUND_KINETIC;
-    n = mg_append_friction_contact(c, i, k, n);
-    mg_set_cone_coefficients(c, g, c->system->friction_kinetic, 1, c->friction.cone + MG_CONE * k);
-    ++*count;
+/* Sets what bounds the friction of a contact in other motions. One that carries no force would have that of its slip.
+ */
+static void mg_bound_friction_of_contact(mg_context *c, int contact) {
+  for (int g = c->system->contact_friction[contact]; g < c->system->contact_friction[contact + 1]; g++) {
+    c->friction.bound[g] = mg_is_slip_under_way(c, contact, g) ? MG_BOUND_SLIP : MG_BOUND_STATIC;
+    if (c->friction.bound[g] == MG_BOUND_SLIP && !c->run->active[contact]) mg_set_slip_force_ratio(c, contact, g);
   }
-  return n;
+}
+
+/* Takes friction again from the contacts of a problem that carry no force. */
+static void mg_clear_ratios_of_open_contacts(mg_context *c, const mg_friction_problem *p) {
+  for (int k = 0; k < p->n_contact; k++) {
+    const int i = c->friction.cone_contact[k];
+    for (int r = 0; r < mg_tangential_row_count(c, i) && !c->run->active[i]; r++)
+      c->friction.force_ratio[c->system->contact_friction_row[i] + r] = 0;
+  }
 }
 
 /* True if a row is of a joint or a spring, which hold or act in any motion. */
@@ -93,32 +75,95 @@ static int mg_are_normal_forces_unique(mg_context *c, int first) {
   return mg_rank_of_listed_rows(c, n) == rank + n - m;
 }
 
-/* True if the present motion of the bodies of an island is proved to be the only one. */
-static int mg_is_island_motion_unique(mg_context *c, int first) {
-  mg_slip_under_way slip;
-  mg_real S[9 * MG_MOTION_CONTACTS * MG_MOTION_CONTACTS];
-  int count;
-  const int n = mg_list_island_contacts(c, first, &slip, &count);
-  const mg_friction_problem p = {
-      n, count, MG_COULOMB, 0, c->friction.cone_first, c->friction.cone_rows, c->friction.cone, S, c->lcp.b,
-      0, 0,     0,          0};
-  if (n == 0) return 0;
-  const int size = mg_append_held_rows_of_island(c, first, n);
-  mg_assemble_delassus(c, c->lcp.rows, size);
-  mg_real *x = c->lcp.work + (long)(size - n) * (size - n + 4); /* behind the scratch of the elimination */
-  for (int j = 0; j < n; j++)
-    mg_eliminate_bilateral_rows(c, n, size, c->lcp.A, c->lcp.A + (long)size * j, x, S + n * j);
-  for (int r = 0; r < n; r++) {
-    c->lcp.z[r] = c->run->active[c->friction.cone_contact[r / 3]] ? c->solution.force[c->lcp.rows[r]] : 0;
-    c->lcp.b[r] = mg_row_acceleration(c, c->lcp.rows[r]);
-  }
-  for (int j = 0; j < n; j++)
-    for (int r = 0; r < n; r++) c->lcp.b[r] -= S[r + n * j] * c->lcp.z[j];
-  return mg_is_motion_unique(&p, c->lcp.z, slip.slides, slip.ratio, c->friction.motion_work);
+/* Present force of a listed row; 0 where the column of a normal force has it with that of slip. */
+static mg_real mg_present_force(const mg_context *c, int r) {
+  const int row = c->lcp.rows[r], friction = row - c->layout.friction_row_begin;
+  const int is_slip =
+      row >= c->layout.friction_row_begin && row < c->layout.friction_row_end && c->friction.force_ratio[friction] != 0;
+  return is_slip ? 0 : c->solution.force[row];
 }
 
-/* The same of all bodies, but for islands whose normal forces are unique. */
-static int mg_is_present_motion_unique(mg_context *c) {
+/* True if part of an island is a patch or its supports, the friction of which is no cone. */
+static int mg_has_island_patch(const mg_context *c, int first) {
+  for (int i = first; i >= 0; i = c->islands.next[i])
+    if (i < c->system->n_contact ? mg_is_support_contact(c, i) : !mg_is_held_row(c, i)) return 1;
+  return 0;
+}
+
+/* The friction problem of an island, of which the present forces are one solution. */
+static mg_friction_problem mg_problem_of_island(mg_context *c, int first) {
+  mg_friction_problem p = {
+      0,        0,        MG_COULOMB, 0, c->friction.cone_first, c->friction.cone_rows,       c->friction.cone,
+      c->lcp.A, c->lcp.b, 1,          0, c->run->stop,           c->settings->sweep_from_last};
+  for (int i = first; i >= 0; i = c->islands.next[i]) {
+    if (i >= c->system->n_contact) continue;
+    mg_real *cone = c->friction.cone + MG_CONE * p.n_contact;
+    mg_bound_friction_of_contact(c, i);
+    p.n = mg_append_friction_contact(c, i, p.n_contact++, p.n);
+    for (int k = 0; k < MG_CONE; k++) cone[k] = 0;
+    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
+      if (c->friction.bound[g] != MG_BOUND_SLIP) mg_set_cone_coefficients(c, g, c->system->friction_static, 1, cone);
+  }
+  p.n = mg_append_held_rows_of_island(c, first, p.n);
+  mg_assemble_delassus(c, c->lcp.rows, p.n);
+  for (int k = 0; k < p.n_contact; k++)
+    for (int r = 0; r < mg_tangential_row_count(c, c->friction.cone_contact[k]); r++)
+      mg_update_inverse_mass_row(
+          c, c->layout.friction_row_begin + c->system->contact_friction_row[c->friction.cone_contact[k]] + r);
+  mg_couple_slip_to_normal_columns(c, c->lcp.rows, p.n);
+  for (int r = 0; r < p.n; r++) {
+    c->lcp.b[r] = mg_is_held_row(c, c->lcp.rows[r]) ? 0 : mg_row_acceleration(c, c->lcp.rows[r]);
+    for (int j = 0; j < p.n; j++) c->lcp.b[r] -= c->lcp.A[r + (long)p.n * j] * mg_present_force(c, j);
+  }
+  return p;
+}
+
+/* Change of the acceleration of one row, over the square root of its own entry, from the present forces to z. */
+static mg_real mg_scaled_change_of_row(const mg_context *c, const mg_friction_problem *p, const mg_real *z, int row) {
+  int slip[MG_FRICTION_ROWS_MAX];
+  mg_real ratio[MG_FRICTION_ROWS_MAX], sum = 0;
+  for (int j = 0; j < p->n; j++) {
+    const mg_real change = z[j] - mg_present_force(c, j);
+    const int n = mg_list_slip_rows(c, c->lcp.rows[j], slip, ratio);
+    sum += change * mg_delassus_entry(c, row, c->lcp.rows[j]);
+    for (int k = 0; k < n; k++) sum -= change * ratio[k] * mg_delassus_entry(c, row, slip[k]);
+  }
+  return sum / mg_diagonal_scale(mg_delassus_entry(c, row, row));
+}
+
+/* True if the bodies of the island move otherwise under the forces z. */
+static int mg_is_other_motion(const mg_context *c, const mg_friction_problem *p, const mg_real *z) {
+  mg_real load = 0, change = 0;
+  for (int r = 0; r < p->n; r++) load = mg_max(load, fabs(p->b[r]) / mg_diagonal_scale(p->A[r + (long)p->n * r]));
+  for (int k = 0; k < p->n_contact; k++) {
+    const int i = c->friction.cone_contact[k];
+    for (int r = 0; r <= mg_tangential_row_count(c, i); r++) {
+      const int row = r ? c->layout.friction_row_begin + c->system->contact_friction_row[i] + r - 1 : i;
+      change = mg_max(change, fabs(mg_scaled_change_of_row(c, p, z, row)));
+    }
+  }
+  return change > mg_max(c->settings->other_motion, (mg_real)sqrt(MG_EPS)) * load;
+}
+
+/* True if an island is found to have another motion under Coulomb's law, from `count` starts, or cannot be tested. */
+static int mg_has_island_other_motion(mg_context *c, int first, int start, int count) {
+  if (mg_has_island_patch(c, first)) return 1;
+  const mg_friction_problem p = mg_problem_of_island(c, first);
+  int found = 0;
+  for (int k = start; k < start + count && !found; k++) {
+    mg_friction_report report;
+    for (int r = 0; r < p.n; r++) c->lcp.z[r] = mg_present_force(c, r);
+    mg_scatter_friction_start(&p, k, c->lcp.z);
+    found =
+        mg_friction(&p, c->lcp.z, c->lcp.mask, &report, c->friction.work, c->friction.iwork) == MG_FRICTION_SOLVED &&
+        mg_is_other_motion(c, &p, c->lcp.z);
+  }
+  mg_clear_ratios_of_open_contacts(c, &p);
+  return found;
+}
+
+/* True if another motion of the bodies is found, but of islands whose normal forces are unique. */
+static int mg_is_other_motion_found(mg_context *c, int start, int count) {
   int n = 0;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->run->closed[i]) c->lcp.rows[n++] = i;
@@ -127,15 +172,17 @@ static int mg_is_present_motion_unique(mg_context *c) {
   mg_chain_islands(c, n);
   for (int b = 0; b < c->system->n_body; b++) {
     const int first = c->islands.head[b];
-    if (first >= 0 && !mg_are_normal_forces_unique(c, first) && !mg_is_island_motion_unique(c, first)) return 0;
+    if (first >= 0 && !mg_are_normal_forces_unique(c, first) && mg_has_island_other_motion(c, first, start, count))
+      return 1;
   }
-  return 1;
+  return 0;
 }
 
-MG_INTERNAL void mg_monitor_redundant_friction(mg_context *c) {
+MG_INTERNAL void mg_monitor_redundant_friction(mg_context *c, int is_new) {
   if (!c->run->friction_redundant || c->run->report.indeterminate) return;
   MG_NEEDS_AT_RUN(c, MG_VALID_ROWS), MG_NEEDS_AT_RUN(c, MG_VALID_FORCES);
-  if (!mg_is_present_motion_unique(c)) mg_report_indeterminate(c->run, -1);
+  const int start = is_new ? 0 : (int)(c->run->steps % MG_SCATTERED_STARTS), count = is_new ? MG_SCATTERED_STARTS : 1;
+  if (mg_is_other_motion_found(c, start, count)) mg_report_indeterminate(c->run, -1);
 }
 
 MG_INTERNAL void mg_monitor_loads_at_jumps(const mg_context *c) {

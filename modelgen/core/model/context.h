@@ -247,7 +247,6 @@ typedef struct {
   int *marks;              /* [per contact of the problem] MG_MARK_FORCE .. */
   int *iwork;              /* memory of the solver */
   mg_real *share;          /* [per contact of the problem] its normal impulse in the round before, N s */
-  mg_real *motion_work;    /* of mg_is_motion_unique, if several contacts may be closed; keeps a call's last proof */
 } mg_friction_workspace;
 
 /* Shares of the pairs in a patch of several. What holds the patch treated last stays as it is. */

@@ -62,9 +62,6 @@ static long mg_strip_capacity_max(const mg_system *s) {
   return most;
 }
 
-/* Memory of proofs of unique motion, in mg_real: of scenes in which several contacts may be closed. */
-static long mg_motion_memory_size(const mg_system *s) { return s->closed_capacity > 1 ? mg_motion_work_size() : 0; }
-
 /* Size of an mg_rolling_start, in mg_real. */
 static long mg_rolling_start_size(void) { return (long)(sizeof(mg_rolling_start) / sizeof(mg_real)); }
 
@@ -136,7 +133,6 @@ static void mg_set_friction_arrays(mg_context *c, mg_memory *memory) {
   c->friction.cone = mg_reserve_reals(memory, MG_CONE * k), c->friction.share = mg_reserve_reals(memory, k);
   c->rows.tangents = mg_reserve_reals(memory, 6L * s->n_contact);
   c->rows.kernel_rows = mg_reserve_reals(memory, 78),
-  c->friction.motion_work = mg_reserve_reals(memory, mg_motion_memory_size(s)),
   c->friction.work = mg_reserve_reals(memory, mg_friction_work_size((int)n, (int)k));
   c->friction.triggered = mg_reserve_ints(memory, s->n_friction),
   c->friction.mode_before = mg_reserve_ints(memory, s->n_friction);
@@ -294,7 +290,7 @@ MG_API long long mg_iwork_size(const mg_system *s) {
   return mg_held_row_capacity(s) > MG_ROW_MAX ? -1 : mg_count_memory(s).n_ints;
 }
 
-/* Sets the memory of the friction constraints to a start without any slip or proof. */
+/* Sets the memory of the friction constraints to a start without any slip. */
 static void mg_init_friction(mg_context *c) {
   const mg_system *s = c->system;
   for (int i = 0; i < s->n_patch_slot; i++)
@@ -302,7 +298,6 @@ static void mg_init_friction(mg_context *c) {
         c->patches.friction[i].slip_stopped = c->patches.friction[i].mode_before = 0,
     c->patches.friction[i].mean_distance = 0;
   mg_zero_reals(c->friction.slip_time_left, s->n_friction);
-  if (mg_motion_memory_size(s)) mg_forget_motion_proof(c->friction.motion_work);
   for (int g = 0; g < s->n_friction; g++) c->friction.is_stiff[g] = 0;
 }
 

@@ -17,10 +17,9 @@ from modelgen.errors import SimulationError
 from modelgen.runtime.compiled_lcp import CoreLibrary
 from modelgen.runtime.friction.compiled_solvers import (
     coulomb,
-    motion_is_unique,
-    motion_work,
     relaxation,
     residual,
+    scattered_start,
 )
 from modelgen.runtime.friction.painleve import Paradox, SlidingAnswer, sliding
 from modelgen.runtime.friction.polyhedral import polyhedral
@@ -55,11 +54,10 @@ __all__ = [
     "SlidingAnswer",
     "Solver",
     "coulomb",
-    "motion_is_unique",
-    "motion_work",
     "polyhedral",
     "relaxation",
     "residual",
+    "scattered_start",
     "sliding",
     "solver",
 ]

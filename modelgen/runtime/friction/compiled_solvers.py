@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping
 from functools import cache
 from typing import Any, Literal
 
@@ -72,44 +71,23 @@ def residual(problem: FrictionProblem, z: ArrayLike, library: CoreLibrary, law: 
     return value
 
 
-def motion_work(library: CoreLibrary) -> NDArray[Any]:
-    """Memory of `motion_is_unique`, which keeps no proof yet."""
-    work = np.empty(int(library.cdll.mg_motion_work_size()), dtype=library.dtype)
-    library.cdll.mg_forget_motion_proof(pointer(work))
-    return work
-
-
-def motion_is_unique(
-    problem: FrictionProblem,
-    z: ArrayLike,
-    library: CoreLibrary,
-    slides: Mapping[int, ArrayLike] | None = None,
-    work: NDArray[Any] | None = None,
-) -> bool:
-    """Whether a motion is proved to be the only one (mg_is_motion_unique of the core).
+def scattered_start(
+    problem: FrictionProblem, z: ArrayLike, number: int, library: CoreLibrary
+) -> NDArray[Any]:
+    """Forces from which `coulomb` may find another solution than z (mg_scatter_friction_start of the core).
 
     Args:
-        problem: one to four contacts of 3 rows with one coefficient of friction each; A is symmetric, and
-            may be singular.
-        z: (n,) forces. A contact with N = 0 opens, others stick but for those in `slides`.
-        slides: f / N (2,) of each contact whose slip is under way.
-        work: of `motion_work`; keeps the proof, with which the next problem is tried first.
+        z: (n,) forces of a solution.
+        number: 0: no forces; from 1 on: forces scattered within the cones, 0.3 to 100 times as large as z.
 
     Returns:
-        True if every solution of Coulomb's law has w = A z + b; False if this is not proved, as for other
-        problems.
+        (n,) a start, the same for the same arguments.
     """
-    forces = np.ascontiguousarray(z, dtype=library.dtype)
+    forces = np.array(z, dtype=library.dtype)
     record, alive = _record(problem, library, "coulomb")
-    known = slides or {}
-    under_way = np.array([k in known for k in range(len(problem.first))], dtype=np.intc)
-    ratio = np.array([known.get(k, (0.0, 0.0)) for k in range(len(problem.first))], dtype=library.dtype)
-    memory = motion_work(library) if work is None else work
-    proved = library.cdll.mg_is_motion_unique(
-        ctypes.byref(record), pointer(forces), pointer(under_way), pointer(ratio), pointer(memory)
-    )
+    library.cdll.mg_scatter_friction_start(ctypes.byref(record), number, pointer(forces))
     del alive
-    return bool(proved)
+    return forces
 
 
 def _call(

@@ -104,7 +104,7 @@ SETTINGS_REALS = (
         "drift_tolerance",
         "rest_speed",
     ),
-    *("slip_speed", "friction_bound_margin", "rest_acceleration"),
+    *("slip_speed", "friction_bound_margin", "other_motion", "rest_acceleration"),
     *(
         "event_tolerance",
         "extremality_residual",

@@ -99,19 +99,11 @@ MG_API int mg_friction(const mg_friction_problem *problem, mg_real *z, int *mark
    direction of t1, t2. */
 MG_API mg_real mg_friction_residual(const mg_friction_problem *problem, const mg_real *z);
 
-enum { MG_MOTION_CONTACTS = 4 }; /* most contacts of mg_is_motion_unique */
+enum { MG_SCATTERED_STARTS = 8 }; /* sizes of the forces of scattered starts, which come in turn */
 
-/* Memory of mg_is_motion_unique, in mg_real. */
-MG_API int mg_motion_work_size(void);
-
-/* Forgets the proof that this memory keeps, or makes it keep none. */
-MG_API void mg_forget_motion_proof(mg_real *work);
-
-/* True if it is proved that all solutions of a problem of at most MG_MOTION_CONTACTS contacts have the motion w of the
-   given one. Each has 3 rows and one coefficient of friction, and A is symmetric. slides [n_contact], 1: the slip of
-   the contact is under way, f = N ratio [2 n_contact]; in z, the others stick or open (N = 0). 0: not proved. work
-   keeps the last proof, which is tried first; if this problem is proved, its proof takes the place of that. */
-MG_API int mg_is_motion_unique(const mg_friction_problem *problem, const mg_real *z, const int *slides,
-                               const mg_real *ratio, mg_real *work);
+/* Replaces the forces z [n] of a solution by starting forces number `which` >= 0, from which mg_friction may find
+   another one: none, or forces scattered within the cones, 0.3 to 100 times as large as those of the solution (what only
+   a preload could be). The same for the same problem and number. */
+MG_API void mg_scatter_friction_start(const mg_friction_problem *problem, int which, mg_real *z);
 
 #endif

@@ -1,6 +1,7 @@
-/* Starting points for friction problems on which direct attempts fail: fixed points of the convex program, and
-   continuation from regularised problems. */
+/* Starting points for friction problems: fixed points of the convex program and continuation from regularised problems
+   where direct attempts fail, and forces scattered over the cones from which other solutions may be found. */
 #include "solve/friction/friction_solvers.h"
+#include "solve/lcp/lcp_solvers.h"
 
 enum {
   MG_FIXED_POINT_STEPS = 12,     /* steps of the fixed-point iteration */
@@ -134,4 +135,24 @@ MG_INTERNAL int mg_friction_try_start(mg_scaled_friction *s, int which) {
   if (which < 2) return mg_friction_fixed_point(s, (mg_real)(1 - which), 0);
   if (which % 2) return mg_friction_fixed_point(s, 1, which);
   return mg_friction_regularisation_path(s, which / 2 - 1);
+}
+
+MG_API void mg_scatter_friction_start(const mg_friction_problem *p, int which, mg_real *z) {
+  const mg_real sizes[MG_SCATTERED_STARTS] = {0, 1, 10, 1, 30, 3, 100, (mg_real)0.3};
+  mg_real present = 0;
+  for (int r = 0; r < p->n; r++) {
+    present = mg_max(present, fabs(z[r]) * mg_diagonal_scale(p->A[r + (long)p->n * r]));
+    z[r] = 0;
+  }
+  for (int k = 0; k < p->n_contact; k++) {
+    const int first = p->first[k], seed = 3 * (p->n_contact * which + k);
+    const mg_real *cone = p->cone + MG_CONE * k, entry = p->A[first + (long)p->n * first];
+    const mg_real part = which % 3 ? mg_path_pseudorandom(seed + 1) : 0;
+    const mg_real angle = 2 * MG_PI * mg_path_pseudorandom(seed + 2);
+    if (!(entry > 0)) continue;
+    z[first] = sizes[which % MG_SCATTERED_STARTS] * present * mg_path_pseudorandom(seed) / mg_diagonal_scale(entry);
+    if (p->rows[k] < 3) continue;
+    z[first + 1] = cone[0] * part * z[first] * mg_cos(angle);
+    z[first + 2] = cone[1] * part * z[first] * mg_sin(angle);
+  }
 }
