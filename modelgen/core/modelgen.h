@@ -619,6 +619,8 @@ typedef struct {
   mg_real *force;                /* [n_contact] normal force at t, N */
   mg_real *margin;               /* [n_contact] distance from a singularity of the closest-point equations at t, 1 */
   int *rolling_start;            /* [n_contact] MG_START_NONE .. MG_ON_STRAIGHT_EDGE */
+  mg_real *after_t;              /* [n_contact] time of the last blow before which it did not approach or that struck it,
+                                    s; -1: of none */
   mg_real *tilt_direction;       /* [3 n_contact] of a contact that starts from flat: direction in which its body tilts,
                                     along the plane and out of the hull, unit vector */
   mg_real *input; /* [3 n_input] setting of each input: value; its rate, 1/s, used where the scene lets the input
@@ -709,6 +711,8 @@ typedef struct {
   int *contact;      /* contact */
   int *feature_pair; /* feature pair of the contact after the event, or -1 */
   mg_real *speed;    /* approach speed of an impact or touch-down, m/s; else 0 */
+  mg_real *after_t;  /* of an impact or touch-down: time of the last blow before which its contact did not approach or which
+                        struck it too, so that it comes after that one, s; -1: there is none */
 } mg_events;
 
 /* What mg_closest knows of the points that it found. */

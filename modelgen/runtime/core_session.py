@@ -114,9 +114,13 @@ class Session:
         given = [column[:count].tolist() for column in columns]
         return [
             Event(
-                float(t), EVENT_KINDS[kind], *self._subject(kind, contact, feature_pair), speed=float(speed)
+                float(t),
+                EVENT_KINDS[kind],
+                *self._subject(kind, contact, feature_pair),
+                speed=float(speed),
+                after_t=float(after_t) if after_t >= 0 else None,
             )
-            for t, kind, contact, feature_pair, speed in zip(*given, strict=True)
+            for t, kind, contact, feature_pair, speed, after_t in zip(*given, strict=True)
         ]
 
     def _subject(self, kind: int, number: int, feature_pair: int) -> tuple[str, str]:

@@ -108,19 +108,23 @@ def undecided_impacts(
         least: m; impacts that move less than this until `end`, s, are left aside.
     """
     struck = _moving(instance)
-    before = [_blows_before(events) for events in (mine, theirs)]
     blows = [(a, b) for a, b in pairs if a.kind in BLOWS and a.t <= end]
     for (a, like_a), (b, like_b) in pairwise(blows):
         if a.contact == b.contact or not struck[a.contact] & struck[b.contact]:
             continue
         if min(a.speed, b.speed) * (end - b.t) <= least:
             continue
-        if before[0].get(id(b)) == a.t and before[1].get(id(like_b)) == like_a.t:
-            continue  # the contact of b was struck with that of a, and so b comes after a in any case
+        if _is_after(b, a) and _is_after(like_b, like_a):
+            continue  # the contact of b did not approach at the blow at a, and so b comes after it in any case
         between, again = b.t - a.t, like_b.t - like_a.t
         if between > 0 and again > 0 and safe * abs(between - again) >= min(between, again):
             return a, b
     return None
+
+
+def _is_after(second: Event, first: Event) -> bool:
+    """Whether a blow comes after another one however their times err."""
+    return second.after_t is not None and second.after_t >= first.t
 
 
 def subject_of(event: Event) -> Subject:
@@ -250,18 +254,6 @@ def _time_apart(mine: Sequence[Stretch], theirs: Sequence[Stretch]) -> float:
             once = 1.0 if stretch.mode is None else 0.5  # two known modes are compared from both sides
             apart += once * (sum(spent.values()) - same)
     return apart
-
-
-def _blows_before(events: Sequence[Event]) -> dict[int, float]:
-    """s: of each blow by its id, the time of the one before at its contact, where there is one."""
-    last: dict[str, float] = {}
-    found = {}
-    for event in events:
-        if event.kind in BLOWS:
-            if event.contact in last:
-                found[id(event)] = last[event.contact]
-            last[event.contact] = event.t
-    return found
 
 
 def _moving(instance: Mapping[str, Any]) -> dict[str, set[int]]:

@@ -225,7 +225,7 @@ class SessionGroup:
         capacity, real = self.like.shared.n_event, self.like.tables.dtype
         lists = (self.like.tables.Events * self.n)()
         field_of(lists, "capacity", INTEGER)[:] = capacity
-        kinds = {"t": real, "speed": real}
+        kinds = {"t": real, "speed": real, "after_t": real}
         arrays = rows_of_lanes(lists, {name: (capacity, kinds.get(name, INTEGER)) for name in EVENT_ARRAYS})
         return list(arrays.values()), lists
 

@@ -107,7 +107,9 @@ SEARCH_EVENTS: tuple[EventKind, ...] = ("appear", "vanish")  # at ends of steps
 class Event:
     """A change of mode: `t` in s, `kind` of EVENT_KINDS, the contact's name, the approach speed in m/s.
 
-    `contact` of a load that switches says which load: "force on ball".
+    `contact` of a load that switches says which load: "force on ball". `after_t` of a blow, s: when the last
+    blow came before which its contact did not approach, or that struck it too, so that it comes after that
+    one; None of none.
     """
 
     t: float
@@ -115,6 +117,7 @@ class Event:
     contact: str
     features: str = ""  # that the contact is between after the event, where its shapes have several
     speed: float = 0.0
+    after_t: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -55,13 +55,15 @@ def test_blows_at_once_or_in_another_order_show_in_the_motion() -> None:
 
 
 @given(late=st.floats(1e-12, 1e-9), error=st.floats(-1e-9, 1e-9))
-def test_the_next_blow_at_one_of_contacts_struck_at_once_comes_after_them(late: float, error: float) -> None:
+def test_a_blow_at_a_contact_that_did_not_approach_at_the_one_before_comes_after_it(
+    late: float, error: float
+) -> None:
     a, b = FALLS_ON_AN_EDGE
-    at_once = (a, replace(b, t=a.t))
-    mine, theirs = ((*at_once, replace(a, t=a.t + after)) for after in (late, abs(late + error) + 1e-12))
+    mine, theirs = ((a, replace(b, t=a.t + by, after_t=a.t)) for by in (late, abs(late + error) + 1e-12))
     assert found(mine, theirs) is None
-    in_turn = (a, replace(b, t=a.t + late), replace(a, t=a.t + 2 * late))
-    assert found(in_turn, (a, replace(b, t=a.t + late / 9), replace(a, t=a.t + 2 * late))) is not None
+    in_turn = (a, replace(b, t=a.t + late, after_t=a.t - late))
+    assert found(in_turn, (a, replace(b, t=a.t + late / 9, after_t=a.t - late))) is not None
+    assert found(in_turn, (a, replace(b, t=a.t + late / 9, after_t=a.t))) is not None
 
 
 def test_blows_too_weak_to_matter_are_left_aside() -> None:

@@ -4,6 +4,13 @@
 #include "model/model.h"
 #include "forces/forces.h"
 
+/* Notes of the contacts that do not approach before impulses that any blow of theirs comes after these. */
+static void mg_note_later_blows(const mg_context *c) {
+  const mg_real rest = c->settings->rest_speed * c->system->length / c->system->time;
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
+    if (c->rows.d_dot[i] >= -rest) c->run->after_t[i] = c->run->t;
+}
+
 MG_INTERNAL void mg_apply_impulses(mg_context *c, int n) {
   MG_NEEDS_AT_RUN(c, MG_VALID_RATES);
   const mg_system *s = c->system;
@@ -15,6 +22,7 @@ MG_INTERNAL void mg_apply_impulses(mg_context *c, int n) {
                   mean = c->contacts.is_inertial[i] ? 0 : (before + after) / 2; /* armature keeps its work as energy */
     c->run->x[c->layout.work_state] += c->lcp.z[r] * (mean - mg_prescribed_gap_rate(c, i));
   }
+  mg_note_later_blows(c);
   for (int b = 0; b < s->n_body; b++)
     for (int k = 0; k < c->kernels->body_kinds[mg_body_kind_of(c, b)].n_u; k++)
       c->run->x[s->n_q + s->body_u[b] + k] += c->bodies.wrench[6 * b + k];

@@ -1,6 +1,7 @@
 /* Transition table of a contact: for each cause the state after it (closed, open or unchanged) and the event that
    is reported. Which closed contacts carry force is decided by the complementarity problem of accelerations
-   (forces/frictionless_active_set.c). Writes the closed and active sets of the run, the event list and the time. */
+   (forces/frictionless_active_set.c). Writes the closed and active sets of the run, the event list, the
+   times of blows and the time. */
 #include "model/model.h"
 
 enum {
@@ -37,6 +38,8 @@ MG_INTERNAL void mg_append_event(const mg_context *c, mg_events *events, mg_real
   }
   const int k = events->count++;
   events->t[k] = t, events->kind[k] = kind, events->contact[k] = contact, events->speed[k] = speed;
+  events->after_t[k] = speed > 0 ? c->run->after_t[contact] : -1;
+  if (speed > 0) c->run->after_t[contact] = c->run->t;
   events->feature_pair[k] = kind == MG_EVENT_LOAD_SWITCH ? -1 : c->run->feature_pair[contact];
 }
 

@@ -17,7 +17,7 @@ static int mg_place_start_contacts(mg_context *c) {
   const mg_real touching = c->settings->start_gap * s->length;
   for (int i = mg_next_row(c, -1); i < s->n_contact; i = mg_next_row(c, i)) {
     mg_report_failed_contact(c->run, i);
-    mg_set_closed(c, i, 0), mg_set_rolling_start(c, i, MG_START_NONE);
+    mg_set_closed(c, i, 0), mg_set_rolling_start(c, i, MG_START_NONE), c->run->after_t[i] = -1;
     if (!mg_is_on_feature_pair(c, i)) continue;
     const int lost = mg_newton_on_feature_pair(c, i, mg_contact_eta(c, c->run->x, i)) < 0 ||
                      !(mg_placement_uniqueness(c, i) >= c->settings->margin_refuse);

@@ -186,7 +186,7 @@ RUN_ARRAYS = (
         "patch_support_share",
         "reference_force",
     ),
-    *("force", "margin", "rolling_start", "tilt_direction", "input", "applied_input"),
+    *("force", "margin", "rolling_start", "after_t", "tilt_direction", "input", "applied_input"),
     *("branch", "switch_mode", "switch_leader"),
     *("search_bound", "joint_independence_max", "joint_response"),
     *("joint_row_independent", "joint_row_ever_independent"),
@@ -312,7 +312,7 @@ COTANGENT_ARRAYS = (
     *("x", "parameters", "gravity", "restitution", "friction_static", "friction_kinetic"),
     *("patch_friction", "input"),
 )
-EVENT_ARRAYS = ("t", "kind", "contact", "feature_pair", "speed")
+EVENT_ARRAYS = ("t", "kind", "contact", "feature_pair", "speed", "after_t")
 QUERY_GIVEN = ("parameters", "pose_o", "pose_f", "step_limit")
 QUERY_FOUND = ("eta", "d", "normal", "point_o", "point_f", "margin", "outcome")
 MINIMA = 24  # MG_MINIMA
