@@ -555,6 +555,8 @@ typedef struct {
   mg_real spring_rate_max;     /* time-stepping: fastest rate of a spring or damper alone on its bodies, 1/s */
   mg_real incomplete_t;        /* time of the first of incomplete_searches, s */
   mg_real indeterminate_t;     /* time of indeterminate, s */
+  mg_real indeterminate_part;  /* change of the acceleration at indeterminate_contact by other forces, as a part of the
+                                  largest without forces */
   mg_real flush_t;             /* time of flush_contact, s */
   mg_real exceeded_t[8];       /* when each capacity was exceeded first, s */
 
@@ -577,7 +579,8 @@ typedef struct {
   int overlapping_patch;    /* patch of several pairs whose faces overlap, so that their shares are not unique; -1: none
                                was sampled */
   int spring_rate_load;     /* load of spring_rate_max, or -1 */
-  int indeterminate;        /* 1: friction forces or a load left the motion open, or were not proved not to */
+  int indeterminate;        /* 1: friction forces or a load left the motion open, or were not tested whether they do */
+  int indeterminate_contact; /* contact at which the other motion that was found differs most, or -1: none was found */
   int indeterminate_switch; /* switching function of that load, or -1: friction forces */
   int flush_contact; /* contact of the first blow from the side within the plane of faces of both bodies, or -1 */
   int shared_switch; /* switching function of the first load at a jump that contacts or joints hold too, or -1 */

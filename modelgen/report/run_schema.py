@@ -169,10 +169,16 @@ _PROPERTIES = {
     ),
     "indeterminate_t": entry(
         ["number", "null"],
-        "s, first time at which forces of contacts with friction were not unique and the motion was not "
-        "proved to be, or at which a load that jumps left the motion open; or null",
+        "s, first time at which another motion was found under friction forces that are not unique, or could "
+        "not be sought, or at which a load that jumps left the motion open; or null",
     ),
     "indeterminate_load": entry("string", "that load, or empty"),
+    "indeterminate_contact": entry(
+        "string", "the contact at which the other motion that was found differs most, or empty"
+    ),
+    "indeterminate_part": entry(
+        "number", "change of the acceleration there, as a part of the largest without forces"
+    ),
     "unfollowed_minima": entry(
         "integer",
         "how often a search found closest points of a pair within reach that no contact of it was free to "

@@ -115,7 +115,7 @@ def undecided_impacts(
         if min(a.speed, b.speed) * (end - b.t) <= least:
             continue
         if _is_after(b, a) and _is_after(like_b, like_a):
-            continue  # the contact of b did not approach at the blow at a, and so b comes after it in any case
+            continue  # its contact did not approach at the blow at a: b comes after it in any case
         between, again = b.t - a.t, like_b.t - like_a.t
         if between > 0 and again > 0 and safe * abs(between - again) >= min(between, again):
             return a, b

@@ -206,6 +206,10 @@ class Trajectory:
     doubt_kinds: tuple[str, ...] = ()  # of DOUBT_KINDS: what its own figures speak against, by the core
     indeterminate_t: float | None = None  # s: first time at which friction or a load left the motion open
     indeterminate_load: str = ""  # that load, as events name it; "": friction forces
+    indeterminate_contact: str = (
+        ""  # where the other motion that friction allows differs most; "": none was found
+    )
+    indeterminate_part: float = 0.0  # change of the acceleration there, of the largest without forces
     paradox_contact: str = ""  # contact with several solutions of Coulomb's law there (Painleve), or ""
     impact_gain: float = 0.0  # J, most energy that an impact has added
     impact_gain_t: float = 0.0  # s, of `impact_gain`
@@ -311,6 +315,8 @@ class Trajectory:
             "redundant_max": self.redundant_max,
             "indeterminate_t": self.indeterminate_t,
             "indeterminate_load": self.indeterminate_load,
+            "indeterminate_contact": self.indeterminate_contact,
+            "indeterminate_part": self.indeterminate_part,
             "unfollowed_minima": self.unfollowed_minima,
             "incomplete_searches": self.incomplete_searches,
             "search_effort": self.search_effort,

@@ -86,6 +86,10 @@ def trajectory_of(
         doubt_kinds=doubt_kinds(doubts),
         indeterminate_t=float(report.indeterminate_t) if report.indeterminate else None,
         indeterminate_load=session.switching_loads[switch] if switch >= 0 else "",
+        indeterminate_contact=session.contacts[report.indeterminate_contact]
+        if report.indeterminate_contact >= 0
+        else "",
+        indeterminate_part=float(report.indeterminate_part),
         paradox_contact=session.contacts[paradox] if is_paradox else "",
         impact_gain=float(report.impact_gain_max),
         impact_gain_t=float(report.impact_gain_t),

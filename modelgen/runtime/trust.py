@@ -115,9 +115,15 @@ def _indeterminate(path: Trajectory) -> str:
     start = f"from t = {path.indeterminate_t:.6g} s the motion"
     if path.indeterminate_load:
         return f"{start} is not unique: {path.indeterminate_load} is at a jump from which it leads away"
+    if not path.indeterminate_contact:
+        return (
+            f"contact forces with friction are not unique, and {start} may not be: beside a planar contact "
+            "this is not tested; let fewer contacts stick, or springs share the load"
+        )
     return (
-        f"contact forces with friction were not unique, and {start} not proved to be: which contact slips "
-        "first is not decided by them"
+        f"contact forces with friction are not unique, and {start} is not either: others that obey Coulomb's "
+        f"law as well change the acceleration at {path.indeterminate_contact} by "
+        f"{path.indeterminate_part:.2g} of that without forces; let fewer contacts share the load, or springs"
     )
 
 

@@ -131,39 +131,46 @@ static mg_real mg_scaled_change_of_row(const mg_context *c, const mg_friction_pr
   return sum / mg_diagonal_scale(mg_delassus_entry(c, row, row));
 }
 
-/* True if the bodies of the island move otherwise under the forces z. */
-static int mg_is_other_motion(const mg_context *c, const mg_friction_problem *p, const mg_real *z) {
-  mg_real load = 0, change = 0;
+/* Reports another motion if the bodies of an island move otherwise under the forces z; returns whether they do. */
+static int mg_report_motion_of_forces(mg_context *c, const mg_friction_problem *p, const mg_real *z) {
+  mg_real load = 0, most = 0;
+  int contact = -1;
   for (int r = 0; r < p->n; r++) load = mg_max(load, fabs(p->b[r]) / mg_diagonal_scale(p->A[r + (long)p->n * r]));
   for (int k = 0; k < p->n_contact; k++) {
     const int i = c->friction.cone_contact[k];
     for (int r = 0; r <= mg_tangential_row_count(c, i); r++) {
       const int row = r ? c->layout.friction_row_begin + c->system->contact_friction_row[i] + r - 1 : i;
-      change = mg_max(change, fabs(mg_scaled_change_of_row(c, p, z, row)));
+      const mg_real change = fabs(mg_scaled_change_of_row(c, p, z, row));
+      if (change > most) most = change, contact = i;
     }
   }
-  return change > mg_max(c->settings->other_motion, (mg_real)sqrt(MG_EPS)) * load;
+  if (!(most > mg_max(c->settings->other_motion, (mg_real)sqrt(MG_EPS)) * load)) return 0;
+  mg_report_other_motion(c->run, contact, most / load);
+  return 1;
 }
 
-/* True if an island is found to have another motion under Coulomb's law, from `count` starts, or cannot be tested. */
-static int mg_has_island_other_motion(mg_context *c, int first, int start, int count) {
-  if (mg_has_island_patch(c, first)) return 1;
+/* Seeks another motion of an island under Coulomb's law, from `count` starts, and reports it, or that it cannot be
+   sought. */
+static void mg_seek_other_motion_of_island(mg_context *c, int first, int start, int count) {
+  if (mg_has_island_patch(c, first)) {
+    mg_report_indeterminate(c->run, -1);
+    return;
+  }
   const mg_friction_problem p = mg_problem_of_island(c, first);
-  int found = 0;
-  for (int k = start; k < start + count && !found; k++) {
+  for (int k = start; k < start + count; k++) {
     mg_friction_report report;
     for (int r = 0; r < p.n; r++) c->lcp.z[r] = mg_present_force(c, r);
     mg_scatter_friction_start(&p, k, c->lcp.z);
-    found =
-        mg_friction(&p, c->lcp.z, c->lcp.mask, &report, c->friction.work, c->friction.iwork) == MG_FRICTION_SOLVED &&
-        mg_is_other_motion(c, &p, c->lcp.z);
+    if (mg_friction(&p, c->lcp.z, c->lcp.mask, &report, c->friction.work, c->friction.iwork) == MG_FRICTION_SOLVED &&
+        mg_report_motion_of_forces(c, &p, c->lcp.z))
+      break;
   }
   mg_clear_ratios_of_open_contacts(c, &p);
-  return found;
 }
 
-/* True if another motion of the bodies is found, but of islands whose normal forces are unique. */
-static int mg_is_other_motion_found(mg_context *c, int start, int count) {
+MG_INTERNAL void mg_monitor_redundant_friction(mg_context *c, int is_new) {
+  if (!c->run->friction_redundant || c->run->report.indeterminate) return;
+  MG_NEEDS_AT_RUN(c, MG_VALID_ROWS), MG_NEEDS_AT_RUN(c, MG_VALID_FORCES);
   int n = 0;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->run->closed[i]) c->lcp.rows[n++] = i;
@@ -172,17 +179,10 @@ static int mg_is_other_motion_found(mg_context *c, int start, int count) {
   mg_chain_islands(c, n);
   for (int b = 0; b < c->system->n_body; b++) {
     const int first = c->islands.head[b];
-    if (first >= 0 && !mg_are_normal_forces_unique(c, first) && mg_has_island_other_motion(c, first, start, count))
-      return 1;
+    if (first < 0 || mg_are_normal_forces_unique(c, first)) continue;
+    if (is_new) mg_seek_other_motion_of_island(c, first, 0, MG_SCATTERED_STARTS);
+    else mg_seek_other_motion_of_island(c, first, (int)(c->run->steps % MG_SCATTERED_STARTS), 1);
   }
-  return 0;
-}
-
-MG_INTERNAL void mg_monitor_redundant_friction(mg_context *c, int is_new) {
-  if (!c->run->friction_redundant || c->run->report.indeterminate) return;
-  MG_NEEDS_AT_RUN(c, MG_VALID_ROWS), MG_NEEDS_AT_RUN(c, MG_VALID_FORCES);
-  const int start = is_new ? 0 : (int)(c->run->steps % MG_SCATTERED_STARTS), count = is_new ? MG_SCATTERED_STARTS : 1;
-  if (mg_is_other_motion_found(c, start, count)) mg_report_indeterminate(c->run, -1);
 }
 
 MG_INTERNAL void mg_monitor_loads_at_jumps(const mg_context *c) {

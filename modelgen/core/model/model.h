@@ -193,6 +193,9 @@ MG_INTERNAL void mg_report_spring_rate(mg_run *run, int load, mg_real rate);
    load that leaves it open, or -1: friction forces. The first contact in Painleve's paradox. A load at a jump that
    contacts or joints hold too. */
 MG_INTERNAL void mg_report_indeterminate(mg_run *run, int load_switch);
+
+/* Another motion was found under forces that obey Coulomb's law: where it differs most, and by how much. */
+MG_INTERNAL void mg_report_other_motion(mg_run *run, int contact, mg_real part);
 MG_INTERNAL void mg_report_painleve_paradox(mg_run *run, int contact);
 MG_INTERNAL void mg_report_shared_switch(mg_run *run, int load_switch);
 

@@ -14,7 +14,7 @@ MG_INTERNAL void mg_reset_report(mg_run *run) {
   report->passage_contact = report->penetration_contact = report->flush_contact = -1;
   report->unfollowed_pair = report->incomplete_pair = -1;
   report->spin_body = report->spring_rate_load = report->overlapping_patch = -1;
-  report->indeterminate_switch = report->shared_switch = -1;
+  report->indeterminate_contact = report->indeterminate_switch = report->shared_switch = -1;
 }
 
 /* Raises a maximum. */
@@ -148,6 +148,12 @@ MG_INTERNAL void mg_report_spring_rate(mg_run *run, int load, mg_real rate) {
 MG_INTERNAL void mg_report_indeterminate(mg_run *run, int load_switch) {
   if (run->report.indeterminate) return;
   run->report.indeterminate = 1, run->report.indeterminate_t = run->t, run->report.indeterminate_switch = load_switch;
+}
+
+MG_INTERNAL void mg_report_other_motion(mg_run *run, int contact, mg_real part) {
+  if (run->report.indeterminate) return;
+  mg_report_indeterminate(run, -1);
+  run->report.indeterminate_contact = contact, run->report.indeterminate_part = part;
 }
 
 MG_INTERNAL void mg_report_painleve_paradox(mg_run *run, int contact) {

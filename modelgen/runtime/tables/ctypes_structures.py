@@ -273,6 +273,7 @@ REPORT_REALS = (
     "spring_rate_max",
     "incomplete_t",
     "indeterminate_t",
+    "indeterminate_part",
     "flush_t",
 )
 REPORT_INTEGERS = (
@@ -295,6 +296,7 @@ REPORT_INTEGERS = (
     "overlapping_patch",
     "spring_rate_load",
     "indeterminate",
+    "indeterminate_contact",
     "indeterminate_switch",
     "flush_contact",
     "shared_switch",
