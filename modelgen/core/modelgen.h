@@ -513,6 +513,7 @@ enum {
 typedef struct {
   long lcp_solves;          /* complementarity and friction problems solved */
   long fallbacks;           /* how often the run has fallen back on time-stepping */
+  long jams;                /* of these, because no accelerations were admissible */
   long chatters;            /* how often the run went on by time-stepping because its events cost too much */
   long loose_solutions;     /* time-stepping: problems solved to stepping_residual only */
   long relaxed_solutions;   /* time-stepping: problems solved by the relaxation, no solution of Coulomb's law found */

@@ -7,7 +7,9 @@ goes from the run is the error of the run, whatever caused it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -19,13 +21,16 @@ from modelgen.runtime.event_matching import (
     Pairs,
     Subject,
     alone,
+    bodies_by_contact,
     in_pairs,
     modes_apart,
     subject_of,
     undecided_impacts,
 )
+from modelgen.runtime.order_of_impacts import Finer, ties_left
 from modelgen.runtime.run_distance import (
     APART,
+    MOTION,
     forces_between,
     gaps_between,
     motions_compared,
@@ -34,12 +39,13 @@ from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import Event, Outcome, Trajectory
 from modelgen.runtime.trust import steps_in_time, uncertified
 
-SAFE = 2.0  # times the error that the difference shows: for what the companion errs itself
+SAFE = 4.0  # times the difference of run and companion: for what the companion errs itself
+ORDERED = 2.0  # times the difference in the time between two impacts: their order is told beyond that
+EXTRAPOLATED = 2.0  # times the difference that is extrapolated to step zero
 ORDERS = {"rk4": 4, "time-stepping": 1}  # of methods whose companion has a finer step, not a finer tolerance
 ROUNDED = 8.0  # roundings of lengths, and of 1: no error below is claimed
 BOUNCE = 100.0  # times the bound of rest: slower bounces end in one run and not in the other
 SETTLING = 10.0  # times the time in which such a bounce comes to its top: how long it takes to settle
-MOTION = ("p", "quaternion", "v", "w")  # columns
 LEAST_STEPS = 100  # that every companion may take
 UNKNOWN = {"gap": None, "force": None, "events": None, "events_unmatched": None}  # without a companion
 NUDGE = 2.0  # roundings by which each number of the start differs, at most
@@ -65,6 +71,7 @@ def estimate_of(
     instance: Mapping[str, Any],
     missing: str = "",
     compared: Array | None = None,
+    finer: Finer | None = None,
 ) -> Estimate:
     """The error of `path` from its companion's run `twin` at the same times.
 
@@ -73,6 +80,7 @@ def estimate_of(
         twin: None where there is none; `missing` says why.
         instance: of the manifest.
         compared: what `motions_compared` gives of the two at the samples of `path`, where it is known.
+        finer: makes a run still finer than the companion, to see which of two impacts comes first.
     """
     length, last = instance["scales"]["length"], len(path.t)
     errors = np.full((len(APART), last), np.inf)
@@ -87,16 +95,24 @@ def estimate_of(
     slow = BOUNCE * accuracy.rest_speed * length / instance["scales"]["time"]
     brief = SETTLING * slow * instance["scales"]["time"] ** 2 / length
     end, error = float(path.t[predicted - 1]), float(position[predicted - 1])
-    reasons, other = [*_reasons(path, twin, missing)], dict[str, Any](UNKNOWN)
+    reasons, other = [*_reasons(path, twin, missing, brief)], dict[str, Any](UNKNOWN)
     if twin is not None:
         told = _told(path.events, slow), _told(twin.events, slow)
-        pairs, apart = in_pairs(*told), modes_apart(path.events, twin.events, instance, end)
-        times, unmatched = _events(pairs, alone(*told, pairs), apart, brief, end)
+        pairs, apart = (
+            in_pairs(*told),
+            modes_apart(path.events, twin.events, instance, end, _unloaded(path, twin)),
+        )
+        bodies = bodies_by_contact(instance)
+        agreed = _agreed(in_pairs(path.events, twin.events), bodies)
+        times, unmatched = _events(pairs, alone(*told, pairs), apart, agreed, bodies, brief, error, end)
         other = _gaps_and_forces(path, twin, predicted, safe)
         other["events"] = None if times is None else safe * times + _resolution(path, accuracy)
         other["events_unmatched"] = len(unmatched) if path.events or twin.events else None
         reasons += _alone(unmatched)
-        reasons += _order(undecided_impacts(*told, pairs, instance, SAFE, error, end))
+        ties = undecided_impacts(*told, pairs, instance, ORDERED, error, end)
+        if ties and finer is not None:
+            ties = ties_left(path, twin, ties, finer, ORDERED)
+        reasons += _order(ties)
     return Estimate(
         position=position,
         rotation=rotation,
@@ -139,7 +155,7 @@ def _safe(path: Trajectory, accuracy: Accuracy) -> float:
     """The factor from the difference of two runs to the error; the companion's error is TENTH**order of the
     run's."""
     order = ORDERS.get("time-stepping" if steps_in_time(path) else accuracy.method)
-    return SAFE if order is None else SAFE / (1 - TENTH**order)
+    return SAFE if order is None else EXTRAPOLATED / (1 - TENTH**order)
 
 
 def _errors(path: Trajectory, compared: Array, safe: float, instance: Mapping[str, Any]) -> Array:
@@ -183,6 +199,15 @@ def _predicted(position: Array, rotation: Array, n: int, predictable: float) -> 
     return max(int(lost[0]) if lost.size else n, 1)
 
 
+def _unloaded(*runs: Trajectory) -> set[str]:
+    """The contacts that carry no force at any sample of runs."""
+    found = (
+        {name for name, force in zip(run.contact_names, run.force.T, strict=True) if not force.any()}
+        for run in runs
+    )
+    return set.intersection(*found)
+
+
 def _told(events: Sequence[Event], slow: float) -> list[Event]:
     """The events but for blows slower than `slow`, m/s, which a run of other thresholds has not."""
     return [event for event in events if not 0 < event.speed < slow]
@@ -197,23 +222,48 @@ def _gaps_and_forces(path: Trajectory, twin: Trajectory, n: int, safe: float) ->
     }
 
 
+def _agreed(pairs: Pairs, bodies: Mapping[str, Collection[int]]) -> dict[int, list[float]]:
+    """s: when two runs have an event that both have, by the bodies of its contact."""
+    found: dict[int, list[float]] = defaultdict(list)
+    for a, b in pairs:
+        for body in bodies.get(a.contact, ()):
+            found[body].append(max(a.t, b.t))
+    return found
+
+
 def _events(
-    pairs: Pairs, single: Sequence[Event], apart: Mapping[Subject, float], brief: float, end: float
+    pairs: Pairs,
+    single: Sequence[Event],
+    apart: Mapping[Subject, float],
+    agreed: Mapping[int, Sequence[float]],
+    bodies: Mapping[str, Collection[int]],
+    brief: float,
+    least: float,
+    end: float,
 ) -> tuple[float | None, list[Event]]:
     """How far the times of events of two runs are apart, s, and those that only one of them has, up to `end`;
     where no event is told up to there, that of later ones.
 
     An event of one run that is no blow, and changes a mode in which the runs differ for no longer than
-    `brief`, s, in all, is one whose time is off by as much.
+    `brief`, s, in all, is one whose time is off by as much. So is a blow, if the next event of its bodies
+    that both have, at one of the times `agreed`, comes within `brief`, or before it has moved a body by
+    `least`, m: what it changes in the motion after that shows where the runs are compared.
     """
     late, lasting = [abs(a.t - b.t) for a, b in pairs if a.t <= end], list[Event]()
     for event in single:
         if event.t > end:
             continue
-        if (event.kind in BLOWS and event.speed) or apart[subject_of(event)] > brief:
+        if event.kind in BLOWS and event.speed:
+            times = chain.from_iterable(agreed[body] for body in bodies[event.contact])
+            for_s = min((t for t in times if t > event.t), default=end) - event.t
+            counts = for_s > brief and event.speed * for_s > least
+        else:
+            for_s = apart.get(subject_of(event), 0.0)
+            counts = for_s > brief
+        if counts:
             lasting.append(event)
         else:
-            late.append(apart[subject_of(event)])
+            late.append(for_s)
     return max(late or [abs(a.t - b.t) for a, b in pairs], default=None), lasting
 
 
@@ -224,7 +274,7 @@ def _alone(unmatched: Sequence[Event]) -> Iterator[str]:
         yield f"{len(unmatched)} events are in the run or in its companion only: {what}"
 
 
-def _reasons(path: Trajectory, twin: Trajectory | None, missing: str) -> Iterator[str]:
+def _reasons(path: Trajectory, twin: Trajectory | None, missing: str, brief: float) -> Iterator[str]:
     """Reasons why the estimate may miss errors that both runs share, or why there is no estimate."""
     if twin is None:
         yield missing
@@ -235,10 +285,10 @@ def _reasons(path: Trajectory, twin: Trajectory | None, missing: str) -> Iterato
         yield f"the companion run was stopped at {twin.t_end:.6g} s: {taken} steps, for {own} of the run"
     elif twin.t_end < path.t_end:
         yield f"the companion run came to {twin.t_end:.6g} s only: {twin.outcome.name.lower()}"
-    yield from uncertified(path)
+    yield from uncertified(path, 0.0 if twin is None else brief)
 
 
-def _order(tie: tuple[Event, Event] | None) -> Iterator[str]:
-    if tie is not None:
-        names = f"{tie[0].contact} and {tie[1].contact}"
-        yield f"which of the impacts at {names} (t = {tie[1].t:.6g} s) comes first is within the error"
+def _order(ties: Sequence[tuple[Event, Event]]) -> Iterator[str]:
+    for first, second in ties[:1]:
+        names = f"{first.contact} and {second.contact}"
+        yield f"which of the impacts at {names} (t = {second.t:.6g} s) comes first is within the error"

@@ -15,15 +15,18 @@ from __future__ import annotations
 
 from bisect import bisect, bisect_left
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import pairwise, takewhile
 from typing import Any, NamedTuple
 
-from modelgen.runtime.trajectory import LOAD_SWITCH, SEARCH_EVENTS, Event
+from modelgen.runtime.trajectory import LOAD_SWITCH, SEARCH_EVENTS, Event, EventKind
 
 BLOWS = ("impact", "touch-down")  # the last blow of a bounce that settles is a touch-down
+NO_MODES: tuple[EventKind, ...] = (*SEARCH_EVENTS, "fallback-start", "fallback-end")
 TOUCH = "touch"
+FEATURE = "feature"
 LOAD = LOAD_SWITCH.partition("-")[0]
+NUMBER = "#"  # stands before the number of a contact, of pairs that have several
 ONE_SPEED = 1e-2  # relative difference up to which blows of two runs may be the same
 Subject = tuple[str, str]  # what an event is about, and the name of its contact
 Pairs = Sequence[tuple[Event, Event]]
@@ -51,7 +54,7 @@ class Stretch(NamedTuple):
 
 
 def in_pairs(mine: Sequence[Event], theirs: Sequence[Event]) -> list[tuple[Event, Event]]:
-    """The events of one run that another has too, with those, by time. Without SEARCH_EVENTS, whose times are
+    """The events of one run that another has too, with those, by time. Without NO_MODES, whose times are
     those of steps.
 
     As many events of a contact are the same in order. Of others, those are the same that have one speed, from
@@ -69,18 +72,21 @@ def in_pairs(mine: Sequence[Event], theirs: Sequence[Event]) -> list[tuple[Event
 def alone(mine: Sequence[Event], theirs: Sequence[Event], pairs: Pairs) -> list[Event]:
     """The events that one of two runs has and the other has not. `pairs`: of `in_pairs`."""
     paired = {id(event) for pair in pairs for event in pair}
-    return [
-        event for event in (*mine, *theirs) if event.kind not in SEARCH_EVENTS and id(event) not in paired
-    ]
+    return [event for event in (*mine, *theirs) if event.kind not in NO_MODES and id(event) not in paired]
 
 
 def modes_apart(
-    mine: Sequence[Event], theirs: Sequence[Event], instance: Mapping[str, Any], end: float
+    mine: Sequence[Event],
+    theirs: Sequence[Event],
+    instance: Mapping[str, Any],
+    end: float,
+    unloaded: Collection[str] = (),
 ) -> dict[Subject, float]:
     """s: for how long up to `end` two runs are in different modes, by what the modes are of. A blow that
-    leaves its contact open changes no mode."""
+    leaves its contact open changes no mode. `unloaded`: contacts that begin open unless an event tells
+    otherwise."""
     resting = _contacts_by_patch(instance)
-    changes = [_changes(run, resting) for run in (mine, theirs)]
+    changes = [_changes(run, resting, dict.fromkeys(unloaded, True)) for run in (mine, theirs)]
     apart = {}
     for subject in changes[0].keys() | changes[1].keys():
         first = "0" if subject[0] == LOAD else None
@@ -97,8 +103,8 @@ def undecided_impacts(
     safe: float,
     least: float,
     end: float,
-) -> tuple[Event, Event] | None:
-    """The first two impacts of a run whose times differ by no more than the error.
+) -> list[tuple[Event, Event]]:
+    """Impacts of a run that follow each other at one body, in times that differ by no more than the error.
 
     Args:
         mine, theirs: the events of the run, and of its companion.
@@ -107,7 +113,7 @@ def undecided_impacts(
         safe: the time between two impacts errs by `safe` times what the companion has otherwise.
         least: m; impacts that move less than this until `end`, s, are left aside.
     """
-    struck = _moving(instance)
+    struck, found = bodies_by_contact(instance), []
     blows = [(a, b) for a, b in pairs if a.kind in BLOWS and a.t <= end]
     for (a, like_a), (b, like_b) in pairwise(blows):
         if a.contact == b.contact or not struck[a.contact] & struck[b.contact]:
@@ -118,8 +124,8 @@ def undecided_impacts(
             continue  # its contact did not approach at the blow at a: b comes after it in any case
         between, again = b.t - a.t, like_b.t - like_a.t
         if between > 0 and again > 0 and safe * abs(between - again) >= min(between, again):
-            return a, b
-    return None
+            found.append((a, b))
+    return found
 
 
 def _is_after(second: Event, first: Event) -> bool:
@@ -134,11 +140,15 @@ def subject_of(event: Event) -> Subject:
 
 
 def _by_subject(events: Sequence[Event]) -> dict[Subject, list[Event]]:
-    """Events by kind and contact, in order; all blows of a contact are of one kind."""
+    """Events by kind and contact, in order; all blows of a contact are of one kind. The contacts of a pair
+    are numbered as they appear, and so a blow at one of several is known by its features."""
     found: dict[Subject, list[Event]] = defaultdict(list)
     for event in events:
-        if event.kind not in SEARCH_EVENTS:
-            found["blow" if event.kind in BLOWS else event.kind, event.contact].append(event)
+        if event.kind in BLOWS:
+            pair, several, _ = event.contact.partition(NUMBER)
+            found["blow", pair + NUMBER + event.features if several else pair].append(event)
+        elif event.kind not in NO_MODES:
+            found[event.kind, event.contact].append(event)
     return found
 
 
@@ -190,15 +200,25 @@ def _contacts_by_patch(instance: Mapping[str, Any]) -> dict[str, list[str]]:
     return found
 
 
-def _changes(events: Sequence[Event], resting: Mapping[str, Sequence[str]]) -> dict[Subject, list[Change]]:
+def _changes(
+    events: Sequence[Event], resting: Mapping[str, Sequence[str]], unloaded: Mapping[str, bool]
+) -> dict[Subject, list[Change]]:
     """The modes of each subject by time. Where a contact opens or closes, other modes of it begin that are
-    not known, and a face that rests takes the place of the contacts at its points."""
+    not known, and a face that rests takes the place of the contacts at its points. Features change no motion
+    while their contact is open."""
     found: dict[Subject, list[Change]] = defaultdict(list)
     begun: dict[str, float] = {}  # s, when other modes of a contact began
+    is_open = {**unloaded, **_open_at_start(events)}
     for event in events:
         if event.kind in SEARCH_EVENTS:
+            is_open[event.contact] = True  # it appears or vanishes
+        if event.kind in NO_MODES:
             continue
         own, (before, after) = subject_of(event), _modes(event, found)
+        if own[0] == TOUCH:
+            is_open[event.contact] = after == "open"
+        elif own[0] == FEATURE and is_open.get(event.contact):
+            continue
         if own not in found and own[0] != TOUCH and event.contact in begun:
             found[own].append(Change(begun[event.contact], None, None))
         names = [event.contact, *(resting.get(event.contact, ()) if after == "face" else ())]
@@ -209,6 +229,15 @@ def _changes(events: Sequence[Event], resting: Mapping[str, Sequence[str]]) -> d
                     changes.append(Change(event.t, None, None))
         found[own].append(Change(event.t, before, after))
     return found
+
+
+def _open_at_start(events: Sequence[Event]) -> dict[str, bool]:
+    """Whether contacts begin open, of those of which the first event that tells it does."""
+    first: dict[str, bool] = {}
+    for event in events:
+        if event.kind in TOUCHES:
+            first.setdefault(event.contact, TOUCHES[event.kind][0] == "open")
+    return first
 
 
 def _modes(event: Event, known: Mapping[Subject, Sequence[Change]]) -> tuple[str, str]:
@@ -256,7 +285,7 @@ def _time_apart(mine: Sequence[Stretch], theirs: Sequence[Stretch]) -> float:
     return apart
 
 
-def _moving(instance: Mapping[str, Any]) -> dict[str, set[int]]:
+def bodies_by_contact(instance: Mapping[str, Any]) -> dict[str, set[int]]:
     """For each contact and joint limit, its bodies that forces move."""
     free = {k for k, body in enumerate(instance["bodies"]) if body["motion"] in ("point", "free")}
     feature_pairs = [instance["feature_pairs"][pair["feature_pairs"][0]] for pair in instance["pairs"]]

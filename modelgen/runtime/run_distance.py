@@ -12,6 +12,7 @@ from modelgen.runtime.event_matching import alone, in_pairs
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import Event, Trajectory
 
+MOTION = ("p", "quaternion", "v", "w")  # columns of a run that are compared
 APART = ("position", "rotation", "velocity", "spin")
 
 

@@ -47,6 +47,7 @@ KEYWORDS = (
     "on_progress",
     *STEPPING,
 )  # of `simulate`
+THIRD = 4  # times the steps of the companion that a third run may take
 CHUNK_S = 0.2  # wall time between two looks at the keyboard, s
 
 Report = Callable[[float], None] | None  # told the share that is done
@@ -182,13 +183,29 @@ def _estimate(
         nudge(twin.x, twin.instance)
         followed = _followed(schedule, path, accuracy)
         most = steps_max(accuracy, path.steps, path.rejected)
-        return estimate_of(path, _path(twin, followed, path.t, report, most), accuracy, instance)
+        found = _path(twin, followed, path.t, report, most)
+        finer = partial(_finer, library, accuracy, followed, found)
+        return estimate_of(path, found, accuracy, instance, finer=finer)
     except SimulationError as refused:
         why = f"the companion run did not start: {refused}"
         return estimate_of(path, None, accuracy, instance, why)
     except KeyboardInterrupt:
         stopped = estimate_of(path, None, accuracy, instance, "the companion run was interrupted")
         return replace(stopped, interrupted=True)
+
+
+def _finer(
+    library: Library, accuracy: Accuracy, followed: Schedule, twin: Trajectory, until: float
+) -> Trajectory | None:
+    """The companion of a companion, up to the next end of a step that this has from `until` on; None if it
+    does not start."""
+    epsilon = float(np.finfo(library.dtype).eps)
+    schedule = followed[: bisect_left([end for end, _ in followed], until) + 1]
+    try:
+        session = Session(library, accuracy.companion(epsilon).companion(epsilon))
+        return _path(session, schedule, twin.t[twin.t <= schedule[-1][0]], None, THIRD * twin.steps)
+    except SimulationError:
+        return None
 
 
 def _followed(schedule: Schedule, path: Trajectory, accuracy: Accuracy) -> Schedule:

@@ -17,12 +17,12 @@ from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError
 from modelgen.notation import SETTING_SIZE
 from modelgen.runtime.accuracy import Accuracy
-from modelgen.runtime.error_estimate import MOTION, estimate_of, nudge, steps_max
+from modelgen.runtime.error_estimate import estimate_of, nudge, steps_max
 from modelgen.runtime.error_statement import Estimate
 from modelgen.runtime.inputs_by_lane import InputsByLane
 from modelgen.runtime.lane_arrays import each_once
 from modelgen.runtime.recording import Recording
-from modelgen.runtime.run_distance import motions_compared
+from modelgen.runtime.run_distance import MOTION, motions_compared
 from modelgen.runtime.session_group import group_of
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Trajectory

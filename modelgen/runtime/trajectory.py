@@ -224,6 +224,7 @@ class Trajectory:
     undeclared: tuple[Passage, ...] = ()  # pairs that no contact lists and that overlapped, by time
     over_edges: tuple[Passage, ...] = ()  # shapes with open edges or ends, and those that one was in, by time
     warnings: tuple[str, ...] = ()
+    jams: int = 0  # fallbacks on time-stepping because no accelerations were admissible
     fallback_step: float = 0.0  # s, longest step of time-stepping by which an event-driven run went on; or 0
     estimate: Estimate | None = None  # of the run's own error; None where none was asked for
     outcome_function: str = ""  # "torque[0] on 'cart'", "path of 'table'": what is not finite

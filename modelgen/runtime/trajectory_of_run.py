@@ -103,6 +103,7 @@ def trajectory_of(
         instructions=dict(shared.instructions),
         accuracy=record.name,
         warnings=tuple(warnings),
+        jams=int(report.jams),
         fallback_step=fallback_step(report, record, own),
         outcome_function=outcome_function,
         stopped=ending.interrupted,

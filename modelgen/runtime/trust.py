@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from math import inf
 from typing import Any
 
 from modelgen.runtime.accuracy import Accuracy
@@ -89,8 +90,10 @@ FIGURES = (
 )  # of DOUBT_KINDS
 
 
-def uncertified(path: Trajectory) -> Iterator[str]:
-    """Reasons why a run may have an error that its companion would share."""
+def uncertified(path: Trajectory, brief: float = 0.0) -> Iterator[str]:
+    """Reasons why a run may have an error that its companion would share. Fallbacks that last no longer than
+    `brief`, s, tell modes late by no more than that; what else they change shows in the companion, unless no
+    accelerations were admissible."""
     told = {
         "no-gamma": "Gamma2 is left out, and so the motion is another",
         "time-stepping": "time-stepping locates no events",
@@ -103,7 +106,20 @@ def uncertified(path: Trajectory) -> Iterator[str]:
         "incomplete": "a search for closest points was given up before all were found",
         "capacity": "a capacity of the core was exceeded: the warning says which, and what that did",
     }
+    if 0 < _longest_fallback(path) <= brief and not path.jams:
+        del told["time-stepping"]
     yield from (reason for kind, reason in told.items() if kind in path.doubt_kinds)
+
+
+def _longest_fallback(path: Trajectory) -> float:
+    """s; 0 of a run that did not fall back, infinite of one that ended meanwhile."""
+    longest, start = 0.0, None
+    for event in path.events:
+        if event.kind == "fallback-start":
+            start = event.t
+        elif event.kind == "fallback-end" and start is not None:
+            longest, start = max(longest, event.t - start), None
+    return longest if start is None else inf
 
 
 def _indeterminate(path: Trajectory) -> str:

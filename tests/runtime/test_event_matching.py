@@ -121,6 +121,27 @@ def test_blows_of_one_speed_are_the_same_at_one_time_too() -> None:
     assert alone([first, second, more], [first, second], pairs) == [more]
 
 
+@given(seeds, st.integers(2, 5))
+def test_blows_of_a_pair_are_the_same_however_its_contacts_are_numbered(seed: int, n: int) -> None:
+    random = np.random.default_rng(seed)
+    ends = random.integers(n, size=12)
+    mine = [Event(1.0 + k, "impact", f"a-b#{end}", f"end{end}", 1.0) for k, end in enumerate(ends.tolist())]
+    number = random.permutation(n)
+    theirs = [replace(event, contact=f"a-b#{number[int(event.features[3:])]}") for event in mine]
+    assert in_pairs(mine, theirs) == list(zip(mine, theirs, strict=True))
+
+
+def test_features_count_while_their_contact_is_closed() -> None:
+    """In a run whose contact changes from one edge to a face by way of a corner, or at once."""
+    by_corner = [Event(1.0, "feature-change", "a", "corner"), Event(1.5, "feature-change", "a", "face")]
+    at_once = [replace(by_corner[1], t=1.0)]
+    touches, opens = Event(0.5, "touch-down", "a", "edge", 1.0), Event(0.75, "lift-off", "a", "edge")
+    for before, apart in (([], 0.5), ([touches], 0.5), ([touches, opens], 0.0)):
+        found = modes_apart([*before, *by_corner], [*before, *at_once], BARE, END)
+        assert found.get(("feature", "a"), 0.0) == pytest.approx(apart)
+    assert not modes_apart(by_corner, at_once, BARE, END, unloaded=["a"])
+
+
 @given(seeds)
 def test_bounces_that_settle_leave_no_event_alone(seed: int) -> None:
     """A ball that is thrown on a floor: run and companion give up its bounces at different speeds."""

@@ -87,9 +87,6 @@ MG_INTERNAL mg_real mg_dot6(const mg_real *a, const mg_real *b);
 /* y += s x, of six components. */
 MG_INTERNAL void mg_add_multiple6(mg_real s, const mg_real *x, mg_real *y);
 
-/* y += factor x, of n components. */
-MG_INTERNAL void mg_add_multiple(int n, mg_real factor, const mg_real *x, mg_real *y);
-
 /* Scales a vector to unit length. Returns 0 if its length is zero or not finite. */
 MG_INTERNAL int mg_normalise3(mg_real *n);
 

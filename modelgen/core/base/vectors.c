@@ -39,15 +39,6 @@ MG_INTERNAL void mg_add_multiple6(mg_real s, const mg_real *x, mg_real *y) {
   y[3] += x[3] * s, y[4] += x[4] * s, y[5] += x[5] * s;
 }
 
-MG_INTERNAL void mg_add_multiple(int n, mg_real factor, const mg_real *x, mg_real *y) {
-  int i = 0;
-  for (; i + 4 <= n; i += 4) {
-    const mg_real part[4] = {factor * x[i], factor * x[i + 1], factor * x[i + 2], factor * x[i + 3]};
-    for (int j = 0; j < 4; j++) y[i + j] += part[j];
-  }
-  for (; i < n; i++) y[i] += factor * x[i];
-}
-
 MG_INTERNAL int mg_normalise3(mg_real *n) {
   const mg_real length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]), scale = 1 / length;
   for (int k = 0; k < 3; k++) n[k] *= scale;

@@ -128,7 +128,10 @@ MG_INTERNAL void mg_report_fallback(mg_run *run, int outcome) {
   mg_run_report *report = &run->report;
   if (outcome == MG_CHATTER) {
     if (!report->chatters++) report->chatter_first = run->t;
-  } else if (!report->fallbacks++) report->fallback_first = run->t, report->fallback_cause = outcome;
+    return;
+  }
+  if (!report->fallbacks++) report->fallback_first = run->t, report->fallback_cause = outcome;
+  report->jams += outcome == MG_NO_FRICTION || outcome == MG_COMPLEMENTARITY;
 }
 
 MG_INTERNAL void mg_report_fallback_time(mg_run *run, mg_real h) {

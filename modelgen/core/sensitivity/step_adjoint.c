@@ -19,6 +19,16 @@ MG_INTERNAL void mg_settle_eta_adjoint(mg_context *c, mg_sensitivity *s, mg_real
   mg_place_bodies_adjoint(c, s, t, x, x_bar);
 }
 
+/* y += factor x, of n components. */
+static void mg_add_multiple(int n, mg_real factor, const mg_real *x, mg_real *y) {
+  int i = 0;
+  for (; i + 4 <= n; i += 4) {
+    const mg_real part[4] = {factor * x[i], factor * x[i + 1], factor * x[i + 2], factor * x[i + 3]};
+    for (int j = 0; j < 4; j++) y[i + j] += part[j];
+  }
+  for (; i < n; i++) y[i] += factor * x[i];
+}
+
 /* Cotangents of the corrections of positions and orientations, or of velocities, into s->at.acceleration. */
 static void mg_take_correction_cotangents(const mg_context *c, mg_sensitivity *s, int of_velocities, const mg_real *x,
                                           const mg_real *x_bar) {

@@ -223,6 +223,7 @@ RUN_INTEGERS = (
 REPORT_COUNTS = (
     "lcp_solves",
     "fallbacks",
+    "jams",
     "chatters",
     "loose_solutions",
     "relaxed_solutions",

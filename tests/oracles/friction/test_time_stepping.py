@@ -152,6 +152,7 @@ def test_painleves_rod_is_named_and_passed_by_an_impulse() -> None:
     assert path.events[0].kind == "fallback-start"
     assert "fallback-end" in [e.kind for e in path.events]
     assert path.estimate is not None
+    assert path.jams == 1
     assert "time-stepping locates no events" in path.estimate.uncertified
     assert sum("Painleve" in warning for warning in path.warnings) == 1
     arm = rod.half_length * np.array([-cos(theta), -sin(theta)])
