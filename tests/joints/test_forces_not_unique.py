@@ -7,7 +7,9 @@ import pytest
 
 from modelgen import simulate
 from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_from_tables import scene_from_tables
 from modelgen.scene.scene_types import Scene
+from tests.benchmarks.verdict_scenes import drawn
 from tests.running import library_of
 
 G = 9.81
@@ -55,9 +57,8 @@ def test_forces_that_are_not_unique_have_the_least_weighted_norm(seed: int, hang
     assert np.abs(plain - right).max() > 1e-4 * right.max()  # the plain norm is another one
 
 
-@pytest.mark.parametrize("armature", [0.0, 1e-4])
-def test_a_cart_on_four_wheels_has_three_forces_too_many_with_armature_or_without(armature: float) -> None:
-    """12 components at the contacts hold 9 of the 10 motions: one is left, straight on."""
+def cart(rolls: bool, **axles: float) -> Scene:
+    """A cart on four wheels that roll from the start or slide."""
     radius, upright, speed = 0.05, [np.pi / 2, 0.0, 0.0], 0.5
     bodies = [
         make.fixed("floor", make.plane()),
@@ -65,11 +66,11 @@ def test_a_cart_on_four_wheels_has_three_forces_too_many_with_armature_or_withou
             "cart", make.box(0.4, 0.2, 0.05), density=800.0, position=[0, 0, 0.11], velocity=[speed, 0, 0]
         ),
     ]
-    joint, contact = [], []
+    joint, contacts = [], []
     for k, (x, y) in enumerate(((0.2, 0.12), (0.2, -0.12), (-0.2, 0.12), (-0.2, -0.12))):
         wheel = make.dynamic(
             f"wheel{k}", make.sphere(radius), density=800.0, position=[x, y, radius], rpy=upright,
-            velocity=[speed, 0, 0], angular_velocity=[0, speed / radius, 0],
+            velocity=[speed, 0, 0], angular_velocity=[0, speed / radius if rolls else 0, 0],
         )  # fmt: skip
         bodies.append(wheel)
         axle = {
@@ -78,7 +79,33 @@ def test_a_cart_on_four_wheels_has_three_forces_too_many_with_armature_or_withou
             "position": [x, y, radius],
             "rpy": upright,
         }
-        joint.append({"name": f"axle{k}", "damping": 1e-3, "armature": armature, **axle})
-        contact.append({"between": [f"wheel{k}", "floor"], "friction": 0.6})
-    library = library_of(make.scene("cart", bodies, joint=joint, contact=contact))
-    assert simulate(library, until=0.1).redundant_max == 3
+        joint.append({"name": f"axle{k}", **axles, **axle})
+        contacts.append({"between": [f"wheel{k}", "floor"], "friction": 0.6})
+    return make.scene("cart", bodies, joint=joint, contact=contacts)
+
+
+@pytest.mark.parametrize("armature", [0.0, 1e-4])
+def test_a_cart_on_four_wheels_has_three_forces_too_many_with_armature_or_without(armature: float) -> None:
+    """12 components at the contacts hold 9 of the 10 motions: one is left, straight on."""
+    path = simulate(library_of(cart(rolls=True, armature=armature)), until=0.1)
+    assert path.redundant_max == 3
+    assert path.is_trusted
+
+
+@pytest.mark.parametrize(("rolls", "damping"), [(False, 0.0), (True, 1e-3)])
+def test_a_cart_whose_wheels_slide_or_are_braked_may_share_its_weight_in_other_ways(
+    rolls: bool, damping: float
+) -> None:
+    """A wheel that carries more begins to roll earlier; one that carries nothing is braked to a stop."""
+    path = simulate(library_of(cart(rolls, damping=damping)), until=0.1)
+    assert path.indeterminate_contact.startswith("wheel")
+    assert path.indeterminate_part > 0.01
+    assert f"at {path.indeterminate_contact} by" in path.doubts[0]
+
+
+@pytest.mark.parametrize("seed", [1, 5])
+def test_dominoes_fall_in_one_way(seed: int) -> None:
+    """Each leans with an edge on the face of the next: how its ends share the force is open."""
+    path = simulate(library_of(scene_from_tables("falls", drawn("grips nuts dominoes", seed), "<drawn>")))
+    assert path.redundant_max >= 2
+    assert path.is_trusted

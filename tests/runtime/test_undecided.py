@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -12,8 +13,11 @@ from hypothesis import strategies as st
 from modelgen import Accuracy, simulate
 from modelgen.runtime.error_estimate import ORDERED, estimate_of
 from modelgen.runtime.event_matching import in_pairs, undecided_impacts
-from modelgen.runtime.trajectory import Event
-from tests.running import scene_of
+from modelgen.runtime.order_of_impacts import ties_left
+from modelgen.runtime.trajectory import Event, Trajectory
+from modelgen.scene.scene_from_tables import scene_from_tables
+from tests.benchmarks.verdict_scenes import drawn
+from tests.running import library_of, scene_of
 
 LEFT, RIGHT = "cube-table:top_back_left", "cube-table:top_front_left"
 FALLS_ON_AN_EDGE = (
@@ -82,6 +86,41 @@ def test_an_estimate_says_so() -> None:
     assert stated.status == "uncertified"
     assert np.isfinite(stated.position).all()
     assert f"which of the impacts at {LEFT} and {RIGHT} (t = 0.101411 s)" in stated.statement
+
+
+@given(true=st.floats(1e-9, 1e-6), late=st.floats(-1e-3, 1e-3))
+def test_a_third_run_tells_an_order_once_the_time_between_two_blows_has_settled(
+    true: float, late: float
+) -> None:
+    """Run and companion are off by ten and by one times the time between the blows, the third run by a tenth
+    of it; or by as much as the companion."""
+    a, b = FALLS_ON_AN_EDGE
+    path = simulate(scene_of("cube_toss"), until=0.01, estimate=False)
+
+    def told(between: float, shift: float) -> Trajectory:
+        return replace(path, events=(shifted(a, shift), replace(b, t=a.t + shift + between)))
+
+    run, twin = told(11 * true, 0.0), told(2 * true, late)
+    settled, not_yet = (told(part * true, 1.1 * late) for part in (1.9, 1.0))
+    until: list[float] = []
+
+    def third(of: Trajectory | None, end: float) -> Trajectory | None:
+        until.append(end)
+        return of
+
+    assert not ties_left(run, twin, [run.events], partial(third, settled), ORDERED)
+    for other in (not_yet, replace(path, events=(a,)), None):
+        assert ties_left(run, twin, [run.events], partial(third, other), ORDERED) == [run.events]
+    assert set(until) == {run.events[1].t}
+
+
+def test_a_capsule_that_patters_on_both_ends_has_a_certain_order() -> None:
+    """Its bounces end at a threshold, and so run and companion differ in when the ends strike."""
+    tables = drawn("stacks and piles", 52)
+    path = simulate(library_of(scene_from_tables("patters", tables, "<drawn>")))
+    assert path.is_trusted
+    fine = simulate(library_of(scene_from_tables("patters", tables, "<drawn>")), accuracy="tight")
+    assert np.abs(path.p - fine.p).max() <= path.position_error[-1] + fine.position_error[-1]
 
 
 @pytest.mark.parametrize("name", ["box_dropped", "newton_cradle", "bouncing_ellipsoid", "cylinder_dropped"])
