@@ -291,4 +291,5 @@ def _reasons(path: Trajectory, twin: Trajectory | None, missing: str, brief: flo
 def _order(ties: Sequence[tuple[Event, Event]]) -> Iterator[str]:
     for first, second in ties[:1]:
         names = f"{first.contact} and {second.contact}"
-        yield f"which of the impacts at {names} (t = {second.t:.6g} s) comes first is within the error"
+        when = f"t = {second.t:.6g} s, {second.t - first.t:.2g} s apart"
+        yield f"which of the impacts at {names} ({when}) comes first is within the error"

@@ -204,8 +204,8 @@ def _changes(
     events: Sequence[Event], resting: Mapping[str, Sequence[str]], unloaded: Mapping[str, bool]
 ) -> dict[Subject, list[Change]]:
     """The modes of each subject by time. Where a contact opens or closes, other modes of it begin that are
-    not known, and a face that rests takes the place of the contacts at its points. Features change no motion
-    while their contact is open."""
+    not known; a face that rests takes the place of the contacts at its points, and ends where one of these
+    opens. Features change no motion while their contact is open."""
     found: dict[Subject, list[Change]] = defaultdict(list)
     begun: dict[str, float] = {}  # s, when other modes of a contact began
     is_open = {**unloaded, **_open_at_start(events)}
@@ -222,6 +222,8 @@ def _changes(
         if own not in found and own[0] != TOUCH and event.contact in begun:
             found[own].append(Change(begun[event.contact], None, None))
         names = [event.contact, *(resting.get(event.contact, ()) if after == "face" else ())]
+        if after == "open":
+            names += [face for face, points in resting.items() if event.contact in points]
         for name in names if own[0] == TOUCH else ():
             begun[name] = event.t
             for subject, changes in found.items():

@@ -218,6 +218,10 @@ class Trajectory:
     flush_contact: str = ""  # its contact, "" where there was none
     energy_rounding: float = 0.0  # energy drift that rounding may explain
     correction_energy: float = 0.0  # sum of |changes of energy| by corrections of positions, as energy_drift
+    unfollowed_pair: str = ""  # of the first of `unfollowed_minima`, "" where there was none
+    unfollowed_t: float = 0.0  # s, when
+    incomplete_pair: str = ""  # of the first of `incomplete_searches`, "" where there was none
+    incomplete_t: float = 0.0  # s, when
     force_rounding: float = 0.0  # error of the forces of contacts that rounding may explain, relative
     penetration_t: float = 0.0  # s, of `penetration_max`
     penetration_pair: str = ""  # the pair that penetrates so deep, "" where none does
@@ -225,6 +229,7 @@ class Trajectory:
     over_edges: tuple[Passage, ...] = ()  # shapes with open edges or ends, and those that one was in, by time
     warnings: tuple[str, ...] = ()
     jams: int = 0  # fallbacks on time-stepping because no accelerations were admissible
+    fallback_time: float = 0.0  # s, duration of all fallbacks on time-stepping
     fallback_step: float = 0.0  # s, longest step of time-stepping by which an event-driven run went on; or 0
     estimate: Estimate | None = None  # of the run's own error; None where none was asked for
     outcome_function: str = ""  # "torque[0] on 'cart'", "path of 'table'": what is not finite

@@ -104,12 +104,21 @@ def trajectory_of(
         accuracy=record.name,
         warnings=tuple(warnings),
         jams=int(report.jams),
+        fallback_time=float(report.fallback_time + report.chatter_time),
+        unfollowed_pair=_pair_name(own, report.unfollowed_pair),
+        unfollowed_t=float(report.unfollowed_t),
+        incomplete_pair=_pair_name(own, report.incomplete_pair),
+        incomplete_t=float(report.incomplete_t),
         fallback_step=fallback_step(report, record, own),
         outcome_function=outcome_function,
         stopped=ending.interrupted,
         parameters=ByName(((each["name"], each["value"]) for each in own.get("parameters", ())), "parameter"),
         inputs=ByName(inputs, "input"),
     )
+
+
+def _pair_name(instance: Mapping[str, Any], pair: int) -> str:
+    return str(instance["pairs"][pair]["name"]) if pair >= 0 else ""
 
 
 def in_order(events: Sequence[Event]) -> list[Event]:

@@ -95,20 +95,35 @@ def uncertified(path: Trajectory, brief: float = 0.0) -> Iterator[str]:
     `brief`, s, tell modes late by no more than that; what else they change shows in the companion, unless no
     accelerations were admissible."""
     told = {
-        "no-gamma": "Gamma2 is left out, and so the motion is another",
-        "time-stepping": "time-stepping locates no events",
-        "slip-stop": "fixed steps lose their order where slip dies",
+        "no-gamma": "Gamma2 is left out, and so the motion is another; use_gamma = true has it",
+        "time-stepping": _time_stepping(path),
+        "slip-stop": "the fixed steps of rk4 lose their order where slip dies; adaptive ones (dop853) end "
+        "there",
         "indeterminate": _indeterminate(path),
         "flush": f"at t = {path.flush_t:.6g} s a blow at {path.flush_contact} struck an edge that lies in "
         "the plane of a face of each body: rounding decides whether they meet; make one face of the two, or "
         "let one lie lower by more than rounding",
-        "unfollowed": "closest points were found that no contact was free to follow",
-        "incomplete": "a search for closest points was given up before all were found",
+        "unfollowed": f"at t = {path.unfollowed_t:.6g} s closest points of {path.unfollowed_pair} were found "
+        "that no contact was free to follow: the pair may penetrate there; `points` of its [[contact]] "
+        "allows more",
+        "incomplete": f"at t = {path.incomplete_t:.6g} s a search for closest points of "
+        f"{path.incomplete_pair} was given up before all were found: a touch there may be missed",
         "capacity": "a capacity of the core was exceeded: the warning says which, and what that did",
     }
     if 0 < _longest_fallback(path) <= brief and not path.jams:
         del told["time-stepping"]
     yield from (reason for kind, reason in told.items() if kind in path.doubt_kinds)
+
+
+def _time_stepping(path: Trajectory) -> str:
+    """How time-stepping, or a fallback on it, tells events."""
+    starts = [event.t for event in path.events if event.kind == "fallback-start"]
+    if not starts:
+        return "time-stepping tells events to a step only; event-driven methods locate them"
+    return (
+        f"from t = {starts[0]:.6g} s, for {path.fallback_time:.2g} s in all, the run went on by "
+        f"time-stepping, which tells events to a step of {path.fallback_step:.2g} s only; a warning says why"
+    )
 
 
 def _longest_fallback(path: Trajectory) -> float:

@@ -101,7 +101,7 @@ def test_the_change_is_told_with_its_error() -> None:
     step = 0.01 * library(SEEDS[0]).manifest.instance["scales"]["time"]
     assert path.estimate is not None
     assert path.fallback_step == pytest.approx(step)
-    assert "time-stepping locates no events" in path.estimate.uncertified
+    assert any("s in all, the run went on by time-stepping" in told for told in path.estimate.uncertified)
     assert path.estimate.events is not None
     assert path.estimate.events >= step
     (told,) = [warning for warning in path.warnings if "cost several times" in warning]

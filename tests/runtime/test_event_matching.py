@@ -104,6 +104,11 @@ def test_a_face_that_rests_takes_the_place_of_its_corners() -> None:
     rests = Event(2.0, "face-contact", "floor-box")
     slips = Event(1.75, "slip-start", "floor-box:2")
     assert modes_apart([rests], [slips, rests], instance, END)["slip", "floor-box:2"] == 0.25
+    slides, opens = Event(3.0, "slip-start", "floor-box"), Event(4.0, "lift-off", "floor-box:2")
+    stops = Event(4.0, "slip-stop", "floor-box")
+    assert modes_apart([rests, slides, opens], [rests, slides, opens, stops], instance, END)[
+        "slip", "floor-box"
+    ] == pytest.approx(0.0)
 
 
 def test_a_face_that_slides_on_in_one_run_counts_from_when_it_rests() -> None:

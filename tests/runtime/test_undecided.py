@@ -85,7 +85,7 @@ def test_an_estimate_says_so() -> None:
     stated = estimate_of(path, twin, Accuracy.balanced(), library.manifest.instance)
     assert stated.status == "uncertified"
     assert np.isfinite(stated.position).all()
-    assert f"which of the impacts at {LEFT} and {RIGHT} (t = 0.101411 s)" in stated.statement
+    assert f"which of the impacts at {LEFT} and {RIGHT} (t = 0.101411 s, 3.3e-08 s apart)" in stated.statement
 
 
 @given(true=st.floats(1e-9, 1e-6), late=st.floats(-1e-3, 1e-3))

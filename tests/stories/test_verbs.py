@@ -123,7 +123,7 @@ def test_the_last_line_says_whether_the_run_is_trusted(modelgen: Modelgen) -> No
     assert any("energy drift" in doubt for doubt in coarse["doubts"])
     stepped = modelgen("simulate", EGG, "--until", 0.2, "--method", "time-stepping", "--step", 0.01).out
     assert re.match(r"not trusted: .*uncertified: ", stepped.splitlines()[-1])
-    assert "time-stepping locates no events" in stepped.splitlines()[-1]
+    assert "time-stepping tells events to a step only" in stepped.splitlines()[-1]
 
 
 @pytest.mark.parametrize("more", [(), ("--no-estimate",)])

@@ -153,7 +153,7 @@ def test_painleves_rod_is_named_and_passed_by_an_impulse() -> None:
     assert "fallback-end" in [e.kind for e in path.events]
     assert path.estimate is not None
     assert path.jams == 1
-    assert "time-stepping locates no events" in path.estimate.uncertified
+    assert any("s in all, the run went on by time-stepping" in told for told in path.estimate.uncertified)
     assert sum("Painleve" in warning for warning in path.warnings) == 1
     arm = rod.half_length * np.array([-cos(theta), -sin(theta)])
     rows = np.array([[1, 0, arm[1]], [0, 1, -arm[0]]])  # of the tip, over vx, vz and the rate about y
