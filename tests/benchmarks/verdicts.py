@@ -95,7 +95,7 @@ def judged(name: str, seed: int, twins: list[str]) -> Row:
     if apart.get("tilted", 0.0) > 1:
         tenth = _ratio(path, "tilted", tilted(tables, TILT / 10, seed))
         if abs(10 * tenth / apart["tilted"] - 1) < LINEAR:
-            apart["tilted"] = tenth
+            apart["tilted"] = min(tenth, 1.0)
     return Row(name, seed, "trusted" if path.is_trusted else "not trusted", path.doubts, apart)
 
 
