@@ -16,7 +16,15 @@ from modelgen.name_suggestions import nearest
 FOLDER = Path(__file__).parent.parent / "manual"
 TOPICS = (
     *("first_steps", "gallery", "scenes", "keys", "shapes", "joints", "contact_and_friction", "impacts"),
-    *("planar_contact", "accuracy", "time_stepping", "forms_and_formulas", "python_api", "driven_runs"),
+    *(
+        "planar_contact",
+        "accuracy",
+        "trust",
+        "time_stepping",
+        "forms_and_formulas",
+        "python_api",
+        "driven_runs",
+    ),
     *("view", "sensitivities", "fit", "sweep", "casadi", "optimisation", "c", "export", "import"),
     *("example_cam", "example_rattleback", "example_grip", "example_throw", "example_sliding_ball"),
     *("scenes_of_others", "command_line", "limits", "troubleshooting"),
