@@ -14,6 +14,8 @@ from modelgen.geometry.extent import bounding_radius
 from modelgen.model import Scales
 from modelgen.scene.scene_types import Body, ContactPair, Scene, SpringLoad
 
+FAINT = 1e3  # times as long
+
 
 def scales_of(scene: Scene, moving: Sequence[tuple[Body, Mass]]) -> Scales:
     """Characteristic length (m), mass (kg) and time (s) of a scene with these moving bodies and their masses.
@@ -21,8 +23,9 @@ def scales_of(scene: Scene, moving: Sequence[tuple[Body, Mass]]) -> Scales:
     length: the least radius of a moving body (m), by its contacting shapes, or of the uniform sphere of its
     inertia where they have no bound, or are points; of any body if that is infinite too, else what the scene
     extends over. mass: the largest.
-    time: sqrt(length/g); length/speed where there is no gravity; where nothing moves either, by what sets
-    it in motion: loads, springs, paths; the span of the run if nothing does.
+    time: sqrt(length/g); without gravity length/speed; where nothing moves either, by what sets it in motion:
+    loads, springs, paths; the span of the run if nothing does. What would take FAINT times as long as what
+    comes after it here, or gravity as the run, does not count.
     """
     pairs = pairs_by_body(scene)
     radii = [_radius(body, pairs[body.name]) for body, _ in moving]
@@ -64,9 +67,10 @@ def _of_inertia(mass: Mass) -> float:
 
 
 def _time(scene: Scene, moving: Sequence[tuple[Body, Mass]], length: float) -> float:
-    gravity = hypot(*scene.gravity)
-    if gravity > 0:
-        return sqrt(length / gravity)
+    gravity = sqrt(hypot(*scene.gravity) / length)
     speeds = (hypot(*body.velocity) + length * hypot(*body.angular_velocity) for body, _ in moving)
-    rate = max(speeds, default=0.0) / length
-    return 1 / (rate or initial_motion_rate(scene, moving, length) or 1 / scene.run.until)
+    moved = max(speeds, default=0.0) / length
+    if gravity > max(moved, 1 / scene.run.until) / FAINT:
+        return 1 / gravity
+    driven = initial_motion_rate(scene, moving, length) or 0.0
+    return 1 / (moved if moved > driven / FAINT else driven or 1 / scene.run.until)

@@ -282,7 +282,10 @@ def _reasons(path: Trajectory, twin: Trajectory | None, missing: str, brief: flo
         yield f"the companion run was interrupted at {twin.t_end:.6g} s"
     elif twin.outcome is Outcome.TOO_COSTLY:
         taken, own = (each.steps + each.rejected for each in (twin, path))
-        yield f"the companion run was stopped at {twin.t_end:.6g} s: {taken} steps, for {own} of the run"
+        yield (
+            f"the companion run was stopped at {twin.t_end:.6g} s: {taken} steps, for {own} of the run; a finer "
+            "accuracy, or a larger companion_cost, may let it end"
+        )
     elif twin.t_end < path.t_end:
         yield f"the companion run came to {twin.t_end:.6g} s only: {twin.outcome.name.lower()}"
     yield from uncertified(path, 0.0 if twin is None else brief)

@@ -120,9 +120,10 @@ def _time_stepping(path: Trajectory) -> str:
     starts = [event.t for event in path.events if event.kind == "fallback-start"]
     if not starts:
         return "time-stepping tells events to a step only; event-driven methods locate them"
+    span = f", for {path.fallback_time:.2g} s in all," if path.fallback_time > 0 else ""
     return (
-        f"from t = {starts[0]:.6g} s, for {path.fallback_time:.2g} s in all, the run went on by "
-        f"time-stepping, which tells events to a step of {path.fallback_step:.2g} s only; a warning says why"
+        f"from t = {starts[0]:.6g} s{span} the run went on by time-stepping, which tells events to a step of "
+        f"{path.fallback_step:.2g} s only; a warning says why"
     )
 
 
