@@ -283,8 +283,8 @@ def _reasons(path: Trajectory, twin: Trajectory | None, missing: str, brief: flo
     elif twin.outcome is Outcome.TOO_COSTLY:
         taken, own = (each.steps + each.rejected for each in (twin, path))
         yield (
-            f"the companion run was stopped at {twin.t_end:.6g} s: {taken} steps, for {own} of the run; a finer "
-            "accuracy, or a larger companion_cost, may let it end"
+            f"the companion run was stopped at {twin.t_end:.6g} s: {taken} steps, for {own} of the run; a "
+            "finer accuracy, or a larger companion_cost, may let it end"
         )
     elif twin.t_end < path.t_end:
         yield f"the companion run came to {twin.t_end:.6g} s only: {twin.outcome.name.lower()}"
