@@ -14,7 +14,7 @@ from modelgen.geometry.extent import bounding_radius
 from modelgen.model import Scales
 from modelgen.scene.scene_types import Body, ContactPair, Scene, SpringLoad
 
-FAINT = 1e3  # times as long
+FAINT = 1e5  # times as long
 
 
 def scales_of(scene: Scene, moving: Sequence[tuple[Body, Mass]]) -> Scales:

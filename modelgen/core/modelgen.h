@@ -582,7 +582,7 @@ typedef struct {
   int spring_rate_load;     /* load of spring_rate_max, or -1 */
   int indeterminate;        /* 1: friction forces or a load left the motion open, or were not tested whether they do */
   int indeterminate_contact; /* contact at which the other motion that was found differs most, or -1: none was found */
-  int indeterminate_switch; /* switching function of that load, or -1: friction forces */
+  int indeterminate_switch;  /* switching function of that load, or -1: friction forces */
   int flush_contact; /* contact of the first blow from the side within the plane of faces of both bodies, or -1 */
   int shared_switch; /* switching function of the first load at a jump that contacts or joints hold too, or -1 */
 } mg_run_report;
@@ -623,10 +623,10 @@ typedef struct {
   mg_real *force;                /* [n_contact] normal force at t, N */
   mg_real *margin;               /* [n_contact] distance from a singularity of the closest-point equations at t, 1 */
   int *rolling_start;            /* [n_contact] MG_START_NONE .. MG_ON_STRAIGHT_EDGE */
-  mg_real *after_t;              /* [n_contact] time of the last blow before which it did not approach or that struck it,
-                                    s; -1: of none */
-  mg_real *tilt_direction;       /* [3 n_contact] of a contact that starts from flat: direction in which its body tilts,
-                                    along the plane and out of the hull, unit vector */
+  mg_real *after_t;        /* [n_contact] time of the last blow before which it did not approach or that struck it,
+                              s; -1: of none */
+  mg_real *tilt_direction; /* [3 n_contact] of a contact that starts from flat: direction in which its body tilts,
+                              along the plane and out of the hull, unit vector */
   mg_real *input; /* [3 n_input] setting of each input: value; its rate, 1/s, used where the scene lets the input
                      change along a line; time at which it has that value, s. The caller writes settings before
                      mg_begin and between two calls of mg_advance, at whose start they take effect */
@@ -715,8 +715,8 @@ typedef struct {
   int *contact;      /* contact */
   int *feature_pair; /* feature pair of the contact after the event, or -1 */
   mg_real *speed;    /* approach speed of an impact or touch-down, m/s; else 0 */
-  mg_real *after_t;  /* of an impact or touch-down: time of the last blow before which its contact did not approach or which
-                        struck it too, so that it comes after that one, s; -1: there is none */
+  mg_real *after_t;  /* of an impact or touch-down: time of the last blow before which its contact did not approach or
+                        which struck it too, so that it comes after that one, s; -1: there is none */
 } mg_events;
 
 /* What mg_closest knows of the points that it found. */

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import chain
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,7 +27,6 @@ from modelgen.runtime.event_matching import (
     subject_of,
     undecided_impacts,
 )
-from modelgen.runtime.order_of_impacts import Finer, ties_left
 from modelgen.runtime.run_distance import (
     APART,
     MOTION,
@@ -38,6 +37,9 @@ from modelgen.runtime.run_distance import (
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import Event, Outcome, Trajectory
 from modelgen.runtime.trust import steps_in_time, uncertified
+
+if TYPE_CHECKING:
+    from modelgen.runtime.order_of_impacts import Finer
 
 SAFE = 4.0  # times the difference of run and companion: for what the companion errs itself
 ORDERED = 2.0  # times the difference in the time between two impacts: their order is told beyond that
@@ -111,6 +113,8 @@ def estimate_of(
         reasons += _alone(unmatched)
         ties = undecided_impacts(*told, pairs, instance, ORDERED, error, end)
         if ties and finer is not None:
+            from modelgen.runtime.order_of_impacts import ties_left  # few runs need it
+
             ties = ties_left(path, twin, ties, finer, ORDERED)
         reasons += _order(ties)
     return Estimate(

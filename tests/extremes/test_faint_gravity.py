@@ -41,7 +41,7 @@ def test_faint_gravity_changes_no_more_than_it_accelerates(gravity: float) -> No
     assert np.abs(path.p - still.p).max() < errors + 10 * gravity * END**2 + 1e-12
 
 
-@pytest.mark.parametrize("speed", [0.0, 1e-12, 1e-9, 1e-6])
+@pytest.mark.parametrize("speed", [0.0, 1e-12, 1e-9, 1e-6, 1e-5, 1e-4, 1e-3])
 @pytest.mark.parametrize("gravity", [0.0, 1e-15, 1e-9])
 def test_a_spring_sets_the_time_of_a_ball_that_hardly_moves(speed: float, gravity: float) -> None:
     ball = make.dynamic(
@@ -55,7 +55,7 @@ def test_a_spring_sets_the_time_of_a_ball_that_hardly_moves(speed: float, gravit
         "hangs", [make.fixed("floor", make.plane()), ball], contact=[{"between": ["floor", "ball"]}],
         spring=[spring], gravity=[0, 0, -gravity],
     )  # fmt: skip
-    path = simulate(library_of(scene), until=0.3, samples=6)
+    path = simulate(library_of(scene), until=0.2, samples=6)
     assert path.is_trusted
     height = 0.2 - 0.1 * np.cos(10 * path.t)
-    assert np.abs(path.p[:, 1, 2] - height).max() < path.position_error[-1] + gravity + speed**2 + 1e-9
+    assert np.abs(path.p[:, 1, 2] - height).max() < path.position_error[-1] + gravity + 2 * speed**2 + 1e-9

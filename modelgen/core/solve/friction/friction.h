@@ -102,8 +102,8 @@ MG_API mg_real mg_friction_residual(const mg_friction_problem *problem, const mg
 enum { MG_SCATTERED_STARTS = 8 }; /* sizes of the forces of scattered starts, which come in turn */
 
 /* Replaces the forces z [n] of a solution by starting forces number `which` >= 0, from which mg_friction may find
-   another one: none, or forces scattered within the cones, 0.3 to 100 times as large as those of the solution (what only
-   a preload could be). The same for the same problem and number. */
+   another one: none, or forces scattered within the cones, 0.3 to 100 times as large as those of the solution (what
+   only a preload could be). The same for the same problem and number. */
 MG_API void mg_scatter_friction_start(const mg_friction_problem *problem, int which, mg_real *z);
 
 #endif
