@@ -67,10 +67,10 @@ def _of_inertia(mass: Mass) -> float:
 
 
 def _time(scene: Scene, moving: Sequence[tuple[Body, Mass]], length: float) -> float:
-    gravity = sqrt(hypot(*scene.gravity) / length)
+    gravity = hypot(*scene.gravity)
     speeds = (hypot(*body.velocity) + length * hypot(*body.angular_velocity) for body, _ in moving)
     moved = max(speeds, default=0.0) / length
-    if gravity > max(moved, 1 / scene.run.until) / FAINT:
-        return 1 / gravity
+    if sqrt(gravity / length) > max(moved, 1 / scene.run.until) / FAINT:
+        return sqrt(length / gravity)
     driven = initial_motion_rate(scene, moving, length) or 0.0
     return 1 / (moved if moved > driven / FAINT else driven or 1 / scene.run.until)
