@@ -35,7 +35,7 @@ from modelgen.runtime.run_distance import (
     motions_compared,
 )
 from modelgen.runtime.tables.ctypes_structures import Array
-from modelgen.runtime.trajectory import Event, Outcome, Trajectory
+from modelgen.runtime.trajectory import FALLBACK_EVENTS, Event, Outcome, Trajectory
 from modelgen.runtime.trust import steps_in_time, uncertified
 
 if TYPE_CHECKING:
@@ -87,11 +87,12 @@ def estimate_of(
     length, last = instance["scales"]["length"], len(path.t)
     errors = np.full((len(APART), last), np.inf)
     n, safe = 0 if twin is None else _common(path, twin), _safe(path, accuracy)
+    common = [] if twin is None else in_pairs(path.events, twin.events)
     if twin is not None:
         if compared is None:
             mine, theirs = ({key: getattr(run, key)[:n] for key in MOTION} for run in (path, twin))
             compared = motions_compared(mine, theirs, instance)
-        errors[:, :n] = _errors(path, _without_blows(path, twin, compared[:, :n], safe), safe, instance)
+        errors[:, :n] = _errors(path, _without_blows(path, common, compared[:, :n], safe), safe, instance)
     position, rotation, velocity, spin = errors
     predicted = _predicted(position / length, rotation, n, accuracy.thresholds.prediction_error_max)
     slow = BOUNCE * accuracy.rest_speed * length / instance["scales"]["time"]
@@ -100,22 +101,19 @@ def estimate_of(
     reasons, other = [*_reasons(path, twin, missing, brief)], dict[str, Any](UNKNOWN)
     if twin is not None:
         told = _told(path.events, slow), _told(twin.events, slow)
-        pairs, apart = (
-            in_pairs(*told),
-            modes_apart(path.events, twin.events, instance, end, _unloaded(path, twin)),
-        )
-        bodies = bodies_by_contact(instance)
-        agreed = _agreed(in_pairs(path.events, twin.events), bodies)
+        pairs, bodies = in_pairs(*told), bodies_by_contact(instance)
+        apart = modes_apart(path.events, twin.events, instance, end, _unloaded(path, twin))
+        agreed = _agreed(common, bodies)
         times, unmatched = _events(pairs, alone(*told, pairs), apart, agreed, bodies, brief, error, end)
         other = _gaps_and_forces(path, twin, predicted, safe)
         other["events"] = None if times is None else safe * times + _resolution(path, accuracy)
         other["events_unmatched"] = len(unmatched) if path.events or twin.events else None
         reasons += _alone(unmatched)
-        ties = undecided_impacts(*told, pairs, instance, ORDERED, error, end)
+        ties = undecided_impacts(pairs, instance, ORDERED, error, end)
         if ties and finer is not None:
             from modelgen.runtime.order_of_impacts import ties_left  # few runs need it
 
-            ties = ties_left(path, twin, ties, finer, ORDERED)
+            ties = ties_left(common, twin, ties, finer, ORDERED)
         reasons += _order(ties)
     return Estimate(
         position=position,
@@ -131,12 +129,12 @@ def estimate_of(
     )
 
 
-def _without_blows(path: Trajectory, twin: Trajectory, compared: Array, safe: float) -> Array:
+def _without_blows(path: Trajectory, common: Pairs, compared: Array, safe: float) -> Array:
     """What `motions_compared` gives, without the differences of velocities at samples that fall on an impact
     within the error of its time: each run shows those before it or those after it."""
     far, found = compared[len(APART)].max(initial=0.0), compared.copy()
     rounding = ROUNDED * float(np.finfo(path.p.dtype).eps)
-    likes = {id(event): like.t for event, like in in_pairs(path.events, twin.events)}
+    likes = {id(event): like.t for event, like in common}
     blows = [
         (event.t, likes.get(id(event), event.t), event.speed) for event in path.events if event.speed > 0
     ]
@@ -190,7 +188,7 @@ def _resolution(path: Trajectory, accuracy: Accuracy) -> float:
         return accuracy.step or 0.0
     is_stepping, told = False, 0
     for event in path.events:
-        if event.kind in ("fallback-start", "fallback-end"):
+        if event.kind in FALLBACK_EVENTS:
             is_stepping = event.kind == "fallback-start"
         else:
             told += is_stepping

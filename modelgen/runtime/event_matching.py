@@ -19,10 +19,10 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import pairwise, takewhile
 from typing import Any, NamedTuple
 
-from modelgen.runtime.trajectory import LOAD_SWITCH, SEARCH_EVENTS, Event, EventKind
+from modelgen.runtime.trajectory import FALLBACK_EVENTS, LOAD_SWITCH, SEARCH_EVENTS, Event
 
 BLOWS = ("impact", "touch-down")  # the last blow of a bounce that settles is a touch-down
-NO_MODES: tuple[EventKind, ...] = (*SEARCH_EVENTS, "fallback-start", "fallback-end")
+NO_MODES = (*SEARCH_EVENTS, *FALLBACK_EVENTS)
 TOUCH = "touch"
 FEATURE = "feature"
 LOAD = LOAD_SWITCH.partition("-")[0]
@@ -96,8 +96,6 @@ def modes_apart(
 
 
 def undecided_impacts(
-    mine: Sequence[Event],
-    theirs: Sequence[Event],
     pairs: Pairs,
     instance: Mapping[str, Any],
     safe: float,
@@ -107,8 +105,7 @@ def undecided_impacts(
     """Impacts of a run that follow each other at one body, in times that differ by no more than the error.
 
     Args:
-        mine, theirs: the events of the run, and of its companion.
-        pairs: of `in_pairs`.
+        pairs: of `in_pairs`, of the run and its companion.
         instance: of the manifest.
         safe: the time between two impacts errs by `safe` times what the companion has otherwise.
         least: m; impacts that move less than this until `end`, s, are left aside.

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from modelgen.runtime.event_matching import in_pairs
+from modelgen.runtime.event_matching import Pairs, in_pairs
 from modelgen.runtime.trajectory import Event, Trajectory
 
 Tie = tuple[Event, Event]
@@ -18,13 +18,12 @@ Finer = Callable[
 ]  # the companion's companion up to a time, s; None: it does not start
 
 
-def ties_left(
-    path: Trajectory, twin: Trajectory, ties: Sequence[Tie], finer: Finer, safe: float
-) -> list[Tie]:
+def ties_left(common: Pairs, twin: Trajectory, ties: Sequence[Tie], finer: Finer, safe: float) -> list[Tie]:
     """The impacts of which a third run does not tell the order either.
 
     Args:
-        path, twin: the run and its companion.
+        common: the events that the run and its companion have, of `in_pairs`.
+        twin: the companion.
         ties: impacts of the run, which both have in the same order.
         finer: makes the third run.
         safe: the time between two impacts errs by `safe` times what the third run has otherwise.
@@ -32,7 +31,7 @@ def ties_left(
     third = finer(ties[-1][1].t)
     if third is None:
         return list(ties)
-    likes = {id(event): like for event, like in in_pairs(path.events, twin.events)}
+    likes = {id(event): like for event, like in common}
     finest = {id(event): like for event, like in in_pairs(twin.events, third.events)}
 
     def is_open(tie: Tie) -> bool:

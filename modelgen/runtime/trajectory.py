@@ -101,6 +101,7 @@ def doubt_kinds(bits: int) -> tuple[str, ...]:
 LOAD_SWITCH: EventKind = "load-switch"
 EVENT_KINDS: tuple[EventKind, ...] = get_args(EventKind)  # by MG_EVENT_IMPACT ..
 SEARCH_EVENTS: tuple[EventKind, ...] = ("appear", "vanish")  # at ends of steps
+FALLBACK_EVENTS: tuple[EventKind, ...] = ("fallback-start", "fallback-end")
 
 
 @dataclass(frozen=True, slots=True)

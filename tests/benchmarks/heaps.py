@@ -65,17 +65,6 @@ def heap(bodies: int, seed: int = 0) -> Scene:
     return make.scene(f"heap_of_{bodies}", [bowl, *stones], contact=pairs, force=forces, torque=torques)
 
 
-def stepped(path: Trajectory) -> float:
-    """s: how long the run went by time-stepping."""
-    total, begun = 0.0, None
-    for event in path.events:
-        if event.kind == "fallback-start":
-            begun = event.t
-        elif event.kind == "fallback-end" and begun is not None:
-            total, begun = total + event.t - begun, None
-    return total if begun is None else total + path.t_end - begun
-
-
 def motion_left(path: Trajectory) -> float:
     """Sum of the squares of the velocities of the centres of mass, at the last sample over its largest."""
     speeds = (path.v**2).sum(axis=(1, 2))
@@ -93,7 +82,7 @@ def row(bodies: int, folder: str, costs: dict[int, float]) -> str:
     path = simulate(library, until=UNTIL, samples=SAMPLES, estimate=False)
     spent = process_time() - begun
     contacts = float((path.force > 0).sum(axis=1).mean())
-    stepping, costs[bodies] = stepped(path), 1e3 * spent / path.t_end / contacts
+    stepping, costs[bodies] = path.fallback_time, 1e3 * spent / path.t_end / contacts
     ratio = f"{costs[bodies] / costs[FROM]:.2f}" if bodies >= FROM in costs else ""
     cells = (
         *(f"{bodies}", f"{len(model.pairs)}", f"{assembled:.2f}", f"{contacts:.0f}"),

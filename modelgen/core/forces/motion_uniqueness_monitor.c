@@ -2,7 +2,6 @@
    jump away from zeros at which they are. Reads modes, rows and forces of the run at its state, which reports what is
    found. */
 #include "forces/forces.h"
-#include "base/base.h"
 #include "model/model.h"
 #include "solve/friction/friction_solvers.h"
 
@@ -97,12 +96,9 @@ static mg_friction_problem mg_problem_of_island(mg_context *c, int first) {
       c->lcp.A, c->lcp.b, 1,          0, c->run->stop,           c->settings->sweep_from_last};
   for (int i = first; i >= 0; i = c->islands.next[i]) {
     if (i >= c->system->n_contact) continue;
-    mg_real *cone = c->friction.cone + MG_CONE * p.n_contact;
     mg_bound_friction_of_contact(c, i);
+    mg_set_friction_cone(c, i, 1, c->friction.cone + MG_CONE * p.n_contact);
     p.n = mg_append_friction_contact(c, i, p.n_contact++, p.n);
-    for (int k = 0; k < MG_CONE; k++) cone[k] = 0;
-    for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
-      if (c->friction.bound[g] != MG_BOUND_SLIP) mg_set_cone_coefficients(c, g, c->system->friction_static, 1, cone);
   }
   p.n = mg_append_held_rows_of_island(c, first, p.n);
   mg_assemble_delassus(c, c->lcp.rows, p.n);
@@ -118,17 +114,17 @@ static mg_friction_problem mg_problem_of_island(mg_context *c, int first) {
   return p;
 }
 
-/* Change of the acceleration of one row, over the square root of its own entry, from the present forces to z. */
-static mg_real mg_scaled_change_of_row(const mg_context *c, const mg_friction_problem *p, const mg_real *z, int row) {
+/* Sets c->bodies.wrench to the change of the accelerations of bodies from the present forces to z, or clears it. */
+static void mg_change_accelerations(mg_context *c, const mg_friction_problem *p, const mg_real *z) {
   int slip[MG_FRICTION_ROWS_MAX];
-  mg_real ratio[MG_FRICTION_ROWS_MAX], sum = 0;
-  for (int j = 0; j < p->n; j++) {
+  mg_real ratio[MG_FRICTION_ROWS_MAX];
+  for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
+  for (int j = 0; z && j < p->n; j++) {
     const mg_real change = z[j] - mg_present_force(c, j);
     const int n = mg_list_slip_rows(c, c->lcp.rows[j], slip, ratio);
-    sum += change * mg_delassus_entry(c, row, c->lcp.rows[j]);
-    for (int k = 0; k < n; k++) sum -= change * ratio[k] * mg_delassus_entry(c, row, slip[k]);
+    mg_add_row_response(c, c->lcp.rows[j], change, c->bodies.wrench);
+    for (int k = 0; k < n; k++) mg_add_row_response(c, slip[k], -change * ratio[k], c->bodies.wrench);
   }
-  return sum / mg_diagonal_scale(mg_delassus_entry(c, row, row));
 }
 
 /* Reports another motion if the bodies of an island move otherwise under the forces z; returns whether they do. */
@@ -136,14 +132,17 @@ static int mg_report_motion_of_forces(mg_context *c, const mg_friction_problem *
   mg_real load = 0, most = 0;
   int contact = -1;
   for (int r = 0; r < p->n; r++) load = mg_max(load, fabs(p->b[r]) / mg_diagonal_scale(p->A[r + (long)p->n * r]));
+  mg_change_accelerations(c, p, z);
   for (int k = 0; k < p->n_contact; k++) {
     const int i = c->friction.cone_contact[k];
     for (int r = 0; r <= mg_tangential_row_count(c, i); r++) {
       const int row = r ? c->layout.friction_row_begin + c->system->contact_friction_row[i] + r - 1 : i;
-      const mg_real change = fabs(mg_scaled_change_of_row(c, p, z, row));
+      const mg_real change =
+          fabs(mg_row_times(c, row, c->bodies.wrench)) / mg_diagonal_scale(mg_delassus_entry(c, row, row));
       if (change > most) most = change, contact = i;
     }
   }
+  mg_change_accelerations(c, p, 0);
   if (!(most > mg_max(c->settings->other_motion, (mg_real)sqrt(MG_EPS)) * load)) return 0;
   mg_report_other_motion(c->run, contact, most / load);
   return 1;
