@@ -625,6 +625,7 @@ typedef struct {
   int *rolling_start;            /* [n_contact] MG_START_NONE .. MG_ON_STRAIGHT_EDGE */
   mg_real *after_t;        /* [n_contact] time of the last blow before which it did not approach or that struck it,
                               s; -1: of none */
+  int *struck_by;          /* [n_body] contact that struck the body last, or -1 */
   mg_real *tilt_direction; /* [3 n_contact] of a contact that starts from flat: direction in which its body tilts,
                               along the plane and out of the hull, unit vector */
   mg_real *input; /* [3 n_input] setting of each input: value; its rate, 1/s, used where the scene lets the input
@@ -842,14 +843,17 @@ enum {
   MG_BY_FORCES = 23           /* a sensor shows forces that are not unique */
 };
 
+#define MG_TAPE_CROSSING 25 /* numbers of the events of a step: of four islands at most */
+
 /* What a run leaves behind so that it can be gone through backwards; the caller's arrays. */
 typedef struct {
   long capacity;        /* steps for which there is room */
   long count;           /* steps so far */
   unsigned char *bytes; /* [(capacity + 1) mg_save_size] the run before each step, and after the last */
   mg_real *slopes;      /* [12 (n_q + n_u + n_eta + 1) capacity] right-hand sides of the stages of each step */
-  int *crossing; /* [5 capacity] event function of each step: kind, contact or switching function, constraint, whether
-                    it is a blow, reason */
+  int *crossing; /* [MG_TAPE_CROSSING capacity] events of each step: in how many islands they are, and of each the
+                    kind of event function, contact or switching function, constraint, whether it is a blow, reason,
+                    island */
   long lost; /* number, from 1 on, of the first step that is not differentiated, so that all cotangents are NaN; or 0 */
 } mg_tape;
 

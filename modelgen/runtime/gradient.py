@@ -23,7 +23,7 @@ from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.tables.ctypes_structures import COTANGENT_ARRAYS, INTEGER, Array, address
 
 KEYWORDS = ("loss", "of", "by", "t", "inputs", "parameters", "accuracy", *STEPPING)
-CROSSING = 5  # numbers of an event function on the tape
+CROSSING = 25  # numbers of the events of a step on the tape (MG_TAPE_CROSSING)
 FIRST_CAPACITY = 256  # steps
 SLOPES = 12  # of the stages of a step, on the tape
 MARKS = ("moves_borders", "is_permitted")  # fields of mg_directions that are no derivatives

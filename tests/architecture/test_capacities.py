@@ -17,6 +17,7 @@ COUNTED = {  # where more come, the run counts it (mg_report_exceeded) or report
     "MG_STATIONARY": "MG_CAPACITY_STATIONARY",
     "MG_SEGMENT_STACK": "MG_CAPACITY_SEGMENT",
     "MG_PENDING_SPAN_PAIRS": "overflow",
+    "MG_CROSSINGS": "MG_BY_SEVERAL_EVENTS",
     "MG_MINIMA": "mg_report_unfollowed_minimum",
     "MG_SLIDING_MAX": "is_unresolved",
 }

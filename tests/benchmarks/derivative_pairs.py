@@ -4,8 +4,10 @@ Run with `python -m tests.benchmarks.derivative_pairs [--scenes a,b] [--cap SECO
 [--out FILE]`. A pair is a number (a component of a start, or a factor of a number of the scene) and a time.
 Differences bear the derivative out (`agrees`), or it is `off` by more than AGREES and than they resolve, or
 `wrong` by more than WRONG; or they do not resolve WRONG, mostly because changed runs have other events. None
-that is called differentiable may be wrong. Pairs are written to FILE number by number; those that are there
-already are not run again.
+that is called differentiable may be wrong. Where a scene with another number starts with a gap or with bodies
+in each other (start held), the run as a function of the number has no derivative there, and the differences
+are those of a start that is put back on the contact. Pairs are written to FILE number by number; those that
+are there already are not run again.
 """
 
 from __future__ import annotations
@@ -68,7 +70,7 @@ def entry_of(name: str, pair: Pair, by: str) -> Entry:
     return {
         "scene": name, "by": by, "t": pair.t, "kind": pair.verdict.kind, "reason": pair.verdict.reason,
         "reason_t": pair.verdict.t, "contact": pair.verdict.contact, "outcome": pair.outcome,
-        "error": pair.error, "size": pair.size, "noise": pair.noise,
+        "error": pair.error, "size": pair.size, "noise": pair.noise, "is_held": pair.is_held,
     }  # fmt: skip
 
 
@@ -98,13 +100,16 @@ def print_scene(name: str, entries: Sequence[Entry]) -> None:
 
 
 def print_all(found: Sequence[Entry]) -> None:
-    undecided = [each for each in found if each["kind"] != "differentiable"]
-    agree = sum(each["outcome"] == "agrees" for each in undecided)
-    share = 100 * len(undecided) / max(len(found), 1)
-    print(f"\n{len(found)} pairs, {len(undecided)} undecided ({share:.0f} %), of which {agree} agree")
-    for key, count in sorted(
-        Counter((each["kind"], each["reason"], each["outcome"]) for each in found).items()
-    ):
+    exist = [each for each in found if each["outcome"] != "unresolved" and not each["is_held"]]
+    undecided = [each for each in exist if each["kind"] != "differentiable"]
+    share = 100 * len(undecided) / max(len(exist), 1)
+    print(f"\n{len(found)} pairs; of {len(exist)} that exist by differences {len(undecided)} ({share:.1f} %)")
+    print("are undecided or one-sided")
+    counts = Counter(
+        (each["kind"], each["reason"], each["outcome"], "start held" if each["is_held"] else "")
+        for each in found
+    )
+    for key, count in sorted(counts.items()):
         print(f"{count:5} {' | '.join(filter(None, key))}")
 
 

@@ -17,17 +17,16 @@ from scipy.spatial.transform import Rotation
 
 from modelgen import Accuracy, simulate
 from modelgen.benchmark.peers.mjcf import words
-from modelgen.scene import python_scenes as make
 from tests.oracles.friction.cube_toss import (
     HALF_WIDTH,
     INERTIA,
     MASS,
     MU,
     NUMBERS,
-    RESTITUTION,
     Array,
     Toss,
     errors,
+    scene_of,
     toss,
 )  # fmt: skip
 from tests.running import library_of
@@ -49,21 +48,13 @@ MODEL = """
 
 
 def ours(measured: Toss) -> tuple[Array, Rotation]:
-    cube = make.dynamic(
-        "cube",
-        make.box(*[2 * HALF_WIDTH] * 3),
-        mass=MASS,
-        inertia=[INERTIA] * 3,
-        position=measured.p[0].tolist(),
-        quaternion=measured.quaternion.tolist(),
-        velocity=measured.v.tolist(),
-        angular_velocity=measured.w.tolist(),
-    )
-    contact = [{"between": ["cube", "ground"], "friction": MU, "restitution": RESTITUTION}]
-    scene = make.scene("measured_toss", [make.fixed("ground", make.plane()), cube], contact=contact)
     frames, until = len(measured.t), float(measured.t[-1])
     path = simulate(
-        library_of(scene), until=until, samples=frames - 1, accuracy=Accuracy.balanced(), estimate=False
+        library_of(scene_of(measured)),
+        until=until,
+        samples=frames - 1,
+        accuracy=Accuracy.balanced(),
+        estimate=False,
     )
     return path.p[:, 1], Rotation.from_quat(np.roll(path.quaternion[:, 1], -1, axis=1))
 

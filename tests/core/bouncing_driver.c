@@ -17,7 +17,7 @@ int main(void) {
   mg_real x[7] = {0, 0, (mg_real)1.1L, 0, 0, 0, 0}, force[1], margin[1], t[COUNT], speed[COUNT], after[COUNT], blow[1], work[20000];
   mg_real ball_at[8] = {0};
   const int listed[2] = {1, 1};
-  int is_far[1] = {0}, due[1] = {0}, closed[1], active[1], fresh[1], on[] = {-1}, kind[COUNT], contact[COUNT], feature_pair[COUNT], iwork[1000];
+  int is_far[1] = {0}, due[1] = {0}, closed[1], active[1], fresh[1], struck[2], on[] = {-1}, kind[COUNT], contact[COUNT], feature_pair[COUNT], iwork[1000];
   static const int no_solids[] = {MG_UNKNOWN_MATERIAL, MG_UNKNOWN_MATERIAL};
   mass_inverse[10] = 1;
   for (int i = 0; i < 7; i++) scale[i] = (mg_real)0.1;
@@ -51,7 +51,7 @@ int main(void) {
                           .appear_depth = (mg_real)0.02, .penetration_limit = (mg_real)1e-6, .event_scan_parts = 16,
                           .lcp_iterations = 100, .events_at_once_max = 100};
   mg_run run = {.x = x, .feature_pair = on, .moved_since_search = moved, .is_search_due = due, .watched_movement = watched, .unfollowed_gap = unfollowed, .last_effort = last_effort, .withheld_effort = withheld, .is_far = is_far, .ball_at = ball_at, .closed = closed, .active = active, .force = force, .margin = margin,
-                 .rolling_start = fresh, .point = point, .after_t = blow, .tilt_direction = outward};
+                 .rolling_start = fresh, .point = point, .after_t = blow, .struck_by = struck, .tilt_direction = outward};
   mg_events events = {COUNT, 0, t, kind, contact, feature_pair, speed, after};
   mg_record record = {0};
   if (mg_work_size(&system) > 20000 || mg_iwork_size(&system) > 1000) return 1;

@@ -47,6 +47,7 @@ class Pair:
     error: float  # largest difference from the differences; infinite where the derivative is not finite
     size: float  # of the derivative
     noise: float  # what the differences resolve; infinite where changed runs have other events
+    is_held: bool = False  # differences of the scene as it says are refused or open: of a start that is held
 
     @property
     def outcome(self) -> str:
@@ -295,7 +296,7 @@ class Pairs:
         size = size_of(self.library, direction)
         found, along = self._derivatives(direction)
         steps = [LARGEST * size / 2**k for k in range(HALVINGS)]
-        runs = self._changed(direction, along, steps)
+        runs, is_held = self._changed(direction, along, steps)
         for index, t in enumerate(self.times):
             _, jacobian, _, verdict = found[index]
             exact = jacobian[:, 0] / self._scales * size
@@ -309,7 +310,7 @@ class Pairs:
                 [rough * size / step for step in steps[-len(quotients) :]],
             )
             error = float(np.max(np.abs(exact - value)))
-            yield Pair(direction.name, t, verdict, error, float(np.max(np.abs(value))), noise)
+            yield Pair(direction.name, t, verdict, error, float(np.max(np.abs(value))), noise, is_held)
 
     def _derivatives(self, direction: Direction) -> tuple[list[Derivatives], Array]:
         """What `TangentRun.shown` says at each time, and the change of the settled start."""
@@ -321,8 +322,9 @@ class Pairs:
 
     def _changed(
         self, direction: Direction, along: Array, steps: Sequence[float]
-    ) -> list[tuple[Shown | None, Shown | None]]:
-        """Runs with each step, forth and back. A start that is held is changed as far as that permits."""
+    ) -> tuple[list[tuple[Shown | None, Shown | None]], bool]:
+        """Runs with each step, forth and back. A start that is held is changed as far as that permits. And
+        whether the scene with another number starts elsewhere, so that its start is held as well."""
         runs: list[tuple[Shown | None, Shown | None]] = []
         for way in [along] if direction.kind == "start" else [None, along]:
             runs = []
@@ -336,7 +338,7 @@ class Pairs:
                     break
             else:
                 break
-        return runs
+        return runs, direction.kind != "start" and way is not None
 
     def _roughness(self, direction: Direction, along: Array, size: float, index: int) -> float:
         """By how much changes by rounding change what a run shows at a time."""

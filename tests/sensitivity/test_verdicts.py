@@ -49,17 +49,53 @@ between = ["ball", "ceiling"]
     assert verdict.contact == "ball-ceiling"
 
 
-def test_bounces_that_end() -> None:
-    library = shipped("bouncing_ball")
-    ends = sqrt(2 / G) * 1.7 / 0.3
-    found = sensitivity(
-        library, [0.9 * ends, 2.9], of=["ball.position"], by=["ball.velocity"], accuracy="tight"
-    )
-    assert found.verdicts[0]
-    verdict = found.verdicts[1]
-    assert verdict.reason == "bounces that grow ever shorter are cut off"
-    assert verdict.t == pytest.approx(ends, abs=1e-5)
-    assert verdict.contact == "ball-table"
+def bouncing(seed: int, restitution: float) -> tuple[str, float, float]:
+    """A ball that bounces and slips all the time; its friction, and when it rests."""
+    rng = np.random.default_rng(seed)
+    mu, height, up = rng.uniform(0.02, 0.1), rng.uniform(0.1, 0.5), rng.uniform(-1.0, 1.0)
+    first = sqrt(up * up + 2 * G * height)
+    rests = (up + first) / G + 2 * restitution * first / (G * (1 - restitution))
+    text = f"""{BALL}
+position = [0.0, 0.0, {R + height}]
+velocity = [40.0, 0.0, {up}]
+[[body]]
+name = "floor"
+motion = "fixed"
+shape = {{ kind = "plane" }}
+[[contact]]
+between = ["ball", "floor"]
+friction = {mu}
+restitution = {restitution}
+"""
+    return text, mu, rests
+
+
+@pytest.mark.parametrize("restitution", [0.05, 0.4, 0.85])
+@pytest.mark.parametrize("seed", range(3))
+def test_bounces_of_one_contact_that_end_have_derivatives(seed: int, restitution: float) -> None:
+    """Friction is mu times the normal impulse, and that follows from the fall: x' = x0' - mu (g t - z0') at
+    rest, however many bounces came before."""
+    text, mu, rests = bouncing(seed, restitution)
+    t = 1.5 * rests
+    library = differentiable(read_text(text, "scene.toml"))
+    of, by = ["ball.position", "ball.velocity"], ["ball.position", "ball.velocity"]
+    found = sensitivity(library, t, of=of, by=by, accuracy="tight")
+    assert found.verdict
+    expected = np.zeros((6, 6))
+    expected[:2, :2], expected[:2, 3:5], expected[3:5, 3:5] = np.eye(2), t * np.eye(2), np.eye(2)
+    expected[0, 2], expected[0, 5], expected[3, 5] = mu, mu * t, mu
+    across = found.jacobian[0][[1, 4]], expected[[1, 4]]  # slip that turns has less friction along y
+    assert found.jacobian[0][[0, 2, 3, 5]] == pytest.approx(expected[[0, 2, 3, 5]], abs=1e-7)
+    assert across[0][:, [0, 2, 3, 5]] == pytest.approx(across[1][:, [0, 2, 3, 5]], abs=1e-7)
+
+
+def test_bounces_of_several_contacts_that_end() -> None:
+    """Which corner of a cube that comes to rest strikes next, or which two at once, depends on the start."""
+    library = shipped("cube_toss")
+    found = sensitivity(library, 1.0, of=["cube.position"], by=["cube.velocity"], accuracy="tight")
+    cut_off = "bounces that grow ever shorter are cut off"
+    assert found.verdict.reason in (cut_off, "several events happen at one time")
+    assert found.verdict.contact.startswith("cube-table")
 
 
 CORNER = """

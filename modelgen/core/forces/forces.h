@@ -223,6 +223,15 @@ MG_INTERNAL mg_event_margin *mg_slot_event_margins(const mg_context *c, int slot
 
 /* islands.c */
 
+/* Makes each body an island by itself. */
+MG_INTERNAL void mg_part_bodies(mg_context *c);
+
+/* Makes one island of those of two bodies, if forces move both; -1: no body. */
+MG_INTERNAL void mg_join_bodies(mg_context *c, int o, int f);
+
+/* A body of the island that a body is in, the same for all of it. */
+MG_INTERNAL int mg_island_of_body(mg_context *c, int body);
+
 /* Chains the n rows of c->lcp.rows by island: c->islands.head[root] is the first, c->islands.next[row] the one after,
    else -1. */
 MG_INTERNAL void mg_chain_islands(mg_context *c, int n);

@@ -39,7 +39,10 @@ MG_INTERNAL void mg_append_event(const mg_context *c, mg_events *events, mg_real
   const int k = events->count++;
   events->t[k] = t, events->kind[k] = kind, events->contact[k] = contact, events->speed[k] = speed;
   events->after_t[k] = speed > 0 ? c->run->after_t[contact] : -1;
-  if (speed > 0) c->run->after_t[contact] = c->run->t;
+  if (speed > 0) {
+    c->run->after_t[contact] = c->run->t;
+    c->run->struck_by[c->contacts.o[contact]] = c->run->struck_by[c->contacts.f[contact]] = contact;
+  }
   events->feature_pair[k] = kind == MG_EVENT_LOAD_SWITCH ? -1 : c->run->feature_pair[contact];
 }
 

@@ -33,6 +33,7 @@ static int mg_place_start_contacts(mg_context *c) {
     const mg_real least = mg_followed_margin_limit(c, c->run->feature_pair[i], c->search.placement[0]);
     if (c->run->closed[i] && !(c->run->margin[i] >= least)) return MG_MARGIN;
   }
+  for (int b = 0; b < s->n_body; b++) c->run->struck_by[b] = -1;
   mg_report_failed_contact(c->run, -1);
   return mg_has_closed_contact_capacity(c) ? MG_DONE : MG_TOO_MANY_CLOSED;
 }

@@ -69,6 +69,7 @@ static void mg_move_run(mg_stream *stream, const mg_system *s, mg_run *run) {
   mg_move_reals(stream, run->margin, s->n_contact);
   mg_move_ints(stream, run->rolling_start, s->n_contact);
   mg_move_reals(stream, run->after_t, s->n_contact);
+  mg_move_ints(stream, run->struck_by, s->n_body);
   mg_move_reals(stream, run->tilt_direction, 3L * s->n_contact);
   mg_move_reals(stream, run->search_bound, s->n_cell_tree);
   mg_move_reals(stream, run->joint_independence_max, s->n_joint);

@@ -23,12 +23,13 @@ MG_API long mg_sensitivity_size(const mg_system *s, int n) {
   const long states = (long)s->n_q + s->n_u + s->n_eta + 1;
   return 2 * mg_count_reals(mg_save_size(s), 1) + mg_count_reals(1, sizeof(mg_blow)) + 36L * s->n_body +
          4 * mg_sensitivity_rows(s) + s->n_friction_row + (12L * (n ? n : 1) + 2 * n + 3) * states +
-         3 * mg_packed_size(s) + 18 + s->n_switch + 2 * n + 1 + s->n_friction + s->n_patch_slot + 2L * s->n_pair +
-         6L * s->n_joint + 12L * s->n_load + 6L * s->n_patch_slot + mg_packed_size(s) + 10L * s->kernels->n_sensor;
+         3 * mg_packed_size(s) + 18 + s->n_switch + n + MG_CROSSINGS * (n + 1L) + s->n_friction + s->n_patch_slot +
+         2L * s->n_pair + 6L * s->n_joint + 12L * s->n_load + 6L * s->n_patch_slot + mg_packed_size(s) +
+         10L * s->kernels->n_sensor;
 }
 
 MG_API long mg_sensitivity_int_size(const mg_system *s) {
-  return 3L * s->n_contact + 2L * ((long)s->n_friction + s->n_patch_slot) + 2L * s->kernels->n_sensor;
+  return s->n_body + 3L * s->n_contact + 2L * ((long)s->n_friction + s->n_patch_slot) + 2L * s->kernels->n_sensor;
 }
 
 /* Ends the step that derivatives have been carried over: writes it to the tape, if there is one. */
@@ -38,11 +39,14 @@ static void mg_keep_step(const mg_system *system, mg_sensitivity *s) {
   unsigned char *const stored = step->before;
   if (tape) {
     const long size = mg_save_size(system), k = tape->count++;
-    int *crossing = tape->crossing + 5 * k;
+    int *at = tape->crossing + MG_TAPE_CROSSING * k;
     memcpy(tape->bytes + k * size, step->before, (size_t)size);
     memcpy(tape->bytes + (k + 1) * size, step->after, (size_t)size);
-    crossing[0] = s->crossing.kind, crossing[1] = s->crossing.contact, crossing[2] = s->crossing.constraint;
-    crossing[3] = s->crossing.blow, crossing[4] = s->crossing.reason;
+    *at++ = s->n_crossing;
+    for (const mg_crossing *each = s->crossings; each < s->crossings + s->n_crossing; each++) {
+      *at++ = each->kind, *at++ = each->contact, *at++ = each->constraint;
+      *at++ = each->blow, *at++ = each->reason, *at++ = each->island;
+    }
   }
   step->before = step->after, step->after = stored, step->is_stored = step->is_carried = 1;
 }
@@ -147,12 +151,12 @@ static int mg_end_followed_step(mg_context *c, void *of) {
   mg_sensitivity *s = of;
   mg_followed_step *step = &s->step;
   const mg_run *run = c->run;
-  const mg_crossing none = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON};
+  const mg_crossing none = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON, -1};
   if (mg_is_step_rejected(run, step)) return step->is_carried = 1;
   if (!step->is_settled || step->events->count != step->n_event || run->report.singular_passages != step->passages ||
       run->report.fallbacks + run->report.chatters != step->fallbacks)
     return 0;
-  s->crossing = none;
+  s->crossing = none, s->n_crossing = 0;
   mg_store_run(c->system, run, step->after);
   mg_keep_step(c->system, s);
   return !s->tangent->tape || s->tangent->tape->count < s->tangent->tape->capacity;
@@ -161,9 +165,9 @@ static int mg_end_followed_step(mg_context *c, void *of) {
 MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int n, mg_real *work, int *iwork) {
   const mg_system *system = c->system;
   const long b = system->n_body, rows = mg_sensitivity_rows(system), states = c->layout.n_states;
-  const mg_crossing none = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON};
+  const mg_crossing none = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON, -1};
   MG_FORGET_TANGENTS(s);
-  s->crossing = none;
+  s->crossing = none, s->n_crossing = 0;
   s->is_time = s->is_at_event = s->is_singular = s->is_lost = 0, s->t_bar = 0, s->doubtful = -1;
   s->follower = (mg_follower){
       s, 0, 0, -1, 1, mg_follow_stage, mg_followed_error, mg_begin_followed_step, mg_settle_step, mg_end_followed_step};
@@ -180,7 +184,7 @@ MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int
   s->x = mg_take_reals(&work, mg_packed_size(system)), s->x_dot = mg_take_reals(&work, mg_packed_size(system));
   s->y_dot = mg_take_reals(&work, mg_packed_size(system)), s->weights = mg_take_reals(&work, 18L + system->n_switch);
   s->end = mg_take_reals(&work, n * states), s->size = mg_take_reals(&work, n);
-  s->event_rate = mg_take_reals(&work, n + 1);
+  s->event_rate = s->event_rates = mg_take_reals(&work, MG_CROSSINGS * (n + 1L));
   s->slip = mg_take_reals(&work, system->n_friction + system->n_patch_slot);
   s->pair = mg_take_reals(&work, 2L * system->n_pair), s->joint = mg_take_reals(&work, 6L * system->n_joint);
   s->load = mg_take_reals(&work, 12L * system->n_load);
@@ -190,6 +194,7 @@ MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int
   s->reasons = mg_take_ints(&iwork, system->kernels->n_sensor);
   s->sensor_sides = mg_take_ints(&iwork, system->kernels->n_sensor);
   s->held = mg_take_ints(&iwork, system->n_contact);
+  s->island = mg_take_ints(&iwork, system->n_body);
   s->moved = mg_take_reals(&work, mg_packed_size(system)),
   s->shown = mg_take_reals(&work, 10L * system->kernels->n_sensor);
 }
@@ -265,6 +270,23 @@ MG_API int mg_begin_tangent(const mg_system *system, const mg_settings *settings
   return MG_DONE;
 }
 
+/* Carries the derivatives over the events of the step, island by island; c is that of the run after them. Leaves the
+   one that is not certain, or the first, in s->crossing. Returns a reason or 0. */
+static int mg_cross_events(mg_context *c, mg_sensitivity *s) {
+  int reason = MG_NO_REASON, doubted = 0, lost = s->is_lost;
+  for (int k = 0; k < s->n_crossing; k++) {
+    mg_choose_crossing(s, k);
+    MG_NOTE_EVENT(c, s, s->crossing.kind, s->crossing.contact, s->before);
+    s->is_lost = 0;
+    const int found = mg_cross_event(c, s, &s->crossing);
+    if (found && !reason) reason = found, doubted = k;
+    lost |= s->is_lost;
+  }
+  s->is_lost = lost;
+  mg_choose_crossing(s, doubted);
+  return reason;
+}
+
 /* Carries the derivatives over the step that the run has taken, from its state before. Leaves the run as it is after
    the step. */
 static int mg_carry_over_step(const mg_system *system, const mg_settings *settings, mg_run *run, mg_sensitivity *s,
@@ -280,19 +302,22 @@ static int mg_carry_over_step(const mg_system *system, const mg_settings *settin
   if (s->is_lost) reason = MG_BY_TIME_STEPPING;
   const int unsure = mg_step_tangent(&c, s, h);
   if (!reason) reason = unsure;
-  mg_crossing crossing = s->crossing = mg_find_crossing(&c, step->events, step->n_event);
+  const mg_crossing none = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON, -1};
+  s->crossing = none, s->n_crossing = 0;
   if (step->events->count == step->n_event) { /* the modes are those of the step */
     mg_mark_held_contacts(&c, s, 0);
     mg_project_tangents(&c, s, end, c.step.end);
     if (!reason && !s->is_lost) mg_doubt_step(&c, s, end, c.step.end);
     return reason;
   }
-  mg_differentiate_event(&c, s, &crossing, end);
+  mg_find_event_islands(&c, s);
+  mg_find_crossings(&c, s, step->events, step->n_event);
+  for (int k = 0; k < s->n_crossing; k++) mg_choose_crossing(s, k), mg_differentiate_event(&c, s, &s->crossing, end);
   mg_copy_states(&c, c.step.end, s->before);
   for (int i = 0; i < system->n_contact; i++) s->closed_before[i] = run->closed[i];
   mg_restore_run(system, run, step->after);
   mg_open_context(&c, system, settings, run, work, iwork);
-  const int of_event = mg_cross_event(&c, s, &crossing);
+  const int of_event = mg_cross_events(&c, s);
   mg_mark_held_contacts(&c, s, 0);
   mg_project_tangents(&c, s, run->t, run->x);
   return reason ? reason : of_event;
@@ -377,7 +402,7 @@ MG_API int mg_advance_tangent(const mg_system *system, const mg_settings *settin
     s.slip_left = 0;
     const int reason = mg_carry_over_step(system, settings, run, &s, work, iwork),
               stops = s.slip_left > settings->derivative_error_factor * settings->tolerance,
-              constraint = stops ? s.crossing.constraint : s.slip_falls;
+              constraint = stops ? s.slip_left_constraint : s.slip_falls;
     if ((stops || s.slip_end > 0) && outcome <= MG_CONTINUE &&
         mg_begin_approach(&approach, step->t, stops ? end : s.slip_end, constraint < 0 ? 0 : s.slip[constraint])) {
       mg_take_back_step(&c, &s, record, events);

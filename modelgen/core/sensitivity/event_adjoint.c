@@ -61,22 +61,37 @@ MG_INTERNAL void mg_event_function_adjoint(mg_context *c, mg_sensitivity *s, con
   mg_rhs_adjoint(c, s, t, c->step.end, s->stage, x_bar);
 }
 
-MG_INTERNAL mg_real mg_event_adjoint(mg_context *c, mg_sensitivity *s, const mg_crossing *crossing, mg_real rate,
-                                     mg_real *x_bar) {
-  const int moving = c->system->n_q + c->system->n_u;
-  mg_real *after = c->step.slopes, of_time = 0;
+/* Scalar product of two vectors of the states, over q and u of the bodies of the crossing that is looked at. */
+static mg_real mg_dot_in_crossing(const mg_context *c, const mg_sensitivity *s, const mg_real *a, const mg_real *b) {
+  const mg_system *system = c->system;
+  mg_real sum = 0;
+  for (int body = 0; body < system->n_body; body++) {
+    if (!mg_is_moved_by_forces(c, body) || !mg_is_in_crossing(s, body)) continue;
+    const mg_body_kind *kind = c->kernels->body_kinds + mg_body_kind_of(c, body);
+    const int q = system->body_q[body], u = system->n_q + system->body_u[body];
+    for (int i = q; i < q + kind->n_q; i++) sum += a[i] * b[i];
+    for (int i = u; i < u + kind->n_u; i++) sum += a[i] * b[i];
+  }
+  return sum;
+}
+
+MG_INTERNAL void mg_after_event_adjoint(mg_context *c, mg_sensitivity *s, mg_real *x_bar) {
   mg_evaluate_run_state(c);
   mg_mark_held_contacts(c, s, 0);
   mg_project_adjoint(c, s, c->run->t, c->run->x, x_bar);
+}
+
+MG_INTERNAL mg_real mg_event_adjoint(mg_context *c, mg_sensitivity *s, const mg_crossing *crossing, mg_real rate,
+                                     mg_real *x_bar) {
+  mg_real *after = c->step.slopes;
   mg_evaluate_run_state(c);
   mg_settle_eta_adjoint(c, s, c->run->t, c->run->x, x_bar);
   if (!(crossing->blow || mg_has_slope_jump(c, s, after)) || crossing->kind == MG_CROSSES_NOTHING || rate == 0 ||
       mg_is_graze(c, crossing, rate))
     return 0;
-  for (int i = 0; i < moving; i++) of_time += after[i] * x_bar[i];
+  const mg_real of_time = mg_dot_in_crossing(c, s, after, x_bar);
   s->t_bar = 0;
   if (crossing->blow && !mg_recover_impulses(c, s, 1)) mg_blow_adjoint(c, s, x_bar);
   mg_settle_eta_adjoint(c, s, c->run->t, c->run->x, x_bar);
-  for (int i = 0; i < moving; i++) of_time -= s->slope_before[i] * x_bar[i];
-  return (of_time - s->t_bar) / rate;
+  return (of_time - mg_dot_in_crossing(c, s, s->slope_before, x_bar) - s->t_bar) / rate;
 }

@@ -6,58 +6,6 @@
 #include "model/model.h"
 #include "forces/forces.h"
 
-/* Friction constraint of an event of slip, or -1. */
-static int mg_constraint_of_event(const mg_context *c, int contact, int kind) {
-  const int friction_kind = (kind - MG_EVENT_SLIP_START) / MG_EVENTS_PER_FRICTION;
-  for (int g = c->system->contact_friction[contact]; g < c->system->contact_friction[contact + 1]; g++)
-    if (c->system->friction_kind[g] == friction_kind) return g;
-  return -1;
-}
-
-/* Event function of an event of the list, MG_CROSSES_NOTHING for one that follows from others. c is that of the run
-   before it. */
-static int mg_crossed_function(const mg_context *c, int kind, int contact) {
-  if (kind == MG_EVENT_IMPACT || kind == MG_EVENT_TOUCH_DOWN)
-    return c->run->closed[contact] ? MG_CROSSES_NOTHING : MG_CROSSES_GAP;
-  if (kind == MG_EVENT_LIFT_OFF || kind == MG_EVENT_TIPPING) return MG_CROSSES_FORCE;
-  if (kind == MG_EVENT_FEATURE_CHANGE || kind == MG_EVENT_VANISH) return MG_CROSSES_BORDER;
-  if (kind == MG_EVENT_LOAD_SWITCH) return MG_CROSSES_SWITCH;
-  if (kind < MG_EVENT_SLIP_START || kind >= MG_EVENT_FALLBACK_START) return MG_CROSSES_NOTHING;
-  const int slot = mg_slot_of_support(c, contact);
-  if (slot >= 0 ? !mg_is_whole_plane(c, mg_patch_of_slot(c, slot)) : mg_constraint_of_event(c, contact, kind) < 0)
-    return MG_CROSSES_NOTHING;
-  return (kind - MG_EVENT_SLIP_START) % MG_EVENTS_PER_FRICTION ? MG_CROSSES_SLIP : MG_CROSSES_BOUND;
-}
-
-/* Why an event of the list makes derivatives uncertain, or 0. */
-static int mg_uncertain_event(const mg_context *c, int kind, int contact) {
-  if (kind == MG_EVENT_FALLBACK_START || kind == MG_EVENT_FALLBACK_END) return MG_BY_TIME_STEPPING;
-  if (kind == MG_EVENT_FACE_CONTACT) return MG_BY_FACES;
-  if (kind == MG_EVENT_TOUCH_DOWN && c->system->restitution[contact] > 0) return MG_BY_REST_SPEED;
-  return MG_NO_REASON;
-}
-
-MG_INTERNAL mg_crossing mg_find_crossing(const mg_context *c, const mg_events *events, int first) {
-  mg_crossing found = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON};
-  int several = 0;
-  static const int order[] = {0, 6, 4, 3, 2, 1, 5}; /* by MG_CROSSES_..: what jumps most comes first */
-  for (int k = first; k < events->count; k++) {
-    const int kind = events->kind[k], contact = events->contact[k];
-    const int function = mg_crossed_function(c, kind, contact), reason = mg_uncertain_event(c, kind, contact);
-    if (!found.reason) found.reason = reason;
-    found.blow |= kind == MG_EVENT_IMPACT || kind == MG_EVENT_TOUCH_DOWN;
-    const int constraint =
-        kind >= MG_EVENT_SLIP_START && kind < MG_EVENT_FALLBACK_START ? mg_constraint_of_event(c, contact, kind) : -1;
-    if (function == found.kind && function != MG_CROSSES_NOTHING && function != MG_CROSSES_BORDER &&
-        (contact != found.contact || constraint != found.constraint))
-      several = 1;
-    if (order[function] <= order[found.kind]) continue;
-    found.kind = function, found.contact = contact, found.constraint = constraint;
-  }
-  if (several && !found.reason) found.reason = MG_BY_SEVERAL_EVENTS;
-  return found;
-}
-
 MG_INTERNAL mg_real mg_bound_tangent(const mg_context *c, const mg_sensitivity *s, int direction, int contact,
                                      int constraint) {
   const int row = mg_first_friction_row(c, contact, constraint), rows = mg_friction_row_count(c, constraint);
@@ -163,26 +111,42 @@ MG_INTERNAL void mg_differentiate_event(mg_context *c, mg_sensitivity *s, mg_cro
 }
 
 MG_INTERNAL int mg_has_slope_jump(const mg_context *c, const mg_sensitivity *s, const mg_real *after) {
-  const int first = c->system->n_q;
-  for (int i = first; i < first + c->system->n_u; i++) {
-    const mg_real size = fabs(s->slope_before[i]) + fabs(after[i]) + c->step.scale[i] / c->system->time;
-    if (fabs(after[i] - s->slope_before[i]) > sqrt(c->settings->event_tolerance) * size) return 1;
+  const mg_system *system = c->system;
+  for (int b = 0; b < system->n_body; b++) {
+    const int first = system->n_q + system->body_u[b];
+    if (!mg_is_moved_by_forces(c, b) || !mg_is_in_crossing(s, b)) continue;
+    for (int i = first; i < first + c->kernels->body_kinds[mg_body_kind_of(c, b)].n_u; i++) {
+      const mg_real size = fabs(s->slope_before[i]) + fabs(after[i]) + c->step.scale[i] / system->time;
+      if (fabs(after[i] - s->slope_before[i]) > sqrt(c->settings->event_tolerance) * size) return 1;
+    }
   }
   return 0;
 }
 
 MG_INTERNAL int mg_is_graze(const mg_context *c, const mg_crossing *crossing, mg_real rate) {
-  const mg_real least = c->settings->rest_speed * c->system->length / c->system->time;
-  return crossing->kind == MG_CROSSES_GAP ? fabs(rate) < least : rate == 0;
+  if (crossing->kind != MG_CROSSES_GAP) return rate == 0;
+  const mg_real e = c->system->restitution[crossing->contact], /* the last bounce of many is as slow as that */
+      least = c->settings->rest_speed * c->system->length / c->system->time;
+  return fabs(rate) < (e > 0 ? mg_min(e, (mg_real)1) : 1) * least;
+}
+
+/* Adds `factor` times the coordinates q and u of the bodies of the crossing that is looked at. */
+static void mg_add_in_crossing(const mg_context *c, const mg_sensitivity *s, mg_real factor, const mg_real *from,
+                               mg_real *to) {
+  const mg_system *system = c->system;
+  for (int b = 0; b < system->n_body; b++) {
+    if (!mg_is_moved_by_forces(c, b) || !mg_is_in_crossing(s, b)) continue;
+    const mg_body_kind *kind = c->kernels->body_kinds + mg_body_kind_of(c, b);
+    const int q = system->body_q[b], u = system->n_q + system->body_u[b];
+    for (int i = q; i < q + kind->n_q; i++) to[i] += factor * from[i];
+    for (int i = u; i < u + kind->n_u; i++) to[i] += factor * from[i];
+  }
 }
 
 /* Shifts q and u of all directions by the times of the event, times `sign` slope. */
 static void mg_shift_by_event_times(const mg_context *c, mg_sensitivity *s, const mg_real *slope, mg_real sign) {
-  const int moving = c->system->n_q + c->system->n_u;
-  for (int j = 0; j < s->directions->n; j++) {
-    mg_real *dx = s->tangent->x + (long)j * c->layout.n_states;
-    for (int i = 0; i < moving; i++) dx[i] += sign * slope[i] * mg_event_time_dot(s, j);
-  }
+  for (int j = 0; j < s->directions->n; j++)
+    mg_add_in_crossing(c, s, sign * mg_event_time_dot(s, j), slope, s->tangent->x + (long)j * c->layout.n_states);
 }
 
 MG_INTERNAL mg_real mg_rate_tangent_size(const mg_context *c, const mg_sensitivity *s, int row) {
@@ -278,8 +242,9 @@ MG_INTERNAL int mg_cross_event(mg_context *c, mg_sensitivity *s, const mg_crossi
     mg_evaluate_run_state(c);
   } else if (crossing->kind == MG_CROSSES_SLIP) {
     mg_gather_wrenches(c, s, c->run->t);
-    s->slip_left = mg_slip_left_across(c, s, crossing);
-    if (s->slip_left > sqrt(c->settings->slip_speed) && !reason) reason = MG_BY_SLIP_STOP;
+    const mg_real left = mg_slip_left_across(c, s, crossing);
+    if (left > s->slip_left) s->slip_left = left, s->slip_left_constraint = crossing->constraint;
+    if (left > sqrt(c->settings->slip_speed) && !reason) reason = MG_BY_SLIP_STOP;
   } else if (crossing->kind == MG_CROSSES_FORCE && !reason) reason = MG_BY_JUMP;
   s->is_at_event = 0;
   mg_shift_by_event_times(c, s, after, -1);

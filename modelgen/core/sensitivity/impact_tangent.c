@@ -13,7 +13,8 @@
    far as the error of the step can tell; and it has not been found to carry no impulse (c->events.gap_dips). */
 static int mg_may_be_struck(const mg_context *c, const mg_sensitivity *s, int contact) {
   const mg_real touching = mg_max(c->settings->contact_gap, c->settings->tolerance) * c->system->length;
-  if (!mg_is_on_feature_pair(c, contact) || c->events.gap_dips[contact]) return 0;
+  if (!mg_is_on_feature_pair(c, contact) || c->events.gap_dips[contact] || !mg_is_row_in_crossing(c, s, contact))
+    return 0;
   return contact == s->crossing.contact || s->closed_before[contact] || c->run->closed[contact] ||
          fabs(c->rows.d[contact]) <= touching;
 }
@@ -31,6 +32,7 @@ static int mg_list_blow_rows(mg_context *c, mg_sensitivity *s, int of_contacts, 
         b->row[b->n] = mg_first_friction_row(c, i, g) + k, b->normal[b->n] = normal, b->constraint[b->n++] = g;
   }
   for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++) {
+    if (!mg_is_row_in_crossing(c, s, i)) continue;
     if (b->n >= MG_BLOW_ROWS) return 0;
     b->row[b->n] = i, b->normal[b->n] = -1, b->constraint[b->n++] = -1;
   }
@@ -176,7 +178,7 @@ static int mg_explains_change(mg_context *c, mg_sensitivity *s, const mg_blow *b
   mg_zero_reals(s->at.acceleration, 6L * c->system->n_body);
   for (int r = 0; r < b->n; r++) mg_add_row_response(c, b->row[r], b->impulse[r], s->at.acceleration);
   for (int body = 0; body < c->system->n_body; body++)
-    for (int k = 0; k < 6 && mg_is_moved_by_forces(c, body); k++) {
+    for (int k = 0; k < 6 && mg_is_moved_by_forces(c, body) && mg_is_in_crossing(s, body); k++) {
       const int i = 6 * body + k;
       const mg_real size = fabs(change[i]) + fabs(s->at.acceleration[i]),
                     least = c->system->length / c->system->time / (k < 3 ? 1 : c->system->length);
@@ -242,7 +244,7 @@ static int mg_factor_blow(mg_context *c, mg_blow *b) {
 
 MG_INTERNAL int mg_has_closed_support(const mg_context *c, const mg_sensitivity *s) {
   for (int i = c->layout.support_begin; i < c->system->n_contact; i++)
-    if (c->run->closed[i] || s->closed_before[i]) return 1;
+    if ((c->run->closed[i] || s->closed_before[i]) && mg_is_row_in_crossing(c, s, i)) return 1;
   return 0;
 }
 

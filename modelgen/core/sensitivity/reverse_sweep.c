@@ -18,8 +18,9 @@ static void mg_go_back_over_step(const mg_system *system, const mg_settings *set
                                  const unsigned char *bytes, const mg_real *slopes, const int *known, mg_real *work,
                                  int *iwork) {
   mg_context c;
-  mg_crossing crossing = {known[0], known[1], known[2], known[3], known[4]};
-  s->crossing = crossing;
+  s->n_crossing = *known++;
+  for (int k = 0; k < s->n_crossing; k++, known += 6)
+    s->crossings[k] = (mg_crossing){known[0], known[1], known[2], known[3], known[4], known[5]};
   const unsigned char *after = bytes + mg_save_size(system);
   mg_restore_run(system, run, after);
   const mg_real t = run->t, roundoff = run->t_roundoff;
@@ -28,19 +29,28 @@ static void mg_go_back_over_step(const mg_system *system, const mg_settings *set
   mg_open_context(&c, system, settings, run, work, iwork);
   mg_restore_step(&c, s, h, slopes);
   mg_mark_held_contacts(&c, s, 0);
-  if (crossing.kind == MG_CROSSES_NOTHING && !crossing.blow) mg_project_adjoint(&c, s, end, c.step.end, s->adjoint->x);
+  if (!s->n_crossing) mg_project_adjoint(&c, s, end, c.step.end, s->adjoint->x);
   else {
-    mg_differentiate_event(&c, s, &crossing, end);
-    const mg_real rate = s->event_rate[0];
+    mg_real weight[MG_CROSSINGS];
+    mg_find_event_islands(&c, s);
+    for (int k = 0; k < s->n_crossing; k++) mg_choose_crossing(s, k), mg_differentiate_event(&c, s, &s->crossing, end);
     mg_copy_states(&c, c.step.end, s->before);
     for (int i = 0; i < system->n_contact; i++) s->closed_before[i] = run->closed[i];
     mg_restore_run(system, run, after);
     mg_open_context(&c, system, settings, run, work, iwork);
-    const mg_real weight = mg_event_adjoint(&c, s, &crossing, rate, s->adjoint->x);
+    mg_after_event_adjoint(&c, s, s->adjoint->x);
+    for (int k = s->n_crossing - 1; k >= 0; k--) {
+      mg_choose_crossing(s, k);
+      MG_NOTE_EVENT(&c, s, s->crossing.kind, s->crossing.contact, s->before);
+      weight[k] = mg_event_adjoint(&c, s, &s->crossing, s->event_rate[0], s->adjoint->x);
+    }
     mg_restore_run(system, run, bytes);
     mg_open_context(&c, system, settings, run, work, iwork);
     mg_restore_step(&c, s, h, slopes);
-    if (weight != 0) mg_event_function_adjoint(&c, s, &crossing, end, weight, s->adjoint->x);
+    for (int k = 0; k < s->n_crossing; k++) {
+      mg_choose_crossing(s, k);
+      if (weight[k] != 0) mg_event_function_adjoint(&c, s, &s->crossing, end, weight[k], s->adjoint->x);
+    }
   }
   mg_step_adjoint(&c, s, h, s->adjoint->x);
 }
@@ -74,7 +84,8 @@ MG_API void mg_go_back(const mg_system *system, const mg_settings *settings, mg_
   if (tape->lost) mg_lose_cotangents(&c, adjoint);
   for (long k = from - 1; k >= to && !tape->lost && !mg_is_stopped(&c); k--)
     mg_go_back_over_step(system, settings, run, &s, tape->bytes + k * mg_save_size(system),
-                         tape->slopes + k * MG_SLOPES_KEPT * c.layout.n_states, tape->crossing + 5 * k, work, iwork);
+                         tape->slopes + k * MG_SLOPES_KEPT * c.layout.n_states, tape->crossing + MG_TAPE_CROSSING * k,
+                         work, iwork);
   if (mg_is_stopped(&c)) mg_lose_cotangents(&c, adjoint);
   mg_restore_run(system, run, tape->bytes + to * mg_save_size(system));
 }

@@ -75,7 +75,10 @@ typedef struct {
   int constraint; /* friction constraint of it, or -1 */
   int blow;       /* 1: velocities jump */
   int reason;     /* why they are not certain, or 0 */
+  int island;     /* the bodies that it moves, as in s->island; -1: all */
 } mg_crossing;
+
+#define MG_CROSSINGS 4 /* islands in which events may happen at one time */
 
 enum {
   MG_CROSSES_NOTHING = 0, /* no event, or one at which nothing jumps */
@@ -135,6 +138,7 @@ typedef struct {
   mg_real *before;       /* [n_states] state before an event */
   mg_real *slope_before; /* [n_states] right-hand side before an event */
   mg_real *size;         /* [n] of the directions (mg_direction_size) */
+  mg_real *event_rates;  /* [(n + 1) MG_CROSSINGS] event_rate of each of `crossings` */
   mg_real *event_rate;   /* [n + 1] derivative of the event function along each direction, and its rate */
   mg_real *pair;         /* [2 n_pair] of gap and force of each pair, as sensors show them */
   mg_real *joint;        /* [6 n_joint] of the wrenches of joints */
@@ -148,21 +152,25 @@ typedef struct {
   mg_real slip_end;      /* time at which slip that falls much in the step would end, s; 0: none falls much */
   int slip_falls;        /* its constraint */
   mg_real slip_left;     /* what slip that ended in the step treated last has left across its direction, of its size */
-  mg_crossing crossing;  /* of the step treated last */
-  int is_time;           /* 1: the direction looked at is time: no number changes */
-  int is_at_event;       /* 1: derivatives are those at the event of a changed run, whose time changes (event_rate) */
-  int *on_kink;          /* [n_contact + n_friction + n_patch_slot] not 0: on a kink, as kinks.c marks it */
-  int sides;             /* MG_SIDE_LARGER ..: changes along the direction looked at last that keep the run's branch */
-  int *held;             /* [n_contact] 1: holds the derivatives of its gap and of its gap velocity at zero */
-  int *reasons;          /* [n_sensor] why what a sensor shows is not differentiable, or 0 */
-  int *sensor_sides;     /* [n_sensor] for which changes along the direction looked at last its derivative holds */
-  mg_real *moved;        /* packed arguments of the sensors, moved along a direction */
-  mg_real *shown;        /* [10 n_sensor] what they show at five places, and their derivatives there */
-  int is_lost;           /* 1: the step or start treated last is not differentiated */
-  mg_real t_bar;         /* in the adjoint: cotangent of the time of paths and of motions of joints */
-  int doubtful;          /* contact for which the step treated last is not certain, or -1 */
-  int is_singular;       /* 1: equations of forces under slip were singular */
-  mg_follower follower;  /* of the steps of the run */
+  int slip_left_constraint;            /* its constraint */
+  mg_crossing crossings[MG_CROSSINGS]; /* of the event of the step treated last, one of each island */
+  int n_crossing;
+  mg_crossing crossing; /* the one of these that is looked at */
+  int *island;          /* [n_body] island of each body at that event */
+  int is_time;          /* 1: the direction looked at is time: no number changes */
+  int is_at_event;      /* 1: derivatives are those at the event of a changed run, whose time changes (event_rate) */
+  int *on_kink;         /* [n_contact + n_friction + n_patch_slot] not 0: on a kink, as kinks.c marks it */
+  int sides;            /* MG_SIDE_LARGER ..: changes along the direction looked at last that keep the run's branch */
+  int *held;            /* [n_contact] 1: holds the derivatives of its gap and of its gap velocity at zero */
+  int *reasons;         /* [n_sensor] why what a sensor shows is not differentiable, or 0 */
+  int *sensor_sides;    /* [n_sensor] for which changes along the direction looked at last its derivative holds */
+  mg_real *moved;       /* packed arguments of the sensors, moved along a direction */
+  mg_real *shown;       /* [10 n_sensor] what they show at five places, and their derivatives there */
+  int is_lost;          /* 1: the step or start treated last is not differentiated */
+  mg_real t_bar;        /* in the adjoint: cotangent of the time of paths and of motions of joints */
+  int doubtful;         /* contact for which the step treated last is not certain, or -1 */
+  int is_singular;      /* 1: equations of forces under slip were singular */
+  mg_follower follower; /* of the steps of the run */
   mg_followed_step step;
 #ifdef MG_DEBUG
   mg_digest valid[MG_VALID_TANGENT_KINDS]; /* digests, 0: not at all */
@@ -370,16 +378,29 @@ MG_INTERNAL int mg_restore_start(mg_context *c, mg_sensitivity *s, const mg_real
 /* start_correction_adjoint.c */
 MG_INTERNAL void mg_start_adjoint(mg_context *c, mg_sensitivity *s, const mg_real *given, mg_real *x_bar);
 
-/* event_tangent.c */
+/* event_islands.c */
 
-/* Event of a step from its events first .. of the list. */
-MG_INTERNAL mg_crossing mg_find_crossing(const mg_context *c, const mg_events *events, int first);
+/* Finds the islands of bodies, s->island, at the end of a step. Needs the rows there. */
+MG_INTERNAL void mg_find_event_islands(mg_context *c, mg_sensitivity *s);
+
+/* What the events first .. of the list at the end of a step are to the derivatives, into s->crossings, by the
+   islands of mg_find_event_islands. */
+MG_INTERNAL void mg_find_crossings(mg_context *c, mg_sensitivity *s, const mg_events *events, int first);
+
+/* Looks at the k-th of s->crossings, and at its event function. */
+MG_INTERNAL void mg_choose_crossing(mg_sensitivity *s, int k);
+
+/* True if the crossing that is looked at may change the motion of a body, or of the bodies of a row. */
+MG_INTERNAL int mg_is_in_crossing(const mg_sensitivity *s, int body);
+MG_INTERNAL int mg_is_row_in_crossing(const mg_context *c, const mg_sensitivity *s, int row);
+
+/* event_tangent.c */
 
 /* Derivatives of the event function along all directions and along time, in s->event_rate. Needs c->step.end of
    mg_step_tangent. */
 MG_INTERNAL void mg_differentiate_event(mg_context *c, mg_sensitivity *s, mg_crossing *crossing, mg_real t);
 
-/* True if the right-hand side jumps between s->slope_before and `after`, eta apart. */
+/* True if the right-hand side of bodies of the crossing that is looked at jumps between s->slope_before and `after`. */
 MG_INTERNAL int mg_has_slope_jump(const mg_context *c, const mg_sensitivity *s, const mg_real *after);
 
 /* True if the event function crosses zero too slowly to tell the time of the event. */
@@ -533,8 +554,11 @@ MG_INTERNAL void mg_step_adjoint(mg_context *c, mg_sensitivity *s, mg_real h, mg
 MG_INTERNAL void mg_event_function_adjoint(mg_context *c, mg_sensitivity *s, const mg_crossing *crossing, mg_real t,
                                            mg_real weight, mg_real *x_bar);
 
-/* Over an event and the projection after it, c being that of the run after it; `rate` is that of the event function.
-   Returns the cotangent of the event function. */
+/* Over the projection after the events of a step. */
+MG_INTERNAL void mg_after_event_adjoint(mg_context *c, mg_sensitivity *s, mg_real *x_bar);
+
+/* Over an event, c being that of the run after it; `rate` is that of the event function. Returns the cotangent of the
+   event function. */
 MG_INTERNAL mg_real mg_event_adjoint(mg_context *c, mg_sensitivity *s, const mg_crossing *crossing, mg_real rate,
                                      mg_real *x_bar);
 

@@ -100,7 +100,7 @@ static int grow(mg_tape *tape) {
   if (bytes) tape->bytes = bytes;
   mg_real *slopes = realloc(tape->slopes, (size_t)capacity * 12 * SCENE_N_STATE * sizeof(mg_real));
   if (slopes) tape->slopes = slopes;
-  int *crossing = realloc(tape->crossing, (size_t)capacity * 5 * sizeof(int));
+  int *crossing = realloc(tape->crossing, (size_t)capacity * MG_TAPE_CROSSING * sizeof(int));
   if (crossing) tape->crossing = crossing;
   if (!bytes || !slopes || !crossing) return 0;
   tape->capacity = capacity;

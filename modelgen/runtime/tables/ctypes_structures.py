@@ -186,7 +186,7 @@ RUN_ARRAYS = (
         "patch_support_share",
         "reference_force",
     ),
-    *("force", "margin", "rolling_start", "after_t", "tilt_direction", "input", "applied_input"),
+    *("force", "margin", "rolling_start", "after_t", "struck_by", "tilt_direction", "input", "applied_input"),
     *("branch", "switch_mode", "switch_leader"),
     *("search_bound", "joint_independence_max", "joint_response"),
     *("joint_row_independent", "joint_row_ever_independent"),

@@ -155,6 +155,7 @@ def _sizes_of_run(
         **dict.fromkeys(("feature_pair", "closed", "active", "rolling_start"), m),
         **dict.fromkeys(("is_search_due", "is_far"), pairs),
         "stop": 1,
+        "struck_by": len(instance["bodies"]) + 1,
         "friction_mode": groups + 1,
         **dict.fromkeys(("switch_mode", "switch_leader"), int(system.n_switch) + 1),
         "patch_mode": slots + 1,

@@ -9,6 +9,9 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from modelgen.scene import python_scenes as make
+from modelgen.scene.scene_types import Scene
+
 Array = np.ndarray[Any, Any]
 
 FOLDER = Path(__file__).parent.parent / "data" / "cube_tosses"
@@ -41,10 +44,26 @@ class Toss:
         return np.roll(self.rotation[0].as_quat(), 1)
 
 
-def toss(number: int) -> Toss:
-    rows = np.loadtxt(FOLDER / f"{number}.csv", delimiter=",")
+def toss(number: int, folder: Path = FOLDER) -> Toss:
+    rows = np.loadtxt(folder / f"{number}.csv", delimiter=",")[:, :7]
     rotation = Rotation.from_quat(np.roll(rows[:, 3:], -1, axis=1))
     return Toss(np.arange(len(rows)) / RATE, rows[:, :3] * HALF_WIDTH, rotation)
+
+
+def scene_of(measured: Toss) -> Scene:
+    """A cube thrown as the measured one onto the ground."""
+    cube = make.dynamic(
+        "cube",
+        make.box(*[2 * HALF_WIDTH] * 3),
+        mass=MASS,
+        inertia=[INERTIA] * 3,
+        position=measured.p[0].tolist(),
+        quaternion=measured.quaternion.tolist(),
+        velocity=measured.v.tolist(),
+        angular_velocity=measured.w.tolist(),
+    )
+    contact = [{"between": ["cube", "ground"], "friction": MU, "restitution": RESTITUTION}]
+    return make.scene("measured_toss", [make.fixed("ground", make.plane()), cube], contact=contact)
 
 
 def corners(p: Array, rotation: Rotation) -> Array:
