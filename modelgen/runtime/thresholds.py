@@ -134,7 +134,7 @@ class Thresholds:
     fallback_progress: float = 1e-2
     fallback_step: float = 1e-4
     chatter_step: float = 1e-2
-    chatter_work: float = 2e7
+    chatter_work: float = 1e7
     chatter_closed: int = 100
     start_joint_gap: float = 1e-6
     drift_tolerance: float = 1e-15

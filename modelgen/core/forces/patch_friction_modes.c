@@ -285,6 +285,7 @@ static int mg_release_yielding_patches(mg_context *c) {
     const int is_held = sqrt(mg_dot3(e, e)) <= mg_acceleration_tolerance(c);
     if (is_held && !bound_reached && margin >= -mg_force_tolerance(c)) continue;
     if (is_held) mg_patch_slip_in_middle(c, slot, twist, e);
+    if (!(mg_dot3(e, e) > 0)) continue; /* a face without load, at rest, is at its bound and does not slip */
     mg_set_patch_slip_direction(c, slot, e);
     const int is_continuous = bound_reached && mu[0] == mu[1];
     mg_set_patch_mode(c, slot, is_continuous ? MG_SLIP_ONSET : MG_SLIP_STARTING), r->triggered = 0;

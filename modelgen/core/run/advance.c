@@ -191,7 +191,7 @@ static int mg_event_driven_step(mg_context *c, mg_real h, mg_record *record, mg_
 /* One step of the method, or of time-stepping during a fallback. Returns an outcome. */
 static int mg_advance_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   const int first_event = events->count;
-  const long evaluations = c->run->rhs_evals;
+  const long evaluations = c->run->rhs_evals, cells = c->run->search_effort;
   const mg_real t = c->run->t;
   int outcome;
   if (mg_is_time_stepping(c)) {
@@ -199,7 +199,9 @@ static int mg_advance_step(mg_context *c, mg_real h, mg_record *record, mg_event
     if (!outcome) outcome = mg_count_fallback_step(c, events, first_event, c->run->t - t);
   } else {
     outcome = mg_cross_infinite_load(c, mg_event_driven_step(c, h, record, events), events);
-    if (!outcome && mg_has_costly_events(c, events, first_event, c->run->rhs_evals - evaluations)) outcome = MG_CHATTER;
+    if (!outcome &&
+        mg_has_costly_events(c, events, first_event, c->run->rhs_evals - evaluations, c->run->search_effort - cells))
+      outcome = MG_CHATTER;
   }
   if (outcome && mg_is_stopped(c)) return outcome;
   outcome = mg_explain_failed_outcome(c, outcome);

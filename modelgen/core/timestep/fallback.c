@@ -1,6 +1,7 @@
 /* Fallback of an event-driven run on time-stepping for a while: where events accumulate at one time or cost too much,
-   where steps become too small to advance, or where no accelerations are admissible, as in Painleve's paradox, but
-   impulses are. Writes run->fallback_left and what belongs to it, modes, patches and events of the run. */
+   where steps become too small to advance, where a contact is found too late or is too near to a singularity, or where
+   no accelerations are admissible, as in Painleve's paradox, but impulses are. Writes run->fallback_left and what
+   belongs to it, modes, patches and events of the run. */
 #include "timestep/timestep.h"
 #include "model/model.h"
 #include "forces/forces.h"
@@ -14,6 +15,7 @@ enum {
   MG_FALLBACK_STEPS = 8,      /* steps of a fallback */
   MG_FALLBACK_DOUBLINGS = 12, /* most doublings of that number */
   MG_FOLLOWING_STEPS = 2,     /* steps that follow a penetration and remove it */
+  MG_STALLED_TRIES = 250,     /* tries after which a run that hardly moves is stalled */
   MG_PROGRESS_TRIES = 2000    /* tries after which progress is checked */
 };
 
@@ -24,7 +26,7 @@ MG_INTERNAL mg_real mg_next_step(const mg_context *c) {
 
 MG_INTERNAL int mg_is_fallback_outcome(int outcome) {
   return outcome == MG_TOO_MANY_EVENTS || outcome == MG_COMPLEMENTARITY || outcome == MG_NO_FRICTION ||
-         outcome == MG_STEP_TOO_SMALL || outcome == MG_CHATTER;
+         outcome == MG_STEP_TOO_SMALL || outcome == MG_CHATTER || outcome == MG_PENETRATED || outcome == MG_MARGIN;
 }
 
 /* True if a closed contact has friction. */
@@ -37,10 +39,11 @@ static int mg_has_sticking_friction(const mg_context *c) {
 MG_INTERNAL int mg_is_progress_too_slow(mg_context *c) {
   mg_run *run = c->run;
   const long tries = run->steps + run->rejected - run->progress_tries, refused = run->rejected - run->progress_rejected;
-  if (tries < MG_PROGRESS_TRIES) return 0;
   const mg_real way = run->t - run->progress_t, least = c->settings->fallback_progress * c->system->time;
-  const int is_too_slow =
-      way < least && (3 * refused > tries || 100 * way < least || (10 * way < least && mg_has_sticking_friction(c)));
+  const int is_stalled = tries >= MG_STALLED_TRIES && 10000 * way < least;
+  if (tries < MG_PROGRESS_TRIES && !is_stalled) return 0;
+  const int is_too_slow = way < least && (is_stalled || 3 * refused > tries || 100 * way < least ||
+                                          (10 * way < least && mg_has_sticking_friction(c)));
   run->progress_tries += tries, run->progress_rejected = run->rejected, run->progress_t = run->t;
   return is_too_slow;
 }
@@ -140,7 +143,7 @@ MG_INTERNAL int mg_count_fallback_step(mg_context *c, mg_events *events, int fir
   if (run->fallback_left > run->fallback_step / 2 || mg_prolong_fallback(c)) return MG_DONE;
   run->fallback_left = 0;
   run->fallback_end = run->t, run->events_at_t = 0, run->h = mg_first_step(c);
-  run->event_work = 0, run->event_work_t = run->t;
+  run->event_work = run->present_cause == MG_CHATTER ? 0 : run->event_work, run->event_work_t = run->t;
   int outcome = mg_resume_event_driven(c);
   if (!outcome) outcome = mg_resolve_impacts(c, events);
   if (!outcome) outcome = mg_solve_contact_modes(c, events);

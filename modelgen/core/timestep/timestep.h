@@ -126,12 +126,12 @@ MG_INTERNAL int mg_count_fallback_step(mg_context *c, mg_events *events, int fir
 /* Begins to count the work of events. */
 MG_INTERNAL void mg_reset_event_work(mg_run *run);
 
-/* Number of contacts that the events from `first` on close or open. */
+/* How often contacts change their mode in the events from `first` on: close, open, slip or stick, or loads switch. */
 MG_INTERNAL int mg_count_transitions(const mg_events *events, int first);
 
-/* Counts the work of an event-driven step with so many evaluations of the right-hand side, whose events are those from
-   `first` on. True if the run is to go on by time-stepping. */
-MG_INTERNAL int mg_has_costly_events(mg_context *c, const mg_events *events, int first, long evaluations);
+/* Counts the work of an event-driven step with so many evaluations of the right-hand side and pairs of cells looked at
+   in searches, whose events are those from `first` on. True if the run is to go on by time-stepping. */
+MG_INTERNAL int mg_has_costly_events(mg_context *c, const mg_events *events, int first, long evaluations, long cells);
 
 /* True if to locate so many transitions as n steps of time-stepping have shown would cost much more than these. */
 MG_INTERNAL int mg_would_chatter(const mg_context *c, long transitions, long n);

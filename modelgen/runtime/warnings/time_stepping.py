@@ -14,6 +14,8 @@ CAUSES = {
     Outcome.NO_FRICTION: "no contact forces obey Coulomb's law: inconsistent (Painleve), or jammed",
     Outcome.TOO_MANY_EVENTS: "events accumulate at one time",
     Outcome.STEP_TOO_SMALL: "its steps shrink without getting on",
+    Outcome.PENETRATED: "a contact was found too late, when bodies penetrated there",
+    Outcome.MARGIN: "a contact came too near to a singularity of its closest points",
 }
 
 
