@@ -84,6 +84,7 @@ _ESTIMATE = record(
         "force": entry(NUMBER, "root mean square over that of the forces"),
         "events": entry(NUMBER, "of event times, s; of those after the horizon if none comes before"),
         "events_unmatched": entry(["integer", "null"], "events that one of the two runs has alone"),
+        "events_doubt": entry("string", "why the events are not certain; empty if they are"),
         "horizon": entry(NUMBER, "the last sample that is predicted, s; null: all are"),
         "uncertified": {
             "type": "array",

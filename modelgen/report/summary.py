@@ -51,9 +51,14 @@ def summary_lines(summary: dict[str, Any]) -> Iterator[str]:
 
 
 def verdict_line(summary: Mapping[str, Any]) -> str:
-    """`trusted`, or `not trusted` with all reasons, and that the error was not estimated where it was not."""
-    doubts, unknown = summary["doubts"], "" if summary["estimate"] else "; its error was not estimated"
-    return (f"not trusted: {'; '.join(doubts)}" if doubts else "trusted") + unknown
+    """`trusted`, or `not trusted` with all reasons; why its events are not certain where these alone are not,
+    and that the error was not estimated where it was not."""
+    doubts, estimate = summary["doubts"], summary["estimate"]
+    verdict = f"not trusted: {'; '.join(doubts)}" if doubts else "trusted"
+    if not estimate:
+        return f"{verdict}; its error was not estimated"
+    events = estimate["events_doubt"]
+    return f"{verdict}, but not all of its events: {events}" if events and not doubts else verdict
 
 
 def verdict_title(summary: Mapping[str, Any]) -> str:

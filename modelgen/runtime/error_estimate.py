@@ -25,21 +25,21 @@ from modelgen.runtime.event_matching import (
     in_pairs,
     modes_apart,
     subject_of,
+    undecided,
     undecided_impacts,
 )
 from modelgen.runtime.run_distance import (
     APART,
-    MOTION,
+    apart_of,
     forces_between,
     gaps_between,
-    motions_compared,
 )
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import FALLBACK_EVENTS, Event, Outcome, Trajectory
 from modelgen.runtime.trust import steps_in_time, uncertified
 
 if TYPE_CHECKING:
-    from modelgen.runtime.order_of_impacts import Finer
+    from modelgen.runtime.order_of_impacts import Finer, OtherOrder
 
 SAFE = 4.0  # times the difference of run and companion: for what the companion errs itself
 ORDERED = 2.0  # times the difference in the time between two impacts: their order is told beyond that
@@ -49,7 +49,7 @@ ROUNDED = 8.0  # roundings of lengths, and of 1: no error below is claimed
 BOUNCE = 100.0  # times the bound of rest: slower bounces end in one run and not in the other
 SETTLING = 10.0  # times the time in which such a bounce comes to its top: how long it takes to settle
 LEAST_STEPS = 100  # that every companion may take
-UNKNOWN = {"gap": None, "force": None, "events": None, "events_unmatched": None}  # without a companion
+UNKNOWN = {"gap": None, "force": None, "events": None, "events_unmatched": None, "events_doubt": ""}
 NUDGE = 2.0  # roundings by which each number of the start differs, at most
 
 
@@ -74,6 +74,7 @@ def estimate_of(
     missing: str = "",
     compared: Array | None = None,
     finer: Finer | None = None,
+    other_order: OtherOrder | None = None,
 ) -> Estimate:
     """The error of `path` from its companion's run `twin` at the same times.
 
@@ -83,38 +84,48 @@ def estimate_of(
         instance: of the manifest.
         compared: what `motions_compared` gives of the two at the samples of `path`, where it is known.
         finer: makes a run still finer than the companion, to see which of two impacts comes first.
+        other_order: makes a run in which they come in the other order, to see where that leads.
     """
     length, last = instance["scales"]["length"], len(path.t)
     errors = np.full((len(APART), last), np.inf)
     n, safe = 0 if twin is None else _common(path, twin), _safe(path, accuracy)
-    common = [] if twin is None else in_pairs(path.events, twin.events)
-    if twin is not None:
-        if compared is None:
-            mine, theirs = ({key: getattr(run, key)[:n] for key in MOTION} for run in (path, twin))
-            compared = motions_compared(mine, theirs, instance)
-        errors[:, :n] = _errors(path, _without_blows(path, common, compared[:, :n], safe), safe, instance)
-    position, rotation, velocity, spin = errors
-    predicted = _predicted(position / length, rotation, n, accuracy.thresholds.prediction_error_max)
     slow = BOUNCE * accuracy.rest_speed * length / instance["scales"]["time"]
     brief = SETTLING * slow * instance["scales"]["time"] ** 2 / length
-    end, error = float(path.t[predicted - 1]), float(position[predicted - 1])
-    reasons, other = [*_reasons(path, twin, missing, brief)], dict[str, Any](UNKNOWN)
+    predicted, reasons, other = 1, [*_reasons(path, twin, missing, brief)], dict[str, Any](UNKNOWN)
     if twin is not None:
+        common = in_pairs(path.events, twin.events)
+        if compared is None:
+            compared = apart_of(path, twin, n, instance)
+        compared = _without_blows(path, common, compared[:, :n], safe)
+        errors[:, :n] = _errors(path, compared, safe, instance)
+        predicted = _predicted(errors, n, length, accuracy)
         told = _told(path.events, slow), _told(twin.events, slow)
         pairs, bodies = in_pairs(*told), bodies_by_contact(instance)
-        apart = modes_apart(path.events, twin.events, instance, end, _unloaded(path, twin))
-        agreed = _agreed(common, bodies)
-        times, unmatched = _events(pairs, alone(*told, pairs), apart, agreed, bodies, brief, error, end)
-        other = _gaps_and_forces(path, twin, predicted, safe)
-        other["events"] = None if times is None else safe * times + _resolution(path, accuracy)
-        other["events_unmatched"] = len(unmatched) if path.events or twin.events else None
-        reasons += _alone(unmatched)
+        end, error = float(path.t[predicted - 1]), float(errors[0, predicted - 1])
         ties = undecided_impacts(pairs, instance, ORDERED, error, end)
         if ties and finer is not None:
             from modelgen.runtime.order_of_impacts import ties_left  # few runs need it
 
             ties = ties_left(common, twin, ties, finer, ORDERED)
-        reasons += _order(ties)
+        doubts = [*_order(ties)]
+        if ties and other_order is not None:
+            from modelgen.runtime.order_of_impacts import led_elsewhere
+
+            may = accuracy.thresholds.order_error_max
+            doubts, apart = led_elsewhere(path, ties, errors[:, :predicted], other_order, instance, may)
+            compared[: len(APART), :predicted] = np.maximum(compared[: len(APART), :predicted], apart)
+            errors[:, :n] = _errors(path, compared, safe, instance)
+            predicted = _predicted(errors, n, length, accuracy)
+            end, error = float(path.t[predicted - 1]), float(errors[0, predicted - 1])
+        modes = modes_apart(path.events, twin.events, instance, end, _unloaded(path, twin))
+        agreed = _agreed(common, bodies)
+        times, unmatched = _events(pairs, alone(*told, pairs), modes, agreed, bodies, brief, error, end)
+        other = _gaps_and_forces(path, twin, predicted, safe)
+        other["events"] = None if times is None else safe * times + _resolution(path, accuracy)
+        other["events_unmatched"] = len(unmatched) if path.events or twin.events else None
+        other["events_doubt"] = _alone(unmatched)
+        reasons += doubts
+    position, rotation, velocity, spin = errors
     return Estimate(
         position=position,
         rotation=rotation,
@@ -195,9 +206,10 @@ def _resolution(path: Trajectory, accuracy: Accuracy) -> float:
     return path.fallback_step if told else 0.0
 
 
-def _predicted(position: Array, rotation: Array, n: int, predictable: float) -> int:
+def _predicted(errors: Array, n: int, length: float, accuracy: Accuracy) -> int:
     """The number of leading samples whose estimated error is below `prediction_error_max`."""
-    lost = np.flatnonzero(~(np.maximum(position, rotation)[:n] <= predictable))
+    position, rotation = errors[0, :n] / length, errors[1, :n]
+    lost = np.flatnonzero(~(np.maximum(position, rotation) <= accuracy.thresholds.prediction_error_max))
     return max(int(lost[0]) if lost.size else n, 1)
 
 
@@ -269,11 +281,13 @@ def _events(
     return max(late or [abs(a.t - b.t) for a, b in pairs], default=None), lasting
 
 
-def _alone(unmatched: Sequence[Event]) -> Iterator[str]:
-    if unmatched:
-        first = min(unmatched, key=lambda event: event.t)
-        what = f"the first is a {first.kind} at {first.contact} (t = {first.t:.6g} s)"
-        yield f"{len(unmatched)} events are in the run or in its companion only: {what}"
+def _alone(unmatched: Sequence[Event]) -> str:
+    """Why events are not certain; "" if they are."""
+    if not unmatched:
+        return ""
+    first = min(unmatched, key=lambda event: event.t)
+    what = f"the first is a {first.kind} at {first.contact} (t = {first.t:.6g} s)"
+    return f"{len(unmatched)} are in the run or in its companion only: {what}"
 
 
 def _reasons(path: Trajectory, twin: Trajectory | None, missing: str, brief: float) -> Iterator[str]:
@@ -295,6 +309,4 @@ def _reasons(path: Trajectory, twin: Trajectory | None, missing: str, brief: flo
 
 def _order(ties: Sequence[tuple[Event, Event]]) -> Iterator[str]:
     for first, second in ties[:1]:
-        names = f"{first.contact} and {second.contact}"
-        when = f"t = {second.t:.6g} s, {second.t - first.t:.2g} s apart"
-        yield f"which of the impacts at {names} ({when}) comes first is within the error"
+        yield undecided(first, second)

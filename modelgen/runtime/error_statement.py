@@ -25,6 +25,7 @@ class Estimate:
         force: of the normal forces of contacts, root mean square, relative; with what rounding may change.
         events: s, of the times of events; of later ones where none comes before that sample. How many events
             have no like in the companion is `events_unmatched`.
+        events_doubt: why the events are not certain, in words, though the motion may be; "" if they are.
         predicted: how many samples are predicted, at least one.
         horizon: s, the last of them, if there are others: later errors exceed
             `Accuracy.thresholds.prediction_error_max`.
@@ -45,6 +46,7 @@ class Estimate:
     horizon: float | None
     uncertified: tuple[str, ...]
     rhs_evals: int
+    events_doubt: str = ""
     interrupted: bool = False
 
     def __repr__(self) -> str:
@@ -68,7 +70,8 @@ class Estimate:
         parts = [f"estimated error {', '.join(known)}"]
         if self.horizon is not None:
             parts = [f"beyond predictable horizon ({self.horizon:.6g} s)", f"{parts[0]} up to there"]
-        return "; ".join([*parts, *(f"uncertified: {reason}" for reason in self.uncertified)])
+        parts += [f"uncertified: {reason}" for reason in self.uncertified]
+        return "; ".join([*parts, *([f"events: {self.events_doubt}"] if self.events_doubt else [])])
 
     def as_json(self) -> dict[str, Any]:
         """The entry `estimate` of a summary; errors of samples are those at the last that is predicted."""
@@ -83,6 +86,7 @@ class Estimate:
             "force": self.force,
             "events": self.events,
             "events_unmatched": self.events_unmatched,
+            "events_doubt": self.events_doubt,
             "horizon": self.horizon,
             "uncertified": list(self.uncertified),
             "rhs_evals": self.rhs_evals,

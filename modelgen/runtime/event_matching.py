@@ -125,6 +125,13 @@ def undecided_impacts(
     return found
 
 
+def undecided(first: Event, second: Event) -> str:
+    """The doubt about the order of two impacts."""
+    names = f"{first.contact} and {second.contact}"
+    when = f"t = {second.t:.6g} s, {second.t - first.t:.2g} s apart"
+    return f"which of the impacts at {names} ({when}) comes first is within the error"
+
+
 def _is_after(second: Event, first: Event) -> bool:
     """Whether a blow comes after another one however their times err."""
     return second.after_t is not None and second.after_t >= first.t

@@ -1,21 +1,33 @@
-"""Which of the impacts that follow each other within the error of a run have an order that a third run tells.
+"""Which of the impacts that follow each other within the error of a run have an order that a third run tells,
+and where the other order leads.
 
 The time between two impacts in a run and that in its companion may differ as much as they are, because
 bounces end sooner in the run, at its threshold of rest. A companion of the companion then shows whether the
-time between them has settled.
+time between them has settled. Where it has not, the run is made once more with the two impacts in the other
+order: from just before them, where the bodies that they strike are moved by as much as one of them is late.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
 
-from modelgen.runtime.event_matching import Pairs, in_pairs
+import numpy as np
+
+from modelgen.runtime.core_session import CONTINUE, FULL, Session
+from modelgen.runtime.event_matching import NUMBER, Pairs, bodies_by_contact, in_pairs, undecided
+from modelgen.runtime.run_distance import APART, apart_of
+from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import Event, Trajectory
 
 Tie = tuple[Event, Event]
-Finer = Callable[
-    [float], Trajectory | None
-]  # the companion's companion up to a time, s; None: it does not start
+Finer = Callable[[float], Trajectory | None]  # the companion's companion up to a time, s; None: not to be had
+Change = tuple[float, Array]  # s, when a run is changed, and by what its coordinates q are
+OtherOrder = Callable[[Tie], Trajectory | None]  # the run with two impacts in the other order, or None
+MOST = 3  # ties of a run that are looked at
+LEAD = 4.0  # times the time between two impacts: how long before them the run is changed
+SPAN = 4  # least moves by which the order is tried to be reversed, and of `LEAD` how long both are looked for
+STEPS = 200  # of a trial
 
 
 def ties_left(common: Pairs, twin: Trajectory, ties: Sequence[Tie], finer: Finer, safe: float) -> list[Tie]:
@@ -44,3 +56,107 @@ def ties_left(common: Pairs, twin: Trajectory, ties: Sequence[Tie], finer: Finer
         return safe * abs(between - again) >= min(between, again)
 
     return [tie for tie in ties if is_open(tie)]
+
+
+def led_elsewhere(
+    path: Trajectory,
+    ties: Sequence[Tie],
+    errors: Array,
+    other_order: OtherOrder,
+    instance: Mapping[str, Any],
+    may: float,
+) -> tuple[list[str], Array]:
+    """The doubt about the first of some ties of a run of which both orders do not lead to the same motion, if
+    there is one, and how far the others lead from the run.
+
+    Args:
+        path: the run.
+        errors: its stated errors in each of APART at those samples up to which it predicts, (4, n).
+        other_order: makes the run with the other order.
+        instance: of the manifest.
+        may: rad, or in L: motions nearer than that to the run are as good.
+
+    Returns:
+        One doubt in words or none, and an array (4, n).
+    """
+    n, least = errors.shape[1], may * np.array([[instance["scales"]["length"]], [1.0]])
+    found = np.zeros((len(APART), n))
+    for tie in ties[:MOST]:
+        other = other_order(tie)
+        if other is None or len(other.t) < n:
+            return [undecided(*tie)], found
+        apart = apart_of(path, other, n, instance)[: len(APART)]
+        if np.all(apart[:2] <= np.maximum(errors[:2], least)):
+            found = np.maximum(found, apart)
+            continue
+        where = f"{apart[0].max():.2g} m and {apart[1].max():.2g} rad elsewhere"
+        return [f"{undecided(*tie)}; in the other order bodies come {where}"], found
+    return [undecided(*ties[MOST])] if len(ties) > MOST else [], found
+
+
+def reversing_change(session: Session, tie: Tie) -> Change | None:
+    """When and what to add to the coordinates q of a run so that two of its impacts come in the other order:
+    the least move of the bodies that they strike, along the gradient of the time between them.
+
+    Args:
+        session: the run at `LEAD` times the time between the impacts before the first of them.
+    """
+    first, second = tie
+    names, between, state = [_known(event) for event in tie], second.t - first.t, session.save()
+    if names[0] == names[1]:
+        return None
+    moment, size = float(session.run.t), between * max(first.speed, second.speed)
+
+    def late(change: Array) -> float:
+        session.load(state)
+        session.x[: len(change)] += change
+        return _between(session, names, second.t + LEAD * SPAN * between)
+
+    moves = [*_moves(session, tie)]
+    slopes = np.array([(late(size * move) - late(-size * move)) / (2 * size) for move in moves])
+    if not np.all(np.isfinite(slopes)) or not slopes.any():
+        return None
+    least = sum(slope * move for slope, move in zip(slopes, moves, strict=True)) / (slopes @ slopes)
+    for times in range(1, SPAN):
+        change = -(1 + times) * between * least
+        if late(change) < 0:
+            return moment, change
+    return None
+
+
+def _moves(session: Session, tie: Tie) -> Iterator[Array]:
+    """Moves of the bodies that either impact strikes along each axis and about it, by some 1 m, as changes of
+    q."""
+    instance = session.instance
+    struck = bodies_by_contact(instance)
+    for body in sorted(struck[tie[0].contact] | struck[tie[1].contact]):
+        entry = instance["bodies"][body]
+        for k in range({"free": 6, "point": 3}.get(entry["motion"], 0)):
+            change = np.zeros(instance["n_q"])
+            if k < 3:
+                change[entry["q"] + k] = 1.0
+            else:
+                e = session.x[entry["q"] + 3 : entry["q"] + 7].astype(float)
+                turn = np.eye(3)[k - 3] / instance["scales"]["length"]
+                change[entry["q"] + 3 : entry["q"] + 7] = (
+                    np.array([-e[1:] @ turn, *(e[0] * turn + np.cross(turn, e[1:]))]) / 2
+                )
+            yield change
+
+
+def _between(session: Session, names: Sequence[tuple[str, str]], until: float) -> float:
+    """s: the time from the first to the second of two impacts in a run that goes on; NaN if it misses one."""
+    record, found = session.tables.Record(), dict[tuple[str, str], float]()
+    code, steps = CONTINUE, 0
+    while code in (CONTINUE, FULL) and len(found) < 2 and steps < STEPS:
+        code, steps = session.advance(until, 1, record), steps + 1
+        for event in session.drain_events():
+            if event.speed > 0 and _known(event) in names:
+                found.setdefault(_known(event), event.t)
+    return found[names[1]] - found[names[0]] if len(found) == 2 else np.nan
+
+
+def _known(event: Event) -> tuple[str, str]:
+    """What a blow is known by: the contacts of a pair are numbered as they appear."""
+    pair, several, _ = event.contact.partition(NUMBER)
+    return pair, event.features if several else ""

@@ -34,6 +34,12 @@ def motions_compared(a: Mapping[str, Array], b: Mapping[str, Array], instance: M
     )
 
 
+def apart_of(a: Trajectory, b: Trajectory, n: int, instance: Mapping[str, Any]) -> Array:
+    """`motions_compared` of the first n samples of two runs."""
+    mine, theirs = ({key: getattr(run, key)[:n] for key in MOTION} for run in (a, b))
+    return motions_compared(mine, theirs, instance)
+
+
 def distance_between(a: Array, b: Array, bodies: Sequence[int]) -> Array:
     """(n,): the largest distance of the vectors (.., nb, 3) of some bodies at the samples that both have."""
     n, chosen = min(len(a), len(b)), list(bodies)

@@ -145,14 +145,30 @@ def repeated(library: Library, accuracy: Accuracy, schedule: Schedule) -> Trajec
     return with_trust(path, _estimate(library, accuracy, schedule, path, None), accuracy, instance)
 
 
-def _path(session: Session, schedule: Schedule, times: Array, report: Report, most: int = 0) -> Trajectory:
-    """One run, with samples at `times`, of at most `most` steps, if that is not 0."""
+def _path(
+    session: Session,
+    schedule: Schedule,
+    times: Array,
+    report: Report,
+    most: int = 0,
+    change: tuple[float, Array] | None = None,
+) -> Trajectory:
+    """One run, with samples at `times`, of at most `most` steps, if that is not 0. `change`: a time, s, at
+    which so much is added to its coordinates q."""
     started = time.perf_counter()
     session.input[:] = schedule[0][1]
     begin(session)
     session.run.steps_max = most
     recording = Recording(session, times)
-    ending = _run(session, schedule, recording, report)
+    ending = Ending(Outcome.DONE, [])
+    if change is not None:
+        at = bisect_left([end for end, _ in schedule], change[0])
+        ending = _run(session, [*schedule[:at], (change[0], schedule[at][1])], recording, report)
+        session.x[: len(change[1])] += change[1]
+        schedule = schedule[at:]
+    if ending.outcome is Outcome.DONE:
+        rest = _run(session, schedule, recording, report)
+        ending = rest._replace(events=[*ending.events, *rest.events])
     recording.end()
     return trajectory_of(
         session,
@@ -185,7 +201,8 @@ def _estimate(
         most = steps_max(accuracy, path.steps, path.rejected)
         found = _path(twin, followed, path.t, report, most)
         finer = partial(_finer, library, accuracy, followed, found)
-        return estimate_of(path, found, accuracy, instance, finer=finer)
+        other = partial(in_other_order, library, accuracy, schedule, path)
+        return estimate_of(path, found, accuracy, instance, finer=finer, other_order=other)
     except SimulationError as refused:
         why = f"the companion run did not start: {refused}"
         return estimate_of(path, None, accuracy, instance, why)
@@ -206,6 +223,26 @@ def _finer(
         return _path(session, schedule, twin.t[twin.t <= schedule[-1][0]], None, THIRD * twin.steps)
     except SimulationError:
         return None
+
+
+def in_other_order(
+    library: Library, accuracy: Accuracy, schedule: Schedule, path: Trajectory, tie: tuple[Event, Event]
+) -> Trajectory | None:
+    """The run with two of its impacts in the other order, or None where no small change brings that about."""
+    from modelgen.runtime.order_of_impacts import LEAD, reversing_change  # few runs need it
+
+    before = tie[0].t - LEAD * (tie[1].t - tie[0].t)
+    until = bisect_left([end for end, _ in schedule], before)
+    if before <= 0:
+        return None
+    first = [*schedule[:until], (before, schedule[until][1])]
+    session = Session(library, accuracy)
+    if _path(session, first, path.t[:1], None, 2 * path.steps).outcome is not Outcome.DONE:
+        return None
+    change = reversing_change(session, tie)
+    if change is None:
+        return None
+    return _path(Session(library, accuracy), schedule, path.t, None, THIRD * path.steps, change)
 
 
 def _followed(schedule: Schedule, path: Trajectory, accuracy: Accuracy) -> Schedule:

@@ -116,6 +116,8 @@ class Thresholds:
         companion_cost: the companion stops, and the run is not trusted, where its steps, with those that were
             rejected, exceed this times those of the run, and 100.
         prediction_error_max: rad, or in L: above this estimated error nothing is predicted.
+        order_error_max: rad, or in L: the order of two impacts that is within the error is no doubt if both
+            orders lead to motions that are nearer to each other than this, and the stated error covers both.
         gap_error_max: a run is not trusted if the gap of a closed contact, or a penetration, exceeded this
             times L.
         energy_error_max: a run is not trusted if its energy drift and the energy of corrections of positions,
@@ -130,7 +132,7 @@ class Thresholds:
 
     stepping_theta: float = 0.5
     stepping_tolerance: float = 1e-6
-    stepping_residual: float = 1e-2
+    stepping_residual: float = 5e-2
     fallback_progress: float = 1e-2
     fallback_step: float = 1e-4
     chatter_step: float = 1e-2
@@ -190,6 +192,7 @@ class Thresholds:
     step_fraction: float = 1.0
     companion_cost: float = 10.0
     prediction_error_max: float = 1e-2
+    order_error_max: float = 1e-4
     gap_error_max: float = 1e-9
     energy_error_max: float = 1e-6
     complementarity_error_max: float = 1e-6

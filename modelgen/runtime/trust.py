@@ -7,6 +7,8 @@ from dataclasses import replace
 from math import inf
 from typing import Any
 
+import numpy as np
+
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.error_statement import Estimate
 from modelgen.runtime.trajectory import Outcome, Trajectory
@@ -44,7 +46,8 @@ def _doubts(
     if path.outcome is not Outcome.DONE:
         yield f"it ended early: {path.outcome.name.lower()}"
     told = _figures(path, accuracy, instance)
-    yield from (told[kind] for kind in FIGURES if kind in path.doubt_kinds)
+    covered = () if estimate is None else tuple(_covered(path, estimate, instance))
+    yield from (told[kind] for kind in FIGURES if kind in path.doubt_kinds and kind not in covered)
     for each in path.over_edges:
         surface, other = each.between
         found = f"passed through {other} (t = {each.t:.6g} s)"
@@ -54,6 +57,26 @@ def _doubts(
     reasons = tuple(uncertified(path)) if estimate is None else estimate.uncertified
     if reasons:
         yield f"uncertified: {'; '.join(reasons)}"
+
+
+def _covered(path: Trajectory, estimate: Estimate, instance: Mapping[str, Any]) -> Iterator[str]:
+    """Those of FIGURES that are no larger than the stated error of a run allows: a penetration less deep than
+    bodies may be elsewhere at that time, a drift of the energy that errors of velocities make.
+
+    With the largest speeds v_b of bodies of masses m_b, the largest kinetic energy is taken as the sum of
+    m_b v_b^2, and any body may have lost all of the drift.
+    """
+    if estimate.horizon is not None or estimate.uncertified or not np.isfinite(estimate.position[-1]):
+        return
+    before = max(int(np.searchsorted(path.t, path.penetration_t, side="right")) - 1, 0)
+    if path.penetration_max <= estimate.position[before]:
+        yield "penetration"
+    moving = [k for k, body in enumerate(instance["bodies"]) if body["motion"] in ("point", "free")]
+    mass = np.array([1 / instance["bodies"][k]["mass_inverse"][0] for k in moving])
+    speed = np.linalg.norm(path.v[:, moving], axis=2).max(axis=0)
+    drift, error = path.energy_drift + path.correction_energy, float(estimate.velocity[-1])
+    if drift * float(mass @ speed**2) <= float((mass * speed).min(initial=np.inf)) * error:
+        yield "energy"
 
 
 def _figures(path: Trajectory, accuracy: Accuracy, instance: Mapping[str, Any]) -> Mapping[str, str]:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cache
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -141,3 +142,37 @@ def test_energy_within_rounding_is_trusted(height: float) -> None:
     assert run.is_trusted, run.doubts
     assert run.energy_drift > 1e-7
     assert path().energy_rounding < 1e-12
+
+
+def stated(position: float, velocity: float) -> Trajectory:
+    """The run with other stated errors, the same at all samples."""
+    estimate = path().estimate
+    assert estimate is not None
+    n = len(path().t)
+    changed = replace(estimate, position=np.full(n, position), velocity=np.full(n, velocity))
+    return replace(path(), estimate=changed)
+
+
+@given(size=st.floats(-12, -3), part=st.sampled_from([0.5, 2.0]))
+def test_a_penetration_that_the_stated_error_allows_is_no_doubt(size: float, part: float) -> None:
+    deep = 10.0**size
+    run = replace(
+        stated(deep / part, 1.0), penetration_max=deep, penetration_t=0.2, doubt_kinds=("penetration",)
+    )
+    assert bool(doubted(run)) == (part > 1)
+
+
+@given(size=st.floats(-9, -2), part=st.sampled_from([0.5, 2.0]))
+def test_a_drift_of_the_energy_that_the_stated_error_allows_is_no_doubt(size: float, part: float) -> None:
+    drift, fastest = 10.0**size, float(np.linalg.norm(path().v[:, 1], axis=1).max())
+    run = replace(stated(1.0, drift * fastest / part), energy_drift=drift, doubt_kinds=("energy",))
+    assert bool(doubted(run)) == (part > 1)
+
+
+def test_a_run_that_is_doubted_otherwise_tells_them_all() -> None:
+    run = stated(1.0, 1.0)
+    assert run.estimate is not None
+    run = replace(
+        run, estimate=replace(run.estimate, uncertified=("x",)), doubt_kinds=("energy", "penetration")
+    )
+    assert len(doubted(run)) == 3
