@@ -17,6 +17,7 @@ FIELDS = {*REPORT_COUNTS, *REPORT_REALS, *REPORT_INTEGERS, "exceeded", "exceeded
 WRITER = "model/run_report.c"
 READERS = {  # beside the writer, and why
     "run/doubts.c": "judges the run",
+    "timestep/fallback.c": "asks whether a contact follows the points at which the run ended",
     "sensitivity/advance_tangent.c": "derivatives end where a step has fallen back or passed a singularity",
     "forces/diagnostics.c": "asks whether a margin is the least so far before it asks whether it counts",
     "forces/joint_rank.c": "compares with the joints of the step before, if there was one",

@@ -173,11 +173,17 @@ def test_inputs_are_fitted() -> None:
 
 
 def test_uncertain_derivatives_are_counted_and_told() -> None:
-    """Bounces that are cut off: the verdict is undecided from the first rest on."""
-    motion = Motion(BOUNCE, ("ball.position",), {"ball.position": 1e-3}, ("restitution",), 2.4)
+    """A ball that strikes a wall and the floor at one time: the verdict is undecided from then on."""
+    wall = '[[body]]\nname = "wall"\nmotion = "fixed"\nrpy = [0.0, "pi/2", 0.0]\nshape = { kind = "plane" }\n'
+    text = BOUNCE.replace("position = [0.0,", "position = [0.35,").replace(
+        "[1.0, 0.2, 0.0]", "[-1.0, 0.2, -1.0]"
+    )
+    text = "gravity = [0.0, 0.0, 0.0]\n" + text + wall + '[[contact]]\nbetween = ["ball", "wall"]\n'
+    text += 'restitution = "restitution"\n'
+    motion = Motion(text, ("ball.position",), {"ball.position": 1e-3}, ("restitution",), 0.6)
     found = fit(motion.library, motion.recording(1), by=motion.by, parameters={"restitution": 0.6})
     here = found.counts_at_solution
     assert here.certain + here.confirmed + here.differences + here.kept == motion.rows
     assert here.certain < motion.rows
     assert any("derivatives are not certain" in note for note in found.notes)
-    assert found["restitution"] == pytest.approx(0.7, abs=1e-3)
+    assert found["restitution"] == pytest.approx(0.7, abs=1e-2)
