@@ -98,25 +98,17 @@ def estimate_of(
             compared = apart_of(path, twin, n, instance)
         compared = _without_blows(path, common, compared[:, :n], safe)
         errors[:, :n] = _errors(path, compared, safe, instance)
-        predicted = _predicted(errors, n, length, accuracy)
         told = _told(path.events, slow), _told(twin.events, slow)
         pairs, bodies = in_pairs(*told), bodies_by_contact(instance)
-        end, error = float(path.t[predicted - 1]), float(errors[0, predicted - 1])
-        ties = undecided_impacts(pairs, instance, ORDERED, error, end)
-        if ties and finer is not None:
-            from modelgen.runtime.order_of_impacts import ties_left  # few runs need it
-
-            ties = ties_left(common, twin, ties, finer, ORDERED)
-        doubts = [*_order(ties)]
-        if ties and other_order is not None:
-            from modelgen.runtime.order_of_impacts import led_elsewhere
-
-            may = accuracy.thresholds.order_error_max
-            doubts, apart = led_elsewhere(path, ties, errors[:, :predicted], other_order, instance, may)
-            compared[: len(APART), :predicted] = np.maximum(compared[: len(APART), :predicted], apart)
+        first = errors[:, : _predicted(errors, n, length, accuracy)]
+        doubts, apart = _orders(path, twin, common, pairs, first, accuracy, instance, finer, other_order)
+        if apart is not None:
+            compared[: len(APART), : first.shape[1]] = np.maximum(
+                compared[: len(APART), : first.shape[1]], apart
+            )
             errors[:, :n] = _errors(path, compared, safe, instance)
-            predicted = _predicted(errors, n, length, accuracy)
-            end, error = float(path.t[predicted - 1]), float(errors[0, predicted - 1])
+        predicted = _predicted(errors, n, length, accuracy)
+        end, error = float(path.t[predicted - 1]), float(errors[0, predicted - 1])
         modes = modes_apart(path.events, twin.events, instance, end, _unloaded(path, twin))
         agreed = _agreed(common, bodies)
         times, unmatched = _events(pairs, alone(*told, pairs), modes, agreed, bodies, brief, error, end)
@@ -307,6 +299,31 @@ def _reasons(path: Trajectory, twin: Trajectory | None, missing: str, brief: flo
     yield from uncertified(path, 0.0 if twin is None else brief)
 
 
-def _order(ties: Sequence[tuple[Event, Event]]) -> Iterator[str]:
-    for first, second in ties[:1]:
-        yield undecided(first, second)
+def _orders(
+    path: Trajectory,
+    twin: Trajectory,
+    common: Pairs,
+    pairs: Pairs,
+    errors: Array,
+    accuracy: Accuracy,
+    instance: Mapping[str, Any],
+    finer: Finer | None,
+    other_order: OtherOrder | None,
+) -> tuple[list[str], Array | None]:
+    """The doubts about the order of impacts, and how far the run is from those in which two of them come in
+    the other order where that is no doubt, (4, n); None where none was made.
+
+    `common` and `pairs`: the events that both runs have, all and without slow blows. `errors`: those stated
+    in each of APART at the samples that are predicted, (4, n).
+    """
+    last = errors.shape[1] - 1
+    ties = undecided_impacts(pairs, instance, ORDERED, float(errors[0, last]), float(path.t[last]))
+    if not ties:
+        return [], None
+    from modelgen.runtime.order_of_impacts import led_elsewhere, ties_left  # few runs need it
+
+    if finer is not None:
+        ties = ties_left(common, twin, ties, finer, ORDERED)
+    if not ties or other_order is None:
+        return [undecided(*tie) for tie in ties[:1]], None
+    return led_elsewhere(path, ties, errors, other_order, instance, accuracy.thresholds.order_error_max)
