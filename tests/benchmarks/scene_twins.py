@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from copy import deepcopy
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -85,7 +84,7 @@ def mirrored(tables: Tables) -> Twin:
 
 def reordered(tables: Tables) -> Twin:
     """The same scene with bodies, contacts and joints written the other way round."""
-    twin = deepcopy(tables)
+    twin = _copied(tables)
     for key in ("body", "contact", "joint"):
         twin[key] = twin.get(key, [])[::-1]
     for contact in twin["contact"]:
@@ -96,7 +95,7 @@ def reordered(tables: Tables) -> Twin:
 def tilted(tables: Tables, by: float, seed: int) -> Twin:
     """The same scene, with gravity and velocities that differ by a small part in random directions: impacts
     whose order is left open may come in the other one."""
-    twin, random = deepcopy(tables), np.random.default_rng(seed)
+    twin, random = _copied(tables), np.random.default_rng(seed)
     gravity = np.array(_gravity(tables))
     size = np.linalg.norm(gravity) or 1.0
     twin["gravity"] = [float(each) for each in gravity + by * size * random.normal(size=3)]
@@ -137,10 +136,17 @@ def _mirrored(q: Array) -> Array:
     return np.asarray(q) * [1.0, -1.0, 1.0, -1.0]
 
 
+def _copied(value: Any) -> Any:
+    """Tables of their own for each entry; in a scene several bodies may have one table for their shape."""
+    if isinstance(value, dict):
+        return {key: _copied(each) for key, each in value.items()}
+    return [_copied(each) for each in value] if isinstance(value, list) else value
+
+
 def _mapped(tables: Tables, polar: Array, axial: Array, turned: Callable[[Array], Array]) -> Tables:
     """The scene with positions, velocities, forces and gravity mapped by `polar`, and angular velocities and
     torques by `axial`, which keeps their size."""
-    twin = deepcopy(tables)
+    twin = _copied(tables)
     twin["gravity"] = (polar @ _gravity(tables)).tolist()
     for body in twin["body"]:
         _place(body, polar, turned)

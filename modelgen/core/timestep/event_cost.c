@@ -13,7 +13,7 @@ enum {
   MG_WORK_RATIO = 4,             /* events may cost so many times as much as time-stepping */
   MG_EVALUATIONS_OF_STEP = 5,    /* right-hand sides that cost as much as a step of time-stepping */
   MG_EVALUATIONS_OF_EVENT = 40,  /* right-hand sides of a step that ends in an event, as a rule */
-  MG_EVALUATIONS_OF_PATCH = 50,  /* equations of one contact that cost as much as the pressure of a planar contact */
+  MG_EVALUATIONS_OF_PATCH = 15,  /* equations of one contact that cost as much as the pressure of a planar contact */
   MG_CELLS_PER_EVALUATION = 4,   /* pairs of cells of a search that cost as much as one contact's equations */
   MG_PIVOTS_PER_EVALUATION = 300 /* cubes of the number of forces that do */
 };
