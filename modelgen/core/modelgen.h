@@ -481,7 +481,7 @@ enum {
   MG_EVENT_IMPACT = 0,          /* an impact from which the contact separates */
   MG_EVENT_TOUCH_DOWN = 1,      /* the contact closes and stays closed */
   MG_EVENT_LIFT_OFF = 2,        /* the contact opens */
-  MG_EVENT_MARGIN = 3,          /* the margin of the contact ended the run */
+  MG_EVENT_MARGIN = 3,          /* the contact came too near to a singularity to be followed */
   MG_EVENT_FEATURE_CHANGE = 4,  /* the contact changes to another feature pair */
   MG_EVENT_APPEAR = 5,          /* a search has found new closest points, which the contact follows */
   MG_EVENT_VANISH = 6,          /* the closest points of the contact have ceased to exist */

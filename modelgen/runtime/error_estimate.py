@@ -279,7 +279,7 @@ def _alone(unmatched: Sequence[Event]) -> str:
         return ""
     first = min(unmatched, key=lambda event: event.t)
     what = f"the first is a {first.kind} at {first.contact} (t = {first.t:.6g} s)"
-    return f"{len(unmatched)} are in the run or in its companion only: {what}"
+    return f"{len(unmatched)} events are in the run or in its companion only: {what}"
 
 
 def _reasons(path: Trajectory, twin: Trajectory | None, missing: str, brief: float) -> Iterator[str]:

@@ -71,7 +71,7 @@ class Estimate:
         if self.horizon is not None:
             parts = [f"beyond predictable horizon ({self.horizon:.6g} s)", f"{parts[0]} up to there"]
         parts += [f"uncertified: {reason}" for reason in self.uncertified]
-        return "; ".join([*parts, *([f"events: {self.events_doubt}"] if self.events_doubt else [])])
+        return "; ".join([*parts, *([self.events_doubt] if self.events_doubt else [])])
 
     def as_json(self) -> dict[str, Any]:
         """The entry `estimate` of a summary; errors of samples are those at the last that is predicted."""

@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 from modelgen.runtime.trajectory import FALLBACK_EVENTS, LOAD_SWITCH, SEARCH_EVENTS, Event
 
 BLOWS = ("impact", "touch-down")  # the last blow of a bounce that settles is a touch-down
-NO_MODES = (*SEARCH_EVENTS, *FALLBACK_EVENTS)
+NO_MODES = (*SEARCH_EVENTS, *FALLBACK_EVENTS, "near-singular")
 TOUCH = "touch"
 FEATURE = "feature"
 LOAD = LOAD_SWITCH.partition("-")[0]

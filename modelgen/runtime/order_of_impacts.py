@@ -10,6 +10,7 @@ order: from just before them, where the bodies that they strike are moved by as 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -22,12 +23,15 @@ from modelgen.runtime.trajectory import Event, Trajectory
 
 Tie = tuple[Event, Event]
 Finer = Callable[[float], Trajectory | None]  # the companion's companion up to a time, s; None: not to be had
+Place = tuple[tuple[str, str], int]  # what a blow is known by, and its number among those
 Change = tuple[float, Array]  # s, when a run is changed, and by what its coordinates q are
 OtherOrder = Callable[[Tie], Trajectory | None]  # the run with two impacts in the other order, or None
 MOST = 3  # ties of a run that are looked at
 LEAD = 4.0  # times the time between two impacts: how long before them the run is changed
 SPAN = 4  # least moves by which the order is tried to be reversed, and of `LEAD` how long both are looked for
 STEPS = 200  # of a trial
+PART = 1e-2  # of the move by which one impact is late: by what the gradient is taken
+SAME = 1e-2  # relative; a run that is made again has the time between two impacts so nearly
 
 
 def ties_left(common: Pairs, twin: Trajectory, ties: Sequence[Tie], finer: Finer, safe: float) -> list[Tie]:
@@ -83,7 +87,7 @@ def led_elsewhere(
     found = np.zeros((len(APART), n))
     for tie in ties[:MOST]:
         other = other_order(tie)
-        if other is None or len(other.t) < n:
+        if other is None or len(other.t) < n or not np.array_equal(other.t[:n], path.t[:n]):
             return [undecided(*tie)], found
         apart = apart_of(path, other, n, instance)[: len(APART)]
         if np.all(apart[:2] <= np.maximum(errors[:2], least)):
@@ -94,25 +98,33 @@ def led_elsewhere(
     return [undecided(*ties[MOST])] if len(ties) > MOST else [], found
 
 
-def reversing_change(session: Session, tie: Tie) -> Change | None:
+def is_reversed(path: Trajectory, other: Trajectory, tie: Tie) -> bool:
+    """Whether two impacts of a run come in the other order in another one."""
+    first, second = (_nth_blow(other.events, *_place(path.events, event)) for event in tie)
+    return first is not None and second is not None and second.t < first.t
+
+
+def reversing_change(session: Session, path: Trajectory, tie: Tie) -> Change | None:
     """When and what to add to the coordinates q of a run so that two of its impacts come in the other order:
     the least move of the bodies that they strike, along the gradient of the time between them.
 
     Args:
         session: the run at `LEAD` times the time between the impacts before the first of them.
+        path: the run, up to its end.
     """
     first, second = tie
-    names, between, state = [_known(event) for event in tie], second.t - first.t, session.save()
-    if names[0] == names[1]:
-        return None
-    moment, size = float(session.run.t), between * max(first.speed, second.speed)
+    between, state, moment = second.t - first.t, session.save(), float(session.run.t)
+    later = [event for event in path.events if event.t > moment]
+    places, size = [_place(later, event) for event in tie], PART * between * max(first.speed, second.speed)
 
     def late(change: Array) -> float:
         session.load(state)
         session.x[: len(change)] += change
-        return _between(session, names, second.t + LEAD * SPAN * between)
+        return _between(session, places, second.t + LEAD * SPAN * between)
 
     moves = [*_moves(session, tie)]
+    if not abs(late(0 * moves[0]) - between) <= SAME * between:
+        return None
     slopes = np.array([(late(size * move) - late(-size * move)) / (2 * size) for move in moves])
     if not np.all(np.isfinite(slopes)) or not slopes.any():
         return None
@@ -144,19 +156,32 @@ def _moves(session: Session, tie: Tie) -> Iterator[Array]:
             yield change
 
 
-def _between(session: Session, names: Sequence[tuple[str, str]], until: float) -> float:
+def _between(session: Session, places: Sequence[Place], until: float) -> float:
     """s: the time from the first to the second of two impacts in a run that goes on; NaN if it misses one."""
-    record, found = session.tables.Record(), dict[tuple[str, str], float]()
+    record, events = session.tables.Record(), list[Event]()
+    found: list[Event | None] = [None, None]
     code, steps = CONTINUE, 0
-    while code in (CONTINUE, FULL) and len(found) < 2 and steps < STEPS:
+    while code in (CONTINUE, FULL) and None in found and steps < STEPS:
         code, steps = session.advance(until, 1, record), steps + 1
-        for event in session.drain_events():
-            if event.speed > 0 and _known(event) in names:
-                found.setdefault(_known(event), event.t)
-    return found[names[1]] - found[names[0]] if len(found) == 2 else np.nan
+        events += session.drain_events()
+        found = [_nth_blow(events, *place) for place in places]
+    first, second = found
+    return np.nan if first is None or second is None else second.t - first.t
 
 
 def _known(event: Event) -> tuple[str, str]:
     """What a blow is known by: the contacts of a pair are numbered as they appear."""
     pair, several, _ = event.contact.partition(NUMBER)
     return pair, event.features if several else ""
+
+
+def _place(events: Sequence[Event], blow: Event) -> Place:
+    """What a blow is known by, and how many such blows there are up to it."""
+    known = _known(blow)
+    return known, sum(each.speed > 0 and each.t <= blow.t and _known(each) == known for each in events)
+
+
+def _nth_blow(events: Sequence[Event], known: tuple[str, str], n: int) -> Event | None:
+    """The n-th blow that is known by `known`, or None."""
+    alike = (each for each in events if each.speed > 0 and _known(each) == known)
+    return next(islice(alike, n - 1, None), None)

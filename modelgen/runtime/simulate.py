@@ -229,20 +229,28 @@ def in_other_order(
     library: Library, accuracy: Accuracy, schedule: Schedule, path: Trajectory, tie: tuple[Event, Event]
 ) -> Trajectory | None:
     """The run with two of its impacts in the other order, or None where no small change brings that about."""
-    from modelgen.runtime.order_of_impacts import LEAD, reversing_change  # few runs need it
+    from modelgen.runtime.order_of_impacts import LEAD, is_reversed, reversing_change  # few runs need it
 
     before = tie[0].t - LEAD * (tie[1].t - tie[0].t)
     until = bisect_left([end for end, _ in schedule], before)
     if before <= 0:
         return None
-    first = [*schedule[:until], (before, schedule[until][1])]
-    session = Session(library, accuracy)
-    if _path(session, first, path.t[:1], None, 2 * path.steps).outcome is not Outcome.DONE:
+    try:
+        session = Session(library, accuracy)
+        first = _path(
+            session, [*schedule[:until], (before, schedule[until][1])], path.t[:1], None, THIRD * path.steps
+        )
+        change = reversing_change(session, path, tie) if first.outcome is Outcome.DONE else None
+        if first.interrupted:
+            raise KeyboardInterrupt
+        if change is None:
+            return None
+        made = _path(Session(library, accuracy), schedule, path.t, None, THIRD * path.steps, change)
+    except SimulationError:
         return None
-    change = reversing_change(session, tie)
-    if change is None:
-        return None
-    return _path(Session(library, accuracy), schedule, path.t, None, THIRD * path.steps, change)
+    if made.interrupted:
+        raise KeyboardInterrupt
+    return made if is_reversed(path, made, tie) else None
 
 
 def _followed(schedule: Schedule, path: Trajectory, accuracy: Accuracy) -> Schedule:

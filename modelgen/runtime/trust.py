@@ -61,21 +61,29 @@ def _doubts(
 
 def _covered(path: Trajectory, estimate: Estimate, instance: Mapping[str, Any]) -> Iterator[str]:
     """Those of FIGURES that are no larger than the stated error of a run allows: a penetration less deep than
-    bodies may be elsewhere at that time, a drift of the energy that errors of velocities make.
+    bodies may be elsewhere at that time, a drift of the energy that errors of velocities and spins make.
 
-    With the largest speeds v_b of bodies of masses m_b, the largest kinetic energy is taken as the sum of
-    m_b v_b^2, and any body may have lost all of the drift.
+    The largest kinetic energy is taken as twice the sum of those of each body at its fastest sample, with its
+    largest moment of inertia, and any body may have lost all of the drift.
     """
     if estimate.horizon is not None or estimate.uncertified or not np.isfinite(estimate.position[-1]):
         return
     before = max(int(np.searchsorted(path.t, path.penetration_t, side="right")) - 1, 0)
     if path.penetration_max <= estimate.position[before]:
         yield "penetration"
-    moving = [k for k, body in enumerate(instance["bodies"]) if body["motion"] in ("point", "free")]
-    mass = np.array([1 / instance["bodies"][k]["mass_inverse"][0] for k in moving])
-    speed = np.linalg.norm(path.v[:, moving], axis=2).max(axis=0)
-    drift, error = path.energy_drift + path.correction_energy, float(estimate.velocity[-1])
-    if drift * float(mass @ speed**2) <= float((mass * speed).min(initial=np.inf)) * error:
+    largest, may = 0.0, np.inf
+    for k, body in enumerate(instance["bodies"]):
+        if body["motion"] not in ("point", "free"):
+            continue
+        mass, speed = 1 / body["mass_inverse"][0], float(np.linalg.norm(path.v[:, k], axis=1).max())
+        largest, changed = largest + mass * speed**2, mass * speed * float(estimate.velocity[-1])
+        if body["motion"] == "free":
+            inertia = 1 / np.linalg.eigvalsh(np.reshape(body["mass_inverse"][1:], (3, 3)))
+            spin = float(np.linalg.norm(path.w[:, k], axis=1).max())
+            largest += inertia.max() * spin**2
+            changed += inertia.min() * spin * float(estimate.spin[-1])
+        may = min(may, changed)
+    if 0 < (path.energy_drift + path.correction_energy) * largest <= may < np.inf:
         yield "energy"
 
 

@@ -68,3 +68,12 @@ def test_a_cylinder_that_clatters_flat_on_a_box_goes_on(seed: int) -> None:
     assert path.outcome is Outcome.DONE
     assert any("a contact was found too late" in warning for warning in path.warnings)
     assert path.penetration_max < 1e-5
+
+
+def test_a_ring_that_lands_flat_goes_on() -> None:
+    """All around it is equally near to the floor for a moment, and its contact singular."""
+    tables = drawn("thin and spline shapes", 57)
+    path = simulate(library_of(scene_from_tables("ring", tables, "<drawn>")))
+    assert path.is_trusted
+    assert any("too near to a singularity" in warning for warning in path.warnings)
+    assert path.outcome_contact == ""

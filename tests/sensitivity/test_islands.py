@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import casadi
 import numpy as np
 import pytest
 
+import modelgen
 from modelgen import gradient, sensitivity
+from modelgen.runtime.gradient import CROSSING
 from modelgen.scene.read import read_text
 from tests.sensitivity.differences import differentiable
 
@@ -99,3 +103,22 @@ def test_gradients_go_back_over_events_in_several_islands(kinds: tuple[str, str]
     assert found.verdict
     assert found.forward_difference < 1e-9
     assert found.gradient == pytest.approx(weights @ forward.jacobian[0], rel=1e-7, abs=1e-7)
+
+
+def test_more_islands_than_are_told_apart_have_no_derivatives() -> None:
+    numbers = {"density": 500.0, "z": 0.5, "v": 0.3, "w": 0.0, "mu": 0.2, "e": 0.5}
+    template, given = PARTS["balls"]
+    text = WORLD + "".join(
+        template.format(name=name, x=k, **given, **numbers) for k, name in enumerate("abcde")
+    )
+    found = sensitivity(
+        differentiable(read_text(text, "s.toml")), [0.2, 0.45], of=of(*"abcde"), by=["e.velocity"]
+    )
+    assert found.verdicts[0]
+    assert found.verdicts[1].reason == "several events happen at one time"
+    assert np.all(np.isnan(found.jacobian[1]))
+
+
+def test_the_tape_has_the_room_that_the_core_needs() -> None:
+    header = (Path(modelgen.__file__).parent / "core" / "modelgen.h").read_text()
+    assert f"#define MG_TAPE_CROSSING {CROSSING} " in header

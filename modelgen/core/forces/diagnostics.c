@@ -76,7 +76,7 @@ MG_INTERNAL int mg_check_margins(mg_context *c, mg_events *events) {
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (mg_is_contact_singular(c, i)) {
       mg_report_failed_contact(c->run, i);
-      mg_apply_contact_transition(c, events, i, MG_ENDS_RUN, c->run->t, 0);
+      mg_apply_contact_transition(c, events, i, MG_NEARS_SINGULARITY, c->run->t, 0);
       return MG_MARGIN;
     }
   return MG_DONE;

@@ -24,7 +24,7 @@ static const struct {
     [MG_CONTACT_VANISHES] = {0, MG_EVENT_VANISH},
     [MG_PATCH_BEGINS] = {MG_MODE_UNCHANGED, MG_EVENT_FACE_CONTACT},
     [MG_PATCH_TURNS_OVER_EDGE] = {MG_MODE_UNCHANGED, MG_EVENT_TIPPING},
-    [MG_ENDS_RUN] = {MG_MODE_UNCHANGED, MG_EVENT_MARGIN},
+    [MG_NEARS_SINGULARITY] = {MG_MODE_UNCHANGED, MG_EVENT_MARGIN},
 };
 
 MG_INTERNAL void mg_append_event(const mg_context *c, mg_events *events, mg_real t, int kind, int contact,

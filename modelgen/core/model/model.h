@@ -18,7 +18,7 @@ enum {
   MG_CONTACT_APPEARS,      /* a search has found new closest points */
   MG_FEATURE_CHANGES,      /* the contact changes to another feature pair */
   MG_CONTACT_VANISHES,     /* the closest points have ceased to exist */
-  MG_ENDS_RUN,             /* the contact is singular and ends the run */
+  MG_NEARS_SINGULARITY,    /* the contact is too near to a singularity to be followed */
   MG_PATCH_BEGINS,         /* first support point: the patch rests */
   MG_PATCH_TURNS_OVER_EDGE /* first support point: the patch turns over an edge */
 };

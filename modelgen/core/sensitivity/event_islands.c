@@ -41,8 +41,8 @@ static int mg_crossed_function(const mg_context *c, int kind, int contact) {
   return (kind - MG_EVENT_SLIP_START) % MG_EVENTS_PER_FRICTION ? MG_CROSSES_SLIP : MG_CROSSES_BOUND;
 }
 
-/* True if no other contact has struck the bodies of a contact since it did: the bounces that it makes by itself end,
-   however short they become, as one series of numbers does, and their sum has derivatives. */
+/* True if no other contact has struck the bodies of a contact since it did: its bounces form one geometric series,
+   whose sum has derivatives however early it is cut off. */
 static int mg_bounces_alone(const mg_context *c, int contact) {
   const int bodies[2] = {c->contacts.o[contact], c->contacts.f[contact]};
   for (int side = 0; side < 2; side++)
@@ -67,18 +67,17 @@ static int mg_island_of_event(const mg_context *c, const mg_sensitivity *s, int 
   return s->island[mg_is_moved_by_forces(c, a) || b < 0 ? a : b];
 }
 
-/* The crossing of an island, a new one if it has none. */
+/* The crossing of an island, a new one if it has none, or null where there are too many. */
 static mg_crossing *mg_crossing_of_island(mg_sensitivity *s, int island) {
   for (int k = 0; k < s->n_crossing; k++)
     if (s->crossings[k].island == island) return s->crossings + k;
-  if (s->n_crossing >= MG_CROSSINGS) {
-    s->crossings->reason = MG_BY_SEVERAL_EVENTS;
-    return s->crossings;
-  }
+  if (s->n_crossing >= MG_CROSSINGS) return 0;
   mg_crossing *added = s->crossings + s->n_crossing++;
   *added = (mg_crossing){MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON, island};
   return added;
 }
+
+static int mg_is_blow(int kind) { return kind == MG_EVENT_IMPACT || kind == MG_EVENT_TOUCH_DOWN; }
 
 /* Adds an event to those of its island: what jumps most is its event function. */
 static void mg_add_event(const mg_context *c, mg_crossing *found, int kind, int contact) {
@@ -87,7 +86,7 @@ static void mg_add_event(const mg_context *c, mg_crossing *found, int kind, int 
             constraint = kind >= MG_EVENT_SLIP_START && kind < MG_EVENT_FALLBACK_START
                              ? mg_constraint_of_event(c, contact, kind)
                              : -1;
-  found->blow |= kind == MG_EVENT_IMPACT || kind == MG_EVENT_TOUCH_DOWN;
+  found->blow |= mg_is_blow(kind);
   if (function == found->kind && function != MG_CROSSES_NOTHING && function != MG_CROSSES_BORDER &&
       (contact != found->contact || constraint != found->constraint) && !found->reason)
     found->reason = MG_BY_SEVERAL_EVENTS;
@@ -97,24 +96,24 @@ static void mg_add_event(const mg_context *c, mg_crossing *found, int kind, int 
 
 /* True if an event has no event function and makes no blow: it follows from others. */
 static int mg_follows_from_others(const mg_context *c, int kind, int contact) {
-  const int is_blow = kind == MG_EVENT_IMPACT || kind == MG_EVENT_TOUCH_DOWN;
-  return !is_blow && mg_crossed_function(c, kind, contact) == MG_CROSSES_NOTHING;
+  return !mg_is_blow(kind) && mg_crossed_function(c, kind, contact) == MG_CROSSES_NOTHING;
 }
 
 MG_INTERNAL void mg_find_crossings(mg_context *c, mg_sensitivity *s, const mg_events *events, int first) {
-  int of_all = MG_NO_REASON;
   s->n_crossing = 0;
-  for (int k = first; k < events->count && !of_all; k++)
-    if (mg_follows_from_others(c, events->kind[k], events->contact[k]))
-      of_all = mg_uncertain_event(c, events->kind[k], events->contact[k]);
-  for (int k = first; k < events->count; k++) {
-    const int kind = events->kind[k], contact = events->contact[k];
-    if (mg_follows_from_others(c, kind, contact)) continue;
-    mg_crossing *found = mg_crossing_of_island(s, mg_island_of_event(c, s, kind, contact));
-    if (!found->reason) found->reason = of_all ? of_all : mg_uncertain_event(c, kind, contact);
-    mg_add_event(c, found, kind, contact);
-  }
-  if (!s->n_crossing) mg_crossing_of_island(s, -1)->reason = of_all;
+  for (int follows = 1; follows >= 0; follows--) /* what is uncertain by itself is told before what comes at one time */
+    for (int k = first; k < events->count; k++) {
+      const int kind = events->kind[k], contact = events->contact[k];
+      if (mg_follows_from_others(c, kind, contact) != follows) continue;
+      mg_crossing *found = mg_crossing_of_island(s, mg_island_of_event(c, s, kind, contact));
+      if (!found) {
+        s->crossings->reason = MG_BY_SEVERAL_EVENTS;
+        s->is_lost |= mg_is_blow(kind);
+        continue;
+      }
+      if (!found->reason) found->reason = mg_uncertain_event(c, kind, contact);
+      if (!follows) mg_add_event(c, found, kind, contact);
+    }
 }
 
 MG_INTERNAL void mg_choose_crossing(mg_sensitivity *s, int k) {

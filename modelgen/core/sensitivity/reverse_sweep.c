@@ -19,7 +19,7 @@ static void mg_go_back_over_step(const mg_system *system, const mg_settings *set
                                  int *iwork) {
   mg_context c;
   s->n_crossing = *known++;
-  for (int k = 0; k < s->n_crossing; k++, known += 6)
+  for (int k = 0; k < s->n_crossing; k++, known += MG_NUMBERS_OF_CROSSING)
     s->crossings[k] = (mg_crossing){known[0], known[1], known[2], known[3], known[4], known[5]};
   const unsigned char *after = bytes + mg_save_size(system);
   mg_restore_run(system, run, after);

@@ -78,7 +78,11 @@ typedef struct {
   int island;     /* the bodies that it moves, as in s->island; -1: all */
 } mg_crossing;
 
-#define MG_CROSSINGS 4 /* islands in which events may happen at one time */
+#define MG_CROSSINGS 4           /* islands in which events may happen at one time */
+#define MG_NUMBERS_OF_CROSSING 6 /* of an mg_crossing on the tape */
+#if MG_TAPE_CROSSING != 1 + MG_NUMBERS_OF_CROSSING * MG_CROSSINGS
+#error "MG_TAPE_CROSSING is not the room for the events of a step"
+#endif
 
 enum {
   MG_CROSSES_NOTHING = 0, /* no event, or one at which nothing jumps */

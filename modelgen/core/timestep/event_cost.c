@@ -15,7 +15,7 @@ enum {
   MG_EVALUATIONS_OF_EVENT = 40,  /* right-hand sides of a step that ends in an event, as a rule */
   MG_EVALUATIONS_OF_PATCH = 15,  /* equations of one contact that cost as much as the pressure of a planar contact */
   MG_CELLS_PER_EVALUATION = 4,   /* pairs of cells of a search that cost as much as one contact's equations */
-  MG_PIVOTS_PER_EVALUATION = 300 /* cubes of the number of forces that do */
+  MG_PIVOTS_PER_EVALUATION = 300 /* cubes of the number of forces that cost as much as one contact's equations */
 };
 
 MG_INTERNAL void mg_reset_event_work(mg_run *run) {

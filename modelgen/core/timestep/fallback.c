@@ -30,13 +30,14 @@ MG_INTERNAL int mg_is_fallback_outcome(int outcome) {
 }
 
 /* True if time-stepping may pass what ends the run by this outcome: not closest points that are not isolated, which no
-   contact can follow, nor those of a pair whose searches are given up. */
-static int mg_can_fallback_pass(const mg_context *c, int outcome) {
+   contact can follow, nor those of a pair whose searches are given up; and where a contact is near to a singularity
+   still after a fallback (`again`), it stays there. */
+static int mg_can_fallback_pass(const mg_context *c, int outcome, int again) {
   const int contact = c->run->report.failed_contact;
   if (!mg_is_fallback_outcome(outcome)) return 0;
   if (outcome != MG_MARGIN && outcome != MG_PENETRATED) return 1;
   if (contact < 0 || c->run->withheld_effort[c->system->contact_pair[contact]] > 0) return 0;
-  return outcome == MG_PENETRATED || mg_is_on_feature_pair(c, contact);
+  return outcome == MG_PENETRATED || (!again && mg_is_on_feature_pair(c, contact));
 }
 
 /* True if a closed contact has friction. */
@@ -93,9 +94,10 @@ static mg_real mg_fallback_recovery(const mg_context *c, int outcome) {
 
 MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events) {
   mg_run *run = c->run;
-  if (!c->settings->fallback || mg_is_time_stepping(c) || !mg_can_fallback_pass(c, outcome) || mg_is_stopped(c))
-    return 0;
   const int again = run->present_cause == outcome && run->t - run->fallback_end <= mg_fallback_recovery(c, outcome);
+  if (!c->settings->fallback || mg_is_time_stepping(c) || !mg_can_fallback_pass(c, outcome, again) || mg_is_stopped(c))
+    return 0;
+  mg_report_failed_contact(run, -1);
   run->fallback_doublings = again ? run->fallback_doublings + (run->fallback_doublings < MG_FALLBACK_DOUBLINGS) : 0;
   run->fallback_step =
       (outcome == MG_CHATTER ? c->settings->chatter_step : c->settings->fallback_step) * c->system->time;
