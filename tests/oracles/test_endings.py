@@ -66,10 +66,12 @@ def test_an_egg_sliding_along_a_trough_that_comes_to_fit_it_stops_at_the_margin(
     path = ran([make.fixed("trough", trough), egg], 2.0, [{"between": ["egg", "trough"]}])
     assert path.outcome is Outcome.MARGIN
     assert path.outcome_contact == "egg-trough#1"
-    assert path.t_end == pytest.approx(np.log(1e4) / 8, abs=1e-4)
-    assert path.margin_min == pytest.approx(1e-5, rel=1e-5)
+    (singular,) = (event.t for event in path.events if event.kind == "near-singular")
+    assert singular == pytest.approx(np.log(1e4) / 8, abs=1e-4)
+    assert singular < path.t_end < singular + 1e-3  # time-stepping does not lead past it
+    assert path.margin_min <= 1.00001e-5
     assert path.t[-1] == path.t_end
-    assert path.gap[-1, 0] == pytest.approx(0.0, abs=1e-12)
+    assert path.penetration_max < 1e-6
 
 
 @pytest.mark.slow

@@ -204,7 +204,7 @@ static int mg_advance_step(mg_context *c, mg_real h, mg_record *record, mg_event
       outcome = MG_CHATTER;
   }
   if (outcome && mg_is_stopped(c)) return outcome;
-  outcome = mg_explain_failed_outcome(c, outcome);
+  outcome = mg_outcome_after_fallback(c, mg_explain_failed_outcome(c, outcome));
   return mg_start_fallback(c, outcome, events) ? MG_DONE : outcome;
 }
 

@@ -30,14 +30,13 @@ MG_INTERNAL int mg_is_fallback_outcome(int outcome) {
 }
 
 /* True if time-stepping may pass what ends the run by this outcome: not closest points that are not isolated, which no
-   contact can follow, nor those of a pair whose searches are given up; and where a contact is near to a singularity
-   still after a fallback (`again`), it stays there. */
-static int mg_can_fallback_pass(const mg_context *c, int outcome, int again) {
+   contact can follow, nor those of a pair whose searches are given up. */
+static int mg_can_fallback_pass(const mg_context *c, int outcome) {
   const int contact = c->run->report.failed_contact;
   if (!mg_is_fallback_outcome(outcome)) return 0;
   if (outcome != MG_MARGIN && outcome != MG_PENETRATED) return 1;
   if (contact < 0 || c->run->withheld_effort[c->system->contact_pair[contact]] > 0) return 0;
-  return outcome == MG_PENETRATED || (!again && mg_is_on_feature_pair(c, contact));
+  return outcome == MG_PENETRATED || mg_is_on_feature_pair(c, contact);
 }
 
 /* True if a closed contact has friction. */
@@ -92,11 +91,23 @@ static mg_real mg_fallback_recovery(const mg_context *c, int outcome) {
                                : (MG_FALLBACK_STEPS * s->fallback_step + s->fallback_progress) * c->system->time;
 }
 
+/* True if a fallback has ended so short a time ago that another one by this outcome is due to the same place. */
+static int mg_follows_fallback(const mg_context *c, int outcome) {
+  const mg_run *run = c->run;
+  return run->present_cause && run->t - run->fallback_end <= mg_fallback_recovery(c, outcome);
+}
+
+MG_INTERNAL int mg_outcome_after_fallback(const mg_context *c, int outcome) {
+  const int is_found_late = outcome == MG_PENETRATED && c->run->present_cause == MG_MARGIN;
+  return is_found_late && mg_follows_fallback(c, outcome) ? MG_MARGIN : outcome;
+}
+
 MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events) {
   mg_run *run = c->run;
-  const int again = run->present_cause == outcome && run->t - run->fallback_end <= mg_fallback_recovery(c, outcome);
-  if (!c->settings->fallback || mg_is_time_stepping(c) || !mg_can_fallback_pass(c, outcome, again) || mg_is_stopped(c))
+  const int again = run->present_cause == outcome && mg_follows_fallback(c, outcome);
+  if (!c->settings->fallback || mg_is_time_stepping(c) || !mg_can_fallback_pass(c, outcome) || mg_is_stopped(c))
     return 0;
+  if (again && outcome == MG_MARGIN) return 0; /* it is no passing neighbourhood of a singularity */
   mg_report_failed_contact(run, -1);
   run->fallback_doublings = again ? run->fallback_doublings + (run->fallback_doublings < MG_FALLBACK_DOUBLINGS) : 0;
   run->fallback_step =

@@ -117,6 +117,10 @@ MG_INTERNAL int mg_is_progress_too_slow(mg_context *c);
    another lasts twice as long. */
 MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events);
 
+/* The outcome by which a run ends or falls back: a penetration soon after a fallback from a singular contact is that
+   contact's, which is singular still. */
+MG_INTERNAL int mg_outcome_after_fallback(const mg_context *c, int outcome);
+
 /* Counts a step of length h of a fallback, whose events are those from first_event on; at the end of the fallback the
    run is event-driven again, unless many events are still to come. Returns an outcome. */
 MG_INTERNAL int mg_count_fallback_step(mg_context *c, mg_events *events, int first_event, mg_real h);
