@@ -84,7 +84,7 @@ def mirrored(tables: Tables) -> Twin:
 
 def reordered(tables: Tables) -> Twin:
     """The same scene with bodies, contacts and joints written the other way round."""
-    twin = _copied(tables)
+    twin: Tables = _copied(tables)
     for key in ("body", "contact", "joint"):
         twin[key] = twin.get(key, [])[::-1]
     for contact in twin["contact"]:
@@ -146,7 +146,7 @@ def _copied(value: Any) -> Any:
 def _mapped(tables: Tables, polar: Array, axial: Array, turned: Callable[[Array], Array]) -> Tables:
     """The scene with positions, velocities, forces and gravity mapped by `polar`, and angular velocities and
     torques by `axial`, which keeps their size."""
-    twin = _copied(tables)
+    twin: Tables = _copied(tables)
     twin["gravity"] = (polar @ _gravity(tables)).tolist()
     for body in twin["body"]:
         _place(body, polar, turned)
