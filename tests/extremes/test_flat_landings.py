@@ -77,3 +77,45 @@ def test_a_ring_that_lands_flat_goes_on() -> None:
     assert path.is_trusted
     assert any("too near to a singularity" in warning for warning in path.warnings)
     assert path.outcome_contact == ""
+
+
+DROPPED = """
+[[body]]
+name = "floor"
+motion = "fixed"
+shape = {{ kind = "plane" }}
+[[body]]
+name = "low"
+shape = {{ kind = "box", size = {low} }}
+density = 500.0
+position = [0.0, 0.0, {middle}]
+[[body]]
+name = "top"
+shape = {{ kind = "box", size = {top} }}
+density = {density}
+position = [{x}, {y}, {height}]
+[[contact]]
+between = ["low", "floor"]
+friction = {mu}
+[[contact]]
+between = ["top", "low"]
+restitution = {restitution}
+friction = {mu}
+"""
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_block_that_drops_flat_on_another_is_trusted(seed: int) -> None:
+    """The lower face rests all the time, and each bounce above it is no event of it."""
+    random = np.random.default_rng(seed)
+    low = random.uniform([0.1, 0.1, 0.05], [0.4, 0.4, 0.3])
+    top = low * random.uniform([0.3, 0.3, 0.3], [0.95, 0.95, 1.5])
+    x, y = random.uniform(-0.45, 0.45, 2) * (low - top)[:2]
+    text = DROPPED.format(
+        low=low.tolist(), top=top.tolist(), middle=low[2] / 2, density=random.uniform(200, 2000), x=x, y=y,
+        height=low[2] + top[2] / 2 + 10 ** random.uniform(-3, -0.7), mu=random.uniform(0.1, 0.9),
+        restitution=random.uniform(0.05, 0.8),
+    )  # fmt: skip
+    path = simulate(library_of(read_text(text, "dropped.toml")), until=1.5)
+    assert path.is_trusted
+    assert path.p[-1, 1, 2] == pytest.approx(low[2] / 2, abs=1e-8)
