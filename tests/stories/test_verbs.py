@@ -113,7 +113,7 @@ def test_simulate_says_what_it_wrote(modelgen: Modelgen, tmp_path: Path) -> None
 
 
 def test_the_last_line_says_whether_the_run_is_trusted(modelgen: Modelgen) -> None:
-    """A certified run is; one that is unbalanced, steps in time or ends early is not, and says why. The drift of
+    """A certified run is; one that is unbalanced or steps in time is not, and says why. The drift of
     the energy of a coarse run is explained by its error, where that is estimated."""
     last = modelgen("simulate", EGG, "--until", 0.2).out.splitlines()[-1]
     assert last == "trusted"
