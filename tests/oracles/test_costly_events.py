@@ -3,6 +3,7 @@ time-stepping, says so, and comes back when the events have died."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from itertools import combinations
 
@@ -46,8 +47,8 @@ def library(seed: int) -> Library:
     return build(emit(derive(require(heap(seed)))))
 
 
-def run(seed: int, until: float = 8.0, **changes: float) -> Trajectory:
-    accuracy = Accuracy.balanced().with_thresholds(**{"chatter_work": WORK, **changes})
+def run(seed: int, until: float = 8.0, fallback: bool = True) -> Trajectory:
+    accuracy = replace(Accuracy.balanced().with_thresholds(chatter_work=WORK), fallback=fallback)
     return simulate(library(seed), until=until, accuracy=accuracy, estimate=False)
 
 
