@@ -12,6 +12,7 @@ from os import environ
 from pathlib import Path
 from shutil import rmtree
 from tempfile import mkdtemp
+from typing import Any
 
 from modelgen import Accuracy, build, derive, emit, read, require, simulate
 from modelgen.codegen.build import source_hash
@@ -25,6 +26,13 @@ FILES = tuple(sorted(path for path in SCENES.glob("*.toml") if not path.stem.end
 NAMES = tuple(path.stem for path in FILES)
 
 LEVEL = "O1"
+
+
+def copied(value: Any) -> Any:
+    """Tables of their own for each entry; in those of a scene several bodies may have one for their shape."""
+    if isinstance(value, dict):
+        return {key: copied(each) for key, each in value.items()}
+    return [copied(each) for each in value] if isinstance(value, list) else value
 
 
 @cache

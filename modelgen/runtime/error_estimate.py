@@ -49,7 +49,9 @@ ROUNDED = 8.0  # roundings of lengths, and of 1: no error below is claimed
 BOUNCE = 100.0  # times the bound of rest: slower bounces end in one run and not in the other
 SETTLING = 10.0  # times the time in which such a bounce comes to its top: how long it takes to settle
 LEAST_STEPS = 100  # that every companion may take
-UNKNOWN = {"gap": None, "force": None, "events": None, "events_unmatched": None, "events_doubt": ""}
+UNKNOWN = {  # without a companion
+    "gap": None, "force": None, "events": None, "events_unmatched": None, "events_doubt": "",
+}  # fmt: skip
 NUDGE = 2.0  # roundings by which each number of the start differs, at most
 
 
@@ -103,9 +105,8 @@ def estimate_of(
         first = errors[:, : _predicted(errors, n, length, accuracy)]
         doubts, apart = _orders(path, twin, common, pairs, first, accuracy, instance, finer, other_order)
         if apart is not None:
-            compared[: len(APART), : first.shape[1]] = np.maximum(
-                compared[: len(APART), : first.shape[1]], apart
-            )
+            known = compared[: len(APART), : first.shape[1]]
+            np.maximum(known, apart, out=known)
             errors[:, :n] = _errors(path, compared, safe, instance)
         predicted = _predicted(errors, n, length, accuracy)
         end, error = float(path.t[predicted - 1]), float(errors[0, predicted - 1])

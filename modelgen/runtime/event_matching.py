@@ -143,14 +143,19 @@ def subject_of(event: Event) -> Subject:
     return what, event.contact
 
 
+def name_of_blow(event: Event) -> str:
+    """What a blow is known by in several runs. The contacts of a pair are numbered as they appear, and so one
+    of several is known by its features."""
+    pair, several, _ = event.contact.partition(NUMBER)
+    return pair + NUMBER + event.features if several else pair
+
+
 def _by_subject(events: Sequence[Event]) -> dict[Subject, list[Event]]:
-    """Events by kind and contact, in order; all blows of a contact are of one kind. The contacts of a pair
-    are numbered as they appear, and so a blow at one of several is known by its features."""
+    """Events by kind and contact, in order; all blows of a contact are of one kind."""
     found: dict[Subject, list[Event]] = defaultdict(list)
     for event in events:
         if event.kind in BLOWS:
-            pair, several, _ = event.contact.partition(NUMBER)
-            found["blow", pair + NUMBER + event.features if several else pair].append(event)
+            found["blow", name_of_blow(event)].append(event)
         elif event.kind not in NO_MODES:
             found[event.kind, event.contact].append(event)
     return found

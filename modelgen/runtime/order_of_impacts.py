@@ -16,14 +16,14 @@ from typing import Any
 import numpy as np
 
 from modelgen.runtime.core_session import CONTINUE, FULL, Session
-from modelgen.runtime.event_matching import NUMBER, Pairs, bodies_by_contact, in_pairs, undecided
+from modelgen.runtime.event_matching import Pairs, bodies_by_contact, in_pairs, name_of_blow, undecided
 from modelgen.runtime.run_distance import APART, apart_of
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import Event, Trajectory
 
 Tie = tuple[Event, Event]
 Finer = Callable[[float], Trajectory | None]  # the companion's companion up to a time, s; None: not to be had
-Place = tuple[tuple[str, str], int]  # what a blow is known by, and its number among those
+Place = tuple[str, int]  # what a blow is known by, and its number among those
 Change = tuple[float, Array]  # s, when a run is changed, and by what its coordinates q are
 OtherOrder = Callable[[Tie], Trajectory | None]  # the run with two impacts in the other order, or None
 MOST = 3  # ties of a run that are looked at
@@ -169,19 +169,13 @@ def _between(session: Session, places: Sequence[Place], until: float) -> float:
     return np.nan if first is None or second is None else second.t - first.t
 
 
-def _known(event: Event) -> tuple[str, str]:
-    """What a blow is known by: the contacts of a pair are numbered as they appear."""
-    pair, several, _ = event.contact.partition(NUMBER)
-    return pair, event.features if several else ""
-
-
 def _place(events: Sequence[Event], blow: Event) -> Place:
     """What a blow is known by, and how many such blows there are up to it."""
-    known = _known(blow)
-    return known, sum(each.speed > 0 and each.t <= blow.t and _known(each) == known for each in events)
+    name = name_of_blow(blow)
+    return name, sum(each.speed > 0 and each.t <= blow.t and name_of_blow(each) == name for each in events)
 
 
-def _nth_blow(events: Sequence[Event], known: tuple[str, str], n: int) -> Event | None:
-    """The n-th blow that is known by `known`, or None."""
-    alike = (each for each in events if each.speed > 0 and _known(each) == known)
+def _nth_blow(events: Sequence[Event], name: str, n: int) -> Event | None:
+    """The n-th blow that is known by a name, or None."""
+    alike = (each for each in events if each.speed > 0 and name_of_blow(each) == name)
     return next(islice(alike, n - 1, None), None)

@@ -13,6 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from tests.running import copied
+
 Array = np.ndarray[Any, np.dtype[np.float64]]
 Tables = dict[str, Any]
 Text = str | float
@@ -84,7 +86,7 @@ def mirrored(tables: Tables) -> Twin:
 
 def reordered(tables: Tables) -> Twin:
     """The same scene with bodies, contacts and joints written the other way round."""
-    twin: Tables = _copied(tables)
+    twin: Tables = copied(tables)
     for key in ("body", "contact", "joint"):
         twin[key] = twin.get(key, [])[::-1]
     for contact in twin["contact"]:
@@ -95,7 +97,7 @@ def reordered(tables: Tables) -> Twin:
 def tilted(tables: Tables, by: float, seed: int) -> Twin:
     """The same scene, with gravity and velocities that differ by a small part in random directions: impacts
     whose order is left open may come in the other one."""
-    twin, random = _copied(tables), np.random.default_rng(seed)
+    twin, random = copied(tables), np.random.default_rng(seed)
     gravity = np.array(_gravity(tables))
     size = np.linalg.norm(gravity) or 1.0
     twin["gravity"] = [float(each) for each in gravity + by * size * random.normal(size=3)]
@@ -136,17 +138,10 @@ def _mirrored(q: Array) -> Array:
     return np.asarray(q) * [1.0, -1.0, 1.0, -1.0]
 
 
-def _copied(value: Any) -> Any:
-    """Tables of their own for each entry; in a scene several bodies may have one table for their shape."""
-    if isinstance(value, dict):
-        return {key: _copied(each) for key, each in value.items()}
-    return [_copied(each) for each in value] if isinstance(value, list) else value
-
-
 def _mapped(tables: Tables, polar: Array, axial: Array, turned: Callable[[Array], Array]) -> Tables:
     """The scene with positions, velocities, forces and gravity mapped by `polar`, and angular velocities and
     torques by `axial`, which keeps their size."""
-    twin: Tables = _copied(tables)
+    twin: Tables = copied(tables)
     twin["gravity"] = (polar @ _gravity(tables)).tolist()
     for body in twin["body"]:
         _place(body, polar, turned)

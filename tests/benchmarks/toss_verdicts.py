@@ -18,7 +18,7 @@ import numpy as np
 
 from modelgen import simulate
 from modelgen.runtime.trajectory import Trajectory
-from tests.benchmarks.verdicts import NUMBER
+from tests.benchmarks.verdicts import reason
 from tests.oracles.friction.cube_toss import FOLDER, scene_of, toss
 from tests.running import library_of
 
@@ -60,10 +60,10 @@ def main() -> int:
         if not path.is_trusted:
             same = "as" if is_near(path, fine) else "not as"
             print(f"{number}: {path.outcome.name} {same} at `tight`: {'; '.join(path.doubts)}", flush=True)
-            reasons.update({NUMBER.sub("..", doubt) for doubt in path.doubts})
+            reasons.update({each for doubt in path.doubts for each in reason(doubt)})
     print(f"{trusted} of {len(numbers)} trusted, {wrong} of them farther from `tight` than both state")
-    for reason, count in reasons.most_common():
-        print(f"{count:4} {reason}")
+    for each, count in reasons.most_common():
+        print(f"{count:4} {each}")
     return int(wrong > 0)
 
 

@@ -23,7 +23,7 @@ from modelgen.runtime.settings import accuracy_of
 from modelgen.runtime.start import begin
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.scene.scene_from_tables import scene_from_tables
-from tests.running import SCENES
+from tests.running import SCENES, copied
 from tests.sensitivity.differences import MANY, differentiable
 
 LARGEST, HALVINGS = 1e-3, 7  # change of a number, relative to its size, and how often it is halved
@@ -66,7 +66,7 @@ class Pair:
 def with_factors(tables: Tables, paths: Sequence[Sequence[Any]]) -> Tables:
     """The tables of a scene in which the number at each path is multiplied by a parameter f0, f1, .. of the
     value 1."""
-    changed: Tables = _copied(tables)
+    changed: Tables = copied(tables)
     for index, (*way, last) in enumerate(paths):
         at: Any = changed
         for key in way:
@@ -78,12 +78,6 @@ def with_factors(tables: Tables, paths: Sequence[Sequence[Any]]) -> Tables:
 
 def _times(value: Any, factor: str) -> Any:
     return [_times(each, factor) for each in value] if isinstance(value, list) else f"{factor}*({value})"
-
-
-def _copied(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _copied(each) for key, each in value.items()}
-    return [_copied(each) for each in value] if isinstance(value, list) else value
 
 
 SHAPE_NUMBERS = ("radius", "semi_axes", "size", "length", "major_radius", "minor_radius", "height")

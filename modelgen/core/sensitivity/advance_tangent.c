@@ -151,12 +151,11 @@ static int mg_end_followed_step(mg_context *c, void *of) {
   mg_sensitivity *s = of;
   mg_followed_step *step = &s->step;
   const mg_run *run = c->run;
-  const mg_crossing none = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON, -1};
   if (mg_is_step_rejected(run, step)) return step->is_carried = 1;
   if (!step->is_settled || step->events->count != step->n_event || run->report.singular_passages != step->passages ||
       run->report.fallbacks + run->report.chatters != step->fallbacks)
     return 0;
-  s->crossing = none, s->n_crossing = 0;
+  mg_forget_crossings(s);
   mg_store_run(c->system, run, step->after);
   mg_keep_step(c->system, s);
   return !s->tangent->tape || s->tangent->tape->count < s->tangent->tape->capacity;
@@ -165,9 +164,8 @@ static int mg_end_followed_step(mg_context *c, void *of) {
 MG_INTERNAL void mg_open_sensitivity(const mg_context *c, mg_sensitivity *s, int n, mg_real *work, int *iwork) {
   const mg_system *system = c->system;
   const long b = system->n_body, rows = mg_sensitivity_rows(system), states = c->layout.n_states;
-  const mg_crossing none = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON, -1};
   MG_FORGET_TANGENTS(s);
-  s->crossing = none, s->n_crossing = 0;
+  mg_forget_crossings(s);
   s->is_time = s->is_at_event = s->is_singular = s->is_lost = 0, s->t_bar = 0, s->doubtful = -1;
   s->follower = (mg_follower){
       s, 0, 0, -1, 1, mg_follow_stage, mg_followed_error, mg_begin_followed_step, mg_settle_step, mg_end_followed_step};
@@ -302,8 +300,7 @@ static int mg_carry_over_step(const mg_system *system, const mg_settings *settin
   if (s->is_lost) reason = MG_BY_TIME_STEPPING;
   const int unsure = mg_step_tangent(&c, s, h);
   if (!reason) reason = unsure;
-  const mg_crossing none = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON, -1};
-  s->crossing = none, s->n_crossing = 0;
+  mg_forget_crossings(s);
   if (step->events->count == step->n_event) { /* the modes are those of the step */
     mg_mark_held_contacts(&c, s, 0);
     mg_project_tangents(&c, s, end, c.step.end);

@@ -5,6 +5,10 @@
 #include "model/model.h"
 #include "forces/forces.h"
 
+static const mg_crossing mg_no_crossing = {MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON, -1};
+
+MG_INTERNAL void mg_forget_crossings(mg_sensitivity *s) { s->crossing = mg_no_crossing, s->n_crossing = 0; }
+
 MG_INTERNAL void mg_find_event_islands(mg_context *c, mg_sensitivity *s) {
   MG_NEEDS_ANY(c, MG_VALID_ROWS);
   const mg_system *system = c->system;
@@ -73,7 +77,7 @@ static mg_crossing *mg_crossing_of_island(mg_sensitivity *s, int island) {
     if (s->crossings[k].island == island) return s->crossings + k;
   if (s->n_crossing >= MG_CROSSINGS) return 0;
   mg_crossing *added = s->crossings + s->n_crossing++;
-  *added = (mg_crossing){MG_CROSSES_NOTHING, -1, -1, 0, MG_NO_REASON, island};
+  *added = mg_no_crossing, added->island = island;
   return added;
 }
 

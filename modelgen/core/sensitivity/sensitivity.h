@@ -384,6 +384,9 @@ MG_INTERNAL void mg_start_adjoint(mg_context *c, mg_sensitivity *s, const mg_rea
 
 /* event_islands.c */
 
+/* The step that is looked at has no event. */
+MG_INTERNAL void mg_forget_crossings(mg_sensitivity *s);
+
 /* Finds the islands of bodies, s->island, at the end of a step. Needs the rows there. */
 MG_INTERNAL void mg_find_event_islands(mg_context *c, mg_sensitivity *s);
 
