@@ -178,7 +178,7 @@ class Thresholds:
     appear_margin: float = 2e-5
     appear_tilt_sine: float = 0.5
     lcp_iterations: int = 200
-    events_at_once_max: int = 100
+    events_at_once_max: int = 10_000
     sweep_from_last: int = 0
     search_margin: float = 1e-9
     search_merge_distance: float = 1e-6

@@ -6,11 +6,15 @@
 #include "model/model.h"
 #include "forces/forces.h"
 
-/* True if the faces of a patch lie on each other: gaps within `touching`, normal velocities within rest_speed
+/* Times rest_speed: how fast the supports of a face may move whose corners rest. The corners stay closed at up to
+   rest_speed each, and supports may lie further out. */
+#define MG_SUPPORTS_PAST_CORNERS 4
+
+/* True if the faces of a patch lie on each other: gaps within `touching`, normal velocities as where corners rest
    unless `moving`, and a common area. */
 static int mg_is_patch_flat(mg_context *c, int patch, mg_real touching, int moving) {
   const mg_system *s = c->system;
-  const mg_real rest = c->settings->rest_speed * s->length / s->time;
+  const mg_real rest = MG_SUPPORTS_PAST_CORNERS * c->settings->rest_speed * s->length / s->time;
   mg_real o[12], f[12], at[3], x[3];
   mg_face_pose(c, patch, 0, o);
   mg_face_pose(c, patch, 1, f);
