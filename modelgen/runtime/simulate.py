@@ -114,7 +114,7 @@ def _with_passages(path: Trajectory, accuracy: Accuracy, library: Library) -> Tr
     instance = library.manifest.instance
     if not (instance["unlisted"]["shapes"] or instance["open_edges"]["pairs"]):
         return path
-    from modelgen.runtime.undeclared.undeclared_overlaps import (  # many scenes do not need these two
+    from modelgen.runtime.passages import (  # many scenes do not need these two
         passages,
         passages_over_edges,
     )

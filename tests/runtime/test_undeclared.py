@@ -13,10 +13,10 @@ from modelgen.assembly import require
 from modelgen.codegen.library import Library
 from modelgen.codegen.manifest_unlisted_shapes import unlisted_of
 from modelgen.rotations import rotation_of
+from modelgen.runtime.passages import passages
 from modelgen.runtime.poses import pose_matrices as matrices
 from modelgen.runtime.thresholds import Thresholds
 from modelgen.runtime.trajectory import Trajectory
-from modelgen.runtime.undeclared.undeclared_overlaps import passages
 from modelgen.scene.read import read_text
 from tests.running import NAMES, SCENES, library_of
 

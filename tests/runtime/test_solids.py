@@ -14,7 +14,7 @@ from modelgen.geometry.mass_properties import mass_properties
 from modelgen.geometry.solid_terms import FORMULAS
 from modelgen.geometry.surface_catalogue import SURFACES
 from modelgen.rotations import rotation_of
-from modelgen.runtime.undeclared.materials import Array, Materials
+from modelgen.runtime.solids import Array, Materials
 from modelgen.scene.read import read_text
 from modelgen.scene.scene_types import Shape
 from tests.running import library_of

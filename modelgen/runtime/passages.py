@@ -1,4 +1,4 @@
-"""Pairs of shapes that overlapped in a run although no contact lists them.
+"""Shapes that passed through each other in a run: pairs that no contact lists, and shapes over an open edge.
 
 Balls around the shapes are compared at the samples, with the motion between them. Where they meet, a point in
 both materials is searched: at samples, and between two samples at interpolated poses. There it must be deeper
@@ -17,8 +17,8 @@ import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.rotations import quaternion_of, rotation_of
+from modelgen.runtime.solids import Array, Common, Materials, points_of
 from modelgen.runtime.trajectory import Passage, Trajectory
-from modelgen.runtime.undeclared.materials import Array, Common, Materials, points_of
 
 STEP = 0.25  # part of the smaller ball's radius that the bodies move between two searches, at most
 PARTS = 1000  # into which the way between two samples is divided, at most
