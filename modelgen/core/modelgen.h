@@ -650,6 +650,7 @@ typedef struct {
                              the caller may write it after that */
   long since_projection;  /* accepted steps since drift was projected away */
   long events_at_t;       /* transitions within one event tolerance of t_event */
+  long tiny_bounces;      /* blows in a row before which their contacts moved no farther than rounding of positions */
   long progress_tries;    /* steps and rejected when progress was last checked */
   long progress_rejected; /* rejected when progress was last checked */
   long fallback_transitions; /* contacts closed and opened in the present fallback, since its last prolongation */

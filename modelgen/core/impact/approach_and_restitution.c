@@ -7,26 +7,16 @@ MG_INTERNAL int mg_is_approaching(const mg_context *c, int contact) {
   return c->rows.d_dot[contact] < -c->settings->rest_speed * c->system->length / c->system->time;
 }
 
-/* True for a slow bounce on a way that is lost in the rounding of positions. A light body between its ground and a
-   heavy one, whose weight it carries by bouncing, comes to such bounces just before it rests, and rounding would keep
-   them up. */
-static int mg_is_bounce_lost_in_rounding(const mg_context *c, int contact) {
-  const mg_system *s = c->system;
-  const mg_real approach = -c->rows.d_dot[contact], since = c->run->t - c->run->after_t[contact];
-  if (c->run->after_t[contact] < 0 || !(since > 0) || approach > sqrt(sqrt(MG_EPS)) * s->length / s->time) return 0;
-  mg_real size = s->length;
-  for (int side = 0; side < 2; side++) {
-    const mg_real *p = c->bodies.pose + 12 * (side ? c->contacts.f : c->contacts.o)[contact];
-    size += sqrt(mg_dot3(p, p));
-  }
-  return approach * since < 16 * MG_EPS * size;
-}
+/* Blows in a row after which slow bounces within rounding of positions end. A light body between its ground and a heavy
+   one, whose weight it carries by bouncing, comes to such bounces just before it rests, and rounding would keep them
+   up. */
+#define MG_TINY_BOUNCES 32
 
 MG_INTERNAL mg_real mg_effective_restitution(const mg_context *c, int contact) {
   const mg_real e = c->system->restitution[contact], approach = -c->rows.d_dot[contact];
   const mg_real least = c->settings->rest_speed * c->system->length / c->system->time;
   return e * approach > least && 4 * approach > 5 * least && !mg_has_patch_just_opened(c, contact) &&
-                 !mg_is_bounce_lost_in_rounding(c, contact)
+                 !(c->run->tiny_bounces > MG_TINY_BOUNCES && mg_is_bounce_tiny(c, contact, approach))
              ? e
              : 0;
 }

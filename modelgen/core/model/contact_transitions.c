@@ -27,6 +27,18 @@ static const struct {
     [MG_NEARS_SINGULARITY] = {MG_MODE_UNCHANGED, MG_EVENT_MARGIN},
 };
 
+MG_INTERNAL int mg_is_bounce_tiny(const mg_context *c, int contact, mg_real approach) {
+  const mg_system *s = c->system;
+  const mg_real since = c->run->t - c->run->after_t[contact];
+  if (c->run->after_t[contact] < 0 || !(since > 0) || approach > sqrt(sqrt(MG_EPS)) * s->length / s->time) return 0;
+  mg_real size = s->length;
+  for (int side = 0; side < 2; side++) {
+    const mg_real *p = c->bodies.pose + 12 * (side ? c->contacts.f : c->contacts.o)[contact];
+    size += sqrt(mg_dot3(p, p));
+  }
+  return approach * since < 64 * MG_EPS * size;
+}
+
 MG_INTERNAL void mg_append_event(const mg_context *c, mg_events *events, mg_real t, int kind, int contact,
                                  mg_real speed) {
   if (kind == MG_EVENT_SLIP_STOP || kind == MG_EVENT_SLIP_STOP + MG_EVENTS_PER_FRICTION ||
@@ -40,6 +52,7 @@ MG_INTERNAL void mg_append_event(const mg_context *c, mg_events *events, mg_real
   events->t[k] = t, events->kind[k] = kind, events->contact[k] = contact, events->speed[k] = speed;
   events->after_t[k] = speed > 0 ? c->run->after_t[contact] : -1;
   if (speed > 0) {
+    c->run->tiny_bounces = mg_is_bounce_tiny(c, contact, speed) ? c->run->tiny_bounces + 1 : 0;
     c->run->after_t[contact] = c->run->t;
     c->run->struck_by[c->contacts.o[contact]] = c->run->struck_by[c->contacts.f[contact]] = contact;
   }

@@ -736,6 +736,10 @@ MG_INTERNAL mg_real mg_pivot_event_value(const mg_context *c, int slot, int caus
 
 /* contact_transitions.c */
 
+/* True for a slow blow of a contact that has moved no farther, since it began to approach, than positions are rounded.
+ */
+MG_INTERNAL int mg_is_bounce_tiny(const mg_context *c, int contact, mg_real approach);
+
 /* Appends an event to the list, if there is room. */
 MG_INTERNAL void mg_append_event(const mg_context *c, mg_events *events, mg_real t, int kind, int contact,
                                  mg_real speed);

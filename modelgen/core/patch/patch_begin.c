@@ -6,19 +6,29 @@
 #include "model/model.h"
 #include "forces/forces.h"
 
-/* Times rest_speed: how fast the supports of a face may move whose corners rest. The corners stay closed at up to
-   rest_speed each, and supports may lie further out. */
-#define MG_SUPPORTS_PAST_CORNERS 4
+#define MG_STANDING_CORNERS 3 /* closed corners of a face, on which it stands */
+#define MG_SUPPORTS_PAST_CORNERS \
+  4 /* times rest_speed: how fast the supports of a face move that stands on its corners */
 
-/* True if the faces of a patch lie on each other: gaps within `touching`, normal velocities as where corners rest
-   unless `moving`, and a common area. */
+/* Most normal velocity of the supports of a patch whose faces rest on each other: rest_speed, and more where the face
+   stands on its corners, which stay closed up to that speed each, because supports may lie further out than they do. */
+static mg_real mg_resting_speed_of_patch(mg_context *c, int patch) {
+  const mg_real rest = c->settings->rest_speed * c->system->length / c->system->time;
+  int corners = 0;
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin && corners < MG_STANDING_CORNERS; i = mg_next_row(c, i))
+    corners += c->run->closed[i] && mg_find_flat_patch_of_contact(c, i, c->settings->flat_angle) == patch;
+  return corners < MG_STANDING_CORNERS ? rest : MG_SUPPORTS_PAST_CORNERS * rest;
+}
+
+/* True if the faces of a patch lie on each other: gaps within `touching`, normal velocities of faces at rest unless
+   `moving`, and a common area. */
 static int mg_is_patch_flat(mg_context *c, int patch, mg_real touching, int moving) {
   const mg_system *s = c->system;
-  const mg_real rest = MG_SUPPORTS_PAST_CORNERS * c->settings->rest_speed * s->length / s->time;
   mg_real o[12], f[12], at[3], x[3];
   mg_face_pose(c, patch, 0, o);
   mg_face_pose(c, patch, 1, f);
   if (!(mg_dot3(o + 9, f + 9) < 0)) return 0;
+  mg_real fastest = 0;
   for (int k = 0; k < 3; k++) {
     const int feature_pair = c->layout.support_feature_pair_begin + 3 * patch + k,
               body = s->feature_pair_f[feature_pair];
@@ -27,8 +37,9 @@ static int mg_is_patch_flat(mg_context *c, int patch, mg_real touching, int movi
     if (fabs(x[2]) > touching) return 0;
     const mg_real speed = mg_point_speed_along_normal(c, c->bodies.twist, body, at, o + 9) -
                           mg_point_speed_along_normal(c, c->bodies.twist, s->feature_pair_o[feature_pair], at, o + 9);
-    if (!moving && fabs(speed) > rest) return 0;
+    fastest = mg_max(fastest, fabs(speed));
   }
+  if (!moving && fastest > mg_resting_speed_of_patch(c, patch)) return 0;
   return mg_overlay_patch_regions(c, patch) > 2;
 }
 

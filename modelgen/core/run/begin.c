@@ -48,7 +48,7 @@ static void mg_report_touch_downs(mg_context *c, mg_events *events) {
 /* Resets the counts by which a run goes on, and what it tells. */
 static void mg_reset_counts(mg_run *run) {
   run->steps_max = run->steps = run->rejected = run->rhs_evals = run->search_effort = 0;
-  run->since_projection = run->events_at_t = 0;
+  run->since_projection = run->events_at_t = run->tiny_bounces = 0;
   run->progress_tries = run->progress_rejected = 0, run->progress_t = run->t;
   run->fallback_end = run->fallback_left = 0, run->fallback_doublings = 0;
   mg_reset_event_work(run);

@@ -198,6 +198,7 @@ RUN_COUNTS = (
     "steps_max",
     "since_projection",
     "events_at_t",
+    "tiny_bounces",
     "progress_tries",
     "progress_rejected",
     "fallback_transitions",
