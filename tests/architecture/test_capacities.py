@@ -26,7 +26,7 @@ SUFFICIENT = {  # by the method: orders, stages, blocks, rows of one kind, bound
     "MG_CRITICAL",  # a point that is not kept is found again: effort alone, which is counted
     "MG_COMMON_CELLS",  # a bounded search for a point in both bodies, beside that for closest points
     "MG_CURVE_SAMPLES",
-    *("MG_BERNSTEIN_ROOTS", "MG_BLOCK", "MG_BLOW_ROWS", "MG_CONTACT_BLOCK", "MG_CONTACT_ROWS_MAX"),
+    *("MG_BERNSTEIN_ROOTS", "MG_BLOCK", "MG_BLOCK_SIZE", "MG_BLOW_ROWS"),
     *("MG_DEFINITE_MAX", "MG_DOP_FIFTH", "MG_DOP_THIRD", "MG_FLUSH_SAMPLES", "MG_FRICTION_ROWS_MAX"),
     "MG_FRICTION_SLIP",
     *("MG_JOINT_ROWS_MAX", "MG_LCP_BLOCK", "MG_LEMKE_COVERS"),
@@ -34,6 +34,7 @@ SUFFICIENT = {  # by the method: orders, stages, blocks, rows of one kind, bound
     *("MG_NODES", "MG_PATCH_ROWS", "MG_POINT_PARAMETERS", "MG_PRODUCT", "MG_SCATTERED_STARTS"),
     *(
         "MG_RADAU_STAGES",
+        "MG_ROWS",
         "MG_ROWS_OF_ONE",
         "MG_SAMPLE_SIZE",
         "MG_SENSOR_GROUPS",

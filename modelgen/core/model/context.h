@@ -241,6 +241,8 @@ typedef struct {
   mg_real *slip_time_left; /* [per friction constraint] time that slip which was stopped would have lasted, s */
   mg_real *cone;           /* [MG_CONE per contact of the problem] coefficients */
   mg_real *work;           /* memory of the solver */
+  mg_real *row_yield;      /* [per row of the problem] what it yields, of a problem on a graph */
+  int *row_body;           /* [2 per row of the problem] bodies on which it acts, or -1, of a problem on a graph */
   int *cone_contact;       /* [per contact of the problem] its contact */
   int *cone_first;         /* [per contact of the problem] its first unknown */
   int *cone_rows;          /* [per contact of the problem] its number of rows: 1, 3 or 6 */

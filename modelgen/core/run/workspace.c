@@ -118,6 +118,17 @@ static void mg_set_incidence(mg_context *c) {
     if ((body = mg_incident_body(c, k / 2, k % 2)) >= 0) c->islands.incident[--begin[body]] = k / 2;
 }
 
+/* Divides the memory of the solvers of friction problems, which use the same one after another. */
+static void mg_set_friction_solver_arrays(mg_context *c, mg_memory *memory) {
+  const mg_system *s = c->system;
+  const int n = (int)mg_held_row_capacity(s), k = s->closed_capacity, graph = n > MG_SMALL_PROBLEM ? n : 0;
+  const long long reals[] = {mg_friction_work_size(n, k), mg_friction_graph_work_size(graph, k, s->n_body)},
+                  ints[] = {mg_friction_iwork_size(n, k), mg_friction_graph_iwork_size(graph, k, s->n_body)};
+  c->friction.work = mg_reserve_reals(memory, graph && reals[1] > reals[0] ? reals[1] : reals[0]);
+  c->friction.iwork = mg_reserve_ints(memory, graph && ints[1] > ints[0] ? ints[1] : ints[0]);
+  c->friction.row_yield = mg_reserve_reals(memory, graph), c->friction.row_body = mg_reserve_ints(memory, 2 * graph);
+}
+
 /* Divides the memory of the friction constraints. */
 static void mg_set_friction_arrays(mg_context *c, mg_memory *memory) {
   const mg_system *s = c->system;
@@ -132,8 +143,8 @@ static void mg_set_friction_arrays(mg_context *c, mg_memory *memory) {
   c->step.angle_slopes = mg_reserve_reals(memory, (long)MG_RADAU_STAGES * MG_SLIP_UNKNOWNS * s->n_u);
   c->friction.cone = mg_reserve_reals(memory, MG_CONE * k), c->friction.share = mg_reserve_reals(memory, k);
   c->rows.tangents = mg_reserve_reals(memory, 6L * s->n_contact);
-  c->rows.kernel_rows = mg_reserve_reals(memory, 78),
-  c->friction.work = mg_reserve_reals(memory, mg_friction_work_size((int)n, (int)k));
+  c->rows.kernel_rows = mg_reserve_reals(memory, 78);
+  mg_set_friction_solver_arrays(c, memory);
   c->friction.triggered = mg_reserve_ints(memory, s->n_friction),
   c->friction.mode_before = mg_reserve_ints(memory, s->n_friction);
   c->friction.bound = mg_reserve_ints(memory, s->n_friction), c->friction.cone_contact = mg_reserve_ints(memory, k);
@@ -141,7 +152,6 @@ static void mg_set_friction_arrays(mg_context *c, mg_memory *memory) {
   c->friction.is_stiff = mg_reserve_ints(memory, s->n_friction);
   c->friction.cone_first = mg_reserve_ints(memory, k), c->friction.cone_rows = mg_reserve_ints(memory, k),
   c->friction.marks = mg_reserve_ints(memory, k);
-  c->friction.iwork = mg_reserve_ints(memory, mg_friction_iwork_size((int)n, (int)k));
 }
 
 /* Divides the memory of the lists of what takes part. */

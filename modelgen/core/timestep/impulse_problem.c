@@ -12,6 +12,7 @@ enum {
   MG_NOT_NEAR = 0,         /* mark in c->events.is_near: the contact does not take part */
   MG_NEAR = 1,             /* the contact takes part */
   MG_NEAR_SET_ROUNDS = 20, /* most rounds in which contacts are added */
+  MG_MATRIX_ISLAND = 60,   /* most rows of an island whose matrix is solved where its graph is not enough */
   MG_TOUCH_STEP_PARTS = 16 /* a contact that touches within this part of a step touches at its start */
 };
 
@@ -83,39 +84,55 @@ static void mg_set_step_bound_kinds(mg_context *c) {
     c->friction.bound[g] = c->run->friction_mode[g] >= MG_SLIP_ONSET ? MG_BOUND_KINETIC : MG_BOUND_STATIC;
 }
 
-/* Sets up the friction problem of the step. */
-static mg_friction_problem mg_make_friction_problem(mg_context *c, mg_real h) {
-  mg_friction_problem p = {0,
-                           0,
-                           c->settings->stepping_friction_law,
-                           0,
-                           c->friction.cone_first,
-                           c->friction.cone_rows,
-                           c->friction.cone,
-                           c->lcp.A,
-                           c->lcp.b,
-                           1,
-                           c->settings->stepping_tolerance,
-                           c->run->stop,
-                           c->settings->sweep_from_last};
-  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
-    if (c->events.is_near[i]) p.n = mg_append_friction_contact(c, i, p.n_contact++, p.n);
-  p.n = mg_append_spring_rows(c, c->lcp.rows, mg_append_joint_rows(c, c->lcp.rows, p.n));
-  mg_assemble_delassus(c, c->lcp.rows, p.n);
-  for (int r = 0; r < p.n; r++) {
-    const int row = c->lcp.rows[r];
-    c->lcp.b[r] = row >= c->layout.spring_row_begin ? mg_free_spring_rate(c, row, h) : mg_free_end_rate(c, row, h);
-    if (row < c->system->n_contact) c->lcp.b[r] -= mg_scheme_gap_rate(c, row, h);
-    c->lcp.z[r] = row < c->system->n_contact || row >= c->layout.friction_row_begin ? c->solution.force[row] * h : 0;
-  }
-  return p;
+/* An island of the step's friction problem: its first row in c->lcp.rows, b and z, its first contact in
+   c->friction.cone_contact, cone_first, cone_rows, cone and marks, and the problem of its rows. */
+typedef struct {
+  int row, contact;
+  mg_friction_problem problem;
+} mg_step_island;
+
+/* Lists the contacts that take part, and the rows of joints and springs, and chains them by islands. */
+static void mg_chain_step_islands(mg_context *c) {
+  const int n = mg_append_spring_rows(c, c->lcp.rows, mg_append_joint_rows(c, c->lcp.rows, mg_list_near_contacts(c)));
+  mg_chain_islands(c, n);
 }
 
-/* Gives kinetic friction to the constraints bounded by static friction that slip; returns how many there are. */
-static int mg_release_slipping_constraints(mg_context *c, const mg_friction_problem *p) {
-  for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
-    c->friction.is_yielding[g] = 0;
-  for (int k = 0; k < p->n_contact; k++) {
+/* Sets up the problem of the island whose chain begins with `first`, behind the rows and contacts of the islands before
+   it. `per_force`: time of the impulses from which they are sought, per force kept of the step before, s. */
+static void mg_list_island(mg_context *c, mg_real h, mg_real per_force, int first, mg_step_island *island) {
+  const int row = island->row, contact = island->contact;
+  int n = row, k = contact;
+  for (int i = first; i >= 0; i = c->islands.next[i])
+    if (i < c->system->n_contact) n = mg_append_friction_contact(c, i, k++, n);
+  for (int i = first; i >= 0; i = c->islands.next[i])
+    if (i >= c->system->n_contact) c->lcp.rows[n++] = i;
+  for (int each = contact; each < k; each++) c->friction.cone_first[each] -= row;
+  for (int r = row; r < n; r++) {
+    const int i = c->lcp.rows[r];
+    c->lcp.b[r] = i >= c->layout.spring_row_begin ? mg_free_spring_rate(c, i, h) : mg_free_end_rate(c, i, h);
+    if (i < c->system->n_contact) c->lcp.b[r] -= mg_scheme_gap_rate(c, i, h);
+    c->lcp.z[r] = i < c->system->n_contact || i >= c->layout.friction_row_begin ? c->solution.force[i] * per_force : 0;
+  }
+  const mg_friction_problem problem = {n - row,
+                                       k - contact,
+                                       c->settings->stepping_friction_law,
+                                       0,
+                                       c->friction.cone_first + contact,
+                                       c->friction.cone_rows + contact,
+                                       c->friction.cone + MG_CONE * contact,
+                                       c->lcp.A,
+                                       c->lcp.b + row,
+                                       1,
+                                       c->settings->stepping_tolerance,
+                                       c->run->stop,
+                                       c->settings->sweep_from_last};
+  island->problem = problem;
+}
+
+/* Gives kinetic friction to the constraints of an island bounded by static friction that slip; returns how many there
+   are. */
+static int mg_release_slipping_constraints(mg_context *c, const mg_step_island *island) {
+  for (int k = island->contact; k < island->contact + island->problem.n_contact; k++) {
     const int i = c->friction.cone_contact[k];
     for (int g = c->system->contact_friction[i]; g < c->system->contact_friction[i + 1]; g++)
       c->friction.is_yielding[g] = (c->friction.marks[k] & (MG_MARK_SLIP << c->system->friction_kind[g])) != 0;
@@ -124,28 +141,55 @@ static int mg_release_slipping_constraints(mg_context *c, const mg_friction_prob
   return mg_use_kinetic_bounds(c);
 }
 
-/* Solves the problem; a residual up to stepping_residual counts as solved, loosely above stepping_tolerance. Returns
-   the outcome of mg_friction. */
-static int mg_try_friction_law(mg_context *c, const mg_friction_problem *p, mg_friction_report *report) {
-  const int outcome = mg_friction(p, c->lcp.z, c->friction.marks, report, c->friction.work, c->friction.iwork);
+/* Impulses of an island by its graph. Returns the outcome of mg_friction. */
+static int mg_solve_island_graph(mg_context *c, const mg_step_island *island, mg_friction_report *report) {
+  const int n = island->problem.n, *row = c->lcp.rows + island->row;
+  for (int r = 0; r < n; r++) {
+    const int bodies[2] = {c->contacts.o[row[r]], c->contacts.f[row[r]]};
+    mg_update_inverse_mass_row(c, row[r]);
+    c->friction.row_yield[r] = mg_row_yield(c, row[r]);
+    for (int side = 0; side < 2; side++)
+      c->friction.row_body[2 * r + side] = mg_is_moved_by_forces(c, bodies[side]) ? bodies[side] : -1;
+  }
+  const mg_friction_graph graph = {c->system->n_body, row,        c->friction.row_body,
+                                   c->rows.J,         c->rows.MJ, c->friction.row_yield};
+  return mg_friction_on_graph(&island->problem, &graph, c->lcp.z + island->row, c->friction.marks + island->contact,
+                              report, c->friction.work, c->friction.iwork);
+}
+
+/* Impulses of an island by its matrix. Returns the outcome of mg_friction. */
+static int mg_solve_island_matrix(mg_context *c, const mg_step_island *island, mg_friction_report *report) {
+  mg_assemble_delassus(c, c->lcp.rows + island->row, island->problem.n);
+  return mg_friction(&island->problem, c->lcp.z + island->row, c->friction.marks + island->contact, report,
+                     c->friction.work, c->friction.iwork);
+}
+
+/* Solves the problem of an island, a large one by its graph first; a residual up to stepping_residual counts as solved,
+   loosely above stepping_tolerance. Returns the outcome of mg_friction. */
+static int mg_try_friction_law(mg_context *c, const mg_step_island *island, mg_friction_report *report) {
+  const int is_large = island->problem.n > MG_SMALL_PROBLEM;
+  int outcome = is_large ? mg_solve_island_graph(c, island, report) : MG_FRICTION_NOT_FOUND;
+  if (outcome == MG_FRICTION_NOT_FOUND && island->problem.n <= MG_MATRIX_ISLAND && !mg_is_stopped(c))
+    outcome = mg_solve_island_matrix(c, island, report);
   mg_report_solve(c->run);
   if (outcome != MG_FRICTION_NOT_FOUND || !(report->residual <= c->settings->stepping_residual)) return outcome;
   mg_report_loose_solution(c->run);
   return MG_FRICTION_SOLVED;
 }
 
-/* Solves the problem by Coulomb's law, or by its relaxation if that is chosen or no solution of the law is found.
-   Returns an outcome. */
-static int mg_solve_friction_law(mg_context *c, mg_friction_problem *p) {
+/* Solves the problem of an island by Coulomb's law, or by its relaxation if that is chosen or no solution of the law is
+   found. Returns an outcome. */
+static int mg_solve_friction_law(mg_context *c, mg_step_island *island) {
+  mg_friction_problem *p = &island->problem;
   mg_friction_report report;
-  for (int k = 0; k < p->n_contact; k++)
+  for (int k = island->contact; k < island->contact + p->n_contact; k++)
     mg_set_friction_cone(c, c->friction.cone_contact[k], 1, c->friction.cone + MG_CONE * k);
-  int outcome = mg_try_friction_law(c, p, &report);
+  int outcome = mg_try_friction_law(c, island, &report);
   if (outcome == MG_FRICTION_NOT_FOUND && p->law == MG_COULOMB && !mg_is_stopped(c)) {
     p->law = MG_RELAXED;
     mg_report_relaxed_solution(c->run);
-    for (int r = 0; r < p->n; r++) c->lcp.z[r] = 0;
-    outcome = mg_try_friction_law(c, p, &report);
+    for (int r = 0; r < p->n; r++) c->lcp.z[island->row + r] = 0;
+    outcome = mg_try_friction_law(c, island, &report);
   }
   if (outcome == MG_FRICTION_INFEASIBLE) return MG_COMPLEMENTARITY;
   if (outcome) return MG_NO_FRICTION;
@@ -153,20 +197,25 @@ static int mg_solve_friction_law(mg_context *c, mg_friction_problem *p) {
   return MG_DONE;
 }
 
-/* Impulses with friction; *size receives the number of rows. Returns an outcome. */
-static int mg_solve_friction_step(mg_context *c, mg_real h, int *size) {
-  int count = 0, outcome;
+/* Impulses with friction, island by island; *size receives the number of rows. Returns an outcome. */
+static int mg_solve_friction_step(mg_context *c, mg_real h, mg_real per_force, int *size) {
+  mg_step_island island = {0};
+  int count = 0, outcome = MG_DONE;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) count += c->events.is_near[i] != 0;
   if (!mg_is_room_for_closed(c, count)) return MG_TOO_MANY_CLOSED;
   mg_set_step_bound_kinds(c);
-  mg_friction_problem p = mg_make_friction_problem(c, h);
-  *size = p.n;
-  if (p.n == 0) {
-    MG_NOTE_WITH(c, MG_VALID_YIELDING, MG_VALID_STEP_GEOMETRY); /* there is nothing to mark */
-    return MG_DONE;
+  for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
+    c->friction.is_yielding[g] = 0;
+  MG_NOTE_WITH(c, MG_VALID_YIELDING, MG_VALID_STEP_GEOMETRY);
+  mg_chain_step_islands(c);
+  for (int b = 0; b < c->system->n_body && !outcome; b++) {
+    if (c->islands.head[b] < 0) continue;
+    mg_list_island(c, h, per_force, c->islands.head[b], &island);
+    do outcome = mg_solve_friction_law(c, &island);
+    while (!outcome && mg_release_slipping_constraints(c, &island));
+    island.row += island.problem.n, island.contact += island.problem.n_contact;
   }
-  do outcome = mg_solve_friction_law(c, &p);
-  while (!outcome && mg_release_slipping_constraints(c, &p));
+  *size = island.row;
   return outcome;
 }
 
@@ -213,7 +262,8 @@ static int mg_solve_step(mg_context *c, mg_real h) {
     c->events.is_near[i] = mg_closes_within_step(c, i, h) ? MG_NEAR : MG_NOT_NEAR;
   for (int round = 0; round < MG_NEAR_SET_ROUNDS; round++) {
     int n = 0;
-    const int outcome = c->system->n_friction ? mg_solve_friction_step(c, h, &n) : mg_solve_frictionless_step(c, h, &n);
+    const int outcome =
+        c->system->n_friction ? mg_solve_friction_step(c, h, round ? 1 : h, &n) : mg_solve_frictionless_step(c, h, &n);
     if (outcome) return outcome;
     mg_set_step_impulses(c, n, h);
     mg_follow_meeting_pairs(c, h);

@@ -90,6 +90,28 @@ MG_API long long mg_friction_iwork_size(int n, int n_contact);
 MG_API int mg_friction(const mg_friction_problem *problem, mg_real *z, int *marks, mg_friction_report *report,
                        mg_real *work, int *iwork);
 
+/* The rows of a problem by the two bodies on which each of them acts: A = J M^-1 J' + the diagonal matrix of yields. */
+typedef struct {
+  int n_body;
+  const int *place;      /* [n] place of a row in J and MJ */
+  const int *body;       /* [2 n] its bodies, -1: none, or one that forces do not move */
+  const mg_real *J, *MJ; /* [12 per place] J by body, and M^-1 J' */
+  const mg_real *yield;  /* [n] what is added to its diagonal; that of rows of contacts is 0 */
+} mg_friction_graph;
+
+enum { MG_SMALL_PROBLEM = 24 }; /* rows up to which the matrix of a problem is cheaper than its graph */
+
+/* Length of `work` and `iwork` of mg_friction_on_graph. */
+MG_API long long mg_friction_graph_work_size(int n, int n_contact, int n_body);
+MG_API long long mg_friction_graph_iwork_size(int n, int n_contact, int n_body);
+
+/* Solves a problem by its graph, without A, which is not read: memory grows with the rows, and so does the cost of a
+   sweep; that of a Newton step grows with the fill of the graph. As mg_friction, but that other starting points are not
+   tried, z holds the best forces found, and their residual is in the report; SOLVED means that it is within `accepted`.
+   Where the fill is more than eight pairs per contact and body, there are sweeps alone. */
+MG_API int mg_friction_on_graph(const mg_friction_problem *problem, const mg_friction_graph *graph, mg_real *z,
+                                int *marks, mg_friction_report *report, mg_real *work, int *iwork);
+
 /* Residual of any z [n], the certificate of all solvers: the largest of
      normal     |min(N d, w_n / d)|,                                d = sqrt(A_nn),
      tangential |f/mu - P_N(f/mu - mu w_t / a)| sqrt(a),            a the mean of mu A_tt mu over the axes; P_N projects

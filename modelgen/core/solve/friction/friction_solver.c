@@ -13,18 +13,18 @@ enum {
 
 /* Sweeps, then Newton steps; where these fail, more sweeps from where the first ended. A problem that names what it
    accepts is given Newton steps again only where the sweeps between have halved the residual, because sweeps cost far
-   less. Returns whether a solution was found. */
+   less; on a graph they do not, and go on from the best candidate. Returns whether a solution was found. */
 static int mg_friction_sweep_and_newton(mg_scaled_friction *s, int rounds) {
-  const int m = s->m;
+  const int m = s->m + s->n_free;
   mg_real *swept = s->spare, before = MG_MAX;
   for (int round = 0, sweeps = MG_FRICTION_SWEEPS; round < rounds; ++round, sweeps *= MG_FRICTION_SWEEP_GROWTH) {
     if (mg_friction_sweep(s, sweeps)) return 1;
-    if (s->given->accepted > 0 && s->residual > before / 2) continue;
+    if (s->given->accepted > 0 && s->residual > before / 2 && !s->graph.J) continue;
     before = s->residual;
     for (int i = 0; i < m; ++i) swept[i] = s->y[i];
     for (int augmented = 1; augmented >= 0; --augmented) {
       if (mg_friction_newton(s, MG_FRICTION_NEWTON_STEPS, augmented) || mg_friction_is_accepted(s)) return 1;
-      for (int i = 0; i < m; ++i) s->y[i] = swept[i];
+      for (int i = 0; i < m; ++i) s->y[i] = s->graph.J ? s->best[i] : swept[i];
     }
   }
   return mg_friction_is_accepted(s);
@@ -61,13 +61,18 @@ static int mg_friction_contact_marks(const mg_scaled_friction *s, int contact) {
   return mark;
 }
 
+/* Marks of all contacts of the candidate, whose motion is in v. */
+static void mg_friction_mark_contacts(const mg_scaled_friction *s, int *marks) {
+  for (int c = 0; c < s->n; ++c) marks[c] = mg_friction_contact_marks(s, c);
+}
+
 /* Returns the best candidate in the units of the problem, with marks and residual. Returns whether it is a
    solution. */
 static int mg_friction_certify_best(mg_scaled_friction *s, mg_real *z, int *marks, mg_friction_report *report) {
   mg_real growth;
   for (int i = 0; i < s->m; ++i) s->y[i] = s->best[i];
   mg_friction_update_motion(s);
-  for (int c = 0; c < s->n; ++c) marks[c] = mg_friction_contact_marks(s, c);
+  mg_friction_mark_contacts(s, marks);
   mg_friction_unscale(s, s->best, z);
   report->residual = mg_friction_certify(s->given, z, &growth);
   report->outcome = report->residual <= mg_max(s->given->accepted, mg_friction_cap(growth)) ? MG_FRICTION_SOLVED
@@ -94,10 +99,16 @@ static void mg_friction_refine(mg_scaled_friction *s) {
   }
 }
 
+/* Seeks a solution from the guess z: Newton steps, then sweeps and Newton steps in turn. Returns whether one was found;
+   `best` is the best candidate. */
+static int mg_friction_find(mg_scaled_friction *s, const mg_real *z) {
+  return mg_friction_warm_start(s, z) || mg_friction_sweep_and_newton(s, MG_FRICTION_ROUNDS);
+}
+
 /* Solves the scaled problem; z is the guess on entry. */
 static void mg_friction_solve(mg_scaled_friction *s, mg_real *z, int *marks, mg_friction_report *report) {
   report->starts = 1;
-  if (!mg_friction_warm_start(s, z)) mg_friction_sweep_and_newton(s, MG_FRICTION_ROUNDS);
+  mg_friction_find(s, z);
   mg_friction_refine(s);
   if (mg_friction_certify_best(s, z, marks, report) || mg_friction_is_stopped(s)) return;
   if (mg_friction_is_infeasible(s)) {
@@ -131,4 +142,24 @@ MG_API int mg_friction(const mg_friction_problem *problem, mg_real *z, int *mark
     mg_friction_report_uniqueness(&s, strict, report);
   }
   return report->outcome;
+}
+
+MG_API int mg_friction_on_graph(const mg_friction_problem *problem, const mg_friction_graph *graph, mg_real *z,
+                                int *marks, mg_friction_report *report, mg_real *work, int *iwork) {
+  const mg_friction_report none = {MG_FRICTION_NOT_FINITE, 0, 0, 0, 0, 0, MG_UNDECIDED, MG_MAX};
+  mg_scaled_friction s;
+  *report = none;
+  for (int c = 0; c < problem->n_contact; ++c) marks[c] = 0;
+  if (!mg_all_finite(problem->n, z))
+    for (int i = 0; i < problem->n; ++i) z[i] = 0;
+  if (!mg_graph_set_up(&s, problem, graph, work, iwork)) return report->outcome;
+  report->starts = 1;
+  const int is_solved = mg_friction_find(&s, z);
+  for (int i = 0; i < s.m + s.n_free; ++i) s.y[i] = s.best[i];
+  mg_friction_update_motion(&s);
+  mg_friction_mark_contacts(&s, marks);
+  for (int i = 0; i < problem->n; ++i) z[i] = 0;
+  for (int i = 0; i < s.m + s.n_free; ++i) z[s.row[i]] = s.y[i] * s.e[i] * s.scale;
+  report->sweeps = s.sweeps, report->newton = s.newton, report->residual = s.residual;
+  return report->outcome = is_solved ? MG_FRICTION_SOLVED : MG_FRICTION_NOT_FOUND;
 }

@@ -8,12 +8,47 @@
 #include "base/base.h"
 #include "solve/friction/friction.h"
 
+enum {
+  MG_ROWS = 6,       /* most rows of a contact */
+  MG_BLOCK_SIZE = 36 /* entries of a block of 6 by 6, by columns */
+};
+
+/* A system whose matrix has blocks of 6 by 6: on the diagonal for each body, and two for each pair of bodies that act
+   on each other, or come to do so as others are eliminated. */
+typedef struct {
+  int n, words;           /* bodies; words of a row of `adjacency` */
+  int capacity;           /* of pairs */
+  int *adjacency;         /* [n words] bits: which bodies act on each other, of those not eliminated yet */
+  int *degree;            /* [n] number of these */
+  int *order, *rank;      /* [n] the bodies as they are eliminated, and when each is */
+  int *first, *node;      /* [n + 1], [capacity] the bodies on which each acts when it is eliminated, ascending */
+  mg_real *diagonal;      /* [36 n] of the factors: inverse */
+  mg_real *lower, *upper; /* [36 capacity] block of the later body and the earlier one, and of the earlier and later */
+} mg_block_system;
+
+/* Rows by the bodies on which they act: v = J u + yield y + c with the motion u = M^-1 J' y of the bodies. */
+typedef struct {
+  int n_body;             /* bodies that rows act on and forces move */
+  int *body;              /* [2 (m + n_free)] bodies, -1: none that forces move */
+  int *number;            /* [bodies of the given problem] number of each here, or -1 */
+  mg_real *J, *MJ;        /* [12 (m + n_free)] scaled rows of J and of M^-1 J' */
+  mg_real *yield;         /* [m + n_free] what a row yields to its own force */
+  mg_real *block;         /* [36 n] S of the rows of each contact, by columns */
+  mg_real *motion;        /* [6 n_body] u */
+  mg_real *stiffness;     /* [36 n + n_free] of each contact, and of each free row: how its force changes with its v */
+  mg_real *push;          /* [m + n_free] by how much its force changes anyway */
+  mg_real *step;          /* [6 n_body] change of u in a Newton step */
+  mg_block_system system; /* of Newton steps */
+  int has_system;         /* 0: its blocks have no room */
+} mg_scaled_graph;
+
 typedef struct {
   const mg_friction_problem *given; /* the problem */
   int n;                            /* contacts */
   int m;                            /* rows kept: those of contacts that may carry force */
   int n_part;                       /* parts of all contacts */
   int n_bilateral;                  /* bilateral rows */
+  int n_free;                       /* of them, those that follow the kept rows: all on a graph, else none */
   int rank;                         /* rank of the bilateral rows */
   int *row;                         /* [m] row of the problem */
   int *normal;                      /* [n] kept row of N */
@@ -26,12 +61,13 @@ typedef struct {
   int *iwork;                       /* scratch */
   mg_real *e;                       /* [m] scale of a row */
   mg_real *rho;                     /* [n_part] mean of S_tt */
-  mg_real *S, *c;                   /* [m m], [m] the scaled problem */
-  mg_real *y, *v;                   /* [m] candidate and its motion v = S y + c */
-  mg_real *best;                    /* [m] candidate with the least residual so far */
+  mg_real *S, *c;                   /* [m m], [m + n_free] the scaled problem; on a graph S is null */
+  mg_real *y, *v;                   /* [m + n_free] candidate and its motion v = S y + c */
+  mg_real *best;                    /* [m + n_free] candidate with the least residual so far */
   mg_real *e_b;                     /* [n_bilateral] scale of a bilateral row */
   mg_real *L;                       /* [n_bilateral n_bilateral] Cholesky factor of A_bb */
   mg_real *X;                       /* A_bb^-1 (A_bc, b_b) */
+  mg_scaled_graph graph;            /* the rows by bodies, of a problem on a graph */
   mg_real *spare;                   /* [5 m] rows that a start keeps */
   mg_real *work;                    /* scratch of one step */
   mg_real scale;                    /* size of c, by which it is divided */
@@ -96,9 +132,19 @@ MG_INTERNAL void mg_friction_report_uniqueness(mg_scaled_friction *s, int strict
 /* Kept row after the last of a contact. */
 MG_INTERNAL int mg_friction_row_end(const mg_scaled_friction *s, int contact);
 
+/* Begins with a problem. */
+MG_INTERNAL void mg_friction_open(mg_scaled_friction *s, const mg_friction_problem *problem);
+
+/* Chooses the rows that may carry force, with their coefficients in e, and lists the bilateral ones; owned [n] is
+   scratch. Returns 0 if the data are not finite or a coefficient is negative. */
+MG_INTERNAL int mg_friction_choose_rows(mg_scaled_friction *s, int *owned);
+
 /* Divides the memory and chooses the rows. Returns 0 if the data are not finite or a coefficient is negative. */
 MG_INTERNAL int mg_friction_layout(mg_scaled_friction *s, const mg_friction_problem *problem, mg_real *work,
                                    int *iwork);
+
+/* Largest motion without contact forces, in the units of the residual. */
+MG_INTERNAL mg_real mg_friction_size(const mg_scaled_friction *s);
 
 /* Computes S and c. Returns 0 if the scaled data are not finite. */
 MG_INTERNAL int mg_friction_scale(mg_scaled_friction *s);
@@ -113,6 +159,67 @@ MG_INTERNAL void mg_friction_unscale(const mg_scaled_friction *s, const mg_real 
 
 /* Sweeps over the contacts forwards and backwards from y, at most `sweeps`. Returns whether y is a solution. */
 MG_INTERNAL int mg_friction_sweep(mg_scaled_friction *s, int sweeps);
+
+/* graph_problem.c */
+
+/* Sets up the scaled problem on its graph. Returns 0 if the data are not finite. */
+MG_INTERNAL int mg_graph_set_up(mg_scaled_friction *s, const mg_friction_problem *problem,
+                                const mg_friction_graph *graph, mg_real *work, int *iwork);
+
+/* graph_motion.c */
+
+/* J M^-1 J' of rows i and j of one contact. */
+MG_INTERNAL mg_real mg_graph_entry(const mg_scaled_graph *g, int i, int j);
+
+/* v of the rows from .. to of a problem on a graph at the present motion of the bodies. */
+MG_INTERNAL void mg_graph_update_rows(mg_scaled_friction *s, int from, int to);
+
+/* Adds to the motion of the bodies what a change of the force of a row makes. */
+MG_INTERNAL void mg_graph_add_force(mg_scaled_friction *s, int row, mg_real change);
+
+/* Motion of the bodies by all forces y. */
+MG_INTERNAL void mg_graph_update_motion(mg_scaled_friction *s);
+
+/* Solves the free rows one after another. */
+MG_INTERNAL void mg_graph_sweep_free_rows(mg_scaled_friction *s, int backwards);
+
+/* graph_newton.c */
+
+/* A Newton step of a problem on a graph: prepared for the present y, then the conditions of each contact, then solved.
+   A condition is gy dy + gv dv = -phi for the changes of y and v of the contact, gy and gv by rows of MG_ROWS; a
+   contact that does not press gets y = 0. `shift` is added to the diagonal of S. */
+MG_INTERNAL void mg_graph_begin_step(mg_scaled_friction *s, mg_real shift);
+MG_INTERNAL int mg_graph_add_contact(mg_scaled_friction *s, int contact, int presses, mg_real shift, const mg_real *gy,
+                                     const mg_real *gv, const mg_real *phi);
+
+/* Changes `step` of y and `image` of v, [m + n_free]. Returns 0 if the system is singular. */
+MG_INTERNAL int mg_graph_solve_step(mg_scaled_friction *s, mg_real *step, mg_real *image);
+
+/* block_system.c */
+
+/* Words of a row of the adjacency of n bodies. */
+MG_INTERNAL long long mg_block_words(int n);
+
+/* Begins with n bodies that do not act on each other. */
+MG_INTERNAL void mg_block_open(mg_block_system *b, int n);
+
+/* Two bodies act on each other. */
+MG_INTERNAL void mg_block_connect(mg_block_system *b, int node, int other);
+
+/* Finds the order of elimination and the blocks. Returns 0 if there are more than `capacity`. */
+MG_INTERNAL int mg_block_analyse(mg_block_system *b);
+
+/* Sets the matrix to the identity. */
+MG_INTERNAL void mg_block_clear(mg_block_system *b);
+
+/* The block of two bodies, by columns. Needs that they act on each other. */
+MG_INTERNAL mg_real *mg_block_at(mg_block_system *b, int row, int column);
+
+/* Factors the matrix. Returns 0 if it is singular. */
+MG_INTERNAL int mg_block_factor(mg_block_system *b);
+
+/* Replaces x [6 n] by the solution for x on the right-hand side. */
+MG_INTERNAL void mg_block_solve(const mg_block_system *b, mg_real *x);
 
 /* semismooth_newton.c */
 

@@ -5,6 +5,7 @@
 #include "base/base.h"
 
 enum {
+  MG_LOCAL_PASSES = 2,       /* over the rows of a contact in a sweep on a graph */
   MG_DISC_ROOT_STEPS = 40,   /* most steps of the root finder */
   MG_DISC_BRACKET_STEPS = 80 /* most steps in search of a bracket */
 };
@@ -17,8 +18,6 @@ typedef struct {
   mg_real slope[2]; /* derivative of N by f */
   mg_real base;     /* N without f */
 } mg_disc;
-
-enum { MG_CONTACT_ROWS_MAX = 6 }; /* most rows of a contact */
 
 /* f = -(T + alpha I)^-1 c. Returns 0 if that is singular. */
 static int mg_disc_force(const mg_disc *d, mg_real alpha, mg_real *f) {
@@ -88,33 +87,53 @@ static void mg_disc_solve(const mg_disc *d, mg_real *f) {
   if (slack_high > 0) mg_disc_root(d, low, slack, high, slack_high, f);
 }
 
+/* S of the rows of one contact, by columns. */
+typedef struct {
+  const mg_real *first;
+  int from, stride;
+} mg_contact_block;
+
+static mg_contact_block mg_block_of_contact(const mg_scaled_friction *s, int contact) {
+  const int from = s->normal[contact];
+  const mg_contact_block of_graph = {s->graph.block + MG_BLOCK_SIZE * contact, from, MG_ROWS},
+                         of_matrix = {s->S + from + from * s->m, from, s->m};
+  return s->graph.J ? of_graph : of_matrix;
+}
+
+/* Entry of the block, by rows of the problem. */
+static mg_real mg_in_block(const mg_contact_block *block, int row, int column) {
+  return block->first[row - block->from + (column - block->from) * block->stride];
+}
+
 /* v of a row if the forces of rows from..to were y: motion with the contact's own forces replaced. */
-static mg_real mg_local_motion(const mg_scaled_friction *s, int row, int from, int to, const mg_real *y) {
+static mg_real mg_local_motion(const mg_scaled_friction *s, const mg_contact_block *S, int row, int from, int to,
+                               const mg_real *y) {
   mg_real b = s->v[row];
-  for (int j = from; j < to; ++j) b += s->S[row + j * s->m] * (y[j - from] - s->y[j]);
+  for (int j = from; j < to; ++j) b += mg_in_block(S, row, j) * (y[j - from] - s->y[j]);
   return b;
 }
 
 /* Sets up the disc of a part of a contact whose rows are from..to, with N = y[0] given (held) or in balance. */
-static void mg_set_disc(const mg_scaled_friction *s, int part, int from, int to, int held, mg_real *y, mg_disc *d) {
-  const int m = s->m, row = s->part_row[part];
-  const mg_real a = s->S[from + from * m];
+static void mg_set_disc(const mg_scaled_friction *s, const mg_contact_block *S, int part, int from, int to, int held,
+                        mg_real *y, mg_disc *d) {
+  const int row = s->part_row[part];
+  const mg_real a = mg_in_block(S, from, from);
   mg_real b;
   d->k = s->part_dim[part];
   d->T[3] = 0;
   for (int i = 0; i < d->k; ++i) y[row - from + i] = 0;
   if (!held) y[0] = 0;
-  b = held ? 0 : mg_local_motion(s, from, from, to, y);
+  b = held ? 0 : mg_local_motion(s, S, from, from, to, y);
   d->base = held ? y[0] : -b / a;
   for (int i = 0; i < d->k; ++i) {
-    d->c[i] = mg_local_motion(s, row + i, from, to, y);
-    d->slope[i] = held ? 0 : -s->S[from + (row + i) * m] / a;
+    d->c[i] = mg_local_motion(s, S, row + i, from, to, y);
+    d->slope[i] = held ? 0 : -mg_in_block(S, from, row + i) / a;
   }
   for (int i = 0; i < d->k; ++i) {
-    if (!held) d->c[i] += s->S[row + i + from * m] * d->base;
+    if (!held) d->c[i] += mg_in_block(S, row + i, from) * d->base;
     for (int j = 0; j < d->k; ++j) {
-      d->T[i + 2 * j] = s->S[row + i + (row + j) * m];
-      if (!held) d->T[i + 2 * j] += s->S[row + i + from * m] * d->slope[j];
+      d->T[i + 2 * j] = mg_in_block(S, row + i, row + j);
+      if (!held) d->T[i + 2 * j] += mg_in_block(S, row + i, from) * d->slope[j];
     }
   }
   if (d->k == 1) d->T[3] = d->T[0];
@@ -123,26 +142,28 @@ static void mg_set_disc(const mg_scaled_friction *s, int part, int from, int to,
 /* Solves one contact with the others fixed. y: its rows, the solution on return. */
 static void mg_solve_friction_contact(const mg_scaled_friction *s, int contact, mg_real *y) {
   const int from = s->normal[contact], to = mg_friction_row_end(s, contact);
+  const mg_contact_block S = mg_block_of_contact(s, contact);
+  const mg_real own = mg_in_block(&S, from, from);
   int part = s->part[contact];
   mg_disc d;
   mg_real b;
   y[0] = 0;
   for (int p = part; p < s->part[contact + 1] && s->part_mark[p] == MG_MARK_SLIP; ++p)
     for (int i = 0; i < s->part_dim[p]; ++i) y[s->part_row[p] - from + i] = 0;
-  b = mg_local_motion(s, from, from, to, y);
-  if (b >= 0 || !(s->S[from + from * s->m] > MG_LCP_RANK(s->m))) {
+  b = mg_local_motion(s, &S, from, from, to, y);
+  if (b >= 0 || !(own > MG_LCP_RANK(s->m))) {
     for (int i = from; i < to; ++i) y[i - from] = 0;
     return;
   }
-  y[0] = -b / s->S[from + from * s->m];
+  y[0] = -b / own;
   if (part < s->part[contact + 1] && s->part_mark[part] == MG_MARK_SLIP) {
-    mg_set_disc(s, part, from, to, 0, y, &d);
+    mg_set_disc(s, &S, part, from, to, 0, y, &d);
     mg_disc_solve(&d, y + s->part_row[part] - from);
     y[0] = mg_disc_radius(&d, y + s->part_row[part] - from);
     ++part;
   }
   for (; part < s->part[contact + 1]; ++part) {
-    mg_set_disc(s, part, from, to, 1, y, &d);
+    mg_set_disc(s, &S, part, from, to, 1, y, &d);
     mg_disc_solve(&d, y + s->part_row[part] - from);
   }
 }
@@ -168,32 +189,65 @@ static void mg_project_on_cone(const mg_scaled_friction *s, int contact, mg_real
 /* One projected gradient step of the convex program in the rows of a contact. */
 static void mg_projected_gradient_step(const mg_scaled_friction *s, int contact, mg_real *y) {
   const int from = s->normal[contact], to = mg_friction_row_end(s, contact);
+  const mg_contact_block S = mg_block_of_contact(s, contact);
   mg_real trace = 0;
-  for (int i = from; i < to; ++i) trace += s->S[i + i * s->m];
+  for (int i = from; i < to; ++i) trace += mg_in_block(&S, i, i);
   for (int i = from; i < to && trace > 0; ++i) y[i - from] -= s->v[i] / trace;
   mg_project_on_cone(s, contact, y);
 }
 
-/* Replaces the forces of one contact and updates v. */
+/* Moves the forces of one contact towards the solution with the others fixed: the normal force, then the forces of each
+   part by a projected gradient step, MG_LOCAL_PASSES times. Costs a fifth of the exact solution; where it moves
+   nothing, the forces are that. */
+static void mg_approach_friction_contact(const mg_scaled_friction *s, int contact, mg_real *y) {
+  const int from = s->normal[contact], to = mg_friction_row_end(s, contact);
+  const mg_contact_block S = mg_block_of_contact(s, contact);
+  const mg_real own = mg_in_block(&S, from, from);
+  if (!(own > MG_LCP_RANK(s->m))) return;
+  for (int pass = 0; pass < MG_LOCAL_PASSES; ++pass) {
+    y[0] = mg_max(y[0] - mg_local_motion(s, &S, from, from, to, y) / own, (mg_real)0);
+    for (int p = s->part[contact]; p < s->part[contact + 1]; ++p) {
+      const int row = s->part_row[p], k = s->part_dim[p];
+      mg_real q[2] = {0, 0};
+      for (int i = 0; i < k; ++i) q[i] = y[row - from + i] - mg_local_motion(s, &S, row + i, from, to, y) / s->rho[p];
+      const mg_real size = mg_friction_norm(k, q), part = size > y[0] ? y[0] / size : 1;
+      for (int i = 0; i < k; ++i) y[row - from + i] = part * q[i];
+    }
+  }
+}
+
+/* Replaces the forces of one contact and updates v, on a graph the motion of the bodies. */
 static void mg_update_friction_contact(mg_scaled_friction *s, int contact) {
   const int m = s->m, from = s->normal[contact], to = mg_friction_row_end(s, contact);
-  mg_real y[MG_CONTACT_ROWS_MAX];
+  mg_real y[MG_ROWS];
+  if (s->graph.J) mg_graph_update_rows(s, from, to);
   for (int j = from; j < to; ++j) y[j - from] = s->y[j];
   if (s->theta > 0) mg_projected_gradient_step(s, contact, y);
+  else if (s->graph.J) mg_approach_friction_contact(s, contact, y);
   else mg_solve_friction_contact(s, contact, y);
   for (int j = from; j < to; ++j) {
-    const mg_real *column = s->S + j * m, step = y[j - from] - s->y[j];
+    const mg_real step = y[j - from] - s->y[j];
     if (!(fabs(step) > 0)) continue;
-    for (int i = 0; i < m; ++i) s->v[i] += column[i] * step;
+    if (s->graph.J) mg_graph_add_force(s, j, step);
+    else
+      for (int i = 0; i < m; ++i) s->v[i] += s->S[i + j * m] * step;
     s->y[j] = y[j - from];
   }
+}
+
+/* Solves the contacts one after another, forwards or backwards, with the forces of the others as they are. */
+static void mg_friction_sweep_once(mg_scaled_friction *s, int backwards) {
+  if (backwards) mg_graph_sweep_free_rows(s, 1);
+  for (int c = 0; c < s->n; ++c) mg_update_friction_contact(s, backwards ? s->n - 1 - c : c);
+  if (!backwards) mg_graph_sweep_free_rows(s, 0);
+  ++s->sweeps;
 }
 
 MG_INTERNAL int mg_friction_sweep(mg_scaled_friction *s, int sweeps) {
   mg_friction_update_motion(s);
   for (int sweep = 0; sweep < sweeps && !mg_friction_is_stopped(s); ++sweep) {
-    for (int c = 0; c < s->n; ++c) mg_update_friction_contact(s, (sweep + s->given->from_last) % 2 ? s->n - 1 - c : c);
-    ++s->sweeps;
+    mg_friction_sweep_once(s, (sweep + s->given->from_last) % 2);
+    if (s->graph.J) mg_graph_update_rows(s, 0, s->m + s->n_free);
     if (mg_friction_error(s) <= mg_friction_tolerance(s, s->y)) break;
   }
   mg_friction_update_motion(s);

@@ -70,17 +70,19 @@ static void mg_friction_add_contact(mg_scaled_friction *s, int contact) {
   s->part[contact + 1] = s->n_part;
 }
 
-MG_INTERNAL int mg_friction_layout(mg_scaled_friction *s, const mg_friction_problem *problem, mg_real *work,
-                                   int *iwork) {
-  const int n = problem->n;
-  int *owned = iwork + MG_FRICTION_INTS * (n + problem->n_contact) - n;
+MG_INTERNAL void mg_friction_open(mg_scaled_friction *s, const mg_friction_problem *problem) {
   s->given = problem;
   s->n = problem->n_contact;
-  s->m = s->n_part = s->n_bilateral = s->rank = s->sweeps = s->newton = 0;
+  s->m = s->n_part = s->n_bilateral = s->n_free = s->rank = s->sweeps = s->newton = 0;
   s->theta = problem->law == MG_RELAXED;
   s->residual = MG_MAX;
-  mg_friction_partition(s, work, iwork);
-  if (!mg_all_finite(n * n, problem->A) || !mg_all_finite(n, problem->b)) return 0;
+  s->S = s->graph.J = 0;
+}
+
+MG_INTERNAL int mg_friction_choose_rows(mg_scaled_friction *s, int *owned) {
+  const mg_friction_problem *problem = s->given;
+  const int n = problem->n;
+  if (!mg_all_finite(n, problem->b)) return 0;
   for (int i = 0; i < n; ++i) owned[i] = 0;
   s->part[0] = 0;
   for (int c = 0; c < s->n; ++c) {
@@ -93,6 +95,15 @@ MG_INTERNAL int mg_friction_layout(mg_scaled_friction *s, const mg_friction_prob
   for (int i = 0; i < n; ++i)
     if (!owned[i]) s->bilateral[s->n_bilateral++] = i;
   return 1;
+}
+
+MG_INTERNAL int mg_friction_layout(mg_scaled_friction *s, const mg_friction_problem *problem, mg_real *work,
+                                   int *iwork) {
+  const int n = problem->n;
+  mg_friction_open(s, problem);
+  mg_friction_partition(s, work, iwork);
+  return mg_all_finite(n * n, problem->A) &&
+         mg_friction_choose_rows(s, iwork + MG_FRICTION_INTS * (n + problem->n_contact) - n);
 }
 
 /* Entry of A. */
@@ -164,7 +175,7 @@ static void mg_friction_set_rho(mg_scaled_friction *s) {
 }
 
 /* Largest motion without contact forces, in the units of the residual. */
-static mg_real mg_friction_size(const mg_scaled_friction *s) {
+MG_INTERNAL mg_real mg_friction_size(const mg_scaled_friction *s) {
   mg_real largest = 0;
   for (int c = 0; c < s->n; ++c)
     if (fabs(s->c[s->normal[c]]) > largest) largest = (mg_real)fabs(s->c[s->normal[c]]);
@@ -215,7 +226,7 @@ MG_INTERNAL int mg_friction_scale(mg_scaled_friction *s) {
 }
 
 MG_INTERNAL void mg_friction_scale_guess(mg_scaled_friction *s, const mg_real *z) {
-  for (int i = 0; i < s->m; ++i) s->y[i] = z[s->row[i]] / s->e[i] / s->scale;
+  for (int i = 0; i < s->m + s->n_free; ++i) s->y[i] = z[s->row[i]] / s->e[i] / s->scale;
 }
 
 MG_INTERNAL void mg_friction_unscale(const mg_scaled_friction *s, const mg_real *y, mg_real *z) {

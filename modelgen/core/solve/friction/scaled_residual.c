@@ -38,10 +38,20 @@ MG_INTERNAL mg_real mg_friction_error(const mg_scaled_friction *s) {
       worst = error > worst ? error : worst;
     }
   }
+  for (int i = s->m; i < s->m + s->n_free; ++i) {
+    const mg_real error = (mg_real)fabs(s->v[i]);
+    if (!(error <= MG_MAX)) return MG_MAX;
+    worst = error > worst ? error : worst;
+  }
   return worst;
 }
 
 MG_INTERNAL void mg_friction_update_motion(mg_scaled_friction *s) {
+  if (s->graph.J) {
+    mg_graph_update_motion(s);
+    mg_graph_update_rows(s, 0, s->m + s->n_free);
+    return;
+  }
   for (int i = 0; i < s->m; ++i) s->v[i] = s->c[i];
   for (int j = 0; j < s->m; ++j) {
     const mg_real *column = s->S + j * s->m, value = s->y[j];
@@ -72,7 +82,7 @@ MG_INTERNAL int mg_friction_update_best(mg_scaled_friction *s) {
   const mg_real error = mg_friction_error(s);
   if (error < s->residual) {
     s->residual = error;
-    for (int i = 0; i < s->m; ++i) s->best[i] = s->y[i];
+    for (int i = 0; i < s->m + s->n_free; ++i) s->best[i] = s->y[i];
   }
   return s->residual <= mg_friction_tolerance(s, s->best);
 }

@@ -10,9 +10,13 @@
 #include "solve/friction/friction_solvers.h"
 #include "base/base.h"
 
+#define MG_GRAPH_SHIFT ((mg_real)sqrt(sqrt(MG_EPS))) /* of S: what a sticking contact on a graph yields, at least */
+#define MG_GRAPH_SHIFT_MAX 100
+#define MG_GRAPH_SHIFT_CHANGE 4 /* after a step, and after one that is rejected */
+
 enum {
-  MG_CONTACT_BLOCK = 6,         /* most rows of a contact */
   MG_LINE_SEARCH_HALVINGS = 10, /* most halvings of a step */
+  MG_GRAPH_HALVINGS = 2,        /* the same on a graph */
   MG_LINE_SEARCH_MEMORY = 4,    /* merits of which the largest must be undercut */
   MG_NEWTON_PATIENCE = 8,       /* most steps in a row that do not halve the least merit */
   MG_STEPS_OF_CHANGE = 4        /* steps to a change of a mode */
@@ -24,10 +28,10 @@ typedef struct {
   int *index, *swap, *place; /* rows in play; pivots; per row its place among them or -1 */
   mg_real *J, *normal;       /* k by k; J'J + damping */
   mg_real *phi, *right, *step, *image, *y, *v;
-  mg_real gy[MG_CONTACT_BLOCK * MG_CONTACT_BLOCK],
-      gv[MG_CONTACT_BLOCK * MG_CONTACT_BLOCK]; /* of one contact, row by row */
+  mg_real gy[MG_ROWS * MG_ROWS], gv[MG_ROWS * MG_ROWS]; /* of one contact, row by row */
   mg_real before[MG_LINE_SEARCH_MEMORY];
   int has_changed; /* the step led to a change of a mode */
+  mg_real shift;   /* of S, of a problem on a graph */
 } mg_semismooth;
 
 /* Steps that are left, and their progress. */
@@ -37,14 +41,17 @@ typedef struct {
   mg_real halved, changed; /* merits: the least of those that halved it; at the last change */
 } mg_newton_steps;
 
+/* Number of rows with the free ones. */
+static int mg_semismooth_rows_in_all(const mg_semismooth *n) { return n->s->m + n->s->n_free; }
+
 /* Divides the memory. */
 static void mg_semismooth_open(mg_semismooth *n, mg_scaled_friction *s) {
-  const int m = s->m;
+  const int m = s->graph.J ? 0 : s->m, rows = s->m + s->n_free;
   mg_real **vectors[] = {&n->phi, &n->right, &n->step, &n->image, &n->y, &n->v};
   n->s = s;
   n->J = s->work;
   n->normal = n->J + m * m;
-  for (int i = 0; i < 6; ++i) *vectors[i] = n->normal + m * m + i * m;
+  for (int i = 0; i < 6; ++i) *vectors[i] = n->normal + m * m + i * rows;
   n->index = s->iwork;
   n->swap = n->index + m;
   n->place = n->swap + m;
@@ -61,13 +68,13 @@ static void mg_semismooth_part(mg_semismooth *n, int contact, int part, mg_real 
   if (size <= radius) {
     for (int i = 0; i < k; ++i) {
       n->phi[row + i] = s->v[row + i] / root;
-      n->gv[(at + i) * MG_CONTACT_BLOCK + at + i] = 1 / root;
+      n->gv[(at + i) * MG_ROWS + at + i] = 1 / root;
     }
     return;
   }
   ratio = radius / size;
   for (int i = 0; i < k; ++i) {
-    mg_real *gy = n->gy + (at + i) * MG_CONTACT_BLOCK, *gv = n->gv + (at + i) * MG_CONTACT_BLOCK;
+    mg_real *gy = n->gy + (at + i) * MG_ROWS, *gv = n->gv + (at + i) * MG_ROWS;
     n->phi[row + i] = root * (s->y[row + i] - ratio * q[i]);
     for (int j = 0; j < k; ++j) {
       const mg_real across = ratio * ((mg_real)(i == j) - q[i] * q[j] / (size * size));
@@ -75,7 +82,7 @@ static void mg_semismooth_part(mg_semismooth *n, int contact, int part, mg_real 
       gv[at + j] = across / root;
     }
     if (radius > 0) gy[0] = -root * q[i] / size;
-    for (int j = 0; n->augmented && j < MG_CONTACT_BLOCK; ++j) gv[j] += root * q[i] / size * n->gv[j];
+    for (int j = 0; n->augmented && j < MG_ROWS; ++j) gv[j] += root * q[i] / size * n->gv[j];
   }
 }
 
@@ -91,7 +98,7 @@ static int mg_semismooth_contact(mg_semismooth *n, int contact) {
         n->phi[i] = s->y[i] * (mg_real)sqrt(s->rho[p]);
     return 0;
   }
-  for (int i = 0; i < (to - from) * MG_CONTACT_BLOCK; ++i) n->gy[i] = n->gv[i] = 0;
+  for (int i = 0; i < (to - from) * MG_ROWS; ++i) n->gy[i] = n->gv[i] = 0;
   n->phi[from] = slack;
   n->gv[0] = 1;
   for (int p = s->part[contact]; s->theta > 0 && p < s->part[contact + 1]; ++p) {
@@ -107,7 +114,8 @@ static int mg_semismooth_contact(mg_semismooth *n, int contact) {
 static mg_real mg_semismooth_merit(mg_semismooth *n) {
   mg_real sum = 0;
   for (int c = 0; c < n->s->n; ++c) mg_semismooth_contact(n, c);
-  for (int i = 0; i < n->s->m; ++i) sum += n->phi[i] * n->phi[i];
+  for (int i = n->s->m; i < mg_semismooth_rows_in_all(n); ++i) n->phi[i] = n->s->v[i];
+  for (int i = 0; i < mg_semismooth_rows_in_all(n); ++i) sum += n->phi[i] * n->phi[i];
   return sum;
 }
 
@@ -116,7 +124,7 @@ static void mg_semismooth_rows(mg_semismooth *n, int contact, mg_real shift) {
   const mg_scaled_friction *s = n->s;
   const int m = s->m, from = s->normal[contact], width = mg_friction_row_end(s, contact) - from;
   for (int i = 0; i < width; ++i) {
-    const mg_real *gv = n->gv + i * MG_CONTACT_BLOCK, *gy = n->gy + i * MG_CONTACT_BLOCK;
+    const mg_real *gv = n->gv + i * MG_ROWS, *gy = n->gy + i * MG_ROWS;
     const int row = n->place[from + i];
     n->right[row] = -n->phi[from + i];
     for (int j = 0; j < m; ++j) {
@@ -186,12 +194,13 @@ static int mg_semismooth_lu_step(mg_semismooth *n, mg_real *x) {
 /* Shortens the step until the merit falls below the largest of the last few. Returns 0 if it does not. */
 static int mg_semismooth_line_search(mg_semismooth *n, int iteration, int halvings) {
   mg_scaled_friction *s = n->s;
+  const int rows = mg_semismooth_rows_in_all(n);
   mg_real worst = 0, length = 1;
   for (int i = 0; i < MG_LINE_SEARCH_MEMORY && i <= iteration; ++i) worst = n->before[i] > worst ? n->before[i] : worst;
-  for (int i = 0; i < s->m; ++i) n->y[i] = s->y[i], n->v[i] = s->v[i];
+  for (int i = 0; i < rows; ++i) n->y[i] = s->y[i], n->v[i] = s->v[i];
   for (int half = 0; half < halvings; ++half, length /= 2) {
     mg_real merit;
-    for (int i = 0; i < s->m; ++i) {
+    for (int i = 0; i < rows; ++i) {
       s->y[i] = n->y[i] + length * n->step[i];
       s->v[i] = n->v[i] + length * n->image[i];
     }
@@ -201,7 +210,7 @@ static int mg_semismooth_line_search(mg_semismooth *n, int iteration, int halvin
       return 1;
     }
   }
-  for (int i = 0; i < s->m; ++i) s->y[i] = n->y[i], s->v[i] = n->v[i];
+  for (int i = 0; i < rows; ++i) s->y[i] = n->y[i], s->v[i] = n->v[i];
   return 0;
 }
 
@@ -264,9 +273,31 @@ static int mg_semismooth_change_mode(mg_semismooth *n, int iteration) {
   return n->has_changed = 1;
 }
 
+/* One step of a problem on a graph, of which little is known where contacts change their modes: it is short where the
+   steps before were rejected (Levenberg, Quart. Appl. Math. 2 (1944), 164-168). Returns 0 if all are rejected. */
+static int mg_semismooth_graph_step(mg_semismooth *n, int iteration) {
+  mg_scaled_friction *s = n->s;
+  for (; s->graph.has_system && n->shift < MG_GRAPH_SHIFT_MAX && !mg_friction_is_stopped(s);
+       n->shift *= MG_GRAPH_SHIFT_CHANGE) {
+    int is_regular = 1;
+    mg_graph_begin_step(s, n->shift);
+    for (int c = 0; c < s->n; ++c) {
+      const int presses = mg_semismooth_contact(n, c);
+      is_regular &= mg_graph_add_contact(s, c, presses, n->shift, n->gy, n->gv, n->phi + s->normal[c]);
+    }
+    if (!is_regular || !mg_graph_solve_step(s, n->step, n->image) ||
+        !mg_semismooth_line_search(n, iteration, MG_GRAPH_HALVINGS))
+      continue;
+    n->shift = mg_max(n->shift / MG_GRAPH_SHIFT_CHANGE, MG_GRAPH_SHIFT);
+    return 1;
+  }
+  return 0;
+}
+
 /* One step; returns 0 if all are rejected. */
 static int mg_semismooth_step(mg_semismooth *n, int iteration) {
   mg_real *x = n->y;
+  if (n->s->graph.J) return mg_semismooth_graph_step(n, iteration);
   mg_semismooth_assemble(n, MG_LCP_TIKHONOV);
   if (mg_semismooth_lu_step(n, x)) {
     mg_semismooth_expand_step(n, x);
@@ -299,7 +330,7 @@ MG_INTERNAL int mg_friction_newton(mg_scaled_friction *s, int limit, int augment
   mg_semismooth n = {0};
   mg_newton_steps steps = {limit, 0, s->n, MG_MAX, MG_MAX};
   mg_semismooth_open(&n, s);
-  n.augmented = augmented;
+  n.augmented = augmented, n.shift = MG_GRAPH_SHIFT;
   mg_friction_update_motion(s);
   n.before[0] = mg_semismooth_merit(&n);
   for (int iteration = 0; !mg_friction_is_stopped(s) && steps.left > 0 &&
