@@ -255,11 +255,18 @@ static void mg_follow_meeting_pairs(mg_context *c, mg_real h) {
   mg_update_gap_rates(c);
 }
 
+/* True if a contact takes part from the first round on: its gap would close, or it carried force in the step before and
+   so probably does again, which saves rounds and changes nothing where the scheme looks at the gap. */
+static int mg_takes_part_from_start(const mg_context *c, int contact, mg_real h) {
+  return mg_closes_within_step(c, contact, h) || (c->settings->stepping_scheme == MG_STEWART_TRINKLE &&
+                                                  mg_is_on_feature_pair(c, contact) && c->solution.force[contact] > 0);
+}
+
 /* Finds the impulses, and adds contacts that they make close, until there are none. Returns an outcome. */
 static int mg_solve_step(mg_context *c, mg_real h) {
   for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
-    c->events.is_near[i] = mg_closes_within_step(c, i, h) ? MG_NEAR : MG_NOT_NEAR;
+    c->events.is_near[i] = mg_takes_part_from_start(c, i, h) ? MG_NEAR : MG_NOT_NEAR;
   for (int round = 0; round < MG_NEAR_SET_ROUNDS; round++) {
     int n = 0;
     const int outcome =
