@@ -515,8 +515,8 @@ typedef struct {
   long fallbacks;           /* how often the run has fallen back on time-stepping */
   long jams;                /* of these, because no accelerations were admissible */
   long chatters;            /* how often the run went on by time-stepping because its events cost too much */
-  long loose_solutions;     /* time-stepping: problems solved to stepping_residual only */
-  long relaxed_solutions;   /* time-stepping: problems solved by the relaxation, no solution of Coulomb's law found */
+  long loose_solutions;     /* time-stepping: steps with impulses found to stepping_residual only */
+  long relaxed_solutions;   /* time-stepping: steps with impulses by the relaxation, none by Coulomb's law was found */
   long singular_passages;   /* places passed at which a closed contact is singular */
   long slip_stops;          /* how often slip, spin or rolling ended */
   long redundant_max;       /* most active contacts beyond the rank of their rows; forces then are of minimum norm */

@@ -228,27 +228,28 @@ typedef struct {
 
 /* Friction of single contacts. */
 typedef struct {
-  mg_real *force_ratio;    /* [per friction row] friction force of slip over minus the normal force */
-  mg_real *slip_angle;     /* [per friction constraint] direction of slip, rad from run->slip_direction */
-  int slips;               /* 1: slip may have a force at the state evaluated last; else all force ratios are zero */
-  int couples_normal;      /* 1 while forces are sought: friction of slip is proportional to the normal force */
-  int follows_angle;       /* 1 while forces are sought: slip has the direction of slip_angle */
-  int *triggered;          /* [per friction constraint] 1: its event has triggered */
-  int *mode_before;        /* [per friction constraint] its mode at the start of the step */
-  int *bound;              /* [per friction constraint] what bounds its force: MG_BOUND_SLIP .. */
-  int *is_yielding;        /* [per friction constraint] 1: its force exceeds the static bound */
-  int *is_stiff;           /* [per friction constraint] 1: friction turns its slip much faster than the slip changes */
-  mg_real *slip_time_left; /* [per friction constraint] time that slip which was stopped would have lasted, s */
-  mg_real *cone;           /* [MG_CONE per contact of the problem] coefficients */
-  mg_real *work;           /* memory of the solver */
-  mg_real *row_yield;      /* [per row of the problem] what it yields, of a problem on a graph */
-  int *row_body;           /* [2 per row of the problem] bodies on which it acts, or -1, of a problem on a graph */
-  int *cone_contact;       /* [per contact of the problem] its contact */
-  int *cone_first;         /* [per contact of the problem] its first unknown */
-  int *cone_rows;          /* [per contact of the problem] its number of rows: 1, 3 or 6 */
-  int *marks;              /* [per contact of the problem] MG_MARK_FORCE .. */
-  int *iwork;              /* memory of the solver */
-  mg_real *share;          /* [per contact of the problem] its normal impulse in the round before, N s */
+  mg_real *force_ratio;     /* [per friction row] friction force of slip over minus the normal force */
+  mg_real *slip_angle;      /* [per friction constraint] direction of slip, rad from run->slip_direction */
+  int slips;                /* 1: slip may have a force at the state evaluated last; else all force ratios are zero */
+  int couples_normal;       /* 1 while forces are sought: friction of slip is proportional to the normal force */
+  int follows_angle;        /* 1 while forces are sought: slip has the direction of slip_angle */
+  int *triggered;           /* [per friction constraint] 1: its event has triggered */
+  int *mode_before;         /* [per friction constraint] its mode at the start of the step */
+  int *bound;               /* [per friction constraint] what bounds its force: MG_BOUND_SLIP .. */
+  int *is_yielding;         /* [per friction constraint] 1: its force exceeds the static bound */
+  int *is_stiff;            /* [per friction constraint] 1: friction turns its slip much faster than the slip changes */
+  mg_real *slip_time_left;  /* [per friction constraint] time that slip which was stopped would have lasted, s */
+  mg_real *cone;            /* [MG_CONE per contact of the problem] coefficients */
+  mg_real *work;            /* memory of the solver */
+  int is_loose, is_relaxed; /* 1: impulses of the step were found to stepping_residual only; by the relaxed law */
+  mg_real *row_yield;       /* [per row of the problem] what it yields, of a problem on a graph */
+  int *row_body;            /* [2 per row of the problem] bodies on which it acts, or -1, of a problem on a graph */
+  int *cone_contact;        /* [per contact of the problem] its contact */
+  int *cone_first;          /* [per contact of the problem] its first unknown */
+  int *cone_rows;           /* [per contact of the problem] its number of rows: 1, 3 or 6 */
+  int *marks;               /* [per contact of the problem] MG_MARK_FORCE .. */
+  int *iwork;               /* memory of the solver */
+  mg_real *share;           /* [per contact of the problem] its normal impulse in the round before, N s */
 } mg_friction_workspace;
 
 /* Shares of the pairs in a patch of several. What holds the patch treated last stays as it is. */

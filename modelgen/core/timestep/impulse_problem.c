@@ -173,7 +173,7 @@ static int mg_try_friction_law(mg_context *c, const mg_step_island *island, mg_f
     outcome = mg_solve_island_matrix(c, island, report);
   mg_report_solve(c->run);
   if (outcome != MG_FRICTION_NOT_FOUND || !(report->residual <= c->settings->stepping_residual)) return outcome;
-  mg_report_loose_solution(c->run);
+  c->friction.is_loose = 1;
   return MG_FRICTION_SOLVED;
 }
 
@@ -187,7 +187,7 @@ static int mg_solve_friction_law(mg_context *c, mg_step_island *island) {
   int outcome = mg_try_friction_law(c, island, &report);
   if (outcome == MG_FRICTION_NOT_FOUND && p->law == MG_COULOMB && !mg_is_stopped(c)) {
     p->law = MG_RELAXED;
-    mg_report_relaxed_solution(c->run);
+    c->friction.is_relaxed = 1;
     for (int r = 0; r < p->n; r++) c->lcp.z[island->row + r] = 0;
     outcome = mg_try_friction_law(c, island, &report);
   }
@@ -282,8 +282,10 @@ static int mg_solve_step(mg_context *c, mg_real h) {
 
 MG_INTERNAL int mg_step_impulses(mg_context *c, mg_real h) {
   MG_NEEDS_DIGEST(c, MG_VALID_STEP_GEOMETRY, mg_step_digest(c, c->run->t, c->run->x, h));
-  c->springs.are_rows = 1;
+  c->springs.are_rows = 1, c->friction.is_loose = c->friction.is_relaxed = 0;
   const int outcome = mg_solve_step(c, h);
   c->springs.are_rows = 0;
+  if (c->friction.is_loose) mg_report_loose_solution(c->run);
+  if (c->friction.is_relaxed) mg_report_relaxed_solution(c->run);
   return outcome;
 }
