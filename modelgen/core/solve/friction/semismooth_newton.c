@@ -10,7 +10,8 @@
 #include "solve/friction/friction_solvers.h"
 #include "base/base.h"
 
-#define MG_GRAPH_SHIFT ((mg_real)sqrt(sqrt(MG_EPS))) /* of S: what a sticking contact on a graph yields, at least */
+#define MG_GRAPH_SHIFT_FIRST ((mg_real)sqrt(sqrt(MG_EPS))) /* of S: what a sticking contact on a graph yields */
+#define MG_GRAPH_SHIFT_MIN ((mg_real)sqrt(MG_EPS))
 #define MG_GRAPH_SHIFT_MAX 100
 #define MG_GRAPH_SHIFT_CHANGE 4 /* after a step, and after one that is rejected */
 
@@ -19,6 +20,7 @@ enum {
   MG_GRAPH_HALVINGS = 2,        /* the same on a graph */
   MG_LINE_SEARCH_MEMORY = 4,    /* merits of which the largest must be undercut */
   MG_NEWTON_PATIENCE = 8,       /* most steps in a row that do not halve the least merit */
+  MG_GRAPH_PATIENCE = 20,       /* the same on a graph, where a step costs less */
   MG_STEPS_OF_CHANGE = 4        /* steps to a change of a mode */
 };
 
@@ -288,7 +290,7 @@ static int mg_semismooth_graph_step(mg_semismooth *n, int iteration) {
     if (!is_regular || !mg_graph_solve_step(s, n->step, n->image) ||
         !mg_semismooth_line_search(n, iteration, MG_GRAPH_HALVINGS))
       continue;
-    n->shift = mg_max(n->shift / MG_GRAPH_SHIFT_CHANGE, MG_GRAPH_SHIFT);
+    n->shift = mg_max(n->shift / MG_GRAPH_SHIFT_CHANGE, MG_GRAPH_SHIFT_MIN);
     return 1;
   }
   return 0;
@@ -329,12 +331,13 @@ static void mg_count_newton_step(mg_newton_steps *steps, mg_real merit, int chan
 MG_INTERNAL int mg_friction_newton(mg_scaled_friction *s, int limit, int augmented) {
   mg_semismooth n = {0};
   mg_newton_steps steps = {limit, 0, s->n, MG_MAX, MG_MAX};
+  const int patience = s->graph.J ? MG_GRAPH_PATIENCE : MG_NEWTON_PATIENCE;
   mg_semismooth_open(&n, s);
-  n.augmented = augmented, n.shift = MG_GRAPH_SHIFT;
+  n.augmented = augmented, n.shift = MG_GRAPH_SHIFT_FIRST;
   mg_friction_update_motion(s);
   n.before[0] = mg_semismooth_merit(&n);
-  for (int iteration = 0; !mg_friction_is_stopped(s) && steps.left > 0 &&
-                          steps.slow <= (mg_friction_is_accepted(s) ? 0 : MG_NEWTON_PATIENCE);
+  for (int iteration = 0;
+       !mg_friction_is_stopped(s) && steps.left > 0 && steps.slow <= (mg_friction_is_accepted(s) ? 0 : patience);
        ++iteration) {
     const mg_real merit = n.before[iteration % MG_LINE_SEARCH_MEMORY];
     ++s->newton;
