@@ -154,12 +154,14 @@ MG_API int mg_friction_on_graph(const mg_friction_problem *problem, const mg_fri
     for (int i = 0; i < problem->n; ++i) z[i] = 0;
   if (!mg_graph_set_up(&s, problem, graph, work, iwork)) return report->outcome;
   report->starts = 1;
-  const int is_solved = mg_friction_find(&s, z);
+  mg_friction_find(&s, z);
   for (int i = 0; i < s.m + s.n_free; ++i) s.y[i] = s.best[i];
   mg_friction_update_motion(&s);
   mg_friction_mark_contacts(&s, marks);
   for (int i = 0; i < problem->n; ++i) z[i] = 0;
   for (int i = 0; i < s.m + s.n_free; ++i) z[s.row[i]] = s.y[i] * s.e[i] * s.scale;
-  report->sweeps = s.sweeps, report->newton = s.newton, report->residual = s.residual;
-  return report->outcome = is_solved ? MG_FRICTION_SOLVED : MG_FRICTION_NOT_FOUND;
+  report->sweeps = s.sweeps, report->newton = s.newton, report->residual = s.residual = mg_friction_error(&s);
+  return report->outcome = mg_friction_is_accepted(&s) || s.residual <= mg_friction_tolerance(&s, s.y)
+                               ? MG_FRICTION_SOLVED
+                               : MG_FRICTION_NOT_FOUND;
 }
