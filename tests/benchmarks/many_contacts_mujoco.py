@@ -45,7 +45,7 @@ TITLES = (
     "ratio",
     "penetration (m)",
     "MuJoCo",
-    "worst residual",
+    "complementarity",
 )
 
 

@@ -24,7 +24,7 @@ class Graph(ctypes.Structure):
 
     _fields_ = (
         ("n_body", ctypes.c_int),
-        *((name, ctypes.c_void_p) for name in ("place", "body", "J", "MJ", "compliance")),
+        *((name, ctypes.c_void_p) for name in ("place", "body", "J", "MJ", "yields")),
     )
 
 

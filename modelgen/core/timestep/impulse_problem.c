@@ -13,6 +13,7 @@ enum {
   MG_NEAR = 1,             /* the contact takes part */
   MG_NEAR_SET_ROUNDS = 20, /* most rounds in which contacts are added */
   MG_MATRIX_ISLAND = 60,   /* most rows of an island whose matrix is solved where its graph is not enough */
+  MG_JOINED_ISLAND = 150,  /* most rows of an island with joints or springs whose matrix is solved at once */
   MG_TOUCH_STEP_PARTS = 16 /* a contact that touches within this part of a step touches at its start */
 };
 
@@ -56,8 +57,9 @@ static int mg_list_near_contacts(mg_context *c) {
   return n;
 }
 
-/* Impulses without friction, a convex quadratic program; *size receives the number of rows. Returns an outcome. */
-static int mg_solve_frictionless_step(mg_context *c, mg_real h, int *size) {
+/* Impulses without friction, a convex quadratic program; *size receives the number of rows. `per_force` is as for an
+   island. Returns an outcome. */
+static int mg_solve_frictionless_step(mg_context *c, mg_real h, mg_real per_force, int *size) {
   mg_lcp_report report;
   const int n = mg_list_near_contacts(c);
   *size = n + c->system->n_joint_row + c->layout.spring_row_end - c->layout.spring_row_begin;
@@ -71,7 +73,7 @@ static int mg_solve_frictionless_step(mg_context *c, mg_real h, int *size) {
   for (int i = c->layout.spring_row_begin; i < c->layout.spring_row_end; i++)
     c->rows.row_rate[i] = mg_free_spring_rate(c, i, h);
   if (*size == 0) return MG_DONE;
-  for (int r = 0; r < n; r++) c->solution.impulse[c->lcp.rows[r]] = h * c->solution.force[c->lcp.rows[r]];
+  for (int r = 0; r < n; r++) c->solution.impulse[c->lcp.rows[r]] = per_force * c->solution.force[c->lcp.rows[r]];
   const int outcome = mg_solve_step_lcp(c, n, c->rows.row_rate, c->solution.impulse, &report);
   if (outcome == MG_LCP_SOLVED) mg_report_residual(c->run, report.residual);
   return outcome == MG_LCP_SOLVED ? MG_DONE : MG_COMPLEMENTARITY;
@@ -111,7 +113,9 @@ static void mg_list_island(mg_context *c, mg_real h, mg_real per_force, int firs
     const int i = c->lcp.rows[r];
     c->lcp.b[r] = i >= c->layout.spring_row_begin ? mg_free_spring_rate(c, i, h) : mg_free_end_rate(c, i, h);
     if (i < c->system->n_contact) c->lcp.b[r] -= mg_scheme_gap_rate(c, i, h);
-    c->lcp.z[r] = i < c->system->n_contact || i >= c->layout.friction_row_begin ? c->solution.force[i] * per_force : 0;
+    const int is_kept =
+        i < c->system->n_contact || (i >= c->layout.friction_row_begin && i < c->layout.spring_row_begin);
+    c->lcp.z[r] = is_kept ? c->solution.force[i] * per_force : 0;
   }
   const mg_friction_problem problem = {n - row,
                                        k - contact,
@@ -164,12 +168,21 @@ static int mg_solve_island_matrix(mg_context *c, const mg_step_island *island, m
                      c->friction.work, c->friction.iwork);
 }
 
+/* True if an island is solved on its graph first: sweeps and Newton steps there hold joints only as well as contacts.
+ */
+static int mg_is_island_large(const mg_step_island *island) {
+  const mg_friction_problem *p = &island->problem;
+  int rows = 0;
+  for (int k = 0; k < p->n_contact; k++) rows += p->rows[k];
+  return p->n > (rows < p->n ? MG_JOINED_ISLAND : MG_SMALL_PROBLEM);
+}
+
 /* Solves the problem of an island, a large one by its graph first; a residual up to stepping_residual counts as solved,
    loosely above stepping_tolerance. Returns the outcome of mg_friction. */
 static int mg_try_friction_law(mg_context *c, const mg_step_island *island, mg_friction_report *report) {
-  const int is_large = island->problem.n > MG_SMALL_PROBLEM;
+  const int is_large = mg_is_island_large(island);
   int outcome = is_large ? mg_solve_island_graph(c, island, report) : MG_FRICTION_NOT_FOUND;
-  if (outcome == MG_FRICTION_NOT_FOUND && island->problem.n <= MG_MATRIX_ISLAND && !mg_is_stopped(c))
+  if (outcome == MG_FRICTION_NOT_FOUND && (!is_large || island->problem.n <= MG_MATRIX_ISLAND) && !mg_is_stopped(c))
     outcome = mg_solve_island_matrix(c, island, report);
   mg_report_solve(c->run);
   if (outcome != MG_FRICTION_NOT_FOUND || !(report->residual <= c->settings->stepping_residual)) return outcome;
@@ -258,8 +271,9 @@ static void mg_follow_meeting_pairs(mg_context *c, mg_real h) {
 /* True if a contact takes part from the first round on: its gap would close, or it carried force in the step before and
    so probably does again, which saves rounds and changes nothing where the scheme looks at the gap. */
 static int mg_takes_part_from_start(const mg_context *c, int contact, mg_real h) {
-  return mg_closes_within_step(c, contact, h) || (c->settings->stepping_scheme == MG_STEWART_TRINKLE &&
-                                                  mg_is_on_feature_pair(c, contact) && c->solution.force[contact] > 0);
+  return mg_closes_within_step(c, contact, h) ||
+         (c->settings->stepping_scheme == MG_STEWART_TRINKLE && mg_is_on_feature_pair(c, contact) &&
+          c->solution.force[contact] > 0 && !mg_is_rebounding(c, contact, h));
 }
 
 /* Finds the impulses, and adds contacts that they make close, until there are none. Returns an outcome. */
@@ -269,8 +283,9 @@ static int mg_solve_step(mg_context *c, mg_real h) {
     c->events.is_near[i] = mg_takes_part_from_start(c, i, h) ? MG_NEAR : MG_NOT_NEAR;
   for (int round = 0; round < MG_NEAR_SET_ROUNDS; round++) {
     int n = 0;
-    const int outcome =
-        c->system->n_friction ? mg_solve_friction_step(c, h, round ? 1 : h, &n) : mg_solve_frictionless_step(c, h, &n);
+    const mg_real per_force = round ? 1 : h; /* later rounds begin with impulses in place of forces */
+    const int outcome = c->system->n_friction ? mg_solve_friction_step(c, h, per_force, &n)
+                                              : mg_solve_frictionless_step(c, h, per_force, &n);
     if (outcome) return outcome;
     mg_set_step_impulses(c, n, h);
     mg_follow_meeting_pairs(c, h);
@@ -285,7 +300,5 @@ MG_INTERNAL int mg_step_impulses(mg_context *c, mg_real h) {
   c->springs.are_rows = 1, c->friction.is_loose = c->friction.is_relaxed = 0;
   const int outcome = mg_solve_step(c, h);
   c->springs.are_rows = 0;
-  if (c->friction.is_loose) mg_report_loose_solution(c->run);
-  if (c->friction.is_relaxed) mg_report_relaxed_solution(c->run);
   return outcome;
 }

@@ -76,6 +76,8 @@ MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_eve
   if (!is_power_finite || mg_has_nonfinite_driven_path(c)) return MG_NOT_FINITE;
   const int outcome = mg_step_impulses(c, h);
   if (outcome) return outcome;
+  if (c->friction.is_loose) mg_report_loose_solution(run);
+  if (c->friction.is_relaxed) mg_report_relaxed_solution(run);
   mg_report_step_modes(c, events, h);
   mg_copy_states(c, run->x, c->step.end);
   mg_apply_step_impulses(c, h);

@@ -107,8 +107,9 @@ MG_API long long mg_friction_graph_iwork_size(int n, int n_contact, int n_body);
 
 /* Solves a problem by its graph, without A, which is not read: memory grows with the rows, and so does the cost of a
    sweep; that of a Newton step grows with the fill of the graph. As mg_friction, but that other starting points are not
-   tried, z holds the best forces found, and their residual is in the report; SOLVED means that it is within `accepted`.
-   Where the fill is more than eight pairs per contact and body, there are sweeps alone. */
+   tried, infeasibility is not proved, and rank, active and unique are not reported. z holds the best forces found, and
+   their residual is in the report. Where the fill is more than eight pairs per contact and body, there are sweeps
+   alone. */
 MG_API int mg_friction_on_graph(const mg_friction_problem *problem, const mg_friction_graph *graph, mg_real *z,
                                 int *marks, mg_friction_report *report, mg_real *work, int *iwork);
 

@@ -1,7 +1,8 @@
-/* What the solvers of friction problems share: the scaled form and its residual. Bilateral rows are eliminated. The
-   solvers work on y = z / (e scale) and v = S y + c, with e_n = 1 / sqrt(A_nn) and e_t = mu e_n, so that every cone is
-   |y_t| <= y_n and S_nn = 1. A part of a contact is a disc of forces: slip (2 rows), spin (1) or rolling (2). Rows with
-   mu = 0 carry no force and are left out. May use: base, solve/lcp. */
+/* What the solvers of friction problems share: the scaled form and its residual. Bilateral rows are eliminated; on a
+   graph they follow the others as free rows. The solvers work on y = z / (e scale) and v = S y + c, with e_n = 1 /
+   sqrt(A_nn) and e_t = mu e_n, so that every cone is |y_t| <= y_n and S_nn = 1. A part of a contact is a disc of
+   forces: slip (2 rows), spin (1) or rolling (2). Rows with mu = 0 carry no force and are left out. May use: base,
+   solve/lcp. */
 #ifndef MG_SOLVE_FRICTION_SOLVERS_H
 #define MG_SOLVE_FRICTION_SOLVERS_H
 
@@ -50,7 +51,7 @@ typedef struct {
   int n_bilateral;                  /* bilateral rows */
   int n_free;                       /* of them, those that follow the kept rows: all on a graph, else none */
   int rank;                         /* rank of the bilateral rows */
-  int *row;                         /* [m] row of the problem */
+  int *row;                         /* [m + n_free] row of the problem */
   int *normal;                      /* [n] kept row of N */
   int *part;                        /* [n + 1] range of parts */
   int *part_row;                    /* [n_part] first kept row */
@@ -59,7 +60,7 @@ typedef struct {
   int *bilateral;                   /* [n_bilateral] row of the problem */
   int *order;                       /* [n_bilateral] order of pivots */
   int *iwork;                       /* scratch */
-  mg_real *e;                       /* [m] scale of a row */
+  mg_real *e;                       /* [m + n_free] scale of a row */
   mg_real *rho;                     /* [n_part] mean of S_tt */
   mg_real *S, *c;                   /* [m m], [m + n_free] the scaled problem; on a graph S is null */
   mg_real *y, *v;                   /* [m + n_free] candidate and its motion v = S y + c */
@@ -68,7 +69,7 @@ typedef struct {
   mg_real *L;                       /* [n_bilateral n_bilateral] Cholesky factor of A_bb */
   mg_real *X;                       /* A_bb^-1 (A_bc, b_b) */
   mg_scaled_graph graph;            /* the rows by bodies, of a problem on a graph */
-  mg_real *spare;                   /* [5 m] rows that a start keeps */
+  mg_real *spare;                   /* [5 m], on a graph [m + n_free] rows that a start keeps */
   mg_real *work;                    /* scratch of one step */
   mg_real scale;                    /* size of c, by which it is divided */
   mg_real theta;                    /* v_n counts as v_n - theta sum |v_t|: 0 Coulomb's law, 1 relaxed */

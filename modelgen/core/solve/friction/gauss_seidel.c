@@ -1,6 +1,7 @@
 /* Projected block Gauss-Seidel over the contacts (Jourdan, Alart and Jean, Comput. Methods Appl. Mech. Eng. 155
    (1998), 31-47). The problem of one contact, with the others fixed, is solved exactly for N and slip, then for
-   spin and rolling with N given. For the relaxed law a projected gradient step of the contact takes its place. */
+   spin and rolling with N given. On a graph, where there are more sweeps than one, two passes over its rows take its
+   place, and for the relaxed law a projected gradient step. */
 #include "solve/friction/friction_solvers.h"
 #include "base/base.h"
 
@@ -95,9 +96,10 @@ typedef struct {
 
 static mg_contact_block mg_block_of_contact(const mg_scaled_friction *s, int contact) {
   const int from = s->normal[contact];
-  const mg_contact_block of_graph = {s->graph.block + MG_BLOCK_SIZE * contact, from, MG_ROWS},
-                         of_matrix = {s->S + from + from * s->m, from, s->m};
-  return s->graph.J ? of_graph : of_matrix;
+  mg_contact_block block = {0, from, MG_ROWS};
+  if (s->graph.J) block.first = s->graph.block + MG_BLOCK_SIZE * contact;
+  else block.first = s->S + from + from * s->m, block.stride = s->m;
+  return block;
 }
 
 /* Entry of the block, by rows of the problem. */
@@ -203,7 +205,8 @@ static void mg_approach_friction_contact(const mg_scaled_friction *s, int contac
   const int from = s->normal[contact], to = mg_friction_row_end(s, contact);
   const mg_contact_block S = mg_block_of_contact(s, contact);
   const mg_real own = mg_in_block(&S, from, from);
-  if (!(own > MG_LCP_RANK(s->m))) return;
+  for (int i = from; i < to && !(own > 0); ++i) y[i - from] = 0; /* no force moves it */
+  if (!(own > 0)) return;
   for (int pass = 0; pass < MG_LOCAL_PASSES; ++pass) {
     y[0] = mg_max(y[0] - mg_local_motion(s, &S, from, from, to, y) / own, (mg_real)0);
     for (int p = s->part[contact]; p < s->part[contact + 1]; ++p) {

@@ -16,34 +16,41 @@ static long long mg_graph_pair_capacity(int n_contact, int n_body) {
   return MG_GRAPH_PAIRS * ((long long)n_contact + n_body);
 }
 
+/* Bodies on which n rows may act. */
+static long long mg_graph_body_capacity(int n, int n_body) { return n_body < 2LL * n ? n_body : 2LL * n; }
+
 MG_API long long mg_friction_graph_work_size(int n, int n_contact, int n_body) {
-  return (25LL + MG_GRAPH_VECTORS) * n + (2LL * MG_BLOCK_SIZE + 3) * n_contact + (12LL + MG_BLOCK_SIZE) * n_body +
-         2LL * MG_BLOCK_SIZE * mg_graph_pair_capacity(n_contact, n_body);
+  const long long bodies = mg_graph_body_capacity(n, n_body);
+  return (25LL + MG_GRAPH_VECTORS) * n + (2LL * MG_BLOCK_SIZE + 3) * n_contact + (12LL + MG_BLOCK_SIZE) * bodies +
+         2LL * MG_BLOCK_SIZE * mg_graph_pair_capacity(n_contact, (int)bodies);
 }
 
 MG_API long long mg_friction_graph_iwork_size(int n, int n_contact, int n_body) {
-  return 5LL * n + 12LL * (n_contact + 1LL) + (5LL + mg_block_words(n_body)) * (n_body + 1LL) +
-         mg_graph_pair_capacity(n_contact, n_body);
+  const long long bodies = mg_graph_body_capacity(n, n_body);
+  return 5LL * n + 12LL * (n_contact + 1LL) + n_body + (5LL + mg_block_words((int)bodies)) * (bodies + 1LL) +
+         mg_graph_pair_capacity(n_contact, (int)bodies);
 }
 
 /* Divides the memory. */
 static void mg_graph_partition(mg_scaled_friction *s, int n_body, mg_real *work, int *iwork) {
-  const long n = s->given->n, k = s->given->n_contact, pairs = (long)mg_graph_pair_capacity((int)k, n_body);
+  const long n = s->given->n, k = s->given->n_contact, bodies = (long)mg_graph_body_capacity((int)n, n_body),
+             pairs = (long)mg_graph_pair_capacity((int)k, (int)bodies);
   mg_scaled_graph *g = &s->graph;
   mg_block_system *b = &g->system;
   mg_real **vectors[] = {&s->e, &s->c, &s->y, &s->v, &s->best, &g->yield, &g->push, &s->spare};
-  int **lists[] = {&b->degree, &b->order, &b->rank, &g->number};
+  int **lists[] = {&b->degree, &b->order, &b->rank};
   g->J = work, g->MJ = g->J + 12 * n, g->block = g->MJ + 12 * n, g->stiffness = g->block + MG_BLOCK_SIZE * k;
   s->rho = g->stiffness + MG_BLOCK_SIZE * k + n, work = s->rho + 3 * k;
   for (int i = 0; i < 8; ++i, work += n) *vectors[i] = work;
   s->work = work, work += 6 * n; /* of Newton steps */
-  g->motion = work, g->step = g->motion + 6L * n_body, b->diagonal = g->step + 6L * n_body;
-  b->lower = b->diagonal + (long)MG_BLOCK_SIZE * n_body, b->upper = b->lower + MG_BLOCK_SIZE * pairs;
+  g->motion = work, g->step = g->motion + 6 * bodies, b->diagonal = g->step + 6 * bodies;
+  b->lower = b->diagonal + MG_BLOCK_SIZE * bodies, b->upper = b->lower + MG_BLOCK_SIZE * pairs;
   s->row = iwork, s->bilateral = s->row + n, g->body = s->bilateral + n, s->iwork = g->body + 2 * n;
   s->normal = s->iwork + n, s->part = s->normal + k, s->part_row = s->part + k + 1;
   s->part_dim = s->part_row + 3 * k, s->part_mark = s->part_dim + 3 * k, iwork = s->part_mark + 3 * k;
-  for (int i = 0; i < 4; ++i, iwork += n_body) *lists[i] = iwork;
-  b->first = iwork, b->node = b->first + n_body + 1;
+  for (int i = 0; i < 3; ++i, iwork += bodies) *lists[i] = iwork;
+  g->number = iwork, iwork += n_body;
+  b->first = iwork, b->node = b->first + bodies + 1;
   b->adjacency = b->node + pairs, b->capacity = (int)pairs;
 }
 
@@ -124,6 +131,7 @@ static int mg_graph_scale(mg_scaled_friction *s, const mg_friction_graph *given)
   if (!mg_all_finite(12 * rows, s->graph.J) || !mg_all_finite(12 * rows, s->graph.MJ)) return 0;
   s->scale = mg_max(mg_friction_size(s), mg_max_abs(s->n_free, s->c + s->m));
   if (!(s->scale > 0)) s->scale = 1;
+  if (!(s->scale <= MG_MAX) || !mg_all_finite(rows, s->c)) return 0;
   for (int i = 0; i < rows; ++i) s->c[i] /= s->scale;
   return 1;
 }

@@ -66,7 +66,8 @@ MG_INTERNAL mg_real mg_friction_cap(mg_real growth) {
 }
 
 MG_INTERNAL mg_real mg_friction_tolerance(const mg_scaled_friction *s, const mg_real *y) {
-  const mg_real growth = mg_max_abs(s->m, y), tolerance = mg_lcp_tolerance(s->m, growth),
+  const int rows = s->m + s->n_free;
+  const mg_real growth = mg_max_abs(rows, y), tolerance = mg_lcp_tolerance(rows, growth),
                 cap = mg_friction_cap(growth) / 4;
   return tolerance < MG_LCP_CAP ? mg_min(tolerance, cap) : cap;
 }

@@ -1,7 +1,8 @@
 /* Semismooth Newton method on the natural map of the contacts that carry force (Alart and Curnier, Comput. Methods
    Appl. Mech. Eng. 92 (1991), 353-375); the forces of the others are set to zero. The matrix is that of S +
    tikhonov I, which keeps forces that rank deficiency leaves free near where they are; the residual is that of S.
-   A step that the nonmonotone line search rejects is replaced by a step of regularised least squares.
+   A step that the nonmonotone line search rejects is replaced by a step of regularised least squares, on a graph by one
+   with a larger shift in place of tikhonov, which is then lowered again.
 
    phi is smooth as long as no contact changes its mode: begins or ends to press, to stick. Where S is singular there
    may be no solution in the present modes, and least squares end at forces that no step in them improves. The step of S
