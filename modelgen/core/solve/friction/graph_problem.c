@@ -132,7 +132,7 @@ static int mg_graph_scale(mg_scaled_friction *s, const mg_friction_graph *given)
   s->scale = mg_max(mg_friction_size(s), mg_max_abs(s->n_free, s->c + s->m));
   if (!(s->scale > 0)) s->scale = 1;
   if (!(s->scale <= MG_MAX) || !mg_all_finite(rows, s->c)) return 0;
-  for (int i = 0; i < rows; ++i) s->c[i] /= s->scale;
+  for (int i = 0; i < rows; ++i) s->c[i] /= s->scale, s->best[i] = 0;
   return 1;
 }
 
