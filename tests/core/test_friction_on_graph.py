@@ -17,6 +17,7 @@ from modelgen.runtime.friction.compiled_solvers import _record, _report, coulomb
 from modelgen.runtime.friction.problem import FrictionProblem, Outcome
 
 Array = np.ndarray[Any, Any]
+GUARD = 64  # numbers behind the scratch memory, which no call writes
 
 
 class Graph(ctypes.Structure):
@@ -46,7 +47,7 @@ class Rows:
         for function in (core.mg_friction_graph_work_size, core.mg_friction_graph_iwork_size):
             function.restype = ctypes.c_longlong
             sizes.append(function(n, k, self.bodies))
-        work, iwork = np.full(sizes[0], np.nan), np.full(sizes[1], -1, dtype=np.intc)
+        work, iwork = np.full(sizes[0] + GUARD, np.nan), np.full(sizes[1] + GUARD, -77, dtype=np.intc)
         arrays = (
             np.arange(n, dtype=np.intc), self.body.astype(np.intc), np.ascontiguousarray(self.J),
             np.ascontiguousarray(self.MJ), np.zeros(n),
@@ -59,6 +60,8 @@ class Rows:
             ctypes.byref(record), ctypes.byref(graph), pointer(z), pointer(marks), ctypes.byref(report),
             pointer(work), pointer(iwork),
         )  # fmt: skip
+        assert np.all(np.isnan(work[sizes[0] :]))
+        assert np.all(iwork[sizes[1] :] == -77)
         del kept, arrays
         return z, report
 
