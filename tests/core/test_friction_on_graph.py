@@ -69,10 +69,12 @@ class Rows:
 def pile(seed: int, bodies: int, per_contact: int, friction: float, joints: int = 0) -> Rows:
     """A random pile of bodies on ground: each stands on earlier ones, and gravity has acted for 5 ms."""
     random = np.random.default_rng(seed)
-    position = random.uniform(-0.5, 0.5, (bodies, 3)) + [0, 0, 1] * np.arange(bodies)[:, None] * 0.1
+    position = random.uniform(-0.5, 0.5, (bodies, 3)) + 0.1 * np.outer(np.arange(bodies), [0, 0, 1])
     mass, inertia = random.uniform(0.5, 2, bodies), random.uniform(0.02, 0.1, (bodies, 3))
     pairs = [(int(random.integers(-1, b)), b) for b in range(bodies) for _ in range(3)]
-    J, body, first = [], [], []
+    J: list[list[Array]] = []
+    body: list[tuple[int, int]] = []
+    first: list[int] = []
     for below, above in pairs:
         normal = np.array([*random.uniform(-0.5, 0.5, 2), 1.0])
         axes = np.linalg.qr(np.column_stack([normal, random.normal(size=(3, 2))]))[0].T

@@ -71,6 +71,7 @@ def test_a_light_ball_between_floor_and_heavy_ball_is_followed_to_the_end_of_its
     path = simulate(library_of(read_text(text, "squeezed.toml")), until=until)
     height = path.p[-1, :, 2]
     assert path.is_trusted
+    assert path.estimate is not None
     assert path.fallback_time == 0
     error = 4 * path.estimate.position[-1] + 1e-13  # rounding of the judge
     assert (height[1] - 0.05, height[2] - height[1] - 0.15) == pytest.approx(
