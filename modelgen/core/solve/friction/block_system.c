@@ -102,19 +102,20 @@ static int mg_block_invert(mg_real *A) {
   return 1;
 }
 
-/* C -= A B of blocks by columns. */
-static void mg_block_subtract_product(const mg_real *A, const mg_real *B, mg_real *C) {
-  for (int j = 0; j < 6; ++j)
-    for (int k = 0; k < 6; ++k) {
-      const mg_real factor = B[k + 6 * j];
-      for (int i = 0; i < 6; ++i) C[i + 6 * j] -= A[i + 6 * k] * factor;
-    }
+/* y -= A x of a block; the sums stay in registers. */
+static inline void mg_block_subtract_image(const mg_real *A, const mg_real *x, mg_real *y) {
+  mg_real y0 = y[0], y1 = y[1], y2 = y[2], y3 = y[3], y4 = y[4], y5 = y[5];
+  for (int k = 0; k < 6; ++k) {
+    const mg_real *a = A + 6 * k, factor = x[k];
+    y0 -= a[0] * factor, y1 -= a[1] * factor, y2 -= a[2] * factor;
+    y3 -= a[3] * factor, y4 -= a[4] * factor, y5 -= a[5] * factor;
+  }
+  y[0] = y0, y[1] = y1, y[2] = y2, y[3] = y3, y[4] = y4, y[5] = y5;
 }
 
-/* y -= A x of a block. */
-static void mg_block_subtract_image(const mg_real *A, const mg_real *x, mg_real *y) {
-  for (int k = 0; k < 6; ++k)
-    for (int i = 0; i < 6; ++i) y[i] -= A[i + 6 * k] * x[k];
+/* C -= A B of blocks by columns. */
+static void mg_block_subtract_product(const mg_real *A, const mg_real *B, mg_real *C) {
+  for (int j = 0; j < 6; ++j) mg_block_subtract_image(A, B + 6 * j, C + 6 * j);
 }
 
 MG_INTERNAL int mg_block_factor(mg_block_system *b) {
