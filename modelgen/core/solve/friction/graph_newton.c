@@ -38,6 +38,17 @@ MG_INTERNAL int mg_graph_add_contact(mg_scaled_friction *s, int contact, int pre
   return 1;
 }
 
+/* block += a b' */
+static inline void mg_add_outer_product(const mg_real *a, const mg_real *b, mg_real *block) {
+  const mg_real a0 = a[0], a1 = a[1], a2 = a[2], a3 = a[3], a4 = a[4], a5 = a[5];
+  for (int k = 0; k < 6; ++k) {
+    mg_real *c = block + 6 * k;
+    const mg_real factor = b[k];
+    c[0] += a0 * factor, c[1] += a1 * factor, c[2] += a2 * factor;
+    c[3] += a3 * factor, c[4] += a4 * factor, c[5] += a5 * factor;
+  }
+}
+
 /* Adds what rows from .. from + width, of one contact or a free one, do to the motion: M^-1 J' (push - K J du), K by
    columns of `stride`. */
 static void mg_graph_add_rows(mg_scaled_graph *g, int from, int width, const mg_real *K, int stride) {
@@ -54,10 +65,7 @@ static void mg_graph_add_rows(mg_scaled_graph *g, int from, int width, const mg_
     for (int b = 0; b < 2; ++b) {
       if (body[b] < 0) continue;
       mg_real *block = mg_block_at(&g->system, body[a], body[b]);
-      for (int j = 0; j < width; ++j) {
-        const mg_real *J = g->J + 12L * (from + j) + 6 * b;
-        for (int k = 0; k < 6; ++k) mg_add_multiple6(J[k], carried + 6 * j, block + 6 * k);
-      }
+      for (int j = 0; j < width; ++j) mg_add_outer_product(carried + 6 * j, g->J + 12L * (from + j) + 6 * b, block);
     }
   }
 }
