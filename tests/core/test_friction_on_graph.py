@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -47,15 +48,17 @@ class Rows:
         for function in (core.mg_friction_graph_work_size, core.mg_friction_graph_iwork_size):
             function.restype = ctypes.c_longlong
             sizes.append(function(n, k, self.bodies))
-        work, iwork = np.full(sizes[0] + GUARD, np.nan), np.full(sizes[1] + GUARD, -77, dtype=np.intc)
+        real = library.dtype
+        work = np.full(sizes[0] + GUARD, np.nan, dtype=real)
+        iwork = np.full(sizes[1] + GUARD, -77, dtype=np.intc)
         arrays = (
-            np.arange(n, dtype=np.intc), self.body.astype(np.intc), np.ascontiguousarray(self.J),
-            np.ascontiguousarray(self.MJ), np.zeros(n),
+            np.arange(n, dtype=np.intc), self.body.astype(np.intc),
+            *(np.ascontiguousarray(array, dtype=real) for array in (self.J, self.MJ, np.zeros(n))),
         )  # fmt: skip
         graph = Graph(self.bodies, *(array.ctypes.data for array in arrays))
         record, kept = _record(problem, library, "coulomb")
         record.accepted = accepted
-        z, marks, report = np.zeros(n), np.zeros(k, dtype=np.intc), _report(np.dtype(float))
+        z, marks, report = np.zeros(n, dtype=real), np.zeros(k, dtype=np.intc), _report(np.dtype(real))
         core.mg_friction_on_graph(
             ctypes.byref(record), ctypes.byref(graph), pointer(z), pointer(marks), ctypes.byref(report),
             pointer(work), pointer(iwork),
@@ -130,15 +133,18 @@ def test_a_solution_on_the_graph_passes_the_certificate_of_the_matrix(
         assert told <= 2e-8
 
 
-@pytest.mark.parametrize("seed", range(12))
-def test_bodies_move_as_by_the_matrix(lcp: Library, seed: int) -> None:
-    rows = pile(seed, 8, 1, 0.0)
-    z, report = rows.solve(lcp, 1e-11)
-    by_matrix = coulomb(rows.problem, lcp)
+@pytest.mark.parametrize("real", ["float", "double", "long double"])
+@pytest.mark.parametrize("seed", range(6))
+def test_bodies_move_as_by_the_matrix(lcp_in: Callable[[str], Any], seed: int, real: str) -> None:
+    core, rows = lcp_in(real), pile(seed, 8, 1, 0.0)
+    rounding = float(np.finfo(core.dtype).eps)
+    z, report = rows.solve(core, 1e4 * rounding)
+    by_matrix = coulomb(rows.problem, core)
     assert report.outcome == 0
     assert by_matrix.outcome is Outcome.SOLVED
     size = np.abs(rows.problem.b).max()
-    assert rows.problem.A @ z + rows.problem.b == pytest.approx(by_matrix.w, abs=1e-8 * size)
+    w = (rows.problem.A @ z + rows.problem.b).astype(float)
+    assert w == pytest.approx(by_matrix.w.astype(float), abs=1e6 * rounding * size)
 
 
 def test_most_problems_of_forty_bodies_are_solved(lcp: Library) -> None:
