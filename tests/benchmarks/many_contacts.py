@@ -22,6 +22,12 @@ from modelgen.scene.scene_types import Scene
 from tests.benchmarks.counting import callgrind, countable
 
 SPACING = 0.13  # m, of the spheres of a heap at the start
+STONES = {
+    "sphere": make.sphere(0.05),
+    "ellipsoid": make.ellipsoid(0.06, 0.05, 0.04),
+    "capsule": make.capsule(0.03, 0.06),
+    "box": make.box(0.07, 0.07, 0.07),
+}
 COUNTED = (("stack", 5, 0.002, 0.05), ("stack", 10, 0.002, 0.02), ("heap", 20, 0.005, 0.4))
 
 
@@ -38,10 +44,23 @@ def stack(boxes: int) -> Scene:
     return make.scene(f"stack_{boxes}", bodies, contacts={"between": "all", "friction": 0.5})
 
 
-def heap(spheres: int, seed: int = 0) -> Scene:
-    """Spheres of 0.05 m that fall between four walls."""
+def dominoes(count: int) -> Scene:
+    """A ball runs into a row of dominoes."""
+    row = [
+        make.dynamic(f"d{i}", make.box(0.02, 0.1, 0.2), density=1000.0, position=[0.1 * i, 0.0, 0.1])
+        for i in range(count)
+    ]
+    ball = make.dynamic(
+        "ball", make.sphere(0.03), density=1000.0, position=[-0.2, 0.0, 0.17], velocity=[2.0, 0.0, 0.0]
+    )
+    bodies = [make.fixed("floor", make.plane()), *row, ball]
+    return make.scene(f"dominoes_{count}", bodies, contacts={"between": "all", "friction": 0.5})
+
+
+def heap(stones: int, seed: int = 0, kind: str = "sphere") -> Scene:
+    """Bodies of one of STONES, turned unless they are spheres, that fall between four walls."""
     rng = np.random.default_rng(seed)
-    side = max(2, round((spheres / 2) ** (1 / 3)))
+    side = max(2, round((stones / 2) ** (1 / 3)))
     half, turn = side * SPACING / 2 + 0.01, float(np.pi / 2)
     walls = (
         *([-half, 0.0, 0.0], [0.0, turn, 0.0]),
@@ -53,15 +72,16 @@ def heap(spheres: int, seed: int = 0) -> Scene:
     bodies += [
         make.fixed(f"w{k}", make.plane(), position=walls[2 * k], rpy=walls[2 * k + 1]) for k in range(4)
     ]
-    for i in range(spheres):
+    for i in range(stones):
         layer, place = divmod(i, side * side)
         at = [
             SPACING * (n - (side - 1) / 2) + float(rng.uniform(-0.004, 0.004))
             for n in (place % side, place // side)
         ]
-        ball = make.sphere(0.05)
-        bodies.append(make.dynamic(f"s{i}", ball, density=1000.0, position=[*at, 0.08 + SPACING * layer]))
-    return make.scene(f"heap_{spheres}", bodies, contacts={"between": "all", "friction": 0.5})
+        rpy = [0.0, 0.0, 0.0] if kind == "sphere" else rng.uniform(-0.6, 0.6, 3).tolist()
+        at.append(0.08 + SPACING * layer)
+        bodies.append(make.dynamic(f"s{i}", STONES[kind], density=1000.0, position=at, rpy=rpy))
+    return make.scene(f"heap_{stones}", bodies, contacts={"between": "all", "friction": 0.5})
 
 
 SCENES: dict[str, Callable[[int], Scene]] = {"stack": stack, "heap": heap}

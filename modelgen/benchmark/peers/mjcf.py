@@ -256,11 +256,11 @@ def _geom(setup: Setup, solid: Solid, shape: Shape) -> str:
         radius = numbers(shape)["radius"]
         return f'<geom type="cylinder" size="{words([radius, THIN * radius])}" {placed} {silent}/>'
     if shape.kind in PRIMITIVES:
-        return f'<geom type="{shape.kind}" size="{words(_size(shape))}" {placed} {silent}/>'
+        return f'<geom type="{shape.kind}" size="{words(geom_size(shape))}" {placed} {silent}/>'
     return f'<geom type="mesh" mesh="{where}" {placed} {silent}/>'
 
 
-def _size(shape: Shape) -> list[float]:
+def geom_size(shape: Shape) -> list[float]:
     names, share = PRIMITIVES[shape.kind]
     values = [*numbers(shape).values()][: len(names)]
     return [share * v for v in values] if shape.kind == "box" else [*values[:-1], share * values[-1]]
