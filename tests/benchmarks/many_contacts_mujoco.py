@@ -53,7 +53,8 @@ def mjcf(scene: Scene) -> str:
         (shape,), pose = body.shapes, body.pose
         size = words((5, 5, 1) if shape.kind == "plane" else geom_size(shape))
         free = "<freejoint/>" if body.motion == "dynamic" else ""
-        geom = f'<geom type="{shape.kind}" size="{size}" density="{body.density or 0}" friction="{FRICTION} 0 0"/>'
+        touch = f'density="{body.density or 0}" friction="{FRICTION} 0 0"'
+        geom = f'<geom type="{shape.kind}" size="{size}" {touch}/>'
         text += f'<body pos="{words(pose.position)}" quat="{words(pose.quaternion)}">{free}{geom}</body>'
     return f"""<mujoco><option timestep="{PEER_STEP}"/><size memory="1G"/>
     <worldbody>{text}</worldbody></mujoco>"""

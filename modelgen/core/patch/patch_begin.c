@@ -10,14 +10,17 @@
 #define MG_SUPPORTS_PAST_CORNERS \
   4 /* times rest_speed: how fast the supports of a face move that stands on its corners */
 
-/* Most normal velocity of the supports of a patch whose faces rest on each other: rest_speed, and more where the face
-   stands on its corners, which stay closed up to that speed each, because supports may lie further out than they do. */
-static mg_real mg_resting_speed_of_patch(mg_context *c, int patch) {
+/* True if the faces of a patch whose supports move at a normal velocity rest on each other: within rest_speed, or
+   faster where the face stands on its corners, which stay closed up to that speed each, because supports may lie
+   further out than they do. */
+static int mg_is_patch_at_rest(const mg_context *c, int patch, mg_real fastest) {
   const mg_real rest = c->settings->rest_speed * c->system->length / c->system->time;
   int corners = 0;
+  if (!(fastest > rest)) return 1;
+  if (fastest > MG_SUPPORTS_PAST_CORNERS * rest) return 0;
   for (int i = mg_next_row(c, -1); i < c->layout.support_begin && corners < MG_STANDING_CORNERS; i = mg_next_row(c, i))
     corners += c->run->closed[i] && mg_find_flat_patch_of_contact(c, i, c->settings->flat_angle) == patch;
-  return corners < MG_STANDING_CORNERS ? rest : MG_SUPPORTS_PAST_CORNERS * rest;
+  return corners == MG_STANDING_CORNERS;
 }
 
 /* True if the faces of a patch lie on each other: gaps within `touching`, normal velocities of faces at rest unless
@@ -39,8 +42,7 @@ static int mg_is_patch_flat(mg_context *c, int patch, mg_real touching, int movi
                           mg_point_speed_along_normal(c, c->bodies.twist, s->feature_pair_o[feature_pair], at, o + 9);
     fastest = mg_max(fastest, fabs(speed));
   }
-  if (!moving && fastest > mg_resting_speed_of_patch(c, patch)) return 0;
-  return mg_overlay_patch_regions(c, patch) > 2;
+  return (moving || mg_is_patch_at_rest(c, patch, fastest)) && mg_overlay_patch_regions(c, patch) > 2;
 }
 
 MG_INTERNAL int mg_is_contact_of_flat_patch(mg_context *c, int contact) {

@@ -79,11 +79,13 @@ static int mg_solve_frictionless_step(mg_context *c, mg_real h, mg_real per_forc
   return outcome == MG_LCP_SOLVED ? MG_DONE : MG_COMPLEMENTARITY;
 }
 
-/* A friction constraint that stuck in the step before is bounded by static friction, others by kinetic. */
+/* A friction constraint that stuck in the step before is bounded by static friction, others by kinetic; none is marked
+   as slipping. */
 static void mg_set_step_bound_kinds(mg_context *c) {
   for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
-    c->friction.triggered[g] = 0,
+    c->friction.triggered[g] = c->friction.is_yielding[g] = 0,
     c->friction.bound[g] = c->run->friction_mode[g] >= MG_SLIP_ONSET ? MG_BOUND_KINETIC : MG_BOUND_STATIC;
+  MG_NOTE_WITH(c, MG_VALID_YIELDING, MG_VALID_STEP_GEOMETRY);
 }
 
 /* An island of the step's friction problem: its first row in c->lcp.rows, b and z, its first contact in
@@ -92,12 +94,6 @@ typedef struct {
   int row, contact;
   mg_friction_problem problem;
 } mg_step_island;
-
-/* Lists the contacts that take part, and the rows of joints and springs, and chains them by islands. */
-static void mg_chain_step_islands(mg_context *c) {
-  const int n = mg_append_spring_rows(c, c->lcp.rows, mg_append_joint_rows(c, c->lcp.rows, mg_list_near_contacts(c)));
-  mg_chain_islands(c, n);
-}
 
 /* Sets up the problem of the island whose chain begins with `first`, behind the rows and contacts of the islands before
    it. `per_force`: time of the impulses from which they are sought, per force kept of the step before, s. */
@@ -213,14 +209,11 @@ static int mg_solve_friction_law(mg_context *c, mg_step_island *island) {
 /* Impulses with friction, island by island; *size receives the number of rows. Returns an outcome. */
 static int mg_solve_friction_step(mg_context *c, mg_real h, mg_real per_force, int *size) {
   mg_step_island island = {0};
-  int count = 0, outcome = MG_DONE;
-  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) count += c->events.is_near[i] != 0;
-  if (!mg_is_room_for_closed(c, count)) return MG_TOO_MANY_CLOSED;
+  int outcome = MG_DONE;
+  const int n = mg_list_near_contacts(c);
+  if (!mg_is_room_for_closed(c, n)) return MG_TOO_MANY_CLOSED;
   mg_set_step_bound_kinds(c);
-  for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
-    c->friction.is_yielding[g] = 0;
-  MG_NOTE_WITH(c, MG_VALID_YIELDING, MG_VALID_STEP_GEOMETRY);
-  mg_chain_step_islands(c);
+  mg_chain_islands(c, mg_append_spring_rows(c, c->lcp.rows, mg_append_joint_rows(c, c->lcp.rows, n)));
   for (int b = 0; b < c->system->n_body && !outcome; b++) {
     if (c->islands.head[b] < 0) continue;
     mg_list_island(c, h, per_force, c->islands.head[b], &island);

@@ -15,7 +15,7 @@ enum {
    accepts is given Newton steps again only where the sweeps between have halved the residual, because sweeps cost far
    less; on a graph they do not, and go on from the best candidate. Returns whether a solution was found. */
 static int mg_friction_sweep_and_newton(mg_scaled_friction *s, int rounds) {
-  const int m = s->m + s->n_free;
+  const int m = mg_friction_rows(s);
   mg_real *swept = s->spare, before = MG_MAX;
   for (int round = 0, sweeps = MG_FRICTION_SWEEPS; round < rounds; ++round, sweeps *= MG_FRICTION_SWEEP_GROWTH) {
     if (mg_friction_sweep(s, sweeps)) return 1;
@@ -99,10 +99,19 @@ static void mg_friction_refine(mg_scaled_friction *s) {
   }
 }
 
-/* Seeks a solution from the guess z: Newton steps, then sweeps and Newton steps in turn. Returns whether one was found;
-   `best` is the best candidate. */
-static int mg_friction_find(mg_scaled_friction *s, const mg_real *z) {
-  return mg_friction_warm_start(s, z) || mg_friction_sweep_and_newton(s, MG_FRICTION_ROUNDS);
+/* Seeks a solution from the guess z: Newton steps, then sweeps and Newton steps in turn. `best` is the best candidate.
+ */
+static void mg_friction_find(mg_scaled_friction *s, const mg_real *z) {
+  if (!mg_friction_warm_start(s, z)) mg_friction_sweep_and_newton(s, MG_FRICTION_ROUNDS);
+}
+
+/* Begins the answer to a problem: nothing is known yet, and a guess that is not finite is none. */
+static void mg_friction_begin(const mg_friction_problem *problem, mg_real *z, int *marks, mg_friction_report *report) {
+  const mg_friction_report none = {MG_FRICTION_NOT_FINITE, 0, 0, 0, 0, 0, MG_UNDECIDED, MG_MAX};
+  *report = none;
+  for (int c = 0; c < problem->n_contact; ++c) marks[c] = 0;
+  if (!mg_all_finite(problem->n, z))
+    for (int i = 0; i < problem->n; ++i) z[i] = 0;
 }
 
 /* Solves the scaled problem; z is the guess on entry. */
@@ -126,12 +135,8 @@ static void mg_friction_solve(mg_scaled_friction *s, mg_real *z, int *marks, mg_
 
 MG_API int mg_friction(const mg_friction_problem *problem, mg_real *z, int *marks, mg_friction_report *report,
                        mg_real *work, int *iwork) {
-  const mg_friction_report none = {MG_FRICTION_NOT_FINITE, 0, 0, 0, 0, 0, MG_UNDECIDED, MG_MAX};
   mg_scaled_friction s;
-  *report = none;
-  for (int c = 0; c < problem->n_contact; ++c) marks[c] = 0;
-  if (!mg_all_finite(problem->n, z))
-    for (int i = 0; i < problem->n; ++i) z[i] = 0;
+  mg_friction_begin(problem, z, marks, report);
   if (!mg_friction_layout(&s, problem, work, iwork) || !mg_friction_scale(&s)) return report->outcome;
   mg_friction_solve(&s, z, marks, report);
   report->sweeps = s.sweeps;
@@ -146,20 +151,16 @@ MG_API int mg_friction(const mg_friction_problem *problem, mg_real *z, int *mark
 
 MG_API int mg_friction_on_graph(const mg_friction_problem *problem, const mg_friction_graph *graph, mg_real *z,
                                 int *marks, mg_friction_report *report, mg_real *work, int *iwork) {
-  const mg_friction_report none = {MG_FRICTION_NOT_FINITE, 0, 0, 0, 0, 0, MG_UNDECIDED, MG_MAX};
   mg_scaled_friction s;
-  *report = none;
-  for (int c = 0; c < problem->n_contact; ++c) marks[c] = 0;
-  if (!mg_all_finite(problem->n, z))
-    for (int i = 0; i < problem->n; ++i) z[i] = 0;
+  mg_friction_begin(problem, z, marks, report);
   if (!mg_graph_set_up(&s, problem, graph, work, iwork)) return report->outcome;
   report->starts = 1;
   mg_friction_find(&s, z);
-  for (int i = 0; i < s.m + s.n_free; ++i) s.y[i] = s.best[i];
+  for (int i = 0; i < mg_friction_rows(&s); ++i) s.y[i] = s.best[i];
   mg_friction_update_motion(&s);
   mg_friction_mark_contacts(&s, marks);
   for (int i = 0; i < problem->n; ++i) z[i] = 0;
-  for (int i = 0; i < s.m + s.n_free; ++i) z[s.row[i]] = s.y[i] * s.e[i] * s.scale;
+  for (int i = 0; i < mg_friction_rows(&s); ++i) z[s.row[i]] = s.y[i] * s.e[i] * s.scale;
   report->sweeps = s.sweeps, report->newton = s.newton, report->residual = s.residual = mg_friction_error(&s);
   return report->outcome = mg_friction_is_accepted(&s) || s.residual <= mg_friction_tolerance(&s, s.y)
                                ? MG_FRICTION_SOLVED

@@ -169,17 +169,23 @@ MG_INTERNAL int mg_graph_set_up(mg_scaled_friction *s, const mg_friction_problem
 
 /* graph_motion.c */
 
+/* Number of rows that have a force: those kept, and the free ones. */
+MG_INTERNAL int mg_friction_rows(const mg_scaled_friction *s);
+
 /* J M^-1 J' of rows i and j of one contact. */
 MG_INTERNAL mg_real mg_graph_entry(const mg_scaled_graph *g, int i, int j);
 
+/* start + J motion of a row, for a motion of the bodies. */
+MG_INTERNAL mg_real mg_graph_row_times(const mg_scaled_graph *g, int row, const mg_real *motion, mg_real start);
+
+/* Adds to a motion of the bodies what the force of a row makes. */
+MG_INTERNAL void mg_graph_add_force(const mg_scaled_graph *g, int row, mg_real force, mg_real *motion);
+
+/* The motion of the bodies by forces [m + n_free]. */
+MG_INTERNAL void mg_graph_set_motion(const mg_scaled_friction *s, const mg_real *force, mg_real *motion);
+
 /* v of the rows from .. to of a problem on a graph at the present motion of the bodies. */
 MG_INTERNAL void mg_graph_update_rows(mg_scaled_friction *s, int from, int to);
-
-/* Adds to the motion of the bodies what a change of the force of a row makes. */
-MG_INTERNAL void mg_graph_add_force(mg_scaled_friction *s, int row, mg_real change);
-
-/* Motion of the bodies by all forces y. */
-MG_INTERNAL void mg_graph_update_motion(mg_scaled_friction *s);
 
 /* Solves the free rows one after another. */
 MG_INTERNAL void mg_graph_sweep_free_rows(mg_scaled_friction *s, int backwards);

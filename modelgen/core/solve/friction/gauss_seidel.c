@@ -88,54 +88,33 @@ static void mg_disc_solve(const mg_disc *d, mg_real *f) {
   if (slack_high > 0) mg_disc_root(d, low, slack, high, slack_high, f);
 }
 
-/* S of the rows of one contact, by columns. */
-typedef struct {
-  const mg_real *first;
-  int from, stride;
-} mg_contact_block;
-
-static mg_contact_block mg_block_of_contact(const mg_scaled_friction *s, int contact) {
-  const int from = s->normal[contact];
-  mg_contact_block block = {0, from, MG_ROWS};
-  if (s->graph.J) block.first = s->graph.block + MG_BLOCK_SIZE * contact;
-  else block.first = s->S + from + from * s->m, block.stride = s->m;
-  return block;
-}
-
-/* Entry of the block, by rows of the problem. */
-static mg_real mg_in_block(const mg_contact_block *block, int row, int column) {
-  return block->first[row - block->from + (column - block->from) * block->stride];
-}
-
 /* v of a row if the forces of rows from..to were y: motion with the contact's own forces replaced. */
-static mg_real mg_local_motion(const mg_scaled_friction *s, const mg_contact_block *S, int row, int from, int to,
-                               const mg_real *y) {
+static mg_real mg_local_motion(const mg_scaled_friction *s, int row, int from, int to, const mg_real *y) {
   mg_real b = s->v[row];
-  for (int j = from; j < to; ++j) b += mg_in_block(S, row, j) * (y[j - from] - s->y[j]);
+  for (int j = from; j < to; ++j) b += s->S[row + j * s->m] * (y[j - from] - s->y[j]);
   return b;
 }
 
 /* Sets up the disc of a part of a contact whose rows are from..to, with N = y[0] given (held) or in balance. */
-static void mg_set_disc(const mg_scaled_friction *s, const mg_contact_block *S, int part, int from, int to, int held,
-                        mg_real *y, mg_disc *d) {
-  const int row = s->part_row[part];
-  const mg_real a = mg_in_block(S, from, from);
+static void mg_set_disc(const mg_scaled_friction *s, int part, int from, int to, int held, mg_real *y, mg_disc *d) {
+  const int m = s->m, row = s->part_row[part];
+  const mg_real a = s->S[from + from * m];
   mg_real b;
   d->k = s->part_dim[part];
   d->T[3] = 0;
   for (int i = 0; i < d->k; ++i) y[row - from + i] = 0;
   if (!held) y[0] = 0;
-  b = held ? 0 : mg_local_motion(s, S, from, from, to, y);
+  b = held ? 0 : mg_local_motion(s, from, from, to, y);
   d->base = held ? y[0] : -b / a;
   for (int i = 0; i < d->k; ++i) {
-    d->c[i] = mg_local_motion(s, S, row + i, from, to, y);
-    d->slope[i] = held ? 0 : -mg_in_block(S, from, row + i) / a;
+    d->c[i] = mg_local_motion(s, row + i, from, to, y);
+    d->slope[i] = held ? 0 : -s->S[from + (row + i) * m] / a;
   }
   for (int i = 0; i < d->k; ++i) {
-    if (!held) d->c[i] += mg_in_block(S, row + i, from) * d->base;
+    if (!held) d->c[i] += s->S[row + i + from * m] * d->base;
     for (int j = 0; j < d->k; ++j) {
-      d->T[i + 2 * j] = mg_in_block(S, row + i, row + j);
-      if (!held) d->T[i + 2 * j] += mg_in_block(S, row + i, from) * d->slope[j];
+      d->T[i + 2 * j] = s->S[row + i + (row + j) * m];
+      if (!held) d->T[i + 2 * j] += s->S[row + i + from * m] * d->slope[j];
     }
   }
   if (d->k == 1) d->T[3] = d->T[0];
@@ -144,28 +123,26 @@ static void mg_set_disc(const mg_scaled_friction *s, const mg_contact_block *S, 
 /* Solves one contact with the others fixed. y: its rows, the solution on return. */
 static void mg_solve_friction_contact(const mg_scaled_friction *s, int contact, mg_real *y) {
   const int from = s->normal[contact], to = mg_friction_row_end(s, contact);
-  const mg_contact_block S = mg_block_of_contact(s, contact);
-  const mg_real own = mg_in_block(&S, from, from);
   int part = s->part[contact];
   mg_disc d;
   mg_real b;
   y[0] = 0;
   for (int p = part; p < s->part[contact + 1] && s->part_mark[p] == MG_MARK_SLIP; ++p)
     for (int i = 0; i < s->part_dim[p]; ++i) y[s->part_row[p] - from + i] = 0;
-  b = mg_local_motion(s, &S, from, from, to, y);
-  if (b >= 0 || !(own > MG_LCP_RANK(s->m))) {
+  b = mg_local_motion(s, from, from, to, y);
+  if (b >= 0 || !(s->S[from + from * s->m] > MG_LCP_RANK(s->m))) {
     for (int i = from; i < to; ++i) y[i - from] = 0;
     return;
   }
-  y[0] = -b / own;
+  y[0] = -b / s->S[from + from * s->m];
   if (part < s->part[contact + 1] && s->part_mark[part] == MG_MARK_SLIP) {
-    mg_set_disc(s, &S, part, from, to, 0, y, &d);
+    mg_set_disc(s, part, from, to, 0, y, &d);
     mg_disc_solve(&d, y + s->part_row[part] - from);
     y[0] = mg_disc_radius(&d, y + s->part_row[part] - from);
     ++part;
   }
   for (; part < s->part[contact + 1]; ++part) {
-    mg_set_disc(s, &S, part, from, to, 1, y, &d);
+    mg_set_disc(s, part, from, to, 1, y, &d);
     mg_disc_solve(&d, y + s->part_row[part] - from);
   }
 }
@@ -188,31 +165,43 @@ static void mg_project_on_cone(const mg_scaled_friction *s, int contact, mg_real
       y[s->part_row[first + p] - from + i] *= y[0] / size[p];
 }
 
+/* Entry of S on the diagonal. */
+static mg_real mg_own_entry(const mg_scaled_friction *s, int row) {
+  return s->graph.J ? mg_graph_entry(&s->graph, row, row) : s->S[row + row * s->m];
+}
+
 /* One projected gradient step of the convex program in the rows of a contact. */
 static void mg_projected_gradient_step(const mg_scaled_friction *s, int contact, mg_real *y) {
   const int from = s->normal[contact], to = mg_friction_row_end(s, contact);
-  const mg_contact_block S = mg_block_of_contact(s, contact);
   mg_real trace = 0;
-  for (int i = from; i < to; ++i) trace += mg_in_block(&S, i, i);
+  for (int i = from; i < to; ++i) trace += mg_own_entry(s, i);
   for (int i = from; i < to && trace > 0; ++i) y[i - from] -= s->v[i] / trace;
   mg_project_on_cone(s, contact, y);
 }
 
-/* Moves the forces of one contact towards the solution with the others fixed: the normal force, then the forces of each
-   part by a projected gradient step, MG_LOCAL_PASSES times. Costs a fifth of the exact solution; where it moves
-   nothing, the forces are that. */
+/* On a graph: v of a row if the forces of the contact were y. */
+static mg_real mg_motion_on_graph(const mg_scaled_friction *s, int contact, int row, const mg_real *y) {
+  const int from = s->normal[contact], to = mg_friction_row_end(s, contact);
+  const mg_real *S = s->graph.block + (long)MG_BLOCK_SIZE * contact + row - from;
+  mg_real b = s->v[row];
+  for (int j = 0; j < to - from; ++j) b += S[MG_ROWS * j] * (y[j] - s->y[from + j]);
+  return b;
+}
+
+/* On a graph: moves the forces of one contact towards the solution with the others fixed: the normal force, then the
+   forces of each part by a projected gradient step, MG_LOCAL_PASSES times. Costs a fifth of the exact solution; where
+   it moves nothing, the forces are that. */
 static void mg_approach_friction_contact(const mg_scaled_friction *s, int contact, mg_real *y) {
   const int from = s->normal[contact], to = mg_friction_row_end(s, contact);
-  const mg_contact_block S = mg_block_of_contact(s, contact);
-  const mg_real own = mg_in_block(&S, from, from);
+  const mg_real own = s->graph.block[(long)MG_BLOCK_SIZE * contact];
   for (int i = from; i < to && !(own > 0); ++i) y[i - from] = 0; /* no force moves it */
   if (!(own > 0)) return;
   for (int pass = 0; pass < MG_LOCAL_PASSES; ++pass) {
-    y[0] = mg_max(y[0] - mg_local_motion(s, &S, from, from, to, y) / own, (mg_real)0);
+    y[0] = mg_max(y[0] - mg_motion_on_graph(s, contact, from, y) / own, (mg_real)0);
     for (int p = s->part[contact]; p < s->part[contact + 1]; ++p) {
       const int row = s->part_row[p], k = s->part_dim[p];
       mg_real q[2] = {0, 0};
-      for (int i = 0; i < k; ++i) q[i] = y[row - from + i] - mg_local_motion(s, &S, row + i, from, to, y) / s->rho[p];
+      for (int i = 0; i < k; ++i) q[i] = y[row - from + i] - mg_motion_on_graph(s, contact, row + i, y) / s->rho[p];
       const mg_real size = mg_friction_norm(k, q), part = size > y[0] ? y[0] / size : 1;
       for (int i = 0; i < k; ++i) y[row - from + i] = part * q[i];
     }
@@ -231,7 +220,7 @@ static void mg_update_friction_contact(mg_scaled_friction *s, int contact) {
   for (int j = from; j < to; ++j) {
     const mg_real step = y[j - from] - s->y[j];
     if (!(fabs(step) > 0)) continue;
-    if (s->graph.J) mg_graph_add_force(s, j, step);
+    if (s->graph.J) mg_graph_add_force(&s->graph, j, step, s->graph.motion);
     else
       for (int i = 0; i < m; ++i) s->v[i] += s->S[i + j * m] * step;
     s->y[j] = y[j - from];
@@ -250,7 +239,7 @@ MG_INTERNAL int mg_friction_sweep(mg_scaled_friction *s, int sweeps) {
   mg_friction_update_motion(s);
   for (int sweep = 0; sweep < sweeps && !mg_friction_is_stopped(s); ++sweep) {
     mg_friction_sweep_once(s, (sweep + s->given->from_last) % 2);
-    if (s->graph.J) mg_graph_update_rows(s, 0, s->m + s->n_free);
+    if (s->graph.J) mg_graph_update_rows(s, 0, mg_friction_rows(s));
     if (mg_friction_error(s) <= mg_friction_tolerance(s, s->y)) break;
   }
   mg_friction_update_motion(s);

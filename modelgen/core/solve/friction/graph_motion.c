@@ -2,32 +2,33 @@
 #include "solve/friction/friction_solvers.h"
 #include "base/base.h"
 
+MG_INTERNAL int mg_friction_rows(const mg_scaled_friction *s) { return s->m + s->n_free; }
+
 MG_INTERNAL mg_real mg_graph_entry(const mg_scaled_graph *g, int i, int j) {
   return mg_dot6(g->J + 12L * i, g->MJ + 12L * j) + mg_dot6(g->J + 12L * i + 6, g->MJ + 12L * j + 6);
 }
 
+MG_INTERNAL mg_real mg_graph_row_times(const mg_scaled_graph *g, int row, const mg_real *motion, mg_real start) {
+  const int o = g->body[2 * row], f = g->body[2 * row + 1];
+  if (o >= 0) start += mg_dot6(g->J + 12L * row, motion + 6L * o);
+  if (f >= 0) start += mg_dot6(g->J + 12L * row + 6, motion + 6L * f);
+  return start;
+}
+
+MG_INTERNAL void mg_graph_add_force(const mg_scaled_graph *g, int row, mg_real force, mg_real *motion) {
+  const int o = g->body[2 * row], f = g->body[2 * row + 1];
+  if (o >= 0) mg_add_multiple6(force, g->MJ + 12L * row, motion + 6L * o);
+  if (f >= 0) mg_add_multiple6(force, g->MJ + 12L * row + 6, motion + 6L * f);
+}
+
+MG_INTERNAL void mg_graph_set_motion(const mg_scaled_friction *s, const mg_real *force, mg_real *motion) {
+  for (int i = 0; i < 6 * s->graph.n_body; ++i) motion[i] = 0;
+  for (int i = 0; i < mg_friction_rows(s); ++i) mg_graph_add_force(&s->graph, i, force[i], motion);
+}
+
 MG_INTERNAL void mg_graph_update_rows(mg_scaled_friction *s, int from, int to) {
   const mg_scaled_graph *g = &s->graph;
-  for (int i = from; i < to; ++i) {
-    const int o = g->body[2 * i], f = g->body[2 * i + 1];
-    mg_real v = s->c[i] + g->yield[i] * s->y[i];
-    if (o >= 0) v += mg_dot6(g->J + 12L * i, g->motion + 6L * o);
-    if (f >= 0) v += mg_dot6(g->J + 12L * i + 6, g->motion + 6L * f);
-    s->v[i] = v;
-  }
-}
-
-MG_INTERNAL void mg_graph_add_force(mg_scaled_friction *s, int row, mg_real change) {
-  const mg_scaled_graph *g = &s->graph;
-  const int o = g->body[2 * row], f = g->body[2 * row + 1];
-  if (o >= 0) mg_add_multiple6(change, g->MJ + 12L * row, g->motion + 6L * o);
-  if (f >= 0) mg_add_multiple6(change, g->MJ + 12L * row + 6, g->motion + 6L * f);
-}
-
-MG_INTERNAL void mg_graph_update_motion(mg_scaled_friction *s) {
-  const mg_scaled_graph *g = &s->graph;
-  for (int i = 0; i < 6 * g->n_body; ++i) g->motion[i] = 0;
-  for (int i = 0; i < s->m + s->n_free; ++i) mg_graph_add_force(s, i, s->y[i]);
+  for (int i = from; i < to; ++i) s->v[i] = mg_graph_row_times(g, i, g->motion, s->c[i] + g->yield[i] * s->y[i]);
 }
 
 MG_INTERNAL void mg_graph_sweep_free_rows(mg_scaled_friction *s, int backwards) {
@@ -36,7 +37,7 @@ MG_INTERNAL void mg_graph_sweep_free_rows(mg_scaled_friction *s, int backwards) 
     const mg_real own = mg_graph_entry(&s->graph, i, i) + s->graph.yield[i];
     mg_graph_update_rows(s, i, i + 1);
     if (!(own > 0)) continue;
-    mg_graph_add_force(s, i, -s->v[i] / own);
+    mg_graph_add_force(&s->graph, i, -s->v[i] / own, s->graph.motion);
     s->y[i] -= s->v[i] / own;
   }
 }

@@ -70,22 +70,11 @@ static void mg_graph_add_rows(mg_scaled_graph *g, int from, int width, const mg_
   }
 }
 
-/* Rows of the change g->step of the motion. */
-static void mg_graph_rows_of_motion(const mg_scaled_friction *s, mg_real *image) {
-  const mg_scaled_graph *g = &s->graph;
-  for (int i = 0; i < s->m + s->n_free; ++i) {
-    image[i] = 0;
-    for (int side = 0; side < 2; ++side)
-      if (g->body[2 * i + side] >= 0)
-        image[i] += mg_dot6(g->J + 12L * i + 6 * side, g->step + 6L * g->body[2 * i + side]);
-  }
-}
-
 /* The change of the motion that the system gives is not accurate enough along stiff contacts to follow v by: that of
    the forces is taken in its place. */
 MG_INTERNAL int mg_graph_solve_step(mg_scaled_friction *s, mg_real *step, mg_real *image) {
   mg_scaled_graph *g = &s->graph;
-  const int rows = s->m + s->n_free;
+  const int rows = mg_friction_rows(s);
   for (int c = 0; c < s->n; ++c)
     mg_graph_add_rows(g, s->normal[c], mg_friction_row_end(s, c) - s->normal[c], g->stiffness + (long)MG_BLOCK_SIZE * c,
                       MG_ROWS);
@@ -93,7 +82,7 @@ MG_INTERNAL int mg_graph_solve_step(mg_scaled_friction *s, mg_real *step, mg_rea
     mg_graph_add_rows(g, s->m + k, 1, g->stiffness + (long)MG_BLOCK_SIZE * s->n + k, 1);
   if (!mg_block_factor(&g->system)) return 0;
   mg_block_solve(&g->system, g->step);
-  mg_graph_rows_of_motion(s, image);
+  for (int i = 0; i < rows; ++i) image[i] = mg_graph_row_times(g, i, g->step, 0);
   for (int c = 0; c < s->n; ++c) {
     const int from = s->normal[c], to = mg_friction_row_end(s, c);
     const mg_real *K = g->stiffness + (long)MG_BLOCK_SIZE * c;
@@ -104,12 +93,7 @@ MG_INTERNAL int mg_graph_solve_step(mg_scaled_friction *s, mg_real *step, mg_rea
   }
   for (int k = 0; k < s->n_free; ++k)
     step[s->m + k] = g->push[s->m + k] - g->stiffness[(long)MG_BLOCK_SIZE * s->n + k] * image[s->m + k];
-  for (int i = 0; i < 6 * g->n_body; ++i) g->step[i] = 0;
-  for (int i = 0; i < rows; ++i)
-    for (int side = 0; side < 2; ++side)
-      if (g->body[2 * i + side] >= 0)
-        mg_add_multiple6(step[i], g->MJ + 12L * i + 6 * side, g->step + 6L * g->body[2 * i + side]);
-  mg_graph_rows_of_motion(s, image);
-  for (int i = 0; i < rows; ++i) image[i] += g->yield[i] * step[i];
+  mg_graph_set_motion(s, step, g->step);
+  for (int i = 0; i < rows; ++i) image[i] = mg_graph_row_times(g, i, g->step, 0) + g->yield[i] * step[i];
   return mg_all_finite(rows, step) && mg_all_finite(rows, image);
 }

@@ -66,10 +66,10 @@ static void mg_graph_connect(mg_scaled_friction *s, const mg_friction_graph *giv
   mg_scaled_graph *g = &s->graph;
   g->n_body = 0;
   for (int b = 0; b < given->n_body; ++b) g->number[b] = -1;
-  for (int i = 0; i < 2 * (s->m + s->n_free); ++i)
+  for (int i = 0; i < 2 * mg_friction_rows(s); ++i)
     g->body[i] = mg_graph_number_body(g, given->body[2 * s->row[i / 2] + i % 2]);
   mg_block_open(&g->system, g->n_body);
-  for (int i = 0; i < s->m + s->n_free; ++i)
+  for (int i = 0; i < mg_friction_rows(s); ++i)
     if (g->body[2 * i] >= 0 && g->body[2 * i + 1] >= 0)
       mg_block_connect(&g->system, g->body[2 * i], g->body[2 * i + 1]);
   g->has_system = mg_block_analyse(&g->system);
@@ -127,7 +127,7 @@ static int mg_graph_scale(mg_scaled_friction *s, const mg_friction_graph *given)
     mg_graph_set_row(s, given, i, r);
   }
   s->n_free = s->n_bilateral;
-  const int rows = s->m + s->n_free;
+  const int rows = mg_friction_rows(s);
   if (!mg_all_finite(12 * rows, s->graph.J) || !mg_all_finite(12 * rows, s->graph.MJ)) return 0;
   s->scale = mg_max(mg_friction_size(s), mg_max_abs(s->n_free, s->c + s->m));
   if (!(s->scale > 0)) s->scale = 1;

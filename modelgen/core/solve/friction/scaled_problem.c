@@ -226,7 +226,7 @@ MG_INTERNAL int mg_friction_scale(mg_scaled_friction *s) {
 }
 
 MG_INTERNAL void mg_friction_scale_guess(mg_scaled_friction *s, const mg_real *z) {
-  for (int i = 0; i < s->m + s->n_free; ++i) s->y[i] = z[s->row[i]] / s->e[i] / s->scale;
+  for (int i = 0; i < mg_friction_rows(s); ++i) s->y[i] = z[s->row[i]] / s->e[i] / s->scale;
 }
 
 MG_INTERNAL void mg_friction_unscale(const mg_scaled_friction *s, const mg_real *y, mg_real *z) {

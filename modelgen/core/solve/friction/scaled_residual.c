@@ -38,7 +38,7 @@ MG_INTERNAL mg_real mg_friction_error(const mg_scaled_friction *s) {
       worst = error > worst ? error : worst;
     }
   }
-  for (int i = s->m; i < s->m + s->n_free; ++i) {
+  for (int i = s->m; i < mg_friction_rows(s); ++i) {
     const mg_real error = (mg_real)fabs(s->v[i]);
     if (!(error <= MG_MAX)) return MG_MAX;
     worst = error > worst ? error : worst;
@@ -48,8 +48,8 @@ MG_INTERNAL mg_real mg_friction_error(const mg_scaled_friction *s) {
 
 MG_INTERNAL void mg_friction_update_motion(mg_scaled_friction *s) {
   if (s->graph.J) {
-    mg_graph_update_motion(s);
-    mg_graph_update_rows(s, 0, s->m + s->n_free);
+    mg_graph_set_motion(s, s->y, s->graph.motion);
+    mg_graph_update_rows(s, 0, mg_friction_rows(s));
     return;
   }
   for (int i = 0; i < s->m; ++i) s->v[i] = s->c[i];
@@ -66,7 +66,7 @@ MG_INTERNAL mg_real mg_friction_cap(mg_real growth) {
 }
 
 MG_INTERNAL mg_real mg_friction_tolerance(const mg_scaled_friction *s, const mg_real *y) {
-  const int rows = s->m + s->n_free;
+  const int rows = mg_friction_rows(s);
   const mg_real growth = mg_max_abs(rows, y), tolerance = mg_lcp_tolerance(rows, growth),
                 cap = mg_friction_cap(growth) / 4;
   return tolerance < MG_LCP_CAP ? mg_min(tolerance, cap) : cap;
@@ -83,7 +83,7 @@ MG_INTERNAL int mg_friction_update_best(mg_scaled_friction *s) {
   const mg_real error = mg_friction_error(s);
   if (error < s->residual) {
     s->residual = error;
-    for (int i = 0; i < s->m + s->n_free; ++i) s->best[i] = s->y[i];
+    for (int i = 0; i < mg_friction_rows(s); ++i) s->best[i] = s->y[i];
   }
   return s->residual <= mg_friction_tolerance(s, s->best);
 }

@@ -44,12 +44,9 @@ typedef struct {
   mg_real halved, changed; /* merits: the least of those that halved it; at the last change */
 } mg_newton_steps;
 
-/* Number of rows with the free ones. */
-static int mg_semismooth_rows_in_all(const mg_semismooth *n) { return n->s->m + n->s->n_free; }
-
 /* Divides the memory. */
 static void mg_semismooth_open(mg_semismooth *n, mg_scaled_friction *s) {
-  const int m = s->graph.J ? 0 : s->m, rows = s->m + s->n_free;
+  const int m = s->graph.J ? 0 : s->m, rows = mg_friction_rows(s);
   mg_real **vectors[] = {&n->phi, &n->right, &n->step, &n->image, &n->y, &n->v};
   n->s = s;
   n->J = s->work;
@@ -117,8 +114,8 @@ static int mg_semismooth_contact(mg_semismooth *n, int contact) {
 static mg_real mg_semismooth_merit(mg_semismooth *n) {
   mg_real sum = 0;
   for (int c = 0; c < n->s->n; ++c) mg_semismooth_contact(n, c);
-  for (int i = n->s->m; i < mg_semismooth_rows_in_all(n); ++i) n->phi[i] = n->s->v[i];
-  for (int i = 0; i < mg_semismooth_rows_in_all(n); ++i) sum += n->phi[i] * n->phi[i];
+  for (int i = n->s->m; i < mg_friction_rows(n->s); ++i) n->phi[i] = n->s->v[i];
+  for (int i = 0; i < mg_friction_rows(n->s); ++i) sum += n->phi[i] * n->phi[i];
   return sum;
 }
 
@@ -197,7 +194,7 @@ static int mg_semismooth_lu_step(mg_semismooth *n, mg_real *x) {
 /* Shortens the step until the merit falls below the largest of the last few. Returns 0 if it does not. */
 static int mg_semismooth_line_search(mg_semismooth *n, int iteration, int halvings) {
   mg_scaled_friction *s = n->s;
-  const int rows = mg_semismooth_rows_in_all(n);
+  const int rows = mg_friction_rows(n->s);
   mg_real worst = 0, length = 1;
   for (int i = 0; i < MG_LINE_SEARCH_MEMORY && i <= iteration; ++i) worst = n->before[i] > worst ? n->before[i] : worst;
   for (int i = 0; i < rows; ++i) n->y[i] = s->y[i], n->v[i] = s->v[i];
