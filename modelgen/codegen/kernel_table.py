@@ -185,6 +185,7 @@ def _tables(derivation: Derivation) -> list[str]:
             FEET.get(kind.kind, 0),
             int(may_bend(kind)),
             SPINES.get(kind.kind, 0),
+            int(kind.kind == "edge"),
         )
         for kind in model.shape_kinds
     ]

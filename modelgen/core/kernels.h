@@ -86,6 +86,7 @@ typedef struct {
   int nearest_point; /* MG_NEAREST_PLANE, MG_NEAREST_SPHERE or 0 */
   int may_inflect;   /* 1: a curve that may have inflections */
   int spine;         /* MG_SPINE_LINE .. or 0 */
+  int is_straight;   /* 1: an edge along the x axis */
 } mg_shape_kind;
 
 /* What a derivative of a formula is for. Each formula is packed as y(w, x) (modelgen/differentiation.py): w is not

@@ -117,13 +117,14 @@ enum {
   MG_FRICTION_ROLL = 2  /* rolling about t1 and t2: two rows, torque in N m */
 };
 
-/* Offsets into the numbers of a feature (22 per feature). */
+/* Offsets into the numbers of a feature. */
 enum {
   MG_FEATURE_PLACEMENT = 0,    /* 12: origin and rotation matrix by columns of the shape in body axes */
   MG_FEATURE_DOMAIN = 12,      /* 4: least and greatest u, least and greatest v; +-MG_MAX where there is no bound */
   MG_FEATURE_BALL_RADIUS = 16, /* 1: radius of a ball that contains the feature, m; MG_MAX where there is none */
   MG_FEATURE_BALL_CENTRE = 17, /* 3: centre of that ball in the shape's axes, m */
-  MG_FEATURE_UV_SCALE = 20     /* 2: scales of u and v, by which their differences are divided */
+  MG_FEATURE_UV_SCALE = 20,    /* 2: scales of u and v, by which their differences are divided */
+  MG_FEATURE_SIZE = 22
 };
 
 /* One scene, read only. Shapes of the arrays are in brackets. "Offset" is an index of the first of several numbers. A
@@ -602,7 +603,6 @@ typedef struct {
   mg_real *watched_movement;   /* [n_pair] movement during which the pair is searched after each step, m: what has been
                                   rejected because bodies would penetrate at its end */
   mg_real *unfollowed_gap;     /* [n_pair] least gap found by that search that no contact was free to follow, m */
-  mg_real *last_effort;        /* [n_pair] pairs of cells that the last search of the pair looked at */
   mg_real *withheld_effort;    /* [n_pair] pairs of cells by which its searches look at fewer than usual */
   int *is_far;                 /* [n_pair] 1: left out, because its shapes are far apart */
   int *stop;                   /* [1] or null; 1: another thread or a signal handler asks that a call end soon */

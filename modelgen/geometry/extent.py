@@ -51,9 +51,12 @@ def _of_features(shape: Shape) -> float:
 
 
 def bounding_ball(shape: Shape) -> tuple[Vector, float]:
-    """Centre (m, shape axes) and radius of a ball around the shape, about the shape's origin but for a
-    spline's cell: that lies in the hull of its control points, far from the origin of the net."""
+    """Centre (m, shape axes) and radius of a ball around the shape, about the shape's origin but for a point,
+    which is its own ball, and a spline's cell: that lies in the hull of its control points, far from the
+    origin of the net."""
     p = [value for _, value in shape.parameters]
+    if is_point(shape):
+        return (p[0], p[1], p[2]), 0.0
     if shape.kind in ("bezier", "bezier_curve"):
         points = np.array([p[:3], *(np.add(p[:3], p[k : k + 3]) for k in range(3, len(p), 3))])
     elif shape.kind == "bezier_graph":

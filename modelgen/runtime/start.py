@@ -82,7 +82,8 @@ def _way_out(session: Session, contact: int, depth: float, normal: Array) -> str
 
 def _other_side(session: Session, feature_pair: Mapping[str, Any], depth: float) -> str:
     """The advice on `cavity`, where all of the smaller body may be in the material of the larger one."""
-    radii = {side: feature_pair[f"shape_{side}"]["bounding_radius"] or inf for side in "of"}
+    found = {side: feature_pair[f"shape_{side}"]["bounding_radius"] for side in "of"}
+    radii = {side: inf if radius is None else radius for side, radius in found.items()}
     inner, outer = sorted("of", key=radii.__getitem__)
     if depth <= radii[inner]:
         return ""

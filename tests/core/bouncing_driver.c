@@ -12,7 +12,7 @@ int main(void) {
   const mg_real parameters[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, (mg_real)0.1}, restitution[] = {(mg_real)0.7};
   const mg_real pair_normal[3] = {0}, ball[8] = {0, 0, 0, -1, 0, 0, 0, (mg_real)0.1};
   const int candidate[] = {0}, partners[] = {0, 0, 0};
-  mg_real numbers[2 * SIDE] = {0}, moved[1], watched[1], unfollowed[1], last_effort[1], withheld[1], outward[3], point[3];
+  mg_real numbers[2 * SIDE] = {0}, moved[1], watched[1], unfollowed[1], withheld[1], outward[3], point[3];
   mg_real mass_inverse[20] = {0}, scale[7];
   mg_real x[7] = {0, 0, (mg_real)1.1L, 0, 0, 0, 0}, force[1], margin[1], t[COUNT], speed[COUNT], after[COUNT], blow[1], work[20000];
   mg_real ball_at[8] = {0};
@@ -50,7 +50,7 @@ int main(void) {
                           .rest_loss_factor = 100, .event_correction_step = (mg_real)1e-3, .contact_rank_tolerance = (mg_real)1e-10,
                           .appear_depth = (mg_real)0.02, .penetration_limit = (mg_real)1e-6, .event_scan_parts = 16,
                           .lcp_iterations = 100, .events_at_once_max = 100};
-  mg_run run = {.x = x, .feature_pair = on, .moved_since_search = moved, .is_search_due = due, .watched_movement = watched, .unfollowed_gap = unfollowed, .last_effort = last_effort, .withheld_effort = withheld, .is_far = is_far, .ball_at = ball_at, .closed = closed, .active = active, .force = force, .margin = margin,
+  mg_run run = {.x = x, .feature_pair = on, .moved_since_search = moved, .is_search_due = due, .watched_movement = watched, .unfollowed_gap = unfollowed, .withheld_effort = withheld, .is_far = is_far, .ball_at = ball_at, .closed = closed, .active = active, .force = force, .margin = margin,
                  .rolling_start = fresh, .point = point, .after_t = blow, .struck_by = struck, .tilt_direction = outward};
   mg_events events = {COUNT, 0, t, kind, contact, feature_pair, speed, after};
   mg_record record = {0};

@@ -5,7 +5,7 @@ static const mg_body_kind body_kinds[] = {{MG_FIXED, 0, 0, 12}, {MG_POINT, 3, 3,
 static const mg_contact_kind contact_kinds[] = {{0, 3, 0, 1, MG_NONE, MG_NONE, 0, 1}};
 static const mg_joint_kind joint_kinds[] = {{0, 0, 0, 0, 0}};
 static const mg_load_kind load_kinds[] = {{0, 0, 0, 0, 0}};
-static const mg_shape_kind shape_kinds[] = {{2, 0, 0, 0}, {2, 0, 0, 0}};
+static const mg_shape_kind shape_kinds[] = {{2, 0, 0, 0, 0}, {2, 0, 0, 0, 0}};
 
 static void body_pose(int kind, const mg_real *q, mg_real *pose) { (void)kind, (void)q, (void)pose; }
 

@@ -2,7 +2,8 @@
 #include "modelgen.h"
 
 enum { EDGE, CIRCLE, ELLIPSE, WAVE, CUBIC };
-static const mg_shape_kind shape_kinds[] = {{1, 0, 0, 0}, {1, 0, 0, 0}, {1, 0, 0, 0}, {1, 0, 1, 0}, {1, 0, 1, 0}};
+static const mg_shape_kind shape_kinds[] = {
+    {1, 0, 0, 0, 0}, {1, 0, 0, 0, 0}, {1, 0, 0, 0, 0}, {1, 0, 1, 0, 0}, {1, 0, 1, 0, 0}};
 
 static void shape_point(int kind, const mg_real *uv, const mg_real *parameters, mg_real *point, mg_real *direction) {
   const mg_real t = uv[0], *p = parameters;
@@ -22,7 +23,7 @@ static void shape_point(int kind, const mg_real *uv, const mg_real *parameters, 
   }
 }
 
-static const mg_kernels table = {.abi = MG_ABI, .real_size = sizeof(mg_real), .shape_kinds = shape_kinds,
-                                 .shape_point = shape_point};
+static const mg_kernels table = {
+    .abi = MG_ABI, .real_size = sizeof(mg_real), .shape_kinds = shape_kinds, .shape_point = shape_point};
 
 MG_API const mg_kernels *mg_kernel_table(void) { return &table; }

@@ -59,7 +59,8 @@ def solved(rows: Rows, b: np.ndarray, guess: np.ndarray, lcp: Any) -> tuple[np.n
     work = np.zeros(6 * len(o) + 6 * inverse.size)
     pointers = [ctypes.c_void_p(a.ctypes.data) for a in (b, z, work)]
     solve = lcp.cdll.mg_large_qp_solve
-    solve(ctypes.byref(matrix), pointers[0], 20000, pointers[1], ctypes.byref(report), pointers[2])
+    exact = ctypes.c_double(0.0)
+    solve(ctypes.byref(matrix), pointers[0], exact, 20000, pointers[1], ctypes.byref(report), pointers[2])
     return z, report
 
 

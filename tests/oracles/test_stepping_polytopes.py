@@ -1,4 +1,4 @@
-"""Boxes, prisms and polyhedra fast on each other by time-stepping: none is in another without being told."""
+"""Boxes, prisms and polyhedra fast on each other: none is in another without being told."""
 
 from __future__ import annotations
 
@@ -124,3 +124,14 @@ def test_a_run_tells_what_is_in_another(seed: int, throw: int) -> None:
     found = np.array([deepest(path, seed, k) for k in range(len(path.t))])
     assert found[-1] < path.penetration_max + 1e-9
     assert found.max() < path.penetration_max + CHORD
+
+
+@pytest.mark.cases(4)
+@pytest.mark.parametrize("throw", range(12))
+@pytest.mark.parametrize("seed", [2, 0])
+def test_an_event_driven_run_tells_it_too(seed: int, throw: int) -> None:
+    path = simulate(
+        thrown(seed, throw), until=0.3, accuracy="fast", samples=100, estimate=False, fallback=False
+    )
+    found = [deepest(path, seed, k) for k in range(len(path.t))]
+    assert max(found) < path.penetration_max + 1e-8

@@ -76,6 +76,16 @@ MG_INTERNAL void mg_start_eta(const mg_context *c, int feature_pair, const mg_sa
 /* Rotation of a feature's shape in world axes, 9 numbers by columns. */
 MG_INTERNAL void mg_shape_rotation(const mg_context *c, int feature_pair, int side, mg_real *R);
 
+/* feature_views.c */
+
+/* Forgets the views of features, which are of one pair at one set of poses. */
+MG_INTERNAL void mg_begin_feature_views(mg_context *c, int pair);
+
+/* True if a feature pair may hold isolated closest points within reach, with a gap of `least` or more: its features are
+   not too far apart, and the normal of planes, straight edges and vertices, which the poses give, breaks no condition.
+   Needs mg_begin_feature_views. */
+MG_INTERNAL int mg_may_hold_closest_points(mg_context *c, int feature_pair, mg_real least);
+
 /* spine_features.c */
 
 /* The line, circle or point at a constant distance from which a feature lies, in the axes of the shape: the third axis,

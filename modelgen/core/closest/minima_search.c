@@ -399,7 +399,7 @@ static int mg_start_limits(mg_context *c) {
 
 MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
   for (int pair = 0; pair < c->system->n_pair; pair++)
-    c->run->unfollowed_gap[pair] = MG_MAX, c->run->last_effort[pair] = c->run->withheld_effort[pair] = 0;
+    c->run->unfollowed_gap[pair] = MG_MAX, c->run->withheld_effort[pair] = 0;
   for (int i = 0; i < c->layout.support_begin; i++) mg_set_feature_pair(c, i, -1, 0);
   for (int pair = mg_next_pair(c, -1); pair < c->system->n_pair; pair = mg_next_pair(c, pair)) {
     const long incomplete = c->search.incomplete;

@@ -385,12 +385,15 @@ static int mg_is_line_held_at_end(mg_context *c, int pair, int feature_pair) {
 static void mg_search_free_feature_pairs(mg_context *c, int pair, const mg_search_limits *limits, mg_real least,
                                          mg_minima *kept) {
   const mg_system *s = c->system;
-  const long before = c->run->search_effort, incomplete = c->search.incomplete;
+  const long incomplete = c->search.incomplete;
+  if (least > limits->gap) return;
+  const int may_be_covered = mg_may_feature_pairs_be_covered(c, pair);
+  mg_begin_feature_views(c, pair);
   for (int feature_pair = s->pair_feature_pair[pair]; feature_pair < s->pair_feature_pair[pair + 1]; feature_pair++)
-    if (!mg_is_feature_pair_in_use(c, pair, feature_pair) && !mg_is_out_of_reach(c, feature_pair) &&
-        !mg_is_feature_pair_covered(c, feature_pair) && !mg_is_line_held_at_end(c, pair, feature_pair))
+    if (mg_may_hold_closest_points(c, feature_pair, least) && !mg_is_feature_pair_in_use(c, pair, feature_pair) &&
+        !(may_be_covered && mg_is_feature_pair_covered(c, feature_pair)) &&
+        !mg_is_line_held_at_end(c, pair, feature_pair))
       mg_search_feature_pair(c, feature_pair, limits, least, kept);
-  c->run->last_effort[pair] = (mg_real)(c->run->search_effort - before);
   mg_note_missed_gap(c, pair, incomplete);
 }
 
@@ -578,20 +581,16 @@ static mg_real mg_movement_until_search(const mg_context *c, int pair) {
   return mg_max(mg_min(most, c->run->unfollowed_gap[pair] / 2), mg_resolved_movement(c, pair));
 }
 
-/* True if searches of a pair are long, or have been given up. */
-static int mg_is_search_costly(const mg_context *c, int pair) {
-  return c->run->last_effort[pair] > MG_LEAST_EFFORT || c->run->withheld_effort[pair] > 0;
-}
-
-/* Movement of a pair, m, after which a costly search is repeated where searches are due at every step: half the least
-   gap, within which nothing can touch. One that was given up is repeated after no less than what a search resolves: at
-   nearly the same poses it is given up again. */
-static mg_real mg_movement_until_costly_search(const mg_context *c, int pair) {
+/* Movement of a pair, m, after which its search is repeated where contacts can begin beside those that it has: half the
+   least gap, within which nothing can touch, or what is no movement to rounding. A search that was given up is repeated
+   after no less than what a search resolves: at nearly the same poses it is given up again. */
+static mg_real mg_movement_until_something_touches(const mg_context *c, int pair) {
   mg_real gap = c->run->unfollowed_gap[pair];
   for (int i = mg_pair_first_contact(c, pair); i < mg_pair_first_contact(c, pair + 1); i++)
     if (mg_is_on_feature_pair(c, i)) gap = mg_min(gap, mg_max(c->rows.d[i], (mg_real)0));
-  const mg_real least = c->run->withheld_effort[pair] > 0 ? mg_max(gap / 2, mg_resolved_movement(c, pair)) : gap / 2;
-  return mg_min(least, mg_movement_until_search(c, pair));
+  const mg_real resolved =
+      c->run->withheld_effort[pair] > 0 ? mg_resolved_movement(c, pair) : c->settings->contact_gap * c->system->length;
+  return mg_min(mg_max(gap / 2, resolved), mg_movement_until_search(c, pair));
 }
 
 /* True if a pair that has moved so far since its last search is to be searched. */
@@ -600,7 +599,7 @@ static int mg_is_search_due(const mg_context *c, int pair, mg_real moved) {
   if (mg_is_search_needless(c, pair)) return 0;
   if (c->run->is_search_due[pair] || c->run->watched_movement[pair] > 0) return 1;
   if (search == MG_SEARCH_MOVED || search == MG_SEARCH_APART) return moved >= mg_movement_until_search(c, pair);
-  return !mg_is_search_costly(c, pair) || moved >= mg_movement_until_costly_search(c, pair);
+  return moved >= mg_movement_until_something_touches(c, pair);
 }
 
 MG_INTERNAL int mg_is_contact_at_fold(const mg_context *c, int contact) {
@@ -695,6 +694,12 @@ static mg_real mg_remaining_search_range(const mg_context *c, int pair) {
   return range - (moved < most && !c->run->is_search_due[pair] ? moved : most);
 }
 
+/* Time in which a motion within bounds covers a way, at least. */
+static mg_real mg_time_to_cover(const mg_motion_bound *motion, mg_real way) {
+  const mg_real mean = (motion->speed + sqrt(motion->speed * motion->speed + 2 * motion->acceleration * way)) / 2;
+  return mean > 0 ? way / mean : MG_MAX;
+}
+
 MG_INTERNAL mg_real mg_search_step_limit(const mg_context *c) {
   const mg_system *s = c->system;
   mg_real longest_step = MG_MAX;
@@ -702,11 +707,11 @@ MG_INTERNAL mg_real mg_search_step_limit(const mg_context *c) {
     if (mg_is_search_needless(c, pair)) continue;
     const int unwatched = mg_is_pair_without_contacts(c, pair);
     if (!unwatched && mg_has_guiding_contacts(c, pair)) continue;
-    const mg_real travel = mg_max(mg_remaining_search_range(c, pair) / (unwatched ? 2 : 1), mg_pair_clearance(c, pair));
     const int speeds_up = unwatched || c->run->unfollowed_gap[pair] < MG_MAX;
     const mg_motion_bound motion = mg_pair_motion_bound(c, pair, speeds_up);
-    const mg_real mean = (motion.speed + sqrt(motion.speed * motion.speed + 2 * motion.acceleration * travel)) / 2;
-    if (mean * longest_step > travel) longest_step = travel / mean;
+    const mg_real range = mg_max(mg_remaining_search_range(c, pair), (mg_real)0) / (unwatched ? 2 : 1);
+    if (!(mg_time_to_cover(&motion, range) < longest_step)) continue;
+    longest_step = mg_min(longest_step, mg_time_to_cover(&motion, mg_max(range, mg_pair_clearance(c, pair))));
   }
   return longest_step;
 }

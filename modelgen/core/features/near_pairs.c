@@ -87,18 +87,19 @@ static void mg_clear_pair(mg_context *c, int pair) {
    its contacts may be of another run. */
 static void mg_enter_pair(mg_context *c, int pair) {
   MG_NEEDS_ANY(c, MG_VALID_POSES);
-  const int feature_pair = c->system->pair_feature_pair[pair], contact = c->system->pair_contact[pair];
-  mg_real eta[MG_MAX_ETA] = {0};
   mg_clear_pair(c, pair);
   if (!mg_is_pair_followed_from_anywhere(c, pair)) {
     c->run->is_search_due[pair] = 1, c->run->unfollowed_gap[pair] = MG_MAX;
     c->run->moved_since_search[pair] = c->run->watched_movement[pair] = 0;
     return;
   }
-  if (mg_converge_from_any_start(c, feature_pair, eta) < 0) return;
-  mg_set_feature_pair(c, contact, feature_pair, eta);
-  mg_place_contact(c, contact, eta, c->search.placement + 32);
-  c->rows.d[contact] = c->search.placement[0], c->run->margin[contact] = mg_placement_uniqueness(c, contact);
+  for (int i = c->system->pair_contact[pair]; i < c->system->pair_contact[pair + 1]; i++) {
+    mg_real eta[MG_MAX_ETA] = {0};
+    if (mg_converge_from_any_start(c, c->system->contact_feature_pair[i], eta) < 0) continue;
+    mg_set_feature_pair(c, i, c->system->contact_feature_pair[i], eta);
+    mg_place_contact(c, i, eta, c->search.placement + 32);
+    c->rows.d[i] = c->search.placement[0], c->run->margin[i] = mg_placement_uniqueness(c, i);
+  }
 }
 
 /* Lists the pairs that are never left out and those found, both ascending; those found that were left out are kept in
@@ -131,7 +132,7 @@ static int mg_leave_far_pairs(mg_context *c) {
 /* Looks for near pairs anew, with margins for some steps of h. Returns how many pairs come near or are left out. */
 static int mg_update_near_pairs(mg_context *c, mg_real h, const mg_real *change, int is_step_given) {
   mg_set_margins(c, h, change, is_step_given);
-  mg_find_overlapping_balls(c);
+  mg_find_near_pairs(c);
   c->listed.n_found = mg_merge_found_pairs(c);
   const int left = mg_leave_far_pairs(c);
   for (int k = 0; k < c->listed.n_found; k++) c->run->is_far[c->listed.found[k]] = 0;

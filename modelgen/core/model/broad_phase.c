@@ -1,4 +1,5 @@
-/* Broad phase: the pairs of shapes whose bounding balls, each enlarged by how far it may move, overlap. Balls lie in a
+/* Broad phase: the pairs of shapes whose bounding balls, each enlarged by how far it may move, overlap, and those of a
+   plane that does not move, which each ball is tested against. Balls lie in a
    hierarchical grid: a ball is in one cell, as wide as its diameter or more, of the level of its size, and meets balls
    of its level or a coarser one in the 27 cells around it alone (Ericson, Real-Time Collision Detection, 2005, section
    7.2). The work grows with the number of balls and of overlaps. Reads c->bodies; writes c->listed. */
@@ -139,7 +140,21 @@ static void mg_search_level(mg_context *c, int b, int level, int lowest) {
   }
 }
 
-MG_INTERNAL void mg_find_overlapping_balls(mg_context *c) {
+/* True if a ball with its margin comes within reach of a plane. */
+static int mg_is_ball_near_plane(const mg_context *c, int pair) {
+  const mg_system *s = c->system;
+  const int first = s->pair_feature_pair[pair], side = mg_fixed_plane_of_pair(c, pair),
+            ball = s->pair_balls[2 * pair + 1 - side];
+  const mg_real *pose = c->bodies.pose + 12 * mg_feature_body(c, first, side),
+                *place = mg_feature_numbers(c, first, side) + MG_FEATURE_PLACEMENT;
+  mg_real centre[3], foot[3], normal[3];
+  mg_ball_centre(c, ball, centre);
+  mg_to_world(pose, place, 1, foot), mg_to_world(pose, place + 9, 0, normal);
+  const mg_real span[3] = {centre[0] - foot[0], centre[1] - foot[1], centre[2] - foot[2]};
+  return mg_dot3(span, normal) <= s->ball[4 * ball + 3] + c->run->ball_at[4 * ball + 3] + mg_search_reach(c, pair);
+}
+
+MG_INTERNAL void mg_find_near_pairs(mg_context *c) {
   MG_NEEDS_ANY(c, MG_VALID_POSES);
   unsigned long long levels;
   const int lowest = mg_place_balls(c, &levels);
@@ -148,5 +163,8 @@ MG_INTERNAL void mg_find_overlapping_balls(mg_context *c) {
   for (int b = 0; b < c->system->n_ball; b++)
     for (int level = c->listed.balls[b].level; c->listed.balls[b].radius >= 0 && levels >> level; level++)
       if (levels >> level & 1) mg_search_level(c, b, level, lowest);
+  for (int k = 0; k < c->listed.n_over_plane; k++)
+    if (mg_is_ball_near_plane(c, c->listed.over_plane[k]))
+      c->listed.found[c->listed.n_found++] = c->listed.over_plane[k];
   mg_sort_ints(c->listed.n_found, c->listed.found);
 }

@@ -75,24 +75,49 @@ MG_INTERNAL void mg_list_pairs(mg_context *c) {
 }
 
 MG_INTERNAL int mg_may_be_far(const mg_context *c, int pair) {
-  return c->system->pair_is_candidate[pair] && mg_has_pair_extents(c, pair) &&
+  return c->system->pair_is_candidate[pair] && (mg_has_pair_extents(c, pair) || mg_fixed_plane_of_pair(c, pair) >= 0) &&
          (c->system->pair_search[pair] != MG_SEARCH_NEVER || mg_is_pair_followed_from_anywhere(c, pair));
 }
 
 MG_INTERNAL int mg_is_pair_followed_from_anywhere(const mg_context *c, int pair) {
   const mg_system *s = c->system;
-  const int first = s->pair_feature_pair[pair];
-  if (s->pair_search[pair] != MG_SEARCH_NEVER || s->pair_feature_pair[pair + 1] != first + 1) return 0;
-  if (s->contact_feature_pair[s->pair_contact[pair]] != first) return 0;
-  const mg_contact_kind *kind = c->kernels->contact_kinds + s->feature_pair_kind[first];
-  return kind->is_convex || kind->n_eta == 0;
+  const int count = s->pair_contact[pair + 1] - s->pair_contact[pair];
+  if (s->pair_search[pair] != MG_SEARCH_NEVER || count != s->pair_feature_pair[pair + 1] - s->pair_feature_pair[pair])
+    return 0;
+  for (int i = s->pair_contact[pair]; i < s->pair_contact[pair + 1]; i++) {
+    const int own = s->contact_feature_pair[i];
+    if (own < 0 || (count > 1 && !mg_is_unconditional_feature_pair(c, own))) return 0;
+    const mg_contact_kind *kind = c->kernels->contact_kinds + s->feature_pair_kind[own];
+    if (!kind->is_convex && kind->n_eta > 0) return 0;
+  }
+  return 1;
+}
+
+MG_INTERNAL int mg_fixed_plane_of_pair(const mg_context *c, int pair) {
+  const mg_system *s = c->system;
+  const int first = s->pair_feature_pair[pair], end = s->pair_feature_pair[pair + 1];
+  for (int side = 0; side < 2; side++) {
+    const int body = mg_feature_body(c, first, side), numbers = s->feature_numbers[2 * first + side];
+    if (mg_pair_ball(c, pair, side)[3] >= 0 || mg_pair_ball(c, pair, 1 - side)[3] < 0) continue;
+    if (c->bodies.motion[body] != MG_FIXED) continue;
+    int each = first;
+    for (; each < end; each++) {
+      const int plane = mg_feature_body(c, each, 0) == body ? 0 : 1;
+      if (mg_shape_kind_of(c, each, plane)->nearest_point != MG_NEAREST_PLANE ||
+          s->feature_numbers[2 * each + plane] != numbers)
+        break;
+    }
+    if (each == end) return side;
+  }
+  return -1;
 }
 
 MG_INTERNAL void mg_init_listing(mg_context *c) {
   mg_listing *l = &c->listed;
-  l->n_always = l->n_listed = 0;
+  l->n_always = l->n_listed = l->n_over_plane = 0;
   for (int pair = 0; pair < c->layout.limit_pair_begin; pair++) {
     if (!mg_may_be_far(c, pair)) l->always[l->n_always++] = pair;
+    else if (!mg_has_pair_extents(c, pair)) l->over_plane[l->n_over_plane++] = pair;
     if (!c->run->is_far[pair]) l->listed[l->n_listed++] = pair;
   }
   l->has_candidates = l->n_always < c->layout.limit_pair_begin;

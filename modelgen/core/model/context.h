@@ -19,6 +19,7 @@
 #include "region/region.h"
 
 #define MG_SAMPLES 289         /* most samples of a feature */
+#define MG_FEATURE_VIEWS 128   /* features of a pair that are seen at a time; others take their places */
 #define MG_CELL_PAIRS 512      /* room for pairs of cells that a search has still to treat */
 #define MG_CRITICAL 64         /* most critical points that a search of a feature pair keeps in mind */
 #define MG_POINT_PARAMETERS 32 /* room for the parameters of a contact of a point with a plane */
@@ -209,11 +210,12 @@ typedef struct {
   int *pair;           /* [1 per pair + 1] pairs of shapes; those of limits are none */
   int *range;          /* [2 per contact + 6] first state and end of each range of states */
   int *always;         /* [per pair] pairs that are never left out, ascending */
+  int *over_plane;     /* [per pair] pairs of a plane that does not move, which may be far */
   int *listed;         /* [per pair] pairs that take part, ascending */
   int *found;          /* [per pair] pairs that the broad phase found; then those of them that had been left out */
   int *grid;           /* [mg_grid_size] first ball of each place in the grid, or -1 */
   mg_grid_ball *balls; /* [system->n_ball] balls */
-  int n_range, n_always, n_listed, n_found;
+  int n_range, n_always, n_over_plane, n_listed, n_found;
   int n_contact;      /* contacts that take part */
   int has_candidates; /* 1: there are pairs that may be left out */
 } mg_listing;
@@ -285,6 +287,18 @@ typedef struct {
   mg_share_workspace share;           /* shares of the pairs in a patch */
 } mg_patch_workspace;
 
+/* A feature at the present poses, in world axes. */
+typedef struct {
+  int numbers, body; /* which it is: system->feature_numbers, -1: none, and its body */
+  int dimension;
+  int is_flat;         /* 1: a plane, a straight edge or a vertex */
+  int is_near;         /* 1: its ball is within reach of the ball around the other shape */
+  mg_real radius;      /* of a ball that contains it, m; MG_MAX: none */
+  mg_real centre[3];   /* of that ball, m */
+  mg_real point[3];    /* of one that is flat and near: origin of its shape; a vertex itself, m */
+  mg_real rotation[9]; /* of the same: axes of its shape, by columns */
+} mg_feature_in_world;
+
 /* Search for closest points. */
 typedef struct {
   mg_sample *samples;             /* [MG_SAMPLES] samples of a feature */
@@ -296,11 +310,13 @@ typedef struct {
   mg_real *tree_bound;            /* [2 per cell tree] where a coordinate has no bound: that of these cells */
   mg_digest *cells_digest;        /* [1] digest of the shapes to which the cells belong */
   mg_taylor_model *bounds_memory; /* memory of bounds programs */
-  mg_real *searched_gap;   /* [per pair] open_gap of a search at the end of this step that found all minima followed, m;
-                              -1: not searched; -2: it found minima that touch and that no contact followed */
-  int *cell_pairs;         /* [2 MG_CELL_PAIRS] pairs of cells still to be treated */
-  mg_real open_gap;        /* least gap noted in the present search by mg_note_open_gap, m; MG_MAX: none */
-  mg_real singular_gap;    /* the same of closest points that are not isolated, which no contact can follow */
+  mg_real *searched_gap; /* [per pair] open_gap of a search at the end of this step that found all minima followed, m;
+                            -1: not searched; -2: it found minima that touch and that no contact followed */
+  mg_feature_in_world *views; /* [MG_FEATURE_VIEWS] features of the pair that is searched, by their numbers */
+  int viewed_pair;            /* that pair */
+  int *cell_pairs;            /* [2 MG_CELL_PAIRS] pairs of cells still to be treated */
+  mg_real open_gap;           /* least gap noted in the present search by mg_note_open_gap, m; MG_MAX: none */
+  mg_real singular_gap;       /* the same of closest points that are not isolated, which no contact can follow */
   mg_minimum overlap;      /* of closest points that are not isolated and penetrate, those noted in the present search
                               with the least depth; d = -MG_MAX: none */
   long incomplete;         /* searches of feature pairs given up since the context was opened */

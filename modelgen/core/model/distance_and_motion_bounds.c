@@ -55,9 +55,10 @@ MG_INTERNAL mg_real mg_pair_clearance(const mg_context *c, int pair) {
   mg_real clear = MG_MAX, whole = 0;
   if (mg_has_pair_extents(c, pair))
     whole = mg_ball_distance(c, mg_feature_body(c, first, 0), o, o[3], mg_feature_body(c, first, 1), f, f[3]);
-  for (int feature_pair = first; feature_pair < c->system->pair_feature_pair[pair + 1]; feature_pair++)
-    clear = mg_min(clear, mg_feature_pair_clearance(c, feature_pair));
-  return mg_max(mg_max(clear, whole), 0);
+  whole = mg_max(whole, (mg_real)0);
+  for (int each = first; each < c->system->pair_feature_pair[pair + 1] && clear > whole; each++)
+    clear = mg_min(clear, mg_feature_pair_clearance(c, each));
+  return mg_max(clear, whole);
 }
 
 /* Largest distance of a shape of a pair from the centre of mass of its body (0: o, 1: f); < 0: unbounded. */

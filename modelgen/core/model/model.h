@@ -437,7 +437,11 @@ MG_INTERNAL void mg_list_states(mg_context *c);
 /* True if the pair may be left out while its shapes are far apart. */
 MG_INTERNAL int mg_may_be_far(const mg_context *c, int pair);
 
-/* True if the pair has one contact whose closest points are unique and found from any start. */
+/* Side of a pair whose shape is a plane that does not move, where the other shape is bounded; -1: none. */
+MG_INTERNAL int mg_fixed_plane_of_pair(const mg_context *c, int pair);
+
+/* True if each contact of the pair has a feature pair of its own, whose closest points are unique, never end, and are
+   found from any start. */
 MG_INTERNAL int mg_is_pair_followed_from_anywhere(const mg_context *c, int pair);
 
 /* Lists the pairs that the run has not left out. */
@@ -458,8 +462,8 @@ MG_INTERNAL int mg_has_moved_beyond_margins(const mg_context *c);
 MG_INTERNAL int mg_grid_size(const mg_system *s);
 
 /* Writes the pairs that may be far and are near to c->listed.found, ascending: those whose balls, enlarged by their
-   margins and a half of the reach of searches each, overlap. Needs the poses. */
-MG_INTERNAL void mg_find_overlapping_balls(mg_context *c);
+   margins and a half of the reach of searches each, overlap, or that reach a plane. Needs the poses. */
+MG_INTERNAL void mg_find_near_pairs(mg_context *c);
 
 /* contact_rows.c */
 
@@ -697,6 +701,9 @@ MG_INTERNAL int mg_has_patch_just_opened(const mg_context *c, int contact);
 
 /* True if the feature pair lies in a patch that is held, or in one that starts to roll over a rim. */
 MG_INTERNAL int mg_is_feature_pair_covered(const mg_context *c, int feature_pair);
+
+/* True if feature pairs of a pair may be covered. */
+MG_INTERNAL int mg_may_feature_pairs_be_covered(const mg_context *c, int pair);
 
 /* True if faces of the pair's shapes may lie in the patch. */
 MG_INTERNAL int mg_is_patch_of_pair(const mg_context *c, int patch, int pair);

@@ -170,6 +170,10 @@ MG_INTERNAL int mg_has_held_patch(const mg_context *c, int pair) {
   return 0;
 }
 
+MG_INTERNAL int mg_may_feature_pairs_be_covered(const mg_context *c, int pair) {
+  return c->system->n_patch_slot && (mg_has_held_patch(c, pair) || mg_has_patch_rolling_start(c));
+}
+
 MG_INTERNAL void mg_request_pair_searches(mg_context *c, int patch) {
   for (int pair = mg_next_pair(c, -1); pair < c->system->n_pair; pair = mg_next_pair(c, pair))
     if (mg_is_patch_of_pair(c, patch, pair)) c->run->is_search_due[pair] = 1;

@@ -53,7 +53,6 @@ static void mg_move_run(mg_stream *stream, const mg_system *s, mg_run *run) {
   mg_move_ints(stream, run->is_search_due, s->n_pair);
   mg_move_reals(stream, run->watched_movement, s->n_pair);
   mg_move_reals(stream, run->unfollowed_gap, s->n_pair);
-  mg_move_reals(stream, run->last_effort, s->n_pair);
   mg_move_reals(stream, run->withheld_effort, s->n_pair);
   mg_move_ints(stream, run->is_far, s->n_pair);
   mg_move_reals(stream, run->ball_at, 4L * s->n_ball);

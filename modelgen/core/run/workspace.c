@@ -161,6 +161,7 @@ static void mg_set_listing_arrays(mg_context *c, mg_memory *memory) {
   l->balls = mg_reserve_items(memory, s->n_ball, sizeof(mg_grid_ball));
   l->row = mg_reserve_ints(memory, mg_row_count(s) + 1L), l->constraint = mg_reserve_ints(memory, s->n_friction + 1L);
   l->pair = mg_reserve_ints(memory, s->n_pair + 1L), l->range = mg_reserve_ints(memory, 2L * s->n_contact + 6);
+  l->over_plane = mg_reserve_ints(memory, s->n_pair);
   l->always = mg_reserve_ints(memory, s->n_pair), l->listed = mg_reserve_ints(memory, s->n_pair);
   l->found = mg_reserve_ints(memory, s->n_pair), l->grid = mg_reserve_ints(memory, mg_grid_size(s));
 }
@@ -241,6 +242,7 @@ static void mg_set_arrays(mg_context *c, mg_memory *memory) {
   c->joints.independence = mg_reserve_reals(memory, s->n_joint_row),
   c->events.gap_before = mg_reserve_reals(memory, 2 * m);
   c->search.samples = mg_reserve_items(memory, MG_SAMPLES, sizeof(mg_sample)),
+  c->search.views = mg_reserve_items(memory, MG_FEATURE_VIEWS, sizeof(mg_feature_in_world)),
   c->search.bounds_memory = mg_reserve_items(memory, mg_bounds_memory_max(s), sizeof(mg_taylor_model));
   c->search.face_gap = mg_reserve_reals(memory, mg_face_group_count(s));
   c->search.searched_gap = mg_reserve_reals(memory, s->n_pair),

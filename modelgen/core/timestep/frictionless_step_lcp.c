@@ -7,7 +7,8 @@
 #include "forces/forces.h"
 
 enum {
-  MG_MANY_CONTACTS = 40,  /* from here on conjugate gradients cost less than a factorisation */
+  MG_MANY_CONTACTS = 40,  /* from here on conjugate gradients cost less than a factorisation, */
+  MG_SOME_CONTACTS = 8,   /* and from here on where a tolerance is given */
   MG_MANY_ITERATIONS = 20 /* bound of the iterations, times the bound of those of mg_qp */
 };
 
@@ -27,18 +28,18 @@ static mg_row_matrix mg_gather_rows(mg_context *c, int n) {
 }
 
 /* True if the problem has many contacts and nothing else. */
-static int mg_has_many_contacts_alone(const mg_context *c, int n) {
-  return n >= MG_MANY_CONTACTS && mg_append_bilateral_rows(c, c->lcp.rows, n) == n;
+static int mg_has_many_contacts_alone(const mg_context *c, int n, mg_real tolerance) {
+  return n >= (tolerance > 0 ? MG_SOME_CONTACTS : MG_MANY_CONTACTS) && mg_append_bilateral_rows(c, c->lcp.rows, n) == n;
 }
 
-MG_INTERNAL int mg_solve_step_lcp(mg_context *c, int n, const mg_real *value, const mg_real *guess,
+MG_INTERNAL int mg_solve_step_lcp(mg_context *c, int n, const mg_real *value, const mg_real *guess, mg_real tolerance,
                                   mg_lcp_report *report) {
-  if (mg_has_many_contacts_alone(c, n)) {
+  if (mg_has_many_contacts_alone(c, n, tolerance)) {
     const mg_row_matrix matrix = mg_gather_rows(c, n);
     for (int r = 0; r < n; r++) c->lcp.b[r] = value[c->lcp.rows[r]], c->lcp.z[r] = guess ? guess[c->lcp.rows[r]] : 0;
     mg_report_solve(c->run);
-    if (mg_large_qp_solve(&matrix, c->lcp.b, MG_MANY_ITERATIONS * c->settings->lcp_iterations, c->lcp.z, report,
-                          c->lcp.work) == MG_LCP_SOLVED)
+    if (mg_large_qp_solve(&matrix, c->lcp.b, tolerance, MG_MANY_ITERATIONS * c->settings->lcp_iterations, c->lcp.z,
+                          report, c->lcp.work) == MG_LCP_SOLVED)
       return MG_LCP_SOLVED;
   }
   return mg_solve_contact_lcp(c, n, value, report);

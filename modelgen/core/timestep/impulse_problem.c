@@ -74,7 +74,7 @@ static int mg_solve_frictionless_step(mg_context *c, mg_real h, mg_real per_forc
     c->rows.row_rate[i] = mg_free_spring_rate(c, i, h);
   if (*size == 0) return MG_DONE;
   for (int r = 0; r < n; r++) c->solution.impulse[c->lcp.rows[r]] = per_force * c->solution.force[c->lcp.rows[r]];
-  const int outcome = mg_solve_step_lcp(c, n, c->rows.row_rate, c->solution.impulse, &report);
+  const int outcome = mg_solve_step_lcp(c, n, c->rows.row_rate, c->solution.impulse, 0, &report);
   if (outcome == MG_LCP_SOLVED) mg_report_residual(c->run, report.residual);
   return outcome == MG_LCP_SOLVED ? MG_DONE : MG_COMPLEMENTARITY;
 }

@@ -14,6 +14,11 @@
    and loses about two fifths of its penetration in a round. It ends where a number of rounds do not halve it. */
 enum { MG_CORRECTIONS = 64, MG_SLOW_CORRECTIONS = 6 };
 
+/* A correction solves its problem to a quarter of the penetration that is allowed, or to a hundredth of the present
+ * one. */
+#define MG_CORRECTED_TO 4
+#define MG_COARSEST_CORRECTION ((mg_real)0.01)
+
 /* Work of the impulse of a row against the mean of its rates before and after, without the part that prescribed
    motions do. */
 static mg_real mg_row_impulse_work(const mg_context *c, int row, mg_real h) {
@@ -193,7 +198,9 @@ static int mg_correct_positions(mg_context *c, mg_real worst) {
       if (n < c->system->closed_capacity) c->lcp.rows[n] = i, c->lcp.mask[n++] = 1;
       else mg_report_exceeded(c->run, MG_CAPACITY_CLOSED);
     }
-  if (mg_solve_step_lcp(c, n, c->rows.d, 0, &report) != MG_LCP_SOLVED) return 0;
+  const mg_real allowed = c->settings->contact_gap * c->system->length / MG_CORRECTED_TO;
+  if (mg_solve_step_lcp(c, n, c->rows.d, 0, mg_min(allowed / worst, MG_COARSEST_CORRECTION), &report) != MG_LCP_SOLVED)
+    return 0;
   for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
   for (int r = 0; r < n + c->system->n_joint_row; r++)
     mg_add_row_response(c, c->lcp.rows[r], c->lcp.z[r], c->bodies.wrench);

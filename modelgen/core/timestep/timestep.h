@@ -67,8 +67,9 @@ MG_INTERNAL int mg_step_impulses(mg_context *c, mg_real h);
 /* frictionless_step_lcp.c */
 
 /* Solves the complementarity problem of mg_solve_contact_lcp for the n contacts of c->lcp.rows; guess [per row]:
-   amounts near the solution, or 0. Returns its outcome. */
-MG_INTERNAL int mg_solve_step_lcp(mg_context *c, int n, const mg_real *value, const mg_real *guess,
+   amounts near the solution, or 0; with many contacts to a residual of `tolerance`, over the largest value. Returns its
+   outcome. */
+MG_INTERNAL int mg_solve_step_lcp(mg_context *c, int n, const mg_real *value, const mg_real *guess, mg_real tolerance,
                                   mg_lcp_report *report);
 
 /* step_completion.c */

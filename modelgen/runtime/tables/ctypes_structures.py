@@ -172,7 +172,6 @@ RUN_ARRAYS = (
         "is_search_due",
         "watched_movement",
         "unfollowed_gap",
-        "last_effort",
         "withheld_effort",
         "is_far",
         "stop",

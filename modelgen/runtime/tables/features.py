@@ -110,13 +110,17 @@ def _each(instance: Entry, of: Callable[[Sequence[Entry]], list[int]]) -> list[i
 def _pooled(
     instance: Entry, pool: list[float], of: Callable[[Sequence[Entry]], Sequence[Sequence[float]]]
 ) -> list[int]:
-    """Where each of the sequences of numbers starts in the pool, to whose end they are added."""
-    starts: list[int] = []
-    for found in _by_pair(instance, of):
-        starts += accumulate(map(len, found), initial=len(pool))
-        starts.pop()  # the end
-        pool.extend(chain.from_iterable(found))
-    return starts
+    """Where each of the sequences of numbers starts in the pool, to whose end they are added, once each."""
+    known: dict[tuple[float, ...], int] = {}
+
+    def starts(pair: Sequence[Entry]) -> Iterator[int]:
+        for numbers in map(tuple, of(pair)):
+            if numbers not in known:
+                known[numbers] = len(pool)
+                pool.extend(numbers)
+            yield known[numbers]
+
+    return _each(instance, lambda pair: list(starts(pair)))
 
 
 def _beyond(instance: Entry, counts: Sequence[int]) -> list[int]:

@@ -135,7 +135,7 @@ def _sizes_of_run(
         "x": states,
         "point": 3 * n_contact + 1,
         **dict.fromkeys(("moved_since_search", "watched_movement", "unfollowed_gap"), pairs),
-        **dict.fromkeys(("last_effort", "withheld_effort"), pairs),
+        "withheld_effort": pairs,
         "ball_at": 4 * int(system.n_ball) + 1,
         "slip_direction": 3 * groups + 1,
         "patch_slip_direction": 4 * slots + 1,

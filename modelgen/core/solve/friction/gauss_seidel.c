@@ -240,7 +240,7 @@ MG_INTERNAL int mg_friction_sweep(mg_scaled_friction *s, int sweeps) {
   for (int sweep = 0; sweep < sweeps && !mg_friction_is_stopped(s); ++sweep) {
     mg_friction_sweep_once(s, (sweep + s->given->from_last) % 2);
     if (s->graph.J) mg_graph_update_rows(s, 0, mg_friction_rows(s));
-    if (mg_friction_error(s) <= mg_friction_tolerance(s, s->y)) break;
+    if (mg_friction_error(s) <= mg_max(mg_friction_tolerance(s, s->y), s->graph.J ? s->given->accepted : 0)) break;
   }
   mg_friction_update_motion(s);
   return mg_friction_update_best(s);

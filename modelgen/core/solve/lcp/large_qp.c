@@ -9,14 +9,15 @@
 #include "base/base.h"
 
 enum {
-  MG_NORM_STEPS = 12,   /* steps of power iteration for the norm of S */
+  MG_NORM_STEPS = 4,    /* steps of power iteration for the norm of S, of which half suffices */
   MG_CERTIFY_EVERY = 10 /* iterations between two looks at the residual */
 };
 
 typedef struct {
   const mg_row_matrix *A;
   mg_real scale;         /* max_i |b_i| / d_i, by which c is divided */
-  mg_real length;        /* length of the projected step, at most 1 / |S| */
+  mg_real length;        /* length of the projected step, below 2 / |S| */
+  mg_real tolerance;     /* of the residual of the scaled problem, beyond that of mg_qp */
   mg_real *d, *c;        /* [n] diagonal of D, and c */
   mg_real *y, *gradient; /* [n] S y + c */
   mg_real *direction;    /* [n] */
@@ -151,7 +152,7 @@ static void mg_large_descend(mg_large_qp *s) {
   mg_large_restart(s);
 }
 
-/* Residual of the scaled problem; true if it is within the tolerance of mg_qp. */
+/* Residual of the scaled problem; true if it is within the tolerance. */
 static int mg_is_large_qp_solved(mg_large_qp *s, mg_lcp_report *report) {
   mg_real worst = 0, growth = 0;
   for (int i = 0; i < s->A->n; i++) {
@@ -160,7 +161,7 @@ static int mg_is_large_qp_solved(mg_large_qp *s, mg_lcp_report *report) {
     worst = mg_max(worst, r), growth = mg_max(growth, s->y[i]);
   }
   report->residual = worst;
-  return worst <= mg_lcp_tolerance(s->A->n, growth);
+  return worst <= mg_max(mg_lcp_tolerance(s->A->n, growth), s->tolerance);
 }
 
 /* Iterates from y; returns the outcome. */
@@ -181,11 +182,12 @@ static int mg_large_iterate(mg_large_qp *s, int limit, mg_lcp_report *report) {
 
 MG_API long mg_large_qp_work_size(int n, int n_body) { return 6L * n + 6L * n_body; }
 
-MG_API int mg_large_qp_solve(const mg_row_matrix *A, const mg_real *b, int max_iterations, mg_real *z,
-                             mg_lcp_report *report, mg_real *work) {
+MG_API int mg_large_qp_solve(const mg_row_matrix *A, const mg_real *b, mg_real tolerance, int max_iterations,
+                             mg_real *z, mg_lcp_report *report, mg_real *work) {
   const int n = A->n;
   mg_large_qp s = {.A = A,
                    .length = 1,
+                   .tolerance = tolerance,
                    .d = work,
                    .c = work + n,
                    .y = work + 2 * n,

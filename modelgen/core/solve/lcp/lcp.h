@@ -53,9 +53,9 @@ typedef struct {
 MG_API long mg_large_qp_work_size(int n, int n_body);
 
 /* The convex program of mg_qp for many rows, by conjugate gradients; z: a guess on entry. Returns the outcome:
-   MG_LCP_SOLVED with a residual as that of mg_qp, or MG_LCP_ITERATIONS. */
-MG_API int mg_large_qp_solve(const mg_row_matrix *A, const mg_real *b, int max_iterations, mg_real *z,
-                             mg_lcp_report *report, mg_real *work);
+   MG_LCP_SOLVED with a residual within the tolerance, or as that of mg_qp if that is larger, or MG_LCP_ITERATIONS. */
+MG_API int mg_large_qp_solve(const mg_row_matrix *A, const mg_real *b, mg_real tolerance, int max_iterations,
+                             mg_real *z, mg_lcp_report *report, mg_real *work);
 
 /* Solution for a general matrix by Lemke's method with lexicographic ties. Returns the outcome. */
 MG_API int mg_lemke(int n, const mg_real *A, const mg_real *b, int max_iterations, mg_real *z, mg_lcp_report *report,
