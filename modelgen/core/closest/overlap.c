@@ -349,9 +349,25 @@ MG_INTERNAL int mg_are_materials_known(const mg_context *c, int pair) {
   return mg_is_material_known(c, pair, 0) && mg_is_material_known(c, pair, 1);
 }
 
+/* True if a point, a quarter of `depth` on the way from another one to the middle of the shape on which that is, is in
+   the material of both shapes of a pair, at heights below `allowed`. */
+static int mg_is_near_overlap(const mg_context *c, int pair, int side, const mg_real *point, mg_real depth,
+                              mg_real allowed) {
+  const mg_real *ball = mg_pair_ball(c, pair, side);
+  mg_real centre[3], moved[3];
+  if (ball[3] < 0 || !mg_has_material(c, pair, side) || !mg_has_material(c, pair, 1 - side)) return 0;
+  mg_to_world(c->bodies.pose + 12 * mg_feature_body(c, c->system->pair_feature_pair[pair], side), ball, 1, centre);
+  const mg_real span[3] = {centre[0] - point[0], centre[1] - point[1], centre[2] - point[2]};
+  const mg_real part = mg_min(depth / (4 * sqrt(mg_dot3(span, span))), (mg_real)1);
+  for (int k = 0; k < 3; k++) moved[k] = point[k] + part * span[k];
+  return mg_height_over_material(c, pair, side, moved, MG_FIRST_ORDER) < allowed &&
+         mg_height_over_material(c, pair, 1 - side, moved, MG_FIRST_ORDER) < allowed;
+}
+
 /* True if the point of one side of the placement of a feature pair is in the material of the other, deeper than bodies
-   may be that touch there. Of points near each other, which are of far sides only of a body as thin, also if it is
-   beside it by no more than rounding decides. Needs that placement evaluated last. */
+   may be that touch there, or at the border of it, where both overlap: a corner beside a flush side. Of points near
+   each other, which are of far sides only of a body as thin, also if it is beside it by no more than rounding decides.
+   Needs that placement evaluated last. */
 static int mg_is_point_in_other(mg_context *c, int feature_pair, int side) {
   MG_NEEDS_PLACED_PAIR(c, feature_pair);
   const int pair = c->system->feature_pair_owner[feature_pair], other = mg_side_of_pair(c, feature_pair, 1 - side);
@@ -361,7 +377,9 @@ static int mg_is_point_in_other(mg_context *c, int feature_pair, int side) {
                         mg_min(c->system->length, mg_pair_size(c, pair)),
                 allowed = mg_max(clear - c->settings->overlap_clear_part * depth, -touching);
   if (!mg_is_material_known(c, pair, other)) return allowed > 0 || mg_is_point_in_body(c, feature_pair, 1 - side);
-  return mg_has_material(c, pair, other) && mg_height_over_material(c, pair, other, point, MG_FIRST_ORDER) < allowed;
+  if (!mg_has_material(c, pair, other)) return 0;
+  return mg_height_over_material(c, pair, other, point, MG_FIRST_ORDER) < allowed ||
+         mg_is_near_overlap(c, pair, 1 - other, point, depth, mg_min(allowed, (mg_real)0));
 }
 
 MG_INTERNAL int mg_is_between_far_sides(mg_context *c, int feature_pair) {

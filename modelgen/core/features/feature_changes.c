@@ -56,7 +56,9 @@ static mg_real mg_transfer_to_feature_pair(mg_context *c, int from, int to, cons
     return -MG_MAX;
   if (mg_has_normal_sign(c, to) && (mg_dot3(c->search.placement + 5, at + 5) < 0) != sides_swapped)
     mg_reverse_normal(c, to, eta), mg_place_contact(c, probe_contact, eta, next);
-  return mg_most_violated_condition(c, to, eta, which);
+  int watched;
+  const mg_real tilt = mg_least_feature_pair_condition(c, to, eta, MG_WATCHED, &watched);
+  return tilt < -c->settings->appear_tilt_sine ? -MG_MAX : mg_most_violated_condition(c, to, eta, which);
 }
 
 MG_INTERNAL int mg_is_at_end_of_line(mg_context *c, int contact, int line) {
