@@ -76,7 +76,7 @@ CHOICES = ("impacts", "newton", "project", "use_gamma")  # keys of a scene's [ru
 
 @dataclass(frozen=True, slots=True)
 class Accuracy:
-    """All tolerances of a run and its choices of method. Make one with `fast`, `balanced`, `tight` or `of`.
+    """All tolerances of a run and its choices of method: `coarse`, `fast`, `balanced`, `tight` or `of`.
 
     L, T and M are the characteristic length, time and mass of the model, which `check` prints. Tolerances are
     dimensionless unless a unit is given.
@@ -85,7 +85,8 @@ class Accuracy:
         name: name of the record in results.
         tolerance: local error of an adaptive step: root mean square over the states, in their scales.
         method: "dop853" (adaptive, order 8), "rk4" (fixed step, order 4) or "time-stepping" (order 1).
-        step: s; the fixed step. None: an adaptive run chooses its own first step.
+        step: s; the fixed step. None: an adaptive run chooses its own first step; time-stepping takes steps
+            of `stepping_step`.
         scheme: scheme of time-stepping; see `time_stepping`.
         solver: friction law of time-stepping; see `time_stepping`.
         fallback: an event-driven run that cannot continue uses time-stepping for a while, and reports it.
@@ -132,6 +133,28 @@ class Accuracy:
 
     def __post_init__(self) -> None:
         check_fields(self, NAMES)
+
+    @classmethod
+    def coarse(cls) -> Accuracy:
+        """Time-stepping in long steps, for many contacts: about a game engine's cost, and errors of first
+        order in the step; bodies do not sink into each other."""
+        return cls(
+            name="coarse",
+            tolerance=1e-4,
+            method="time-stepping",
+            rest_speed=1e-4,
+            slip_speed=1e-4,
+            thresholds=Thresholds(
+                stepping_tolerance=1e-2,
+                stepping_residual=0.2,
+                drift_tolerance=1e-10,
+                rest_acceleration=1e-6,
+                event_tolerance=1e-8,
+                gap_error_max=1e-4,
+                energy_error_max=1e-1,
+                complementarity_error_max=1e-1,
+            ),
+        )
 
     @classmethod
     def fast(cls) -> Accuracy:
@@ -208,8 +231,8 @@ class Accuracy:
 
     @classmethod
     def named(cls, name: str) -> Accuracy:
-        """`fast`, `balanced` or `tight` by name."""
-        records = {"fast": cls.fast, "balanced": cls.balanced, "tight": cls.tight}
+        """`coarse`, `fast`, `balanced` or `tight` by name."""
+        records = {"coarse": cls.coarse, "fast": cls.fast, "balanced": cls.balanced, "tight": cls.tight}
         check_name("accuracy", name, records)
         return records[name]()
 
@@ -225,7 +248,7 @@ class Accuracy:
             return value
         if isinstance(value, str):
             return cls.named(value)
-        allowed = "an Accuracy, or one of fast, balanced, tight"
+        allowed = "an Accuracy, or one of coarse, fast, balanced, tight"
         raise SimulationError("accuracy", repr(value), allowed, "write Accuracy.of(...) for a tolerance")
 
     def choosing(self, run: Mapping[str, Any]) -> Accuracy:

@@ -44,11 +44,13 @@ def accuracy_of(
     given = {key: value for key, value in own.items() if value is not None}
     for key, value in given.items():
         _check(key, value, "")
-    if "method" in given and given["method"] != said.get("method"):  # what goes with another one is not meant
-        said = {key: value for key, value in said.items() if key == "fallback"}
     record = _of_scene(run, source) if accuracy is None else Accuracy.taken(accuracy)
+    of_record = record.method if record.method != "dop853" and said.get("method") is not None else None
+    method = given.get("method", of_record)
+    if method is not None and method != said.get("method"):  # what goes with another one is not meant
+        said = {key: value for key, value in said.items() if key == "fallback"}
     places = dict.fromkeys(said.keys() - given.keys(), f"{source}: run.")
-    return _stepping(record, said | given, places).choosing(run)
+    return _stepping(record, said | given, places, instance["scales"]["time"]).choosing(run)
 
 
 def _of_scene(run: Mapping[str, Any], source: str) -> Accuracy:
@@ -59,7 +61,8 @@ def _of_scene(run: Mapping[str, Any], source: str) -> Accuracy:
         raise SimulationError(where, error.found, error.allowed, error.remedy) from None
 
 
-def _stepping(record: Accuracy, said: Mapping[str, Any], places: Mapping[str, str]) -> Accuracy:
+def _stepping(record: Accuracy, said: Mapping[str, Any], places: Mapping[str, str], time: float) -> Accuracy:
+    """`time`: characteristic time, s."""
     for key, value in said.items():
         _check(key, value, places.get(key, ""))
     if "fallback" in said:
@@ -73,12 +76,17 @@ def _stepping(record: Accuracy, said: Mapping[str, Any], places: Mapping[str, st
         if "step" in said:
             raise _unfit(places, "step", step, 'method = "rk4" or "time-stepping" with it')
         return record if known else replace(record, method="dop853", step=None)
+    if step is None and known and method == "time-stepping":
+        step = record.thresholds.stepping_step * time
     if step is None:
         raise _unfit(places, "method", method, "a fixed step with it: step = 0.001, in s, or --step 0.001")
     if method == "rk4":
         return record if known and step == record.step else record.fixed_step(step)
     scheme, solver = said.get("scheme", record.scheme), said.get("solver", record.solver)
-    return record.time_stepping(step, scheme, solver)
+    stepped = record.time_stepping(step, scheme, solver)
+    return (
+        replace(stepped, name=f"{record.name}, {stepped.name}") if record.step is None and known else stepped
+    )
 
 
 def _unfit(places: Mapping[str, str], key: str, found: Any, allowed: str) -> SimulationError:

@@ -71,7 +71,8 @@ def simulate(
     Args:
         library: what `build` returned.
         until: end time, s; the scene's own when None.
-        accuracy: every tolerance and choice, or "fast", "balanced", "tight"; the scene's own when None.
+        accuracy: every tolerance and choice, or "coarse", "fast", "balanced", "tight"; the scene's own when
+            None.
         samples: output intervals, at least 1; the scene's own when None.
         estimate: whether a companion run, of 1.2 to 1.6 times the cost as a rule, follows, from which the
             error is estimated; the scene's own, or True, when None.

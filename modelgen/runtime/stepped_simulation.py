@@ -52,7 +52,8 @@ def start(
         library: what `build` returned.
         inputs: values of inputs at t = 0, by name; the scene's defaults for the others.
         parameters: values of parameters of the scene by name; others keep the scene's own.
-        accuracy: every tolerance and choice, or "fast", "balanced", "tight"; the scene's own when None.
+        accuracy: every tolerance and choice, or "coarse", "fast", "balanced", "tight"; the scene's own when
+            None.
         estimate: note the inputs of the run, so that its error can be estimated (`Simulation.estimate`) and
             its trust told (`Simulation.trajectory`).
         stepping: method, step, scheme, solver, fallback, in place of the accuracy's or scene's (`Accuracy`).

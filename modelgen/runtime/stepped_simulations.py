@@ -53,7 +53,8 @@ def start_many(
         parameters: values of parameters of the scene by name, one number or (n,); the scene's for others.
         inputs: values of inputs at t = 0, one number or (n,); the scene's defaults for the others.
         q, u: (n, n_q) and (n, n_u) starts, laid out as in the manifest; the scene's own when None.
-        accuracy: every tolerance and choice, or "fast", "balanced", "tight"; the scene's own when None.
+        accuracy: every tolerance and choice, or "coarse", "fast", "balanced", "tight"; the scene's own when
+            None.
         threads: in which the core works; no Python runs in them.
         stepping: method, step, scheme, solver, fallback, in place of the accuracy's or scene's (`Accuracy`).
 

@@ -15,11 +15,12 @@ class Thresholds:
     the smaller radius of the balls around them, at least L. Numbers are dimensionless unless a unit is given.
 
     Attributes:
+        stepping_step: step of time-stepping, in T, where none is given.
         stepping_theta: scheme "moreau": fraction of the step after which contacts are detected.
         stepping_tolerance: a solve for the impulses of a time step with friction ends at this residual once
             its iterations no longer halve it: of the largest velocity without contacts at the end of the
             step at most this part is wrong in the velocity of a contact. Solves that converge fast go on to
-            rounding. 1e-4 in `fast`, 1e-6 in `balanced`, 1e-9 in `tight`.
+            rounding. 1e-2 in `coarse`, 1e-4 in `fast`, 1e-6 in `balanced`, 1e-9 in `tight`.
         stepping_residual: residual at which impulses are accepted, and the run says so, where no solve
             reaches `stepping_tolerance`.
         fallback_progress: a run falls back if many tries, a third of them rejected, advance it by less than
@@ -130,6 +131,7 @@ class Thresholds:
             lies deeper in them than this times the radius of the smaller one's ball.
     """
 
+    stepping_step: float = 0.1
     stepping_theta: float = 0.5
     stepping_tolerance: float = 1e-6
     stepping_residual: float = 5e-2

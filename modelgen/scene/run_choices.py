@@ -1,6 +1,6 @@
 """The names between which a setting of a run chooses."""
 
-ACCURACIES = ("fast", "balanced", "tight")
+ACCURACIES = ("coarse", "fast", "balanced", "tight")
 METHODS = ("dop853", "rk4", "time-stepping")
 SCHEMES = ("stewart-trinkle", "anitescu-potra", "moreau")
 IMPACTS = ("simultaneous", "sequential")

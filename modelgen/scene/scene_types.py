@@ -290,7 +290,7 @@ class RunSettings:
     """Settings of a run; None leaves a choice to the accuracy, or to the generator and the build."""
 
     until: float = 1.0  # s
-    accuracy: str = "balanced"  # fast | balanced | tight
+    accuracy: str = "balanced"  # coarse | fast | balanced | tight
     tolerance: float | None = None  # overrides the accuracy's relative tolerance
     imaginary_edge: float = 0.0  # rad; lean up to which a face turns on a tangent of its rim
     flush_height: float = 1e-8  # characteristic lengths; closer surfaces of one solid are one

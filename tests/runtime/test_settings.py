@@ -13,11 +13,12 @@ from modelgen.runtime.settings import accuracy_of
 from modelgen.scene.scene_types import RunSettings
 
 PLAIN = {**RunSettings().said(), "accuracy": "fast"}
+TIME = 0.02  # s, characteristic
 STEPPED = {**PLAIN, "method": "time-stepping", "step": 1e-3, "scheme": "moreau"}
 
 
 def chosen(run: dict[str, Any], accuracy: Accuracy | str | None = None, **own: Any) -> Accuracy:
-    return accuracy_of({"run": run, "source": "s.toml"}, accuracy, own)
+    return accuracy_of({"run": run, "source": "s.toml", "scales": {"time": TIME}}, accuracy, own)
 
 
 def test_a_scene_that_says_nothing_is_run_event_driven_and_may_fall_back() -> None:
@@ -36,6 +37,25 @@ def test_the_caller_has_the_last_word() -> None:
     assert chosen(STEPPED, method="rk4", step=0.1) == Accuracy.fast().fixed_step(0.1)
     assert chosen(STEPPED, solver="relaxation").solver == "relaxation"
     assert not chosen(PLAIN, fallback=False).fallback
+
+
+def test_coarse_is_time_stepping_in_its_own_steps_or_those_given() -> None:
+    own = Accuracy.coarse().time_stepping(Accuracy.coarse().thresholds.stepping_step * TIME)
+    for each in (
+        chosen(PLAIN, "coarse"),
+        chosen(PLAIN | {"accuracy": "coarse"}),
+        chosen(PLAIN, Accuracy.coarse()),
+    ):
+        assert replace(each, name="") == replace(own, name="")
+    assert chosen(PLAIN, "coarse", step=1e-3).step == 1e-3
+    assert chosen(PLAIN | {"accuracy": "coarse", "step": 1e-3}).step == 1e-3
+    assert chosen(STEPPED, "coarse") == replace(
+        Accuracy.coarse().time_stepping(1e-3, "moreau"), name="coarse, moreau 0.001 s"
+    )
+    assert (
+        chosen(PLAIN | {"method": "rk4", "step": 1e-4}, "coarse").step == own.step
+    )  # that of the other method
+    assert chosen(PLAIN, "coarse", method="dop853").method == "dop853"
 
 
 @pytest.mark.parametrize("step", [-1, 0, 0.0, float("nan"), float("inf"), "1 ms", None])

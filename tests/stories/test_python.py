@@ -73,10 +73,10 @@ def test_an_accuracy_may_be_given_by_its_name() -> None:
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"accuracy": "tigt"}, "accuracy: 'tigt'; fast, balanced, tight; did you mean 'tight'?"),
+        ({"accuracy": "tigt"}, "accuracy: 'tigt'; coarse, fast, balanced, tight; did you mean 'tight'?"),
         (
             {"accuracy": 1e-8},
-            "accuracy: 1e-08; an Accuracy, or one of fast, balanced, tight; write Accuracy.of",
+            "accuracy: 1e-08; an Accuracy, or one of coarse, fast, balanced, tight; write Accuracy.of",
         ),
         ({"until": "soon"}, "until: 'soon'; a positive time in s"),
         ({"until": -1.0}, "until: -1.0; a positive time in s"),
