@@ -120,8 +120,8 @@ MG_INTERNAL void mg_insert_minimum(const mg_context *c, mg_minima *kept, const m
 /* The fate of a minimum that a contact has left in this step: if it stays, it may be accepted again: a closed curve
    returns at its other end, and an impact may reverse the motion. */
 static int mg_fate_of_abandoned_minimum(mg_context *c, const mg_minimum *found) {
-  for (int k = 0; k < c->search.abandoned.count; k++) {
-    const mg_minimum *left = c->search.abandoned.list + k;
+  for (int k = 0; k < c->search.n_abandoned; k++) {
+    const mg_minimum *left = c->search.abandoned + k;
     if (left->feature_pair == found->feature_pair && mg_is_same_minimum(c, left, found))
       return mg_fate_of_minimum(c, found);
   }

@@ -136,8 +136,8 @@ static int mg_is_feature_pair_unreported(const mg_context *c, int feature_pair, 
 static void mg_leave_feature_pair(mg_context *c, int contact) {
   const mg_real none[6] = {0};
   mg_real next[6];
-  if (c->search.abandoned.count < MG_MINIMA) {
-    mg_minimum *left = c->search.abandoned.list + c->search.abandoned.count++;
+  if (c->search.n_abandoned < mg_abandoned_capacity(c->system)) {
+    mg_minimum *left = c->search.abandoned + c->search.n_abandoned++;
     mg_place_contact(c, contact, mg_contact_eta(c, c->run->x, contact), next);
     left->feature_pair = c->run->feature_pair[contact];
     mg_record_minimum(c, left);

@@ -3,6 +3,8 @@
    states visit these alone, so that a step costs nothing for pairs that cannot meet. Writes c->listed. */
 #include "model/model.h"
 
+enum { MG_LEFT_BY_BODY = 8 }; /* closest points that the contacts of a body leave in a step, as a rule at most */
+
 MG_INTERNAL void mg_copy_states(const mg_context *c, const mg_real *from, mg_real *to) {
   for (int range = 0; range < c->listed.n_range; range++)
     for (int i = mg_range_begin(c, range); i < mg_range_end(c, range); i++) to[i] = from[i];
@@ -111,6 +113,8 @@ MG_INTERNAL int mg_fixed_plane_of_pair(const mg_context *c, int pair) {
   }
   return -1;
 }
+
+MG_INTERNAL int mg_abandoned_capacity(const mg_system *s) { return MG_MINIMA + MG_LEFT_BY_BODY * s->n_body; }
 
 MG_INTERNAL void mg_init_listing(mg_context *c) {
   mg_listing *l = &c->listed;

@@ -317,10 +317,11 @@ typedef struct {
   int *cell_pairs;            /* [2 MG_CELL_PAIRS] pairs of cells still to be treated */
   mg_real open_gap;           /* least gap noted in the present search by mg_note_open_gap, m; MG_MAX: none */
   mg_real singular_gap;       /* the same of closest points that are not isolated, which no contact can follow */
-  mg_minimum overlap;      /* of closest points that are not isolated and penetrate, those noted in the present search
-                              with the least depth; d = -MG_MAX: none */
-  long incomplete;         /* searches of feature pairs given up since the context was opened */
-  mg_minima abandoned;     /* minima that contacts have left in this step */
+  mg_minimum overlap;    /* of closest points that are not isolated and penetrate, those noted in the present search
+                            with the least depth; d = -MG_MAX: none */
+  long incomplete;       /* searches of feature pairs given up since the context was opened */
+  mg_minimum *abandoned; /* [mg_abandoned_capacity] minima that contacts have left in this step */
+  int n_abandoned;
   int is_stoppable;        /* 1: a search may end without a result when the call is to stop */
   mg_real penetration;     /* deepest penetration noted in this step, m */
   int penetration_contact; /* its contact, or the first contact of its pair */

@@ -444,6 +444,9 @@ MG_INTERNAL int mg_fixed_plane_of_pair(const mg_context *c, int pair);
    found from any start. */
 MG_INTERNAL int mg_is_pair_followed_from_anywhere(const mg_context *c, int pair);
 
+/* Most closest points that contacts may leave in one step. */
+MG_INTERNAL int mg_abandoned_capacity(const mg_system *s);
+
 /* Lists the pairs that the run has not left out. */
 MG_INTERNAL void mg_init_listing(mg_context *c);
 

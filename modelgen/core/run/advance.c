@@ -161,7 +161,7 @@ static int mg_event_driven_step(mg_context *c, mg_real h, mg_record *record, mg_
   if (has_jump && before - run->t <= c->settings->event_tolerance * c->system->time)
     return mg_cross_velocity_jump(c, after, events);
   if (has_jump) h = before - run->t;
-  c->search.abandoned.count = 0;
+  c->search.n_abandoned = 0;
   mg_store_gaps(c);
   mg_mark_contacts_within_border(c);
   if (c->system->n_friction) mg_begin_step_friction(c), mg_begin_step_patch_friction(c);

@@ -242,6 +242,7 @@ static void mg_set_arrays(mg_context *c, mg_memory *memory) {
   c->joints.independence = mg_reserve_reals(memory, s->n_joint_row),
   c->events.gap_before = mg_reserve_reals(memory, 2 * m);
   c->search.samples = mg_reserve_items(memory, MG_SAMPLES, sizeof(mg_sample)),
+  c->search.abandoned = mg_reserve_items(memory, mg_abandoned_capacity(s), sizeof(mg_minimum)),
   c->search.views = mg_reserve_items(memory, MG_FEATURE_VIEWS, sizeof(mg_feature_in_world)),
   c->search.bounds_memory = mg_reserve_items(memory, mg_bounds_memory_max(s), sizeof(mg_taylor_model));
   c->search.face_gap = mg_reserve_reals(memory, mg_face_group_count(s));
@@ -375,8 +376,8 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
   mg_zero_reals(c->solution.force, c->layout.spring_row_end);
   mg_zero_reals(c->rows.time_rate, c->layout.friction_row_end);
   mg_zero_reals(c->rows.d + c->layout.friction_row_begin, system->n_friction_row);
-  c->layout.n_live_states = c->layout.n_states - system->n_eta, c->search.abandoned.count = 0,
-  c->search.penetration = 0, c->search.incomplete = 0, c->search.is_stoppable = 1;
+  c->layout.n_live_states = c->layout.n_states - system->n_eta, c->search.n_abandoned = 0, c->search.penetration = 0,
+  c->search.incomplete = 0, c->search.is_stoppable = 1;
   c->layout.n_state_loads = mg_state_load_count(system, 0),
   c->layout.n_steady_loads = c->layout.n_state_loads - mg_state_load_count(system, 1);
   for (int i = 0; i < system->n_contact; i++)

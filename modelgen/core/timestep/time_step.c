@@ -68,7 +68,7 @@ MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_eve
   mg_choose_near_pairs(c, h, 0, 1);
   const mg_real search_limit = mg_search_step_limit(c);
   if (h > search_limit) h = search_limit;
-  c->search.abandoned.count = 0;
+  c->search.n_abandoned = 0;
   mg_set_step_geometry(c, h);
   mg_note_spins(c);
   const int is_power_finite =
