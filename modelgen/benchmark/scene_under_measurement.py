@@ -7,6 +7,7 @@ import json
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -53,7 +54,7 @@ class Subject:
         model = self._model(None)
         facts = Facts(
             until=self.until,
-            time=model.scales.time,
+            time=self.characteristic_time,
             forms=_forms(self, model),
             contacts=bool(model.contacts),
             joints=bool(model.joints),
@@ -94,7 +95,13 @@ class Subject:
 
     def accuracy(self, settings: Settings) -> Accuracy:
         run = applied(self.scene.run, settings).said()
-        return accuracy_of({"run": run, "source": self.scene.source}, None, {})
+        scales = {"time": self.characteristic_time}
+        return accuracy_of({"run": run, "source": self.scene.source, "scales": scales}, None, {})
+
+    @cached_property
+    def characteristic_time(self) -> float:
+        """s."""
+        return self._model(None).scales.time
 
     def run(self, library: Library, accuracy: Accuracy) -> Trajectory:
         """A run over the span; an interruption stays one."""
