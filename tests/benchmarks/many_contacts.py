@@ -57,6 +57,25 @@ def dominoes(count: int) -> Scene:
     return make.scene(f"dominoes_{count}", bodies, contacts={"between": "all", "friction": 0.5})
 
 
+def pyramid(base: int) -> Scene:
+    """Cubes of 0.1 m in a pyramid on `base` of them, into which a ball is shot."""
+    edge = 0.1
+    places = [
+        [edge * (i + layer / 2), 0.0, edge * (layer + 0.5)]
+        for layer in range(base)
+        for i in range(base - layer)
+    ]
+    cubes = [
+        make.dynamic(f"b{k}", make.box(edge, edge, edge), density=1000.0, position=place)
+        for k, place in enumerate(places)
+    ]
+    ball = make.dynamic(
+        "ball", make.sphere(0.06), density=3000.0, position=[-0.4, 0.0, 0.2], velocity=[4.0, 0.0, 0.0]
+    )
+    bodies = [make.fixed("floor", make.plane()), *cubes, ball]
+    return make.scene(f"pyramid_{base}", bodies, contacts={"between": "all", "friction": 0.5})
+
+
 def heap(stones: int, seed: int = 0, kind: str = "sphere") -> Scene:
     """Bodies of one of STONES, turned unless they are spheres, that fall between four walls."""
     rng = np.random.default_rng(seed)
