@@ -689,8 +689,9 @@ MG_INTERNAL int mg_is_distant_flat_feature_pair(const mg_context *c, int contact
 /* True if a rim of the patch has just started to roll. */
 MG_INTERNAL int mg_is_patch_rolling_start(const mg_context *c, int patch);
 
-/* True if patches of the system cover feature pairs that exist only while their faces are tilted, such as rims. */
-MG_INTERNAL int mg_may_patches_open(const mg_context *c);
+/* True if patches may cover feature pairs that exist only while their faces are tilted, such as rims: there are some.
+ */
+MG_INTERNAL int mg_may_patches_open(const mg_system *s);
 
 /* True if a patch of the pair is opening from flat. */
 MG_INTERNAL int mg_has_opening_patch(const mg_context *c, int pair);

@@ -90,9 +90,9 @@ static int mg_is_patch_opening(const mg_context *c, int patch) {
          mg_has_tilted_feature_pairs(c, patch);
 }
 
-MG_INTERNAL int mg_may_patches_open(const mg_context *c) {
-  for (int patch = 0; patch < c->system->n_patch; patch++)
-    if (mg_has_tilted_feature_pairs(c, patch)) return 1;
+MG_INTERNAL int mg_may_patches_open(const mg_system *s) {
+  for (int k = 0; s->n_patch && k < s->feature_pair_condition[s->n_feature_pair]; k++)
+    if (s->condition_kind[k] == MG_CONDITION_TILT && !(s->numbers[s->condition_numbers[k] + 3] < 0)) return 1;
   return 0;
 }
 

@@ -390,5 +390,5 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
   mg_init_spring_rows(c);
   mg_set_incidence(c);
   mg_set_constant_poses(c);
-  c->layout.may_patches_open = mg_may_patches_open(c);
+  c->layout.may_patches_open = mg_may_patches_open(system);
 }
