@@ -166,6 +166,13 @@ class FeaturePairEntry:
     face_group: int = -1  # of feature pairs of one flat face with the other of two convex solids
     conditions: tuple[FeatureCondition, ...] = ()
 
+    def between(self, pair: int, o: int, f: int) -> FeaturePairEntry:
+        """The same of another pair and other bodies; scenes of many bodies have a million of them."""
+        return FeaturePairEntry(
+            self.name, self.kind, pair, o, f, self.parameters, self.swapped, self.shapes, self.features,
+            self.face_group, self.conditions,
+        )  # fmt: skip
+
     @property
     def is_coaxial_support(self) -> bool:
         """Whether it replaces another one while two features of revolution are coaxial."""

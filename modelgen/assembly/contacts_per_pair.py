@@ -39,9 +39,10 @@ def contacts_of_pair(
     surface or curve has several; of a convex body one follows the other down, of others any may come down
     next, so that steps are kept short. Two convex shapes, one of them round, touch once. A body in a hollow
     may be near to several of its sides, though it touches one at a time; where the shapes are not so
-    simple, it may touch all around. Others touch in several points, searched for as the bodies move, or after
-    every step where there are edges, which come down on faces all along, open ends, over which closest points
-    come in that were none before, at any gap, or two curves, which do not show that they have passed.
+    simple, it may touch all around. Others touch in several points, searched for as the bodies move, or
+    whenever they could touch where there are edges, which come down on faces all along, open ends, over which
+    closest points come in that were none before, at any gap, or two curves, which do not show that they have
+    passed.
     """
     hollow = is_hollow(a) or is_hollow(b)
     alone = touches_once(a, b)

@@ -135,9 +135,7 @@ def repeated(
     """The feature pairs of a pair as those of another pair, whose shapes differ from (a, b) by their bodies
     alone."""
     order = (a.owner.body, b.owner.body)
-    return tuple(
-        replace(each, pair=index, o=order[each.swapped], f=order[not each.swapped]) for each in feature_pairs
-    )
+    return tuple(each.between(index, order[each.swapped], order[not each.swapped]) for each in feature_pairs)
 
 
 def _parting_faces(found: Candidates) -> dict[Face, int]:

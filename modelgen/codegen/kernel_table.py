@@ -11,7 +11,7 @@ from modelgen.assembly import Q_SIZE, U_SIZE
 from modelgen.assembly.shared_pair_content import eta_size
 from modelgen.codegen.bounds_programs import programs_text
 from modelgen.codegen.hidden_oscillations import may_oscillate
-from modelgen.codegen.manifest import FEET, SPINES, have_spines
+from modelgen.codegen.manifest import FEET, FLAT, SPINES, have_spines
 from modelgen.codegen.manifest_model import J_SIZE
 from modelgen.codegen.scene_step import scene_step_text
 from modelgen.contact.form_table import eta_layout
@@ -185,7 +185,7 @@ def _tables(derivation: Derivation) -> list[str]:
             FEET.get(kind.kind, 0),
             int(may_bend(kind)),
             SPINES.get(kind.kind, 0),
-            int(kind.kind == "edge"),
+            (-1 if kind.cavity else 1) if kind.kind in FLAT else 0,
         )
         for kind in model.shape_kinds
     ]
@@ -203,7 +203,7 @@ def _tables(derivation: Derivation) -> list[str]:
         if formula.role == "wrench"
     ]
     return [
-        _table("mg_body_kind", bodies, [kind.name for kind in model.body_kinds], "0, 0, 0, 0"),
+        _table("mg_body_kind", bodies, [kind.name for kind in model.body_kinds], "0, 0, 0, 0, 0"),
         _table("mg_contact_kind", contacts, contact_names, _row(*[0] * 8)),
         _table("mg_joint_kind", joints, [kind.name for kind in model.joint_kinds], _row(*[0] * 5)),
         _table("mg_load_kind", loads, [kind.name for kind in model.load_kinds], _row(*[0] * 5)),

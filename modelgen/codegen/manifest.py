@@ -21,6 +21,7 @@ FEET = {
     "plane": 1,
     "sphere": 2,
 }  # MG_NEAREST_PLANE, MG_NEAREST_SPHERE: shapes that know their point nearest to another
+FLAT = ("plane", "edge", "point")  # shapes whose normals against each other follow from poses
 SPINES = {
     "cylinder": 1,
     "line": 1,

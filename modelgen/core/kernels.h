@@ -86,7 +86,8 @@ typedef struct {
   int nearest_point; /* MG_NEAREST_PLANE, MG_NEAREST_SPHERE or 0 */
   int may_inflect;   /* 1: a curve that may have inflections */
   int spine;         /* MG_SPINE_LINE .. or 0 */
-  int is_straight;   /* 1: an edge along the x axis */
+  int flat;          /* 1: a plane with its exterior along z, an edge along x, or a point; -1: a plane with its exterior
+                        against z; 0: others */
 } mg_shape_kind;
 
 /* What a derivative of a formula is for. Each formula is packed as y(w, x) (modelgen/differentiation.py): w is not

@@ -78,11 +78,11 @@ enum {
 enum {
   MG_SEARCH_NEVER = 0,  /* not as long as it has a contact, which does not end */
   MG_SEARCH_MOVED = 1,  /* after it has moved by search_movement * length */
-  MG_SEARCH_ALWAYS = 2, /* after every accepted step */
-  MG_SEARCH_AHEAD = 3, /* after every accepted step; its contacts do not show all minima, so steps are kept short enough
-                          that the next search finds what comes near */
-  MG_SEARCH_APART = 4  /* as MG_SEARCH_MOVED, but not while one of its contacts is closed: the shapes touch in one point
-                          at a time */
+  MG_SEARCH_ALWAYS = 2, /* after it has moved by half of its least gap, where it touches after every accepted step */
+  MG_SEARCH_AHEAD = 3,  /* the same; its contacts do not show all minima, so steps are kept short enough
+                           that the next search finds what comes near */
+  MG_SEARCH_APART = 4 /* as MG_SEARCH_MOVED, but not while one of its contacts is closed: the shapes touch in one point
+                         at a time */
 };
 
 /* Kind of a term of a solid, whose material is where all of its terms are negative; r is the distance from the axis z

@@ -239,6 +239,13 @@ class Accuracy:
     @classmethod
     def of_run(cls, run: Mapping[str, Any]) -> Accuracy:
         """The record for the `accuracy` or `tolerance` of the [run] of a manifest."""
+        if run["accuracy"] == "coarse" and run.get("tolerance") is not None:
+            raise SimulationError(
+                "tolerance",
+                f"{run['tolerance']!r}",
+                'none beside accuracy = "coarse", whose steps have one length',
+                "give a step, or leave accuracy out",
+            )
         return _of_run(run["accuracy"], run.get("tolerance"), run["imaginary_edge"], run["flush_height"])
 
     @classmethod

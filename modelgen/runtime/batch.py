@@ -15,6 +15,7 @@ from modelgen.runtime.arguments import check_span, checked_starts, with_paramete
 from modelgen.runtime.core_session import Session
 from modelgen.runtime.interruptible_advance import interruptible
 from modelgen.runtime.lane_arrays import lanes_of
+from modelgen.runtime.settings import accuracy_without_scene
 from modelgen.runtime.start import REFUSED, refusal
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Outcome, doubt_kinds
@@ -58,7 +59,7 @@ def simulate_batch(
     expect("simulate_batch", library, Library)
     check_span("until", until, "give the end of the runs")
     library = with_parameters(library, parameters)
-    session = Session(library, Accuracy.balanced() if accuracy is None else Accuracy.taken(accuracy))
+    session = Session(library, accuracy_without_scene(library.manifest.instance, accuracy))
     n_q, n_u = session.instance["n_q"], session.instance["n_u"]
     starts = np.concatenate(_as_many(checked_starts("q", q, n_q), checked_starts("u", u, n_u)), axis=1)
     n = len(starts)

@@ -19,6 +19,7 @@ from modelgen.runtime.arguments import check_whole
 from modelgen.runtime.core_session import FULL, MANY, Session
 from modelgen.runtime.interruptible_advance import interruptible
 from modelgen.runtime.lane_arrays import each_once, field_of, lanes_of, rows_of_lanes
+from modelgen.runtime.settings import accuracy_without_scene
 from modelgen.runtime.start import REFUSED, refusal
 from modelgen.runtime.tables.ctypes_structures import EVENT_ARRAYS, INTEGER, Array, address, settings_of
 from modelgen.runtime.tables.library_tables import library_tables
@@ -71,7 +72,7 @@ class SessionGroup:
         expect("SessionGroup", library, Library)
         self.n = check_whole("n", n, "give the number of runs")
         self.library = library
-        common = Accuracy.balanced() if accuracy is None else Accuracy.taken(accuracy)
+        common = accuracy_without_scene(library.manifest.instance, accuracy)
         self.accuracies = [common] * self.n if accuracies is None else list(accuracies)
         self._check_count("accuracies", self.accuracies)
         self.like = Session(library, self.accuracies[0])

@@ -45,12 +45,18 @@ def accuracy_of(
     for key, value in given.items():
         _check(key, value, "")
     record = _of_scene(run, source) if accuracy is None else Accuracy.taken(accuracy)
-    of_record = record.method if record.method != "dop853" and said.get("method") is not None else None
-    method = given.get("method", of_record)
+    own_method = record.method if accuracy is not None and record.method != "dop853" else said.get("method")
+    method = given.get("method", own_method if said.get("method") is not None else None)
     if method is not None and method != said.get("method"):  # what goes with another one is not meant
         said = {key: value for key, value in said.items() if key == "fallback"}
     places = dict.fromkeys(said.keys() - given.keys(), f"{source}: run.")
     return _stepping(record, said | given, places, instance["scales"]["time"]).choosing(run)
+
+
+def accuracy_without_scene(instance: Mapping[str, Any], accuracy: Accuracy | str | None) -> Accuracy:
+    """The record of runs that leave out what the scene says: `balanced` when None."""
+    record = Accuracy.balanced() if accuracy is None else Accuracy.taken(accuracy)
+    return _stepping(record, {}, {}, instance["scales"]["time"])
 
 
 def _of_scene(run: Mapping[str, Any], source: str) -> Accuracy:

@@ -49,7 +49,9 @@ class Report(ctypes.Structure):
     )
 
 
-def solved(rows: Rows, b: np.ndarray, guess: np.ndarray, lcp: Any) -> tuple[np.ndarray, Report]:
+def solved(
+    rows: Rows, b: np.ndarray, guess: np.ndarray, lcp: Any, tolerance: float = 0.0
+) -> tuple[np.ndarray, Report]:
     """z (n,) of the solver for many rows from a guess, and its report."""
     o, f, J, inverse = rows
     MJ = J * np.hstack([inverse[o], inverse[f]])
@@ -59,8 +61,8 @@ def solved(rows: Rows, b: np.ndarray, guess: np.ndarray, lcp: Any) -> tuple[np.n
     work = np.zeros(6 * len(o) + 6 * inverse.size)
     pointers = [ctypes.c_void_p(a.ctypes.data) for a in (b, z, work)]
     solve = lcp.cdll.mg_large_qp_solve
-    exact = ctypes.c_double(0.0)
-    solve(ctypes.byref(matrix), pointers[0], exact, 20000, pointers[1], ctypes.byref(report), pointers[2])
+    allowed = ctypes.c_double(tolerance)
+    solve(ctypes.byref(matrix), pointers[0], allowed, 20000, pointers[1], ctypes.byref(report), pointers[2])
     return z, report
 
 
@@ -99,3 +101,19 @@ def test_rows_that_depend_on_each_other_have_a_solution_too(lcp: Any) -> None:
         d, scale = np.sqrt(np.diag(A)), np.abs(b / np.sqrt(np.diag(A))).max()
         assert report.outcome == 0
         assert np.abs(np.minimum(z * d, (A @ z + b) / d)).max() / scale <= 2e-8
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-6])
+def test_a_tolerance_is_kept_and_saves_iterations(tolerance: float, lcp: Any) -> None:
+    rng = np.random.default_rng(5)
+    for _ in range(5):
+        rows = heap(rng, 120, 40, 1.0)
+        A = dense(rows)
+        d = np.sqrt(np.diag(A))
+        b = A @ rng.normal(size=120) - 0.3 * d**2
+        z, report = solved(rows, b, np.zeros(120), lcp, tolerance)
+        _, exact = solved(rows, b, np.zeros(120), lcp)
+        scale = np.abs(b / d).max()
+        assert report.outcome == 0
+        assert np.abs(np.minimum(z * d, (A @ z + b) / d)).max() / scale <= tolerance * (1 + 1e-6)
+        assert report.iterations < exact.iterations

@@ -134,4 +134,6 @@ def test_an_event_driven_run_tells_it_too(seed: int, throw: int) -> None:
         thrown(seed, throw), until=0.3, accuracy="fast", samples=100, estimate=False, fallback=False
     )
     found = [deepest(path, seed, k) for k in range(len(path.t))]
+    assert path.t_end > 0.05  # some end where a search comes too late, and say so
+    assert path.events
     assert max(found) < path.penetration_max + 1e-8

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from modelgen import Accuracy, simulate, simulate_batch
+from modelgen import Accuracy, simulate, simulate_batch, start
 from modelgen.errors import SimulationError
 from tests.running import scene_of
 
@@ -63,3 +63,24 @@ def test_a_batch_at_rest_measures_its_drift_as_a_run_does() -> None:
     batch = simulate_batch(library, q, u, until=1.0)
     assert batch.outcomes[0].succeeded
     assert batch.energy_drift[0] < 1e-12
+
+
+def test_a_coarse_run_alone_in_a_batch_and_step_by_step() -> None:
+    library = scene_of("box_dropped")
+    instance = library.manifest.instance
+    path = simulate(library, until=0.4, accuracy="coarse", samples=1, estimate=False)
+    steps = Accuracy.coarse().thresholds.stepping_step * instance["scales"]["time"]
+    assert path.accuracy.startswith("coarse")
+    assert path.steps == pytest.approx(0.4 / steps, abs=2)
+    assert path.penetration_max < 1e-9
+    batch = simulate_batch(
+        library,
+        np.array([instance["initial_q"]]),
+        np.array([instance["initial_u"]]),
+        until=0.4,
+        accuracy="coarse",
+    )
+    sim = start(library, accuracy="coarse")
+    sim.step(until=0.4)
+    assert batch.q[0, :3] == pytest.approx(path.p[-1, 1], abs=1e-12)
+    assert sim.state[:3] == pytest.approx(path.p[-1, 1], abs=1e-12)

@@ -56,6 +56,9 @@ def test_coarse_is_time_stepping_in_its_own_steps_or_those_given() -> None:
         chosen(PLAIN | {"method": "rk4", "step": 1e-4}, "coarse").step == own.step
     )  # that of the other method
     assert chosen(PLAIN, "coarse", method="dop853").method == "dop853"
+    assert chosen(PLAIN | {"accuracy": "coarse", "method": "rk4", "step": 1e-4}).method == "rk4"
+    with pytest.raises(SimulationError, match=r"^s\.toml: run\.tolerance: .*coarse"):
+        chosen(PLAIN | {"accuracy": "coarse", "tolerance": 1e-6})
 
 
 @pytest.mark.parametrize("step", [-1, 0, 0.0, float("nan"), float("inf"), "1 ms", None])

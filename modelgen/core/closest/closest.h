@@ -81,10 +81,10 @@ MG_INTERNAL void mg_shape_rotation(const mg_context *c, int feature_pair, int si
 /* Forgets the views of features, which are of one pair at one set of poses. */
 MG_INTERNAL void mg_begin_feature_views(mg_context *c, int pair);
 
-/* True if a feature pair may hold isolated closest points within reach, with a gap of `least` or more: its features are
-   not too far apart, and the normal of planes, straight edges and vertices, which the poses give, breaks no condition.
-   Needs mg_begin_feature_views. */
-MG_INTERNAL int mg_may_hold_closest_points(mg_context *c, int feature_pair, mg_real least);
+/* True if a feature pair may hold isolated closest points with a gap from `least` to `most`, m: its features are within
+   reach of each other, and the normal of planes, straight edges and vertices, which the poses give, breaks no
+   condition. Needs mg_begin_feature_views. */
+MG_INTERNAL int mg_may_hold_closest_points(mg_context *c, int feature_pair, mg_real least, mg_real most);
 
 /* spine_features.c */
 

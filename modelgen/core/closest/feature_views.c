@@ -33,12 +33,13 @@ static void mg_read_feature(const mg_context *c, int feature_pair, int side, mg_
                 *place = at + MG_FEATURE_PLACEMENT;
   mg_real local[3];
   view->numbers = c->system->feature_numbers[2 * feature_pair + side], view->body = body;
+  view->shape = c->system->feature_shape[2 * feature_pair + side];
   view->dimension = kind->dimension, view->radius = at[MG_FEATURE_BALL_RADIUS];
-  view->is_flat = kind->dimension ? kind->is_straight || kind->nearest_point == MG_NEAREST_PLANE : view->radius == 0;
+  view->flat = kind->dimension || view->radius == 0 ? kind->flat : 0;
   mg_to_world(place, at + MG_FEATURE_BALL_CENTRE, 1, local), mg_to_world(pose, local, 1, view->centre);
   view->is_near =
       mg_distance_from_other_shape(c, pair, mg_side_in_pair(c, pair, body), view) <= mg_search_reach(c, pair);
-  if (!view->is_near || !view->is_flat) return;
+  if (!view->is_near || !view->flat) return;
   for (int k = 0; k < 3; k++) mg_to_world(pose, place + 3 + 3 * k, 0, view->rotation + 3 * k);
   if (kind->dimension) mg_to_world(pose, place, 1, view->point);
   else mg_copy_reals(view->point, view->centre, 3);
@@ -51,7 +52,9 @@ static const mg_feature_in_world *mg_view_of_feature(mg_context *c, int feature_
             half = MG_FEATURE_VIEWS / 2 * mg_side_in_pair(c, c->search.viewed_pair, body),
             place = half + numbers / MG_FEATURE_SIZE % (MG_FEATURE_VIEWS / 2);
   mg_feature_in_world *view = c->search.views + place;
-  if (view->numbers != numbers || view->body != body) mg_read_feature(c, feature_pair, side, view);
+  if (view->numbers != numbers || view->body != body ||
+      view->shape != c->system->feature_shape[2 * feature_pair + side])
+    mg_read_feature(c, feature_pair, side, view);
   return view;
 }
 
@@ -78,7 +81,8 @@ static int mg_find_normal(const mg_context *c, const mg_feature_in_world *o, con
                 span[3] = {f->point[0] - o->point[0], f->point[1] - o->point[1], f->point[2] - o->point[2]};
   mg_real size = 1;
   if (o->dimension == 2 || f->dimension == 2) {
-    for (int k = 0; k < 3; k++) at->N[k] = o->dimension == 2 ? o->rotation[6 + k] : -f->rotation[6 + k];
+    for (int k = 0; k < 3; k++)
+      at->N[k] = o->dimension == 2 ? (mg_real)o->flat * o->rotation[6 + k] : -(mg_real)f->flat * f->rotation[6 + k];
     if (o->dimension && f->dimension) return 0;
   } else if (o->dimension && f->dimension) {
     mg_cross_product(o->rotation, f->rotation, at->N);
@@ -111,20 +115,19 @@ static mg_real mg_normal_condition(const mg_system *s, int condition, const mg_r
   return s->condition_kind[condition] == MG_CONDITION_WING ? a[0] * N[1] - a[1] * N[2] : MG_MAX;
 }
 
-/* True if the gap along the normal of two flat features is below `least` or beyond reach, or the normal breaks a
+/* True if the gap along the normal of two flat features is below `least` or above `most`, or the normal breaks a
    condition of the feature pair by more than rounding, and than time-stepping holds contacts beyond one; of two edges
    both normals. */
 static int mg_is_normal_excluded(const mg_context *c, int feature_pair, const mg_feature_in_world *o,
-                                 const mg_feature_in_world *f, mg_real least) {
+                                 const mg_feature_in_world *f, mg_real least, mg_real most) {
   const mg_system *s = c->system;
-  const mg_real slack = c->settings->feature_border + c->settings->parallel_angle,
-                reach = mg_search_reach(c, s->feature_pair_owner[feature_pair]);
+  const mg_real slack = c->settings->feature_border + c->settings->parallel_angle;
   mg_normal_gap at;
   mg_real N[3];
   if (mg_are_parallel_edges(c, o, f)) return 1;
   if (!mg_find_normal(c, o, f, &at)) return 0;
   const int has_sign = o->dimension == 1 && f->dimension == 1;
-  int side = -1, is_out[2] = {at.d < least || at.d > reach, !has_sign || -at.d < least || -at.d > reach};
+  int side = -1, is_out[2] = {at.d < least || at.d > most, !has_sign || -at.d < least || -at.d > most};
   for (int k = s->feature_pair_condition[feature_pair];
        k < s->feature_pair_condition[feature_pair + 1] && !(is_out[0] && is_out[1]); k++) {
     if (side != s->condition_feature[k]) {
@@ -140,10 +143,10 @@ static int mg_is_normal_excluded(const mg_context *c, int feature_pair, const mg
   return is_out[0] && is_out[1];
 }
 
-MG_INTERNAL int mg_may_hold_closest_points(mg_context *c, int feature_pair, mg_real least) {
+MG_INTERNAL int mg_may_hold_closest_points(mg_context *c, int feature_pair, mg_real least, mg_real most) {
   MG_NEEDS_ANY(c, MG_VALID_POSES);
   MG_REQUIRE(c->search.viewed_pair == c->system->feature_pair_owner[feature_pair]);
   const mg_feature_in_world *o = mg_view_of_feature(c, feature_pair, 0), *f = mg_view_of_feature(c, feature_pair, 1);
   if (mg_are_out_of_reach(c, c->system->feature_pair_owner[feature_pair], o, f)) return 0;
-  return !o->is_flat || !f->is_flat || !mg_is_normal_excluded(c, feature_pair, o, f, least);
+  return !o->flat || !f->flat || !mg_is_normal_excluded(c, feature_pair, o, f, least, most);
 }

@@ -349,8 +349,8 @@ MG_INTERNAL int mg_are_materials_known(const mg_context *c, int pair) {
   return mg_is_material_known(c, pair, 0) && mg_is_material_known(c, pair, 1);
 }
 
-/* True if a point, a quarter of `depth` on the way from another one to the middle of the shape on which that is, is in
-   the material of both shapes of a pair, at heights below `allowed`. */
+/* True if the bodies of a pair overlap beside a point on one of them: the point that is nearer to the middle of that
+   body's shape by a quarter of `depth` is in the material of both, at heights below `allowed`. */
 static int mg_is_near_overlap(const mg_context *c, int pair, int side, const mg_real *point, mg_real depth,
                               mg_real allowed) {
   const mg_real *ball = mg_pair_ball(c, pair, side);

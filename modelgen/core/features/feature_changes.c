@@ -392,7 +392,8 @@ static void mg_search_free_feature_pairs(mg_context *c, int pair, const mg_searc
   const int may_be_covered = mg_may_feature_pairs_be_covered(c, pair);
   mg_begin_feature_views(c, pair);
   for (int feature_pair = s->pair_feature_pair[pair]; feature_pair < s->pair_feature_pair[pair + 1]; feature_pair++)
-    if (mg_may_hold_closest_points(c, feature_pair, least) && !mg_is_feature_pair_in_use(c, pair, feature_pair) &&
+    if (mg_may_hold_closest_points(c, feature_pair, least, limits->gap) &&
+        !mg_is_feature_pair_in_use(c, pair, feature_pair) &&
         !(may_be_covered && mg_is_feature_pair_covered(c, feature_pair)) &&
         !mg_is_line_held_at_end(c, pair, feature_pair))
       mg_search_feature_pair(c, feature_pair, limits, least, kept);
@@ -627,7 +628,7 @@ MG_INTERNAL int mg_has_new_penetration(mg_context *c, mg_real h) {
   for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair))
     c->search.searched_gap[pair] = MG_NOT_SEARCHED;
   for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) {
-    const mg_real crossed = h * mg_pair_speed_bound(c, pair), moved = c->run->moved_since_search[pair] + crossed;
+    const mg_real crossed = mg_pair_step_movement(c, pair, h), moved = c->run->moved_since_search[pair] + crossed;
     const int guided = mg_has_own_feature_pairs(c, pair) && s->pair_search[pair] != MG_SEARCH_NEVER &&
                        !mg_has_no_sides(c, s->pair_feature_pair[pair]);
     mg_real gap, searched_gap;
@@ -736,7 +737,7 @@ MG_INTERNAL int mg_search_all_pairs(mg_context *c, mg_events *events, mg_real h,
   mg_release_distant_rim_points(c);
   for (int pair = mg_next_pair(c, -1); pair < s->n_pair; pair = mg_next_pair(c, pair)) {
     if (s->pair_search[pair] == MG_SEARCH_NEVER && mg_is_search_needless(c, pair)) continue;
-    const mg_real step = h * mg_pair_speed_bound(c, pair);
+    const mg_real step = mg_pair_step_movement(c, pair, h);
     if (!is_repeated) c->run->moved_since_search[pair] += step;
     if (!mg_is_search_due(c, pair, c->run->moved_since_search[pair])) continue;
     const mg_real moved = c->run->moved_since_search[pair] + (is_repeated ? step : 0);

@@ -122,8 +122,8 @@ static void mg_set_contact_force_ratios(mg_context *c, int contact) {
    not mark, then supports, joints and sticking patches. */
 static mg_friction_problem mg_assemble_friction_problem(mg_context *c, const int *skip) {
   mg_friction_problem p = {
-      0,        0,        MG_COULOMB, 1, c->friction.cone_first, c->friction.cone_rows,       c->friction.cone,
-      c->lcp.A, c->lcp.b, 0,          0, c->run->stop,           c->settings->sweep_from_last};
+      0,        0,        MG_COULOMB, 1, c->friction.cone_first, c->friction.cone_rows,        c->friction.cone,
+      c->lcp.A, c->lcp.b, 0,          0, c->run->stop,           c->settings->sweep_from_last, 0};
   for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     if (c->run->closed[i] && !skip[i]) p.n = mg_append_friction_contact(c, i, p.n_contact++, p.n);
   mg_activate_supports(c);

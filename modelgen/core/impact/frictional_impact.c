@@ -25,8 +25,8 @@ static void mg_set_kinetic_cone(mg_context *c, int contact, mg_real *cone) {
    required change of velocity as right-hand side. */
 static mg_friction_problem mg_assemble_impact_problem(mg_context *c) {
   mg_friction_problem p = {
-      0,        0,        MG_COULOMB, 0, c->friction.cone_first, c->friction.cone_rows,       c->friction.cone,
-      c->lcp.A, c->lcp.b, 0,          0, c->run->stop,           c->settings->sweep_from_last};
+      0,        0,        MG_COULOMB, 0, c->friction.cone_first, c->friction.cone_rows,        c->friction.cone,
+      c->lcp.A, c->lcp.b, 0,          0, c->run->stop,           c->settings->sweep_from_last, 0};
   for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
     if (!c->run->closed[i] || c->patches.is_covered[i]) continue;
     mg_set_kinetic_cone(c, i, c->friction.cone + MG_CONE * p.n_contact);

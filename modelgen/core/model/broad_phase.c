@@ -151,7 +151,8 @@ static int mg_is_ball_near_plane(const mg_context *c, int pair) {
   mg_ball_centre(c, ball, centre);
   mg_to_world(pose, place, 1, foot), mg_to_world(pose, place + 9, 0, normal);
   const mg_real span[3] = {centre[0] - foot[0], centre[1] - foot[1], centre[2] - foot[2]};
-  return mg_dot3(span, normal) <= s->ball[4 * ball + 3] + c->run->ball_at[4 * ball + 3] + mg_search_reach(c, pair);
+  const mg_real height = (mg_real)mg_shape_kind_of(c, first, side)->flat * mg_dot3(span, normal);
+  return height <= s->ball[4 * ball + 3] + c->run->ball_at[4 * ball + 3] + mg_search_reach(c, pair);
 }
 
 MG_INTERNAL void mg_find_near_pairs(mg_context *c) {

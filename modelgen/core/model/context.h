@@ -291,7 +291,8 @@ typedef struct {
 typedef struct {
   int numbers, body; /* which it is: system->feature_numbers, -1: none, and its body */
   int dimension;
-  int is_flat;         /* 1: a plane, a straight edge or a vertex */
+  int shape;           /* its kind */
+  int flat;            /* that of its kind; 0 of a point that is not its own ball */
   int is_near;         /* 1: its ball is within reach of the ball around the other shape */
   mg_real radius;      /* of a ball that contains it, m; MG_MAX: none */
   mg_real centre[3];   /* of that ball, m */
@@ -332,6 +333,7 @@ typedef struct {
 
 /* One step of an integrator. */
 typedef struct {
+  mg_real *start_pose;              /* [12 per body] poses at its start */
   mg_real *slopes;                  /* [MG_STAGES n_states] right-hand sides of the stages; of collocation: slope at the
                                        start, then states, then slopes of the stages */
   mg_real *stage;                   /* [n_states] state at a stage or on the interpolant */

@@ -153,3 +153,7 @@ MG_INTERNAL mg_real mg_pair_movement_bound(const mg_context *c, int pair, const 
 MG_INTERNAL mg_real mg_pair_speed_bound(const mg_context *c, int pair) {
   return mg_pair_motion_bound(c, pair, 0).speed;
 }
+
+MG_INTERNAL mg_real mg_pair_step_movement(const mg_context *c, int pair, mg_real h) {
+  return mg_max(h * mg_pair_speed_bound(c, pair), mg_pair_movement_bound(c, pair, c->step.start_pose));
+}

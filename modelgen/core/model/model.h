@@ -623,6 +623,10 @@ MG_INTERNAL mg_real mg_pair_movement_bound(const mg_context *c, int pair, const 
 /* The speed alone. */
 MG_INTERNAL mg_real mg_pair_speed_bound(const mg_context *c, int pair);
 
+/* Bound of the movement of a pair in a step h that ends at the present poses, m: by its speed there, and by how far it
+   is from where it was at the start of the step. */
+MG_INTERNAL mg_real mg_pair_step_movement(const mg_context *c, int pair, mg_real h);
+
 /* contact_feature_pair.c */
 
 /* True if the contact is a support point of a patch. */

@@ -162,6 +162,8 @@ static int mg_event_driven_step(mg_context *c, mg_real h, mg_record *record, mg_
     return mg_cross_velocity_jump(c, after, events);
   if (has_jump) h = before - run->t;
   c->search.n_abandoned = 0;
+  MG_NEEDS_AT_RUN(c, MG_VALID_POSES);
+  mg_copy_reals(c->step.start_pose, c->bodies.pose, 12 * c->system->n_body);
   mg_store_gaps(c);
   mg_mark_contacts_within_border(c);
   if (c->system->n_friction) mg_begin_step_friction(c), mg_begin_step_patch_friction(c);

@@ -14,6 +14,7 @@ enum {
   MG_NEAR_SET_ROUNDS = 20, /* most rounds in which contacts are added */
   MG_MATRIX_ISLAND = 60,   /* most rows of an island whose matrix is solved where its graph is not enough */
   MG_JOINED_ISLAND = 150,  /* most rows of an island with joints or springs whose matrix is solved at once */
+  MG_NEAR_TOLERANCE = 100, /* times stepping_tolerance: up to there a residual that falls slowly is let be */
   MG_TOUCH_STEP_PARTS = 16 /* a contact that touches within this part of a step touches at its start */
 };
 
@@ -113,19 +114,21 @@ static void mg_list_island(mg_context *c, mg_real h, mg_real per_force, int firs
         i < c->system->n_contact || (i >= c->layout.friction_row_begin && i < c->layout.spring_row_begin);
     c->lcp.z[r] = is_kept ? c->solution.force[i] * per_force : 0;
   }
-  const mg_friction_problem problem = {n - row,
-                                       k - contact,
-                                       c->settings->stepping_friction_law,
-                                       0,
-                                       c->friction.cone_first + contact,
-                                       c->friction.cone_rows + contact,
-                                       c->friction.cone + MG_CONE * contact,
-                                       c->lcp.A,
-                                       c->lcp.b + row,
-                                       1,
-                                       c->settings->stepping_tolerance,
-                                       c->run->stop,
-                                       c->settings->sweep_from_last};
+  const mg_friction_problem problem = {
+      n - row,
+      k - contact,
+      c->settings->stepping_friction_law,
+      0,
+      c->friction.cone_first + contact,
+      c->friction.cone_rows + contact,
+      c->friction.cone + MG_CONE * contact,
+      c->lcp.A,
+      c->lcp.b + row,
+      1,
+      c->settings->stepping_tolerance,
+      c->run->stop,
+      c->settings->sweep_from_last,
+      mg_min(MG_NEAR_TOLERANCE * c->settings->stepping_tolerance, c->settings->stepping_residual)};
   island->problem = problem;
 }
 

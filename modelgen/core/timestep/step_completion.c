@@ -14,8 +14,8 @@
    and loses about two fifths of its penetration in a round. It ends where a number of rounds do not halve it. */
 enum { MG_CORRECTIONS = 64, MG_SLOW_CORRECTIONS = 6 };
 
-/* A correction solves its problem to a quarter of the penetration that is allowed, or to a hundredth of the present
- * one. */
+/* A correction solves its problem to a quarter of the penetration that is allowed, and at least to a hundredth of the
+   present one. */
 #define MG_CORRECTED_TO 4
 #define MG_COARSEST_CORRECTION ((mg_real)0.01)
 

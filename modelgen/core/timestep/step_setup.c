@@ -2,6 +2,7 @@
    contacts, and the least gap rate that the scheme demands there. Writes c->rows, c->bodies, c->step and, of
    the step before, c->solution.force. */
 #include "timestep/timestep.h"
+#include "base/base.h"
 #include "model/model.h"
 #include "forces/forces.h"
 
@@ -51,6 +52,7 @@ MG_INTERNAL void mg_set_step_geometry(mg_context *c, mg_real h) {
     mg_update_poses(c, t, c->run->x);
     mg_update_contact_rows(c, c->run->x); /* for eta_dot */
   } else mg_update_rows_at(c, t, c->run->x);
+  mg_copy_reals(c->step.start_pose, c->bodies.pose, 12 * s->n_body);
   c->springs.are_rows = 1;
   mg_free_accelerations(c, t, c->run->x, c->step.slopes);
   mg_predict_springs(c, h);

@@ -157,6 +157,7 @@ def _problem(dtype: np.dtype[Any]) -> Any:
         ("accepted", C_REALS[dtype.char]),
         ("stop", ctypes.c_void_p),
         ("from_last", ctypes.c_int),
+        ("near", C_REALS[dtype.char]),
     ]
     return type("FrictionProblem", (ctypes.Structure,), {"_fields_": fields})
 

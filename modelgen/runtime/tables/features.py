@@ -47,7 +47,7 @@ class FeatureTables:
             "feature_parameters": _pooled(
                 instance, parameters, lambda pair: [side["parameters"] for side in _sides(pair)]
             ),
-            "feature_numbers": _pooled(
+            "feature_numbers": _features(
                 instance, self.numbers, lambda pair: [placed(side) for side in _sides(pair)]
             ),
             "feature_tree": _each(instance, trees.of),
@@ -110,15 +110,30 @@ def _each(instance: Entry, of: Callable[[Sequence[Entry]], list[int]]) -> list[i
 def _pooled(
     instance: Entry, pool: list[float], of: Callable[[Sequence[Entry]], Sequence[Sequence[float]]]
 ) -> list[int]:
-    """Where each of the sequences of numbers starts in the pool, to whose end they are added, once each."""
-    known: dict[tuple[float, ...], int] = {}
+    """Where each of the sequences of numbers starts in the pool, to whose end they are added."""
+    starts: list[int] = []
+    for found in _by_pair(instance, of):
+        starts += accumulate(map(len, found), initial=len(pool))
+        starts.pop()  # the end
+        pool.extend(chain.from_iterable(found))
+    return starts
+
+
+def _features(
+    instance: Entry, pool: list[float], of: Callable[[Sequence[Entry]], Sequence[Sequence[float]]]
+) -> list[int]:
+    """The same of the numbers of features, which the feature pairs of a feature with those of the other body
+    share."""
 
     def starts(pair: Sequence[Entry]) -> Iterator[int]:
-        for numbers in map(tuple, of(pair)):
-            if numbers not in known:
-                known[numbers] = len(pool)
+        known: dict[tuple[Any, ...], int] = {}
+        bodies = (each["of"[number]] for each in pair for number in range(2))
+        for body, side, numbers in zip(bodies, _sides(pair), of(pair), strict=True):
+            key = (body, side["kind"], *side["parameters"], *numbers)
+            if key not in known:
+                known[key] = len(pool)
                 pool.extend(numbers)
-            yield known[numbers]
+            yield known[key]
 
     return _each(instance, lambda pair: list(starts(pair)))
 

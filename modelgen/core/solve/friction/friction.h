@@ -40,6 +40,8 @@ typedef struct {
                           thousand roundings are, and Newton steps go on while they reduce them */
   const int *stop;     /* [1] or null; 1, also set by another thread during the solve: it ends soon, NOT_FOUND */
   int from_last;       /* 1: sweeps over the contacts begin with the last one */
+  mg_real near; /* on a graph: from this residual on, a round of sweeps and Newton steps that does not halve it is
+                   the last one */
 } mg_friction_problem;
 
 /* Outcome of mg_friction. */

@@ -7,7 +7,6 @@ enum {
   MG_FRICTION_ROUNDS = 4,          /* rounds of sweeps and Newton steps */
   MG_FRICTION_SWEEPS = 6,          /* sweeps of the first round */
   MG_FRICTION_SWEEP_GROWTH = 4,    /* factor of the sweeps of the next round */
-  MG_FRICTION_NEAR = 100,          /* up to so many times what is accepted, a round that does not help is the last */
   MG_FRICTION_NEWTON_STEPS = 40,   /* most Newton steps of a round */
   MG_FRICTION_REFINEMENT_STEPS = 3 /* most Newton steps from a solution */
 };
@@ -22,7 +21,7 @@ static int mg_friction_sweep_and_newton(mg_scaled_friction *s, int rounds) {
   for (int round = 0, sweeps = MG_FRICTION_SWEEPS; round < rounds; ++round, sweeps *= MG_FRICTION_SWEEP_GROWTH) {
     if (mg_friction_sweep(s, sweeps)) return 1;
     if (s->given->accepted > 0 && s->residual > before / 2 && !s->graph.J) continue;
-    if (s->graph.J && s->residual > before / 2 && s->residual <= MG_FRICTION_NEAR * s->given->accepted) return 0;
+    if (s->graph.J && s->residual > before / 2 && s->residual <= s->given->near) return 0;
     before = s->residual;
     for (int i = 0; i < m; ++i) swept[i] = s->y[i];
     for (int augmented = 1; augmented >= 0; --augmented) {

@@ -9,7 +9,7 @@
 #include "base/base.h"
 
 enum {
-  MG_NORM_STEPS = 4,    /* steps of power iteration for the norm of S, of which half suffices */
+  MG_NORM_STEPS = 4,    /* steps of power iteration for the norm of S: half of it is near enough */
   MG_CERTIFY_EVERY = 10 /* iterations between two looks at the residual */
 };
 
