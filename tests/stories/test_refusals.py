@@ -75,7 +75,10 @@ def files(folder: Path) -> set[Path]:
         (("simulate", EGG, "--samples", "1.5"), "--samples: the number 1.5"),
         (("simulate", EGG, "--tolerance", "7"), "--tolerance: the number 7; a number from 1e-18 to 0.01"),
         (("simulate", "loose.toml"), "loose.toml: run.tolerance"),
-        (("simulate", EGG, "--accuracy", "nonsense"), "--accuracy: the text 'nonsense'; allowed are fast"),
+        (
+            ("simulate", EGG, "--accuracy", "nonsense"),
+            "--accuracy: the text 'nonsense'; allowed are coarse, fast",
+        ),
         (("simulate", EGG, "--accuracy", "tigt"), "did you mean 'tight'?"),
         (("check", EGG, "--form", "suport"), "did you mean 'support'?"),
         (("build", EGG, "--real", "half"), "--real: the text 'half'; allowed are double"),

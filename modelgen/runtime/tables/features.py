@@ -122,20 +122,25 @@ def _pooled(
 def _features(
     instance: Entry, pool: list[float], of: Callable[[Sequence[Entry]], Sequence[Sequence[float]]]
 ) -> list[int]:
-    """The same of the numbers of features, which the feature pairs of a feature with those of the other body
-    share."""
-
-    def starts(pair: Sequence[Entry]) -> Iterator[int]:
+    """The same of the numbers of features, which all feature pairs share that a feature has in a pair."""
+    starts: list[int] = []
+    for found in _by_pair(instance, lambda pair: list(zip(_feature_keys(pair), of(pair), strict=True))):
         known: dict[tuple[Any, ...], int] = {}
-        bodies = (each["of"[number]] for each in pair for number in range(2))
-        for body, side, numbers in zip(bodies, _sides(pair), of(pair), strict=True):
-            key = (body, side["kind"], *side["parameters"], *numbers)
-            if key not in known:
-                known[key] = len(pool)
+        for key, numbers in found:
+            whole = (*key, *numbers)
+            if whole not in known:
+                known[whole] = len(pool)
                 pool.extend(numbers)
-            yield known[key]
+            starts.append(known[whole])
+    return starts
 
-    return _each(instance, lambda pair: list(starts(pair)))
+
+def _feature_keys(pair: Sequence[Entry]) -> Iterator[tuple[Any, ...]]:
+    """The body of each side, first or other one of the pair, and kind and parameters of its shape."""
+    for each in pair:
+        for number, side in enumerate(("shape_o", "shape_f")):
+            shape = each[side]
+            yield each["of"[number]] == pair[0]["o"], shape["kind"], *shape["parameters"]
 
 
 def _beyond(instance: Entry, counts: Sequence[int]) -> list[int]:
