@@ -45,8 +45,9 @@ def accuracy_of(
     for key, value in given.items():
         _check(key, value, "")
     record = _of_scene(run, source) if accuracy is None else Accuracy.taken(accuracy)
-    own_method = record.method if accuracy is not None and record.method != "dop853" else said.get("method")
-    method = given.get("method", own_method if said.get("method") is not None else None)
+    method = given.get("method")
+    if method is None and accuracy is not None and record.method != "dop853" and "method" in said:
+        method = record.method  # that of `coarse`
     if method is not None and method != said.get("method"):  # what goes with another one is not meant
         said = {key: value for key, value in said.items() if key == "fallback"}
     places = dict.fromkeys(said.keys() - given.keys(), f"{source}: run.")

@@ -22,6 +22,7 @@ from modelgen.scene.scene_types import Scene
 from tests.benchmarks.counting import callgrind, countable
 
 SPACING = 0.13  # m, of the spheres of a heap at the start
+DOMINO = (0.02, 0.1, 0.2)  # m
 STONES = {
     "sphere": make.sphere(0.05),
     "ellipsoid": make.ellipsoid(0.06, 0.05, 0.04),
@@ -44,11 +45,14 @@ def stack(boxes: int) -> Scene:
     return make.scene(f"stack_{boxes}", bodies, contacts={"between": "all", "friction": 0.5})
 
 
-def dominoes(count: int) -> Scene:
-    """A ball runs into a row of dominoes."""
+def dominoes(count: int, off: np.ndarray | None = None) -> Scene:
+    """A ball runs into a row of dominoes; off: (count, 2), by how much each stands aside, m, and is turned,
+    rad."""
     row = [
-        make.dynamic(f"d{i}", make.box(0.02, 0.1, 0.2), density=1000.0, position=[0.1 * i, 0.0, 0.1])
-        for i in range(count)
+        make.dynamic(
+            f"d{i}", make.box(*DOMINO), density=1000.0, position=[0.1 * i, aside, 0.1], rpy=[0.0, 0.0, turn]
+        )
+        for i, (aside, turn) in enumerate((np.zeros((count, 2)) if off is None else off).tolist())
     ]
     ball = make.dynamic(
         "ball", make.sphere(0.03), density=1000.0, position=[-0.2, 0.0, 0.17], velocity=[2.0, 0.0, 0.0]
@@ -103,7 +107,9 @@ def heap(stones: int, seed: int = 0, kind: str = "sphere") -> Scene:
     return make.scene(f"heap_{stones}", bodies, contacts={"between": "all", "friction": 0.5})
 
 
-SCENES: dict[str, Callable[[int], Scene]] = {"stack": stack, "heap": heap}
+SCENES: dict[str, Callable[[int], Scene]] = {
+    "stack": stack, "pyramid": pyramid, "dominoes": dominoes, "heap": heap
+}  # fmt: skip
 
 
 def built(kind: str, bodies: int, folder: str) -> Library:

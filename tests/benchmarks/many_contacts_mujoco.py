@@ -20,7 +20,8 @@ from modelgen.benchmark.peers.mjcf import geom_size, words
 from modelgen.errors import ModelgenError
 from modelgen.runtime.settings import Stepping
 from modelgen.scene.scene_types import Scene
-from tests.benchmarks.many_contacts import STONES, dominoes, heap, pyramid, stack
+from tests.benchmarks.many_contacts import SCENES as MADE
+from tests.benchmarks.many_contacts import STONES, heap
 
 SCENES = (
     *(f"stack:{n}" for n in (5, 10, 20)),
@@ -49,8 +50,7 @@ TITLES = (
 
 def scene_of(spec: str) -> Scene:
     kind, *rest = spec.split(":")
-    made = {"stack": stack, "dominoes": dominoes, "pyramid": pyramid}
-    return heap(int(rest[1]), kind=rest[0]) if kind == "heap" else made[kind](int(rest[0]))
+    return heap(int(rest[1]), kind=rest[0]) if kind == "heap" else MADE[kind](int(rest[0]))
 
 
 def mjcf(scene: Scene) -> str:

@@ -12,10 +12,9 @@ from modelgen import simulate
 from modelgen.rotations import rotation_of
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene import python_scenes as make
-from tests.benchmarks.many_contacts import heap
+from tests.benchmarks.many_contacts import DOMINO, dominoes, heap
 from tests.running import library_of
 
-SIZES = (0.02, 0.1, 0.2)  # m, of a domino
 CHORD = 2e-3  # m: samples within steps lie on chords, with the forces of the step
 CORNERS = np.array(np.meshgrid(*[[-0.5, 0.5]] * 3)).reshape(3, -1).T
 
@@ -53,7 +52,7 @@ def depth(path: Trajectory, sample: int, pair: tuple[int, int]) -> float:
     for body in pair:
         R = rotation_of(path.quaternion[sample, body].tolist())
         normals = np.vstack([R.T, -R.T])
-        sides.append((normals, normals @ path.p[sample, body] + np.array([*SIZES, *SIZES]) / 2))
+        sides.append((normals, normals @ path.p[sample, body] + np.array([*DOMINO, *DOMINO]) / 2))
     A, b = np.vstack([each[0] for each in sides]), np.concatenate([each[1] for each in sides])
     found = linprog([0, 0, 0, -1], np.column_stack([A, np.ones(len(A))]), b, bounds=[(None, None)] * 4)
     return float(-found.fun)
@@ -65,27 +64,14 @@ def test_in_a_row_of_dominoes(seed: int) -> None:
     """Their sides are flush to 1e-13 to 1e-3 m and rad: a corner that leaves a face there comes on none that
     it does not face, and no contact is lost."""
     rng, count = np.random.default_rng(seed), 6
-    off = 10.0 ** rng.uniform(-13, -3)
-    row = [
-        make.dynamic(
-            f"d{i}", make.box(*SIZES), density=1000.0, position=[0.1 * i, float(rng.normal() * off), 0.1],
-            rpy=[0.0, 0.0, float(rng.normal() * off)],
-        )
-        for i in range(count)
-    ]  # fmt: skip
-    ball = make.dynamic(
-        "ball", make.sphere(0.03), density=1000.0, position=[-0.2, 0.0, 0.17], velocity=[2.0, 0.0, 0.0]
-    )
-    scene = make.scene(
-        "row", [make.fixed("floor", make.plane()), *row, ball], contacts={"between": "all", "friction": 0.5}
-    )
+    scene = dominoes(count, 10.0 ** rng.uniform(-13, -3) * rng.normal(size=(count, 2)))
     path = simulate(
         library_of(scene), until=1.5, accuracy="fast", method="time-stepping", step=0.005, samples=300,
         estimate=False,
     )  # fmt: skip
     assert path.outcome.succeeded
     assert path.penetration_max < 1e-9
-    assert overlap_along_normals(path, {body.name: SIZES for body in row}) < CHORD
+    assert overlap_along_normals(path, {f"d{i}": DOMINO for i in range(count)}) < CHORD
     first = path.body_names.index("d0")
     for k in range(0, len(path.t), 20):
         assert max(depth(path, k, (first + i, first + i + 1)) for i in range(count - 1)) < CHORD
@@ -112,7 +98,7 @@ def test_no_corner_leaves_a_room(seed: int, method: str) -> None:
     rng, room = np.random.default_rng(seed), 0.5
     q = rng.normal(size=4)
     box = make.dynamic(
-        "box", make.box(*SIZES), density=1000.0, quaternion=(q / np.linalg.norm(q)).tolist(),
+        "box", make.box(*DOMINO), density=1000.0, quaternion=(q / np.linalg.norm(q)).tolist(),
         velocity=rng.uniform(-1, 1, 3).tolist(), angular_velocity=rng.uniform(-4, 4, 3).tolist(),
     )  # fmt: skip
     hollow = make.fixed("hollow", make.box(room, room, room, cavity=True))
@@ -124,7 +110,7 @@ def test_no_corner_leaves_a_room(seed: int, method: str) -> None:
     assert path.outcome.succeeded
     body, deepest = path.body_names.index("box"), 0.0
     for p, quaternion in zip(path.p[:, body], path.quaternion[:, body], strict=True):
-        corners = p + (CORNERS * SIZES) @ rotation_of(tuple(quaternion.tolist())).T
+        corners = p + (CORNERS * DOMINO) @ rotation_of(tuple(quaternion.tolist())).T
         deepest = max(deepest, float(np.abs(corners).max()) - room / 2)
     assert (path.force > 0).any()
     assert deepest < (CHORD if step else 1e-6)

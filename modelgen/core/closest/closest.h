@@ -73,6 +73,9 @@ MG_INTERNAL int mg_has_nearest_point(const mg_context *c, int feature_pair, int 
 MG_INTERNAL void mg_start_eta(const mg_context *c, int feature_pair, const mg_sample *o, const mg_sample *f,
                               mg_real *eta);
 
+/* Distance of a point in the axes of a body from a world point. */
+MG_INTERNAL mg_real mg_distance_from(const mg_context *c, int body, const mg_real *x, const mg_real *from);
+
 /* Rotation of a feature's shape in world axes, 9 numbers by columns. */
 MG_INTERNAL void mg_shape_rotation(const mg_context *c, int feature_pair, int side, mg_real *R);
 

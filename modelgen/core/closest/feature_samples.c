@@ -90,8 +90,7 @@ MG_INTERNAL void mg_shrink_window(mg_real *window, const mg_real *centre) {
   }
 }
 
-/* Distance of a point in the axes of a body from a world point. */
-static mg_real mg_distance_from(const mg_context *c, int body, const mg_real *x, const mg_real *from) {
+MG_INTERNAL mg_real mg_distance_from(const mg_context *c, int body, const mg_real *x, const mg_real *from) {
   mg_real at[3];
   mg_to_world(c->bodies.pose + 12 * body, x, 1, at);
   for (int k = 0; k < 3; k++) at[k] -= from[k];

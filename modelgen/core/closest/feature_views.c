@@ -10,25 +10,19 @@ MG_INTERNAL void mg_begin_feature_views(mg_context *c, int pair) {
   c->search.viewed_pair = pair;
 }
 
-/* Side of the pair on which a body is. */
-static int mg_side_in_pair(const mg_context *c, int pair, int body) {
-  return body != mg_feature_body(c, c->system->pair_feature_pair[pair], 0);
-}
-
-/* Distance of the ball around a feature from the ball around the other shape of the pair; 0: one has none. */
-static mg_real mg_distance_from_other_shape(const mg_context *c, int pair, int side, const mg_feature_in_world *view) {
-  const mg_real *ball = mg_pair_ball(c, pair, 1 - side);
-  mg_real centre[3];
-  if (ball[3] < 0 || view->radius >= MG_MAX / 2) return 0;
-  mg_to_world(c->bodies.pose + 12 * mg_feature_body(c, c->system->pair_feature_pair[pair], 1 - side), ball, 1, centre);
-  const mg_real span[3] = {centre[0] - view->centre[0], centre[1] - view->centre[1], centre[2] - view->centre[2]};
-  return sqrt(mg_dot3(span, span)) - ball[3] - view->radius;
+/* True if the ball around a feature is within reach of that around the other shape of its pair, or one has none. */
+static int mg_is_feature_near(const mg_context *c, int feature_pair, int side, const mg_feature_in_world *view) {
+  const int pair = c->system->feature_pair_owner[feature_pair];
+  const mg_real *ball = mg_pair_ball(c, pair, mg_side_of_pair(c, feature_pair, 1 - side));
+  if (ball[3] < 0 || view->radius >= MG_MAX / 2) return 1;
+  return mg_distance_from(c, mg_feature_body(c, feature_pair, 1 - side), ball, view->centre) - ball[3] - view->radius <=
+         mg_search_reach(c, pair);
 }
 
 /* Reads a feature of a pair at the present poses. The ball around a vertex is itself. */
 static void mg_read_feature(const mg_context *c, int feature_pair, int side, mg_feature_in_world *view) {
   const mg_shape_kind *kind = mg_shape_kind_of(c, feature_pair, side);
-  const int pair = c->system->feature_pair_owner[feature_pair], body = mg_feature_body(c, feature_pair, side);
+  const int body = mg_feature_body(c, feature_pair, side);
   const mg_real *pose = c->bodies.pose + 12 * body, *at = mg_feature_numbers(c, feature_pair, side),
                 *place = at + MG_FEATURE_PLACEMENT;
   mg_real local[3];
@@ -37,10 +31,9 @@ static void mg_read_feature(const mg_context *c, int feature_pair, int side, mg_
   view->dimension = kind->dimension, view->radius = at[MG_FEATURE_BALL_RADIUS];
   view->flat = kind->dimension || view->radius == 0 ? kind->flat : 0;
   mg_to_world(place, at + MG_FEATURE_BALL_CENTRE, 1, local), mg_to_world(pose, local, 1, view->centre);
-  view->is_near =
-      mg_distance_from_other_shape(c, pair, mg_side_in_pair(c, pair, body), view) <= mg_search_reach(c, pair);
+  view->is_near = mg_is_feature_near(c, feature_pair, side, view);
   if (!view->is_near || !view->flat) return;
-  for (int k = 0; k < 3; k++) mg_to_world(pose, place + 3 + 3 * k, 0, view->rotation + 3 * k);
+  mg_shape_rotation(c, feature_pair, side, view->rotation);
   if (kind->dimension) mg_to_world(pose, place, 1, view->point);
   else mg_copy_reals(view->point, view->centre, 3);
 }
@@ -49,7 +42,7 @@ static void mg_read_feature(const mg_context *c, int feature_pair, int side, mg_
 static const mg_feature_in_world *mg_view_of_feature(mg_context *c, int feature_pair, int side) {
   const int numbers = c->system->feature_numbers[2 * feature_pair + side],
             body = mg_feature_body(c, feature_pair, side),
-            half = MG_FEATURE_VIEWS / 2 * mg_side_in_pair(c, c->search.viewed_pair, body),
+            half = MG_FEATURE_VIEWS / 2 * mg_side_of_pair(c, feature_pair, side),
             place = half + numbers / MG_FEATURE_SIZE % (MG_FEATURE_VIEWS / 2);
   mg_feature_in_world *view = c->search.views + place;
   if (view->numbers != numbers || view->body != body ||
@@ -74,7 +67,14 @@ typedef struct {
   mg_real N[3], d;
 } mg_normal_gap;
 
-/* The normal and the gap of two flat features. Returns 0 where they are not known to rounding. */
+/* What is known of the normal of two flat features. */
+enum {
+  MG_NORMAL_UNKNOWN = 0, /* it is not known to rounding */
+  MG_NORMAL_KNOWN = 1,
+  MG_NORMAL_NONE = 2 /* parallel edges: no closest points of theirs are isolated */
+};
+
+/* Finds the normal and the gap of two flat features. Returns MG_NORMAL_UNKNOWN .. . */
 static int mg_find_normal(const mg_context *c, const mg_feature_in_world *o, const mg_feature_in_world *f,
                           mg_normal_gap *at) {
   const mg_real least = c->settings->search_merge_distance,
@@ -83,29 +83,22 @@ static int mg_find_normal(const mg_context *c, const mg_feature_in_world *o, con
   if (o->dimension == 2 || f->dimension == 2) {
     for (int k = 0; k < 3; k++)
       at->N[k] = o->dimension == 2 ? (mg_real)o->flat * o->rotation[6 + k] : -(mg_real)f->flat * f->rotation[6 + k];
-    if (o->dimension && f->dimension) return 0;
+    if (o->dimension && f->dimension) return MG_NORMAL_UNKNOWN;
   } else if (o->dimension && f->dimension) {
     mg_cross_product(o->rotation, f->rotation, at->N);
     size = sqrt(mg_dot3(at->N, at->N));
-    if (!(size > least)) return 0;
+    if (size <= c->settings->search_margin) return MG_NORMAL_NONE;
+    if (!(size > least)) return MG_NORMAL_UNKNOWN;
   } else {
     const mg_real *tangent = o->dimension ? o->rotation : f->rotation,
                   along = o->dimension || f->dimension ? mg_dot3(span, tangent) : 0;
     for (int k = 0; k < 3; k++) at->N[k] = span[k] - along * tangent[k];
     size = sqrt(mg_dot3(at->N, at->N));
-    if (!(size > least * (c->system->length + fabs(along)))) return 0;
+    if (!(size > least * (c->system->length + fabs(along)))) return MG_NORMAL_UNKNOWN;
   }
   for (int k = 0; k < 3; k++) at->N[k] /= size;
   at->d = mg_dot3(at->N, span);
-  return 1;
-}
-
-/* True if two edges are parallel to rounding: no closest points of theirs are isolated. */
-static int mg_are_parallel_edges(const mg_context *c, const mg_feature_in_world *o, const mg_feature_in_world *f) {
-  mg_real cross[3];
-  if (o->dimension != 1 || f->dimension != 1) return 0;
-  mg_cross_product(o->rotation, f->rotation, cross);
-  return mg_dot3(cross, cross) <= c->settings->search_margin * c->settings->search_margin;
+  return MG_NORMAL_KNOWN;
 }
 
 /* Value of a condition on the normal of an edge or a vertex, N out of it in the axes of its shape; MG_MAX of others. */
@@ -115,7 +108,7 @@ static mg_real mg_normal_condition(const mg_system *s, int condition, const mg_r
   return s->condition_kind[condition] == MG_CONDITION_WING ? a[0] * N[1] - a[1] * N[2] : MG_MAX;
 }
 
-/* True if the gap along the normal of two flat features is below `least` or above `most`, or the normal breaks a
+/* True if two flat features have no normal, or the gap along it is below `least` or above `most`, or it breaks a
    condition of the feature pair by more than rounding, and than time-stepping holds contacts beyond one; of two edges
    both normals. */
 static int mg_is_normal_excluded(const mg_context *c, int feature_pair, const mg_feature_in_world *o,
@@ -124,8 +117,8 @@ static int mg_is_normal_excluded(const mg_context *c, int feature_pair, const mg
   const mg_real slack = c->settings->feature_border + c->settings->parallel_angle;
   mg_normal_gap at;
   mg_real N[3];
-  if (mg_are_parallel_edges(c, o, f)) return 1;
-  if (!mg_find_normal(c, o, f, &at)) return 0;
+  const int known = mg_find_normal(c, o, f, &at);
+  if (known != MG_NORMAL_KNOWN) return known == MG_NORMAL_NONE;
   const int has_sign = o->dimension == 1 && f->dimension == 1;
   int side = -1, is_out[2] = {at.d < least || at.d > most, !has_sign || -at.d < least || -at.d > most};
   for (int k = s->feature_pair_condition[feature_pair];

@@ -353,10 +353,10 @@ MG_INTERNAL int mg_are_materials_known(const mg_context *c, int pair) {
    body's shape by a quarter of `depth` is in the material of both, at heights below `allowed`. */
 static int mg_is_near_overlap(const mg_context *c, int pair, int side, const mg_real *point, mg_real depth,
                               mg_real allowed) {
-  const mg_real *ball = mg_pair_ball(c, pair, side);
   mg_real centre[3], moved[3];
-  if (ball[3] < 0 || !mg_has_material(c, pair, side) || !mg_has_material(c, pair, 1 - side)) return 0;
-  mg_to_world(c->bodies.pose + 12 * mg_feature_body(c, c->system->pair_feature_pair[pair], side), ball, 1, centre);
+  if (mg_pair_ball(c, pair, side)[3] < 0 || !mg_has_material(c, pair, side) || !mg_has_material(c, pair, 1 - side))
+    return 0;
+  mg_ball_centre(c, c->system->pair_balls[2 * pair + side], centre);
   const mg_real span[3] = {centre[0] - point[0], centre[1] - point[1], centre[2] - point[2]};
   const mg_real part = mg_min(depth / (4 * sqrt(mg_dot3(span, span))), (mg_real)1);
   for (int k = 0; k < 3; k++) moved[k] = point[k] + part * span[k];

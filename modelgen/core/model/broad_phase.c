@@ -143,7 +143,7 @@ static void mg_search_level(mg_context *c, int b, int level, int lowest) {
 /* True if a ball with its margin comes within reach of a plane. */
 static int mg_is_ball_near_plane(const mg_context *c, int pair) {
   const mg_system *s = c->system;
-  const int first = s->pair_feature_pair[pair], side = mg_fixed_plane_of_pair(c, pair),
+  const int first = s->pair_feature_pair[pair], side = mg_unbounded_side(c, pair),
             ball = s->pair_balls[2 * pair + 1 - side];
   const mg_real *pose = c->bodies.pose + 12 * mg_feature_body(c, first, side),
                 *place = mg_feature_numbers(c, first, side) + MG_FEATURE_PLACEMENT;

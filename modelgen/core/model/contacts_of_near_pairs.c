@@ -76,8 +76,24 @@ MG_INTERNAL void mg_list_pairs(mg_context *c) {
   mg_list_states(c);
 }
 
+/* True if one shape of a pair is a plane that does not move, and the other one is bounded. */
+static int mg_is_pair_over_fixed_plane(const mg_context *c, int pair) {
+  const mg_system *s = c->system;
+  const int first = s->pair_feature_pair[pair], side = mg_unbounded_side(c, pair);
+  if (mg_pair_ball(c, pair, side)[3] >= 0 || mg_pair_ball(c, pair, 1 - side)[3] < 0) return 0;
+  const int body = mg_feature_body(c, first, side), numbers = s->feature_numbers[2 * first + side];
+  if (c->bodies.motion[body] != MG_FIXED) return 0;
+  for (int each = first; each < s->pair_feature_pair[pair + 1]; each++) {
+    const int plane = mg_feature_body(c, each, 1) == body;
+    if (mg_shape_kind_of(c, each, plane)->nearest_point != MG_NEAREST_PLANE ||
+        s->feature_numbers[2 * each + plane] != numbers)
+      return 0;
+  }
+  return 1;
+}
+
 MG_INTERNAL int mg_may_be_far(const mg_context *c, int pair) {
-  return c->system->pair_is_candidate[pair] && (mg_has_pair_extents(c, pair) || mg_fixed_plane_of_pair(c, pair) >= 0) &&
+  return c->system->pair_is_candidate[pair] && (mg_has_pair_extents(c, pair) || mg_is_pair_over_fixed_plane(c, pair)) &&
          (c->system->pair_search[pair] != MG_SEARCH_NEVER || mg_is_pair_followed_from_anywhere(c, pair));
 }
 
@@ -93,25 +109,6 @@ MG_INTERNAL int mg_is_pair_followed_from_anywhere(const mg_context *c, int pair)
     if (!kind->is_convex && kind->n_eta > 0) return 0;
   }
   return 1;
-}
-
-MG_INTERNAL int mg_fixed_plane_of_pair(const mg_context *c, int pair) {
-  const mg_system *s = c->system;
-  const int first = s->pair_feature_pair[pair], end = s->pair_feature_pair[pair + 1];
-  for (int side = 0; side < 2; side++) {
-    const int body = mg_feature_body(c, first, side), numbers = s->feature_numbers[2 * first + side];
-    if (mg_pair_ball(c, pair, side)[3] >= 0 || mg_pair_ball(c, pair, 1 - side)[3] < 0) continue;
-    if (c->bodies.motion[body] != MG_FIXED) continue;
-    int each = first;
-    for (; each < end; each++) {
-      const int plane = mg_feature_body(c, each, 0) == body ? 0 : 1;
-      if (mg_shape_kind_of(c, each, plane)->nearest_point != MG_NEAREST_PLANE ||
-          s->feature_numbers[2 * each + plane] != numbers)
-        break;
-    }
-    if (each == end) return side;
-  }
-  return -1;
 }
 
 MG_INTERNAL int mg_abandoned_capacity(const mg_system *s) { return MG_MINIMA + MG_LEFT_BY_BODY * s->n_body; }

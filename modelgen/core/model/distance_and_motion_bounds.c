@@ -30,6 +30,8 @@ MG_INTERNAL const mg_real *mg_pair_ball(const mg_context *c, int pair, int side)
   return ball < 0 ? unbounded : c->system->ball + 4 * ball;
 }
 
+MG_INTERNAL int mg_unbounded_side(const mg_context *c, int pair) { return mg_pair_ball(c, pair, 0)[3] >= 0; }
+
 MG_INTERNAL mg_real mg_pair_length(const mg_context *c, int pair) {
   const mg_real o = mg_pair_ball(c, pair, 0)[3], f = mg_pair_ball(c, pair, 1)[3];
   const mg_real smaller = o < 0 || (f >= 0 && f < o) ? f : o;

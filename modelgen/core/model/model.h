@@ -437,9 +437,6 @@ MG_INTERNAL void mg_list_states(mg_context *c);
 /* True if the pair may be left out while its shapes are far apart. */
 MG_INTERNAL int mg_may_be_far(const mg_context *c, int pair);
 
-/* Side of a pair whose shape is a plane that does not move, where the other shape is bounded; -1: none. */
-MG_INTERNAL int mg_fixed_plane_of_pair(const mg_context *c, int pair);
-
 /* True if each contact of the pair has a feature pair of its own, whose closest points are unique, never end, and are
    found from any start. */
 MG_INTERNAL int mg_is_pair_followed_from_anywhere(const mg_context *c, int pair);
@@ -607,6 +604,9 @@ MG_INTERNAL mg_real mg_pair_clearance(const mg_context *c, int pair);
 
 /* Ball around the shape of o (side 0) or f of a pair: centre in the axes of its body, and radius, < 0: unbounded. */
 MG_INTERNAL const mg_real *mg_pair_ball(const mg_context *c, int pair, int side);
+
+/* The side of a pair whose shape has no ball; 1 if both have one. */
+MG_INTERNAL int mg_unbounded_side(const mg_context *c, int pair);
 
 /* True if both shapes of a pair are bounded. */
 MG_INTERNAL int mg_has_pair_extents(const mg_context *c, int pair);
