@@ -82,8 +82,7 @@ MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta,
   if (!(mg_placement_uniqueness(c, probe) > mg_least_margin(c, feature_pair))) return 0;
   if (mg_has_no_normal(c, feature_pair)) return 0;
   if (mg_most_violated_condition(c, feature_pair, eta, &which) < -c->settings->feature_border) return 0;
-  if (mg_least_feature_pair_condition(c, feature_pair, eta, MG_WATCHED, &which) < -c->settings->appear_tilt_sine)
-    return 0;
+  if (mg_is_tilted_beyond_watched(c, feature_pair, eta)) return 0;
   found->feature_pair = feature_pair, found->margin = mg_placement_uniqueness(c, probe);
   mg_record_minimum(c, found);
   if (mg_is_between_far_sides(c, feature_pair)) return 0;

@@ -56,9 +56,7 @@ static mg_real mg_transfer_to_feature_pair(mg_context *c, int from, int to, cons
     return -MG_MAX;
   if (mg_has_normal_sign(c, to) && (mg_dot3(c->search.placement + 5, at + 5) < 0) != sides_swapped)
     mg_reverse_normal(c, to, eta), mg_place_contact(c, probe_contact, eta, next);
-  int watched;
-  const mg_real tilt = mg_least_feature_pair_condition(c, to, eta, MG_WATCHED, &watched);
-  return tilt < -c->settings->appear_tilt_sine ? -MG_MAX : mg_most_violated_condition(c, to, eta, which);
+  return mg_is_tilted_beyond_watched(c, to, eta) ? -MG_MAX : mg_most_violated_condition(c, to, eta, which);
 }
 
 MG_INTERNAL int mg_is_at_end_of_line(mg_context *c, int contact, int line) {
@@ -387,8 +385,8 @@ static int mg_is_line_held_at_end(mg_context *c, int pair, int feature_pair) {
 static void mg_search_free_feature_pairs(mg_context *c, int pair, const mg_search_limits *limits, mg_real least,
                                          mg_minima *kept) {
   const mg_system *s = c->system;
-  const long incomplete = c->search.incomplete;
   if (least > limits->gap) return;
+  const long incomplete = c->search.incomplete;
   const int may_be_covered = mg_may_feature_pairs_be_covered(c, pair);
   mg_begin_feature_views(c, pair);
   for (int feature_pair = s->pair_feature_pair[pair]; feature_pair < s->pair_feature_pair[pair + 1]; feature_pair++)

@@ -330,6 +330,12 @@ MG_INTERNAL mg_real mg_most_violated_condition(const mg_context *c, int feature_
   return mg_least_feature_pair_condition(c, feature_pair, eta, MG_LEAVING, which);
 }
 
+MG_INTERNAL int mg_is_tilted_beyond_watched(const mg_context *c, int feature_pair, const mg_real *eta) {
+  MG_NEEDS_PLACEMENT(c, feature_pair, eta);
+  int which;
+  return mg_least_feature_pair_condition(c, feature_pair, eta, MG_WATCHED, &which) < -c->settings->appear_tilt_sine;
+}
+
 MG_INTERNAL int mg_has_normal_sign(const mg_context *c, int feature_pair) {
   return mg_parametrisation(c, feature_pair, 0) == MG_SIGN || mg_parametrisation(c, feature_pair, 1) == MG_SIGNED_CURVE;
 }

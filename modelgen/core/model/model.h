@@ -388,6 +388,10 @@ MG_INTERNAL int mg_leads_to_other_pair(const mg_context *c, int feature_pair, in
 /* Least value of the conditions beyond which a contact leaves the feature pair. */
 MG_INTERNAL mg_real mg_most_violated_condition(const mg_context *c, int feature_pair, const mg_real *eta, int *which);
 
+/* True if an edge or a face beside a vertex or an edge points so far beyond the other feature that no contact begins
+   there: a watched condition is below -appear_tilt_sine. Needs mg_place_contact at eta. */
+MG_INTERNAL int mg_is_tilted_beyond_watched(const mg_context *c, int feature_pair, const mg_real *eta);
+
 /* True if contacts on a feature pair may be held at the end of a line along which the straight features of the feature
    pair `line` touch (-1: of any). */
 MG_INTERNAL int mg_ends_line(const mg_context *c, int feature_pair, int line);
