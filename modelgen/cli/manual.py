@@ -21,6 +21,7 @@ TOPICS = (
         "accuracy",
         "trust",
         "time_stepping",
+        "solvers",
         "forms_and_formulas",
         "python_api",
         "driven_runs",

@@ -35,9 +35,7 @@ Step = Annotated[
     str | None, Option(help="fixed step of rk4, time-stepping, exported MJCF, s", metavar="NUMBER")
 ]
 Scheme = Annotated[str | None, Option(help="of time-stepping", metavar=_among(SCHEMES))]
-Solver = Annotated[
-    str | None, Option(help="friction in time-stepping: exact or relaxed", metavar=_among(SOLVERS))
-]
+Solver = Annotated[str | None, Option(help="what solves for forces and impulses", metavar=_among(SOLVERS))]
 Fallback = Annotated[
     bool | None, Option(help="time-stepping for a while where an event-driven run would end")
 ]

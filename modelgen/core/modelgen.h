@@ -427,6 +427,9 @@ typedef struct {
   int events_at_once_max; /* bound of the transitions within one event_tolerance * time; more end the run */
   int sweep_from_last;    /* 1: solves for friction sweep over the contacts from the last one on */
   int chatter_closed;     /* a run that left its events for time-stepping does not return with more closed contacts */
+
+  const mg_outer_solver *outer_solver; /* solves problems for forces and impulses in place of the core: those without
+                                          friction, and those of time-stepping; null: none */
 } mg_settings;
 
 /* Mode of a friction constraint. */
@@ -512,7 +515,9 @@ enum {
 
 /* What a run tells of itself: counts, largest values and first places, by which no body moves. mg_begin resets it. */
 typedef struct {
-  long lcp_solves;          /* complementarity and friction problems solved */
+  long qp_solves;           /* complementarity problems without friction solved by the core, as convex programs */
+  long friction_solves;     /* problems with friction solved by the core */
+  long outer_solves;        /* problems solved by settings->outer_solver */
   long fallbacks;           /* how often the run has fallen back on time-stepping */
   long jams;                /* of these, because no accelerations were admissible */
   long chatters;            /* how often the run went on by time-stepping because its events cost too much */

@@ -137,6 +137,16 @@ _PROPERTIES = {
     "steps": entry("integer", "accepted integration steps", minimum=0),
     "rejected": entry("integer", "steps repeated with a smaller size", minimum=0),
     "rhs_evals": entry("integer", "evaluations of the right-hand side", minimum=0),
+    "solver": entry("string", "what solves for forces and impulses"),
+    "solves": {
+        "type": "object",
+        "additionalProperties": {"type": "integer", "minimum": 1},
+        "description": "how many complementarity problems each solver has solved, corrections of positions "
+        "among them",
+    },
+    "solve_residual_max": entry(
+        NUMBER, "largest residual of one, of the largest velocity or acceleration in it", minimum=0
+    ),
     "wall_s": entry(NUMBER, "wall-clock time of the run, s"),
     "energy_drift": entry(
         NUMBER,

@@ -24,6 +24,9 @@ def summary_lines(summary: dict[str, Any]) -> Iterator[str]:
         f"{summary['steps']} steps, {summary['rejected']} rejected, {summary['rhs_evals']} evaluations, "
         f"{summary['wall_s']:.3g} s"
     )
+    if summary["solves"]:
+        by = ", ".join(f"{count} by {name}" for name, count in summary["solves"].items())
+        yield f"contact problems solved: {by}, largest residual {summary['solve_residual_max']:.1e}"
     yield (
         f"energy drift {summary['energy_drift']:.2e}, by corrections {summary['correction_energy']:.2e}, "
         f"largest gap {summary['gap_max']:.2e} m, "

@@ -19,7 +19,7 @@ from modelgen.runtime.thresholds import Thresholds
 
 Method = Literal["dop853", "rk4", "time-stepping"]
 Scheme = Literal["stewart-trinkle", "anitescu-potra", "moreau"]
-Solver = Literal["coulomb", "relaxation"]
+Solver = Literal["coulomb", "qp", "lcp", "mpcc", "polyhedral", "relaxation"]
 Impacts = Literal["simultaneous", "sequential"]
 
 # Smallest useful tolerances of a real type, in multiples of its epsilon. Only in `float` are they larger than
@@ -88,7 +88,9 @@ class Accuracy:
         step: s; the fixed step. None: an adaptive run chooses its own first step; time-stepping takes steps
             of `stepping_step`.
         scheme: scheme of time-stepping; see `time_stepping`.
-        solver: friction law of time-stepping; see `time_stepping`.
+        solver: what solves for forces and impulses. "coulomb": the core, without friction by "qp", a convex
+            program; "lcp": without friction by Lemke's method; "mpcc": by IPOPT; with friction, by
+            time-stepping alone, also "polyhedral" and "relaxation"; see `time_stepping`.
         fallback: an event-driven run that cannot continue uses time-stepping for a while, and reports it.
         impacts: "simultaneous": impacts at the same time are one problem; "sequential": one by one, the
             fastest first.
@@ -291,12 +293,19 @@ class Accuracy:
             solver: "coulomb": the exact law. "relaxation": its convex relaxation (Anitescu and Tasora, 2010),
                 always solvable, in which a contact that slips at v parts at mu v, or stays at a gap of h mu v
                 where "stewart-trinkle" lets the gap close. Slip that begins suddenly makes a body hop.
+                "polyhedral": cones with 8 sides, by Lemke's method (Stewart and Trinkle, 1996), friction to
+                8 %. "mpcc": the exact law by IPOPT, to 1e-6. Without friction: "qp", "lcp", "mpcc".
         """
         check_step(step)
         check_name("scheme", scheme, get_args(Scheme))
+        own = replace(self, name=f"{scheme} {step:g} s", solver="coulomb")
+        return replace(own, method="time-stepping", step=step, scheme=scheme).solved_by(solver)
+
+    def solved_by(self, solver: Solver) -> Accuracy:
+        """The same record with another solver."""
         check_name("solver", solver, get_args(Solver))
-        name = f"{scheme} {step:g} s" + ("" if solver == "coulomb" else f", {solver}")
-        return replace(self, name=name, method="time-stepping", step=step, scheme=scheme, solver=solver)
+        name = self.name if solver in ("coulomb", self.solver) else f"{self.name}, {solver}"
+        return replace(self, name=name, solver=solver)
 
     def companion(self, epsilon: float) -> Accuracy:
         """The record of the companion run, whose error is much smaller, or at least independent.

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.codegen.library import Library
+from modelgen.errors import SimulationError
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.core_session import CONTINUE, FULL, Session
 from modelgen.runtime.tables.ctypes_structures import KERNELS, Array, address
@@ -81,6 +82,9 @@ class SceneTables:
 def scene_tables(session: Session, kernels: str, system: Any) -> SceneTables:
     """The tables of a session that has not begun; `kernels` is the C expression of its mg_kernels, `system`
     its mg_system, or a copy with another closed_capacity."""
+    if session.settings.outer_solver:
+        found, allowed = repr(session.accuracy.solver), "coulomb, qp or relaxation, which the core has"
+        raise SimulationError("run.solver", found, allowed, "choose one of these: others need Python")
     shared = {address(array): array for array in session.shared.arrays}
     names = {at: f"table_{number}" for number, at in enumerate(shared)}
     constants = [array_text(names[at], array, "static const") for at, array in shared.items()]

@@ -13,6 +13,7 @@ from modelgen.codegen.library import Library
 from modelgen.notation import ETA_SIZE, SETTING_SIZE
 from modelgen.runtime import checkpoint
 from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.solver_choice import raise_failure, with_solver
 from modelgen.runtime.tables.array_block import by_address
 from modelgen.runtime.tables.ctypes_structures import (
     EVENT_ARRAYS,
@@ -52,7 +53,8 @@ class Session:
         self.n_shown, self.n_patch_slot = len(self.contacts), shared.n_patch_slot
         self.n_body, self.n_contact = len(self.instance["bodies"]), shared.n_contact
         self.n_x = len(shared.start)
-        self.settings = settings_of(shared.tables, accuracy, self.instance)
+        settings = settings_of(shared.tables, accuracy, self.instance)
+        self.settings = with_solver(settings, accuracy, library)
         reals, real_at = shared.reals.zeros(self.tables.dtype)
         integers, integer_at = shared.integers.zeros(INTEGER)
         self._arrays, self._addresses = reals | integers, real_at | integer_at
@@ -161,6 +163,7 @@ class Session:
         self.start_code = int(
             self.library.cdll.mg_begin(*self._head, ctypes.byref(self.events), *self._scratch)
         )
+        raise_failure(self.settings)
         return self.start_code
 
     def sense(self) -> None:
@@ -219,7 +222,9 @@ class Session:
     def advance(self, t_stop: float, max_steps: int, record: Any) -> int:
         """Runs to t_stop or for max_steps accepted steps; returns the core's code."""
         head, tail = self.advance_arguments(max_steps, record)
-        return int(self.library.cdll.mg_advance(*head, self.tables.real(t_stop), *tail))
+        code = int(self.library.cdll.mg_advance(*head, self.tables.real(t_stop), *tail))
+        raise_failure(self.settings)
+        return code
 
     def advance_arguments(self, max_steps: int, record: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
         """The arguments of mg_advance before and after t_stop, made once for many calls."""

@@ -20,6 +20,7 @@ from modelgen.runtime.core_session import FULL, MANY, Session
 from modelgen.runtime.interruptible_advance import interruptible
 from modelgen.runtime.lane_arrays import each_once, field_of, lanes_of, rows_of_lanes
 from modelgen.runtime.settings import accuracy_without_scene
+from modelgen.runtime.solver_choice import raise_failure, with_solver
 from modelgen.runtime.start import REFUSED, refusal
 from modelgen.runtime.tables.ctypes_structures import EVENT_ARRAYS, INTEGER, Array, address, settings_of
 from modelgen.runtime.tables.library_tables import library_tables
@@ -79,7 +80,10 @@ class SessionGroup:
         self._system_of = [self.like.system] * self.n if systems is None else list(systems)
         self._check_count("systems", self._system_of)
         self._settings_of = each_once(
-            lambda own: settings_of(self.like.tables, own, library.manifest.instance), self.accuracies
+            lambda own: with_solver(
+                settings_of(self.like.tables, own, library.manifest.instance), own, library
+            ),
+            self.accuracies,
         )
         self.runs, self.arrays = lanes_of(self.like, self.n)
         self.x = self.arrays["x"]
@@ -254,6 +258,8 @@ class SessionGroup:
             interruptible(share, self.arrays["stop"]) if is_long else share()
         finally:
             self.arrays["stop"][:] = 0
+        for settings in self._settings_of:
+            raise_failure(settings)
 
     def _own_scratch(self) -> _Scratch:
         """The scratch memory of the thread that asks for a lane alone."""

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
-from typing import Any, TypedDict
+from typing import Any, TypedDict, get_args
 
 from modelgen.errors import SimulationError
-from modelgen.runtime.accuracy import Accuracy
+from modelgen.runtime.accuracy import Accuracy, Solver
 from modelgen.runtime.arguments import check_name, check_step
-from modelgen.runtime.tables.ctypes_structures import LAWS, METHODS, SCHEMES
+from modelgen.runtime.solver_choice import check_solver
+from modelgen.runtime.tables.ctypes_structures import METHODS, SCHEMES
 
 
 class Stepping(TypedDict, total=False):
@@ -29,7 +30,7 @@ STEPPING = (
     "solver",
     "fallback",
 )  # keys of [run] for the time integration
-NAMES: Mapping[str, Mapping[str, int]] = {"method": METHODS, "scheme": SCHEMES, "solver": LAWS}
+NAMES: Mapping[str, Collection[str]] = {"method": METHODS, "scheme": SCHEMES, "solver": get_args(Solver)}
 
 
 def accuracy_of(
@@ -51,13 +52,13 @@ def accuracy_of(
     if method is not None and method != said.get("method"):  # what goes with another one is not meant
         said = {key: value for key, value in said.items() if key == "fallback"}
     places = dict.fromkeys(said.keys() - given.keys(), f"{source}: run.")
-    return _stepping(record, said | given, places, instance["scales"]["time"]).choosing(run)
+    return _stepping(record, said | given, places, instance).choosing(run)
 
 
 def accuracy_without_scene(instance: Mapping[str, Any], accuracy: Accuracy | str | None) -> Accuracy:
     """The record of runs that leave out what the scene says: `balanced` when None."""
     record = Accuracy.balanced() if accuracy is None else Accuracy.taken(accuracy)
-    return _stepping(record, {}, {}, instance["scales"]["time"])
+    return _stepping(record, {}, {}, instance)
 
 
 def _of_scene(run: Mapping[str, Any], source: str) -> Accuracy:
@@ -68,29 +69,31 @@ def _of_scene(run: Mapping[str, Any], source: str) -> Accuracy:
         raise SimulationError(where, error.found, error.allowed, error.remedy) from None
 
 
-def _stepping(record: Accuracy, said: Mapping[str, Any], places: Mapping[str, str], time: float) -> Accuracy:
-    """`time`: characteristic time, s."""
+def _stepping(
+    record: Accuracy, said: Mapping[str, Any], places: Mapping[str, str], instance: Mapping[str, Any]
+) -> Accuracy:
     for key, value in said.items():
         _check(key, value, places.get(key, ""))
     if "fallback" in said:
         record = replace(record, fallback=said["fallback"])
     method, step = said.get("method", record.method), said.get("step", record.step)
     known = method == record.method
-    for key in ("scheme", "solver"):
-        if key in said and method != "time-stepping":
-            raise _unfit(places, key, said[key], 'method = "time-stepping" with it')
+    if "scheme" in said and method != "time-stepping":
+        raise _unfit(places, "scheme", said["scheme"], 'method = "time-stepping" with it')
+    if "solver" in said:
+        check_solver(said["solver"], method, instance, f"{places.get('solver', '')}solver")
+        record = record.solved_by(said["solver"])
     if method == "dop853":
         if "step" in said:
             raise _unfit(places, "step", step, 'method = "rk4" or "time-stepping" with it')
         return record if known else replace(record, method="dop853", step=None)
     if step is None and known and method == "time-stepping":
-        step = record.thresholds.stepping_step * time
+        step = record.thresholds.stepping_step * instance["scales"]["time"]
     if step is None:
         raise _unfit(places, "method", method, "a fixed step with it: step = 0.001, in s, or --step 0.001")
     if method == "rk4":
         return record if known and step == record.step else record.fixed_step(step)
-    scheme, solver = said.get("scheme", record.scheme), said.get("solver", record.solver)
-    stepped = record.time_stepping(step, scheme, solver)
+    stepped = record.time_stepping(step, said.get("scheme", record.scheme), record.solver)
     return (
         replace(stepped, name=f"{record.name}, {stepped.name}") if record.step is None and known else stepped
     )

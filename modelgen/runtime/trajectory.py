@@ -188,6 +188,9 @@ class Trajectory:
     steps: int
     rejected: int
     rhs_evals: int
+    solver: str  # of complementarity problems for forces and impulses
+    solves: dict[str, int]  # how many were solved, by solver; those without friction of the core are by "qp"
+    solve_residual_max: float  # largest residual of one, of the largest velocity or acceleration in it
     wall_s: float
     energy_drift: float
     gap_max: float
@@ -309,6 +312,9 @@ class Trajectory:
             "steps": self.steps,
             "rejected": self.rejected,
             "rhs_evals": self.rhs_evals,
+            "solver": self.solver,
+            "solves": dict(self.solves),
+            "solve_residual_max": self.solve_residual_max,
             "wall_s": self.wall_s,
             "energy_drift": self.energy_drift,
             "correction_energy": self.correction_energy,

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from modelgen.runtime.accuracy import Accuracy
 from modelgen.runtime.by_name import ByName
 from modelgen.runtime.core_session import Session
+from modelgen.runtime.solver_choice import solver_of, solves_of
 from modelgen.runtime.trajectory import Event, Outcome, Trajectory, doubt_kinds
 from modelgen.runtime.warnings.time_stepping import fallback_step
 
@@ -70,6 +71,9 @@ def trajectory_of(
         steps=int(run.steps),
         rejected=int(run.rejected),
         rhs_evals=int(run.rhs_evals),
+        solver=solver_of(session.accuracy, session.instance),
+        solves=solves_of(report, session.accuracy),
+        solve_residual_max=float(report.lcp_residual_max),
         wall_s=wall_s,
         energy_drift=session.energy_drift(run),
         energy_rounding=session.energy_rounding(run),

@@ -7,6 +7,7 @@ from typing import Any
 
 from modelgen.scene.run_choices import (
     ACCURACIES,
+    APPROXIMATE,
     FORMS,
     IMPACTS,
     LEVELS,
@@ -48,7 +49,11 @@ RUN = Table(
         Field("method", Choice(METHODS), "event-driven, adaptive or not, or time-stepping; else dop853"),
         Field("step", POSITIVE, "fixed step of rk4 and time-stepping, s"),
         Field("scheme", Choice(SCHEMES), "of time-stepping; else stewart-trinkle"),
-        Field("solver", Choice(SOLVERS), "friction in time-stepping: Coulomb's law or its convex relaxation"),
+        Field(
+            "solver",
+            Choice(SOLVERS),
+            "solves for forces and impulses; else coulomb, or qp without friction",
+        ),
         Field(
             "fallback",
             Switch(),
@@ -68,8 +73,12 @@ RUN = Table(
 
 def check_run(run: Mapping[str, Any], place: Place) -> None:
     """Raise SceneError for keys of another method, and for a step that is longer than the run."""
-    for key, methods in (("step", STEPPED), ("scheme", STEPPED[1:]), ("solver", STEPPED[1:])):
-        if run[key] is not None and run["method"] not in methods:
+    stepped = [("step", STEPPED), ("scheme", STEPPED[1:])]
+    if run["solver"] in APPROXIMATE:
+        stepped += [("solver", STEPPED[1:])]
+    method = run["method"] or ("time-stepping" if run["accuracy"] == "coarse" else None)
+    for key, methods in stepped:
+        if run[key] is not None and method not in methods:
             allowed = "method = " + " or ".join(f'"{name}"' for name in methods) + " with it"
             raise place.key(key).error(repr(run[key]), allowed, "give both, or neither")
     if run["step"] is not None and run["step"] > run["until"]:

@@ -18,7 +18,11 @@ STEPPED = {**PLAIN, "method": "time-stepping", "step": 1e-3, "scheme": "moreau"}
 
 
 def chosen(run: dict[str, Any], accuracy: Accuracy | str | None = None, **own: Any) -> Accuracy:
-    return accuracy_of({"run": run, "source": "s.toml", "scales": {"time": TIME}}, accuracy, own)
+    return accuracy_of(
+        {"run": run, "source": "s.toml", "scales": {"time": TIME}, "pairs": [{"friction": [0]}]},
+        accuracy,
+        own,
+    )
 
 
 def test_a_scene_that_says_nothing_is_run_event_driven_and_may_fall_back() -> None:

@@ -313,6 +313,18 @@ MG_INTERNAL int mg_append_bilateral_rows(const mg_context *c, int *list, int n);
    solver's outcome. */
 MG_INTERNAL int mg_solve_contact_lcp(mg_context *c, int n, const mg_real *value, mg_lcp_report *report);
 
+/* chosen_solver.c */
+
+/* True if a problem is solved by the solver of the settings; its relaxation never is. */
+MG_INTERNAL int mg_has_outer_solver(const mg_context *c, const mg_friction_problem *p);
+
+/* mg_friction, or the solver of the settings in its place. */
+MG_INTERNAL int mg_solve_friction_problem(mg_context *c, const mg_friction_problem *p, mg_real *z, int *marks,
+                                          mg_friction_report *report);
+
+/* mg_solve_contact_lcp, or the solver of the settings in its place. */
+MG_INTERNAL int mg_solve_force_lcp(mg_context *c, int n, const mg_real *value, mg_lcp_report *report);
+
 /* joint_rank.c */
 
 /* Cholesky's factor of J M^-1 J^T over the joints, row by row in their order. A row of which the rows before it leave

@@ -33,7 +33,7 @@ MG_INTERNAL int mg_solve_active_set(mg_context *c, const int *skip) {
     c->rows.row_rate[i] = mg_row_acceleration(c, i);
   for (int r = 0; r < n; r++)
     c->rows.row_rate[c->lcp.rows[r]] = mg_row_acceleration(c, c->lcp.rows[r]), c->lcp.mask[r] = 1;
-  if (mg_solve_contact_lcp(c, n, c->rows.row_rate, &report) != MG_LCP_SOLVED)
+  if (mg_solve_force_lcp(c, n, c->rows.row_rate, &report) != MG_LCP_SOLVED)
     return mg_may_all_be_active(c, n) ? MG_DONE : MG_COMPLEMENTARITY;
   mg_report_residual(c->run, report.residual);
   for (int r = 0; r < n; r++) c->run->active[c->lcp.rows[r]] = c->lcp.mask[r] != 0, carrying += c->lcp.mask[r] != 0;

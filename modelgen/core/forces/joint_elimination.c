@@ -56,7 +56,7 @@ static void mg_drop_redundant_contact_rows(mg_context *c, int n, int size) {
 
 MG_INTERNAL int mg_solve_contact_lcp(mg_context *c, int n, const mg_real *value, mg_lcp_report *report) {
   const int size = mg_append_bilateral_rows(c, c->lcp.rows, n), limit = c->settings->lcp_iterations;
-  mg_report_solve(c->run);
+  mg_report_qp_solve(c->run);
   mg_assemble_delassus(c, c->lcp.rows, size);
   for (int r = 0; r < size; r++) c->lcp.b[r] = value[c->lcp.rows[r]], c->lcp.joint_mask[r] = r >= n;
   if (size == n) {

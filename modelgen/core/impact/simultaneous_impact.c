@@ -37,7 +37,7 @@ static int mg_solve_impulses(mg_context *c) {
     const int i = c->lcp.rows[r];
     c->rows.row_rate[i] = c->rows.d_dot[i] * (1 + mg_effective_restitution(c, i)), c->lcp.mask[r] = 1;
   }
-  if (mg_solve_contact_lcp(c, n, c->rows.row_rate, &report) != MG_LCP_SOLVED) return -1;
+  if (mg_solve_force_lcp(c, n, c->rows.row_rate, &report) != MG_LCP_SOLVED) return -1;
   for (int i = c->layout.support_begin; i < c->system->n_contact; i++) c->solution.impulse[i] = 0;
   const int size = mg_append_bilateral_rows(c, c->lcp.rows, n);
   for (int r = 0; r < size; r++)

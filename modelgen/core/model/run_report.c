@@ -60,7 +60,11 @@ MG_INTERNAL void mg_report_penetration(mg_run *run, int contact, mg_real depth) 
 
 MG_INTERNAL void mg_report_failed_contact(mg_run *run, int contact) { run->report.failed_contact = contact; }
 
-MG_INTERNAL void mg_report_solve(mg_run *run) { run->report.lcp_solves++; }
+MG_INTERNAL void mg_report_qp_solve(mg_run *run) { run->report.qp_solves++; }
+
+MG_INTERNAL void mg_report_friction_solve(mg_run *run) { run->report.friction_solves++; }
+
+MG_INTERNAL void mg_report_outer_solve(mg_run *run) { run->report.outer_solves++; }
 
 MG_INTERNAL void mg_report_residual(mg_run *run, mg_real residual) {
   mg_raise(&run->report.lcp_residual_max, residual);

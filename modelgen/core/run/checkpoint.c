@@ -207,7 +207,8 @@ static mg_digest mg_digest_tables(const mg_system *s) {
 static mg_digest mg_digest_settings(const mg_settings *settings) {
   mg_digest digest = mg_digest_ints(MG_DIGEST_START, MG_SETTINGS_RANGE(int, method, planar_contacts));
   digest = mg_digest_reals(digest, MG_SETTINGS_RANGE(mg_real, step, step_fraction));
-  return mg_digest_ints(digest, MG_SETTINGS_RANGE(int, lcp_iterations, chatter_closed));
+  digest = mg_digest_ints(digest, MG_SETTINGS_RANGE(int, lcp_iterations, chatter_closed));
+  return settings->outer_solver ? mg_digest_ints(digest, &settings->outer_solver->number, 1) : digest;
 }
 
 /* Header of a checkpoint of a run, without the digest of its content. */

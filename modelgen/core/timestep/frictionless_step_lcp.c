@@ -37,7 +37,7 @@ MG_INTERNAL int mg_solve_step_lcp(mg_context *c, int n, const mg_real *value, co
   if (mg_has_many_contacts_alone(c, n, tolerance)) {
     const mg_row_matrix matrix = mg_gather_rows(c, n);
     for (int r = 0; r < n; r++) c->lcp.b[r] = value[c->lcp.rows[r]], c->lcp.z[r] = guess ? guess[c->lcp.rows[r]] : 0;
-    mg_report_solve(c->run);
+    mg_report_qp_solve(c->run);
     if (mg_large_qp_solve(&matrix, c->lcp.b, tolerance, MG_MANY_ITERATIONS * c->settings->lcp_iterations, c->lcp.z,
                           report, c->lcp.work) == MG_LCP_SOLVED)
       return MG_LCP_SOLVED;

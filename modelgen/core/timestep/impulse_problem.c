@@ -75,7 +75,9 @@ static int mg_solve_frictionless_step(mg_context *c, mg_real h, mg_real per_forc
     c->rows.row_rate[i] = mg_free_spring_rate(c, i, h);
   if (*size == 0) return MG_DONE;
   for (int r = 0; r < n; r++) c->solution.impulse[c->lcp.rows[r]] = per_force * c->solution.force[c->lcp.rows[r]];
-  const int outcome = mg_solve_step_lcp(c, n, c->rows.row_rate, c->solution.impulse, 0, &report);
+  const int outcome = c->settings->outer_solver
+                          ? mg_solve_force_lcp(c, n, c->rows.row_rate, &report)
+                          : mg_solve_step_lcp(c, n, c->rows.row_rate, c->solution.impulse, 0, &report);
   if (outcome == MG_LCP_SOLVED) mg_report_residual(c->run, report.residual);
   return outcome == MG_LCP_SOLVED ? MG_DONE : MG_COMPLEMENTARITY;
 }
@@ -154,6 +156,7 @@ static int mg_solve_island_graph(mg_context *c, const mg_step_island *island, mg
     for (int side = 0; side < 2; side++)
       c->friction.row_body[2 * r + side] = mg_is_moved_by_forces(c, bodies[side]) ? bodies[side] : -1;
   }
+  mg_report_friction_solve(c->run);
   const mg_friction_graph graph = {c->system->n_body, row,        c->friction.row_body,
                                    c->rows.J,         c->rows.MJ, c->friction.row_yield};
   return mg_friction_on_graph(&island->problem, &graph, c->lcp.z + island->row, c->friction.marks + island->contact,
@@ -163,8 +166,8 @@ static int mg_solve_island_graph(mg_context *c, const mg_step_island *island, mg
 /* Impulses of an island by its matrix. Returns the outcome of mg_friction. */
 static int mg_solve_island_matrix(mg_context *c, const mg_step_island *island, mg_friction_report *report) {
   mg_assemble_delassus(c, c->lcp.rows + island->row, island->problem.n);
-  return mg_friction(&island->problem, c->lcp.z + island->row, c->friction.marks + island->contact, report,
-                     c->friction.work, c->friction.iwork);
+  return mg_solve_friction_problem(c, &island->problem, c->lcp.z + island->row, c->friction.marks + island->contact,
+                                   report);
 }
 
 /* True if an island is solved on its graph first: sweeps and Newton steps there hold joints only as well as contacts.
@@ -179,11 +182,10 @@ static int mg_is_island_large(const mg_step_island *island) {
 /* Solves the problem of an island, a large one by its graph first; a residual up to stepping_residual counts as solved,
    loosely above stepping_tolerance. Returns the outcome of mg_friction. */
 static int mg_try_friction_law(mg_context *c, const mg_step_island *island, mg_friction_report *report) {
-  const int is_large = mg_is_island_large(island);
+  const int is_large = !mg_has_outer_solver(c, &island->problem) && mg_is_island_large(island);
   int outcome = is_large ? mg_solve_island_graph(c, island, report) : MG_FRICTION_NOT_FOUND;
   if (outcome == MG_FRICTION_NOT_FOUND && (!is_large || island->problem.n <= MG_MATRIX_ISLAND) && !mg_is_stopped(c))
     outcome = mg_solve_island_matrix(c, island, report);
-  mg_report_solve(c->run);
   if (outcome != MG_FRICTION_NOT_FOUND || !(report->residual <= c->settings->stepping_residual)) return outcome;
   c->friction.is_loose = 1;
   return MG_FRICTION_SOLVED;

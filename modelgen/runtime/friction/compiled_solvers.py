@@ -102,7 +102,7 @@ def _call(
         z[:] = np.asarray(start)
     marks = np.zeros(count, dtype=np.intc)
     work, iwork = solver_scratch(cdll.mg_friction_work_size, cdll.mg_friction_iwork_size, z.dtype, n, count)
-    report = _report(z.dtype)
+    report = report_structure(z.dtype)()
     cdll.mg_friction(
         ctypes.byref(record),
         pointer(z),
@@ -143,15 +143,15 @@ def _record(
     first, rows = (np.ascontiguousarray(x, dtype=np.intc) for x in (problem.first, problem.rows))
     kept = (first, rows, cone, A, b)
     pointers = (pointer(array) for array in kept)
-    record = _problem(np.dtype(real))
+    record = problem_structure(np.dtype(real))
     return record(problem.n, len(first), LAWS.index(law), 1, *pointers, starts, 0.0), kept
 
 
 @cache
-def _problem(dtype: np.dtype[Any]) -> Any:
+def problem_structure(dtype: np.dtype[Any]) -> Any:
     """The mg_friction_problem of a real type."""
     fields = [
-        *((name, ctypes.c_int) for name in ("n", "n_contact", "law", "tell")),
+        *((name, ctypes.c_int) for name in ("n", "n_contact", "law", "wants_rank")),
         *((name, ctypes.c_void_p) for name in ("first", "rows", "cone", "A", "b")),
         ("starts", ctypes.c_int),
         ("accepted", C_REALS[dtype.char]),
@@ -162,6 +162,8 @@ def _problem(dtype: np.dtype[Any]) -> Any:
     return type("FrictionProblem", (ctypes.Structure,), {"_fields_": fields})
 
 
-def _report(dtype: np.dtype[Any]) -> Any:
+@cache
+def report_structure(dtype: np.dtype[Any]) -> Any:
+    """The mg_friction_report of a real type."""
     fields = [*((name, ctypes.c_int) for name in _COUNTS), ("residual", C_REALS[dtype.char])]
-    return type("FrictionReport", (ctypes.Structure,), {"_fields_": fields})()
+    return type("FrictionReport", (ctypes.Structure,), {"_fields_": fields})

@@ -131,6 +131,7 @@ def mpcc(problem: FrictionProblem, library: CoreLibrary, start: ArrayLike | None
             guess[problem.first] = 2 * random.random(len(problem.first))
         answer = minimise(ca.vertcat(y, speed), ca.SX(0), conditions, guess)
         iterations += answer.iterations
+        _open(problem, answer.x, S, c)
         found = residual(problem, answer.x[: problem.n] * scale, library)
         if found < value:
             best, value = answer.x, found
@@ -164,10 +165,18 @@ def _scaled(problem: FrictionProblem) -> tuple[NDArray[Any], NDArray[Any], NDArr
     return size / mobility, problem.A / mobility[:, None] / mobility, c / size
 
 
+def _open(problem: FrictionProblem, x: NDArray[Any], S: NDArray[Any], c: NDArray[Any]) -> None:
+    """Take the forces from contacts that open faster than they press: what the last relaxation has left."""
+    w = S @ x[: problem.n] + c
+    for row, rows in zip(problem.first, problem.rows, strict=True):
+        if x[row] < w[row]:
+            x[row : row + rows] = 0
+
+
 def _motions(problem: FrictionProblem, y: NDArray[Any], speed: NDArray[Any]) -> tuple[Motion, ...]:
     motions, number, small = [], 0, np.sqrt(SOLVED)
     for contact, row in enumerate(problem.first):
-        seen = Motion.PRESSES if y[row] > small else Motion.OPEN
+        seen = Motion.PRESSES if y[row] > 0 else Motion.OPEN
         for mark, _, _ in problem.discs(contact):
             if seen and speed[number] > small:
                 seen |= mark

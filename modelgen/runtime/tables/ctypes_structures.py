@@ -221,7 +221,9 @@ RUN_INTEGERS = (
     "is_passage_due",
 )
 REPORT_COUNTS = (
-    "lcp_solves",
+    "qp_solves",
+    "friction_solves",
+    "outer_solves",
     "fallbacks",
     "jams",
     "chatters",
@@ -328,7 +330,7 @@ PARAMETRISED = ("bodies", "feature_pairs", "loads", "joints", "limits")
 ROOM, ROOM_PER_BODY = 2048, 12  # rows that may be held at a time: memory grows with its square, once used
 METHODS = {"rk4": 0, "dop853": 1, "time-stepping": 2}
 SCHEMES = {"stewart-trinkle": 0, "anitescu-potra": 1, "moreau": 2}
-LAWS = {"coulomb": 0, "relaxation": 1}
+LAWS = {"relaxation": 1}  # other solvers: MG_COULOMB, 0
 IMPACT_LAWS = {"newton": 0, "poisson": 1, "stronge": 2}
 SEARCHES = ("never", "moved", "always", "ahead", "apart")  # MG_SEARCH_NEVER ..
 
@@ -354,7 +356,8 @@ class Tables:
             "Settings",
             [(n, integer) for n in SETTINGS_INTEGERS]
             + [(n, real) for n in SETTINGS_REALS]
-            + [(n, integer) for n in SETTINGS_COUNTS],
+            + [(n, integer) for n in SETTINGS_COUNTS]
+            + [("outer_solver", pointer)],
         )
         self.Report = structure(
             "Report",
@@ -624,7 +627,7 @@ def _settings(tables: Tables, accuracy: Accuracy, has_impact_law: bool) -> Any:
         value = getattr(accuracy, name) if name in OWN else getattr(accuracy.thresholds, name)
         setattr(settings, name, max(float(value), RESOLVED.get(name, 0) * epsilon))
     settings.method, settings.stepping_scheme = METHODS[accuracy.method], SCHEMES[accuracy.scheme]
-    settings.stepping_friction_law = LAWS[accuracy.solver]
+    settings.stepping_friction_law = LAWS.get(accuracy.solver, 0)
     settings.sequential = int(accuracy.impacts == "sequential")
     settings.use_gamma = int(accuracy.use_gamma)
     at_once = not (settings.sequential or has_impact_law)

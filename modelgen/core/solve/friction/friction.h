@@ -78,6 +78,14 @@ typedef struct {
   mg_real residual; /* mg_friction_residual of z */
 } mg_friction_report;
 
+/* A solver that stands in for those of the core. `solve` has the arguments and the result of mg_friction without its
+   memory; `of` is passed through. What it reports as SOLVED is taken as the solution, with its residual. */
+typedef struct {
+  int (*solve)(void *of, const mg_friction_problem *problem, mg_real *z, int *marks, mg_friction_report *report);
+  void *of;
+  int number; /* tells this solver from others where a state that was saved is loaded */
+} mg_outer_solver;
+
 /* Length of `work` for n rows and n_contact contacts, in mg_real. */
 MG_API long long mg_friction_work_size(int n, int n_contact);
 
