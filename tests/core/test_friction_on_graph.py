@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from modelgen.codegen.library import Library
 from modelgen.runtime.c_arrays import pointer
-from modelgen.runtime.friction.compiled_solvers import _record, _report, coulomb, residual
+from modelgen.runtime.friction.compiled_solvers import _record, coulomb, report_structure, residual
 from modelgen.runtime.friction.problem import FrictionProblem, Outcome
 
 Array = np.ndarray[Any, Any]
@@ -58,7 +58,11 @@ class Rows:
         graph = Graph(self.bodies, *(array.ctypes.data for array in arrays))
         record, kept = _record(problem, library, "coulomb")
         record.accepted = accepted
-        z, marks, report = np.zeros(n, dtype=real), np.zeros(k, dtype=np.intc), _report(np.dtype(real))
+        z, marks, report = (
+            np.zeros(n, dtype=real),
+            np.zeros(k, dtype=np.intc),
+            report_structure(np.dtype(real))(),
+        )
         core.mg_friction_on_graph(
             ctypes.byref(record), ctypes.byref(graph), pointer(z), pointer(marks), ctypes.byref(report),
             pointer(work), pointer(iwork),
