@@ -8,7 +8,8 @@
 MG_INTERNAL int mg_rank_joints(mg_context *c, int *rank) {
   const int n = mg_append_joint_rows(c, c->lcp.rows, 0);
   int total = 0;
-  mg_assemble_delassus(c, c->lcp.rows, n);
+  if (n > 0 && mg_are_rows_of_one_pair(c, c->lcp.rows, n)) mg_assemble_delassus_of_pair(c, c->lcp.rows, n);
+  else mg_assemble_delassus(c, c->lcp.rows, n);
   for (int r = 0; r < n; r++) {
     const mg_real own = c->contacts.is_inertial[c->lcp.rows[r]] ? 0 : c->lcp.A[r + n * r];
     mg_real left = own;
@@ -37,15 +38,24 @@ MG_INTERNAL int mg_count_dependent_joint_rows(mg_context *c) {
   return count;
 }
 
-/* J_row M^-1 J_column^T with J_row of this step and J_column of the step before. */
-static mg_real mg_delassus_with_previous(const mg_context *c, int row, int column) {
-  const mg_real *J = c->rows.J + 12 * row, *MJ = c->run->joint_response + 12 * (column - c->layout.joint_row_begin);
-  mg_real sum = 0;
-  for (int side = 0; side < 2; side++)
-    for (int other = 0; other < 2; other++)
-      if ((side ? c->contacts.f : c->contacts.o)[row] == (other ? c->contacts.f : c->contacts.o)[column])
-        sum += mg_dot6(J + 6 * side, MJ + 6 * other);
-  return sum;
+/* c->lcp.A = J M^-1 J^T over the n rows of c->lcp.rows, with J of this step on the left and J of the step before on the
+   right. */
+static void mg_set_products_with_previous(mg_context *c, int n) {
+  for (int j = 0; j < n; j++) {
+    const int column = c->lcp.rows[j], o = c->contacts.o[column], f = c->contacts.f[column];
+    const mg_real *MJ = c->run->joint_response + 12 * (column - c->layout.joint_row_begin);
+    for (int i = 0; i < n; i++) {
+      const int row = c->lcp.rows[i], bodies[2] = {c->contacts.o[row], c->contacts.f[row]};
+      mg_real sum = 0;
+      for (int side = 0; side < 2; side++) {
+        const mg_real *J = c->rows.J + 12 * row + 6 * side;
+        if (!mg_is_moved_by_forces(c, bodies[side])) continue;
+        if (o == bodies[side]) sum += mg_dot6(J, MJ);
+        if (f == bodies[side]) sum += mg_dot6(J, MJ + 6);
+      }
+      c->lcp.A[i + n * j] = sum;
+    }
+  }
 }
 
 /* True if a step has turned one of n rows so far, by some 75 degrees, that their product A with those of the step
@@ -82,11 +92,9 @@ static int mg_has_passed_dead_centre(mg_context *c) {
         lost += c->run->joint_row_independent[r] - c->lcp.joint_mask[r];
   for (int r = 0; r < n && same; r++)
     if (c->lcp.joint_mask[r]) c->lcp.rows[independent++] = c->layout.joint_row_begin + r;
-  for (int j = 0; j < independent; j++)
-    for (int i = 0; i < independent; i++)
-      c->lcp.A[i + independent * j] = mg_delassus_with_previous(c, c->lcp.rows[i], c->lcp.rows[j]);
+  mg_set_products_with_previous(c, independent);
   for (int r = 0; r < n; r++) c->run->joint_row_independent[r] = c->lcp.joint_mask[r];
-  for (int k = 0; k < 12 * n; k++) c->run->joint_response[k] = c->rows.MJ[12 * c->layout.joint_row_begin + k];
+  mg_copy_reals(c->run->joint_response, c->rows.MJ + 12 * c->layout.joint_row_begin, 12 * n);
   if (!same) return !first && lost > 0;
   return !mg_has_far_turned_row(c, c->lcp.A, independent) && mg_has_reversed_row(c->lcp.A, independent);
 }

@@ -39,14 +39,6 @@ static void mg_hold_pair(mg_context *c, int n, const mg_real *rate, mg_real *amo
   mg_solve_island(c, n, rate, amount);
 }
 
-/* True if the n rows of c->lcp.rows act on the same two bodies. */
-static int mg_is_one_pair(const mg_context *c, int n) {
-  const int *rows = c->lcp.rows, o = c->contacts.o[rows[0]], f = c->contacts.f[rows[0]];
-  for (int r = 1; r < n; r++)
-    if (c->contacts.o[rows[r]] != o || c->contacts.f[rows[r]] != f) return 0;
-  return 1;
-}
-
 /* Lists the marked contacts and joints, and where friction `sticks` its rows, in c->lcp.rows, and sets all amounts to
    zero. Returns the number of rows. */
 static int mg_list_marked_rows(mg_context *c, const int *marked, int sticks, mg_real *amount) {
@@ -74,7 +66,7 @@ static void mg_solve_listed_rows(mg_context *c, int n, const mg_real *rate, mg_r
   if (n == 1 && !c->friction.couples_normal) {
     const mg_real weight = mg_update_inverse_mass_row(c, c->lcp.rows[0]) + mg_row_yield(c, c->lcp.rows[0]);
     amount[c->lcp.rows[0]] = weight > 0 ? -rate[c->lcp.rows[0]] / weight : 0;
-  } else if (n > 0 && mg_is_one_pair(c, n)) mg_hold_pair(c, n, rate, amount);
+  } else if (n > 0 && mg_are_rows_of_one_pair(c, c->lcp.rows, n)) mg_hold_pair(c, n, rate, amount);
   else if (n > 0) {
     mg_chain_islands(c, n);
     for (int b = 0; b < c->system->n_body; b++)

@@ -38,10 +38,24 @@ static const mg_real *mg_body_half_row(const mg_context *c, const mg_real *rows,
   return rows + 12 * contact + (c->contacts.f[contact] == body ? 6 : 0);
 }
 
-MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n) {
-  c->lcp.n_assembled++;
-  for (int r = 0; r < n; r++) c->lcp.column[list[r]] = r, mg_update_inverse_mass_row(c, list[r]);
-  for (int k = 0; k < n * n; k++) c->lcp.A[k] = 0;
+MG_INTERNAL int mg_are_rows_of_one_pair(const mg_context *c, const int *list, int n) {
+  const int o = c->contacts.o[list[0]], f = c->contacts.f[list[0]];
+  for (int r = 1; r < n; r++)
+    if (c->contacts.o[list[r]] != o || c->contacts.f[list[r]] != f) return 0;
+  return 1;
+}
+
+/* Adds J MJ of one side of n listed rows, which act on the same body there. */
+static void mg_add_products_of_side(mg_context *c, const int *list, int n, int side) {
+  for (int column = 0; column < n; column++) {
+    const mg_real *MJ = c->rows.MJ + 12 * list[column] + 6 * side;
+    for (int r = 0; r < n; r++) c->lcp.A[r + n * column] += mg_dot6(c->rows.J + 12 * list[r] + 6 * side, MJ);
+  }
+}
+
+/* Adds J MJ of n listed rows, through the lists of rows of each body. */
+static void mg_add_products_by_body(mg_context *c, const int *list, int n) {
+  for (int r = 0; r < n; r++) c->lcp.column[list[r]] = r;
   for (int r = 0; r < n; r++)
     for (int side = 0; side < 2; side++) {
       const int body = side ? c->contacts.f[list[r]] : c->contacts.o[list[r]];
@@ -54,6 +68,17 @@ MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n) {
       }
     }
   for (int r = 0; r < n; r++) c->lcp.column[list[r]] = -1;
+}
+
+MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n) {
+  c->lcp.n_assembled++;
+  for (int r = 0; r < n; r++) mg_update_inverse_mass_row(c, list[r]);
+  for (int k = 0; k < n * n; k++) c->lcp.A[k] = 0;
+  if (n > 0 && mg_are_rows_of_one_pair(c, list, n)) {
+    const int o = c->contacts.o[list[0]], f = c->contacts.f[list[0]];
+    if (mg_is_moved_by_forces(c, o)) mg_add_products_of_side(c, list, n, 0);
+    if (mg_is_moved_by_forces(c, f)) mg_add_products_of_side(c, list, n, 1);
+  } else mg_add_products_by_body(c, list, n);
   for (int r = 0; r < n; r++) c->lcp.A[r + n * r] += mg_row_yield(c, list[r]);
 }
 

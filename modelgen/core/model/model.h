@@ -503,6 +503,9 @@ MG_INTERNAL mg_real mg_update_inverse_mass_row(mg_context *c, int contact);
 /* per_body += M^-1 J^T amount. */
 MG_INTERNAL void mg_add_row_response(mg_context *c, int contact, mg_real amount, mg_real *per_body);
 
+/* True if n > 0 listed rows act on the same two bodies. */
+MG_INTERNAL int mg_are_rows_of_one_pair(const mg_context *c, const int *list, int n);
+
 /* c->lcp.A = J M^-1 J^T over n listed rows, with 1 added to the diagonal of springs; uses that rows without a common
    moving body have zero entries. */
 MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n);

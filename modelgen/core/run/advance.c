@@ -241,9 +241,10 @@ MG_INTERNAL int mg_advance_followed(const mg_system *system, const mg_settings *
   const int refused = mg_apply_inputs(&c, events);
   if (refused) return refused;
   if (!(run->h > 0)) run->h = mg_first_step(&c);
+  const int is_sampled = mg_is_sample_due(record, run->t);
   mg_record_next_forces(&c, record);
   mg_record_now(&c, record);
-  if (mg_is_time_stepping(&c)) mg_recall_time_step(&c);
+  if (is_sampled && mg_is_time_stepping(&c)) mg_recall_time_step(&c);
   for (long step = 0; run->t < t_stop; step++) {
     if (step >= max_steps || mg_is_stopped(&c)) return MG_CONTINUE;
     if (run->steps_max > 0 && run->steps + run->rejected > run->steps_max) return MG_TOO_COSTLY;

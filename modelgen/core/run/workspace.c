@@ -100,22 +100,23 @@ MG_API int mg_abi(void) { return MG_ABI; }
 
 MG_API int mg_real_size(void) { return (int)sizeof(mg_real); }
 
-/* Body on which a row acts on one side, or -1: one that forces do not move, or that was counted on the other side. */
-static int mg_incident_body(const mg_context *c, int row, int side) {
-  const int o = c->contacts.o[row], f = c->contacts.f[row], body = side ? f : o;
-  return row == c->system->n_contact || !mg_is_moved_by_forces(c, body) || (side && f == o) ? -1 : body;
-}
-
-/* Lists the rows that act on each body that forces move, sorted by body. */
+/* Lists the rows that act on each body that forces move, sorted by body; a row with one body on both sides once. */
 static void mg_set_incidence(mg_context *c) {
-  const int n_body = c->system->n_body, n_row = c->layout.spring_row_end;
-  int *begin = c->islands.incident_begin, body;
+  const int n_body = c->system->n_body, n_row = c->layout.spring_row_end, probe = c->system->n_contact;
+  int *begin = c->islands.incident_begin;
   for (int b = 0; b <= n_body; b++) begin[b] = 0;
-  for (int k = 0; k < 2 * n_row; k++)
-    if ((body = mg_incident_body(c, k / 2, k % 2)) >= 0) begin[body]++;
+  for (int row = 0; row < n_row; row++) {
+    const int o = c->contacts.o[row], f = c->contacts.f[row];
+    if (row == probe) continue;
+    begin[o] += mg_is_moved_by_forces(c, o), begin[f] += f != o && mg_is_moved_by_forces(c, f);
+  }
   for (int b = 0; b < n_body; b++) begin[b + 1] += begin[b];
-  for (int k = 2 * n_row - 1; k >= 0; k--)
-    if ((body = mg_incident_body(c, k / 2, k % 2)) >= 0) c->islands.incident[--begin[body]] = k / 2;
+  for (int row = n_row - 1; row >= 0; row--) {
+    const int o = c->contacts.o[row], f = c->contacts.f[row];
+    if (row == probe) continue;
+    if (f != o && mg_is_moved_by_forces(c, f)) c->islands.incident[--begin[f]] = row;
+    if (mg_is_moved_by_forces(c, o)) c->islands.incident[--begin[o]] = row;
+  }
 }
 
 /* Divides the memory of the solvers of friction problems, which use the same one after another. */

@@ -48,10 +48,7 @@ static void mg_add_joint_accelerations(mg_context *c) {
 MG_INTERNAL void mg_set_step_geometry(mg_context *c, mg_real h) {
   const mg_system *s = c->system;
   const mg_real t = c->run->t, ahead = (1 - mg_scheme_theta(c)) * h;
-  if (ahead > 0) {
-    mg_update_poses(c, t, c->run->x);
-    mg_update_contact_rows(c, c->run->x); /* for eta_dot */
-  } else mg_update_rows_at(c, t, c->run->x);
+  MG_NEEDS_AT_RUN(c, MG_VALID_ROWS), MG_NEEDS_AT_RUN(c, MG_VALID_JOINT_ROWS), MG_NEEDS_AT_RUN(c, MG_VALID_RATES);
   mg_copy_reals(c->step.start_pose, c->bodies.pose, 12 * s->n_body);
   c->springs.are_rows = 1;
   mg_free_accelerations(c, t, c->run->x, c->step.slopes);

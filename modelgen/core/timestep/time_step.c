@@ -65,7 +65,7 @@ static void mg_note_spins(mg_context *c) {
 MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   mg_run *run = c->run;
   mg_free_accelerations(c, run->t, run->x, c->step.slopes); /* by which pairs come near */
-  mg_choose_near_pairs(c, h, 0, 1);
+  if (mg_choose_near_pairs(c, h, 0, 1)) mg_update_rows_at(c, run->t, run->x);
   const mg_real search_limit = mg_search_step_limit(c);
   if (h > search_limit) h = search_limit;
   c->search.n_abandoned = 0;

@@ -18,7 +18,8 @@ MG_INTERNAL mg_real mg_scheme_theta(const mg_context *c);
 
 /* Prepares a step h: leaves in c->bodies.acceleration the accelerations without contacts, in c->step.load_wrench the
    wrenches of the loads, in row 1 of c->step.slopes their power, all in the middle of the step; in c->step.settled the
-   positions at which rows are taken; and the rows. */
+   positions at which rows are taken; and the rows. Needs the rows of contacts and joints, and their rates, at the state
+   of the run. */
 MG_INTERNAL void mg_set_step_geometry(mg_context *c, mg_real h);
 
 /* Rate of a row at the start of the step. Joint rows follow their rotation between the rows and the start. */
