@@ -1,4 +1,5 @@
-"""The right-hand side of a small scene as one expression, with all contacts held closed and sticking.
+"""The right-hand side of a small scene as one expression, with all contacts held closed and sticking, or of
+bodies on one joint.
 
 M a = f + J^T lambda and J a + gamma = 0 give (J M^-1 J^T) lambda = -(J a_free + gamma) and
 a = a_free + M^-1 J^T lambda (Section 3). It serves proofs and instruction counts, and the stages of steps.
@@ -26,7 +27,7 @@ MAX_CONTACTS = 4
 def why_not_closed(model: Model) -> str:
     """Reasons why a scene has no right-hand side as one expression; empty if it has one."""
     if model.joints:
-        return f"joint {model.joints[0].name!r}"
+        return _why_not_closed_with_joints(model)
     if len(model.pairs) > MAX_CONTACTS:
         return f"{len(model.pairs)} contacts"
     for pair in model.pairs:
@@ -40,12 +41,23 @@ def why_not_closed(model: Model) -> str:
     return ""
 
 
+def _why_not_closed_with_joints(model: Model) -> str:
+    """The same of a scene with joints: their rows must be independent of all others."""
+    first = model.joints[0]
+    kind = model.joint_kinds[first.kind]
+    if len(model.joints) + len(model.pairs) + len(model.limits) > 1:
+        return f"joint {first.name!r}, which is not the only constraint"
+    if kind.motion is not None or kind.armature:
+        return f"joint {first.name!r} has a prescribed motion or an armature"
+    return ""
+
+
 def closed_right_hand_side(model: Model, functions: Functions) -> ca.Function:
     """`mg_rhs`: (t, q, u, eta, gravity, parameters) -> (qdot, udot, eta_dot, force N or N m).
 
     Of a pair that more than one contact follows, the first is closed, and sticks; the eta of the others
-    stay. `force`: normal forces by pair, then those of the friction rows of these contacts. `parameters`
-    are without coefficients of friction.
+    stay. `force`: normal forces by pair, then those of the friction rows of these contacts, or those of
+    the rows of the joint. `parameters` are without coefficients of friction.
     """
     solved = in_mode(model, functions, held_mode(model), slip_speeds(model), ca.SX)
     scene, found = solved.scene, solved.found
@@ -74,11 +86,12 @@ def equations_of_forces(model: Model, functions: Functions) -> ca.Function:
 
 
 def _held_rows(scene: WrittenScene) -> list[int]:
-    """The normal row of the first contact of each pair, then the friction rows of these contacts."""
+    """The normal row of the first contact of each pair, the friction rows of these contacts, joint rows."""
     friction = friction_of_contacts(scene.model)
     firsts = [pair.contacts[0] for pair in scene.model.pairs]
-    rows = enumerate(scene.rows.rows)
-    return firsts + [k for k, row in rows if row.kind == "friction" and friction[row.owner][0] in firsts]
+    rows = list(enumerate(scene.rows.rows))
+    below = [k for k, row in rows if row.kind == "friction" and friction[row.owner][0] in firsts]
+    return firsts + below + [k for k, row in rows if row.kind == "joint"]
 
 
 def _arguments(scene: WrittenScene) -> dict[str, ca.SX]:

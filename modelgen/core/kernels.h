@@ -231,8 +231,8 @@ typedef struct {
 
   /* Right-hand side of the whole scene in one mode: of each pair the first contact carries force and sticks, no other
      contact is on a feature pair. q_dot, u_dot, eta_dot, and the normal force of each pair [n_pair], then those of the
-     friction rows of these contacts, N, N m. kind is 0. 0: not generated; only for scenes without joints, loads, driven
-     bodies and resting faces. */
+     friction rows of these contacts and of the rows of joints, N, N m. kind is 0. 0: not generated; only for scenes
+     without loads, driven bodies and resting faces, and with no joint or nothing but one. */
   void (*scene_rhs)(int kind, const mg_real *t, const mg_real *q, const mg_real *u, const mg_real *eta,
                     const mg_real *gravity, const mg_real *parameters, mg_real *qdot, mg_real *udot, mg_real *eta_dot,
                     mg_real *force);

@@ -9,6 +9,7 @@ from modelgen import Accuracy, build, derive, emit, read, require, simulate
 from modelgen.codegen.library import Library
 from modelgen.runtime.core_session import Session
 from modelgen.runtime.trajectory import Trajectory
+from modelgen.scene import python_scenes as make
 from modelgen.scene.read import read_text
 from tests.running import SCENES, library_of, scene_of
 
@@ -118,3 +119,32 @@ def test_scenes_with_loads_have_none() -> None:
     assert "mg_rhs" in package.manifest.composed
     assert ".scene_rhs" not in package.files["model.c"]
     assert ".scene_rhs" in emit(derive(require(read(SCENES / "ellipsoid_on_plane.toml")))).files["model.c"]
+
+
+def hung(kind: str, push: bool, inertia: float = 0.01) -> Library:
+    """A body on one joint to the world, 0.5 m from its centre of mass."""
+    body = make.dynamic(
+        "rod", mass=1.0, inertia=[0.6 * inertia, inertia, 0.9 * inertia], position=[0.5, 0.1, -0.2]
+    )
+    joint = {"name": "held", "kind": kind, "between": ["world", "rod"], "rpy": [0.3, 0.2, 0.1]}
+    keys = {"force": [{"body": "rod", "force": ["0*vx", "0", "0"]}]} if push else {}
+    return library_of(make.scene("hung", [body], joint=[joint], **keys))
+
+
+@pytest.mark.parametrize("kind", ["revolute", "spherical", "cylindrical", "universal"])
+def test_a_body_on_one_joint_moves_as_by_the_kernels(kind: str) -> None:
+    libraries = [hung(kind, push) for push in (False, True)]
+    assert ["mg_rhs" in library.manifest.functions for library in libraries] == [True, False]
+    own, other = (simulate(each, until=1.0, accuracy=Accuracy.tight(), samples=20) for each in libraries)
+    assert own.steps == other.steps
+    np.testing.assert_allclose(own.p, other.p, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(own.joint_force, other.joint_force, rtol=0, atol=1e-10)
+
+
+def test_badly_conditioned_rows_of_a_joint_take_the_kernels_of_the_kinds() -> None:
+    """Nearly a point mass on a long arm; the composed right-hand side does not refine its forces."""
+    own, other = (
+        simulate(hung("revolute", push, 1e-6), until=1.0, accuracy=Accuracy.tight(), samples=20)
+        for push in (False, True)
+    )
+    np.testing.assert_array_equal(own.p, other.p)

@@ -12,6 +12,7 @@ from modelgen import derive, read, require
 from modelgen.composition.all_sticking_dynamics import why_not_closed
 from modelgen.composition.constraint_forces import eliminated
 from modelgen.derivation import Derivation
+from modelgen.scene import python_scenes as make
 from modelgen.scene.read import read_text
 from modelgen.verification.right_hand_side import check_rhs
 from tests.model.scenes import WIDE
@@ -141,6 +142,26 @@ def test_friction_has_a_closed_form_at_one_contact_without_direction(
     text = (SCENES / "rolling_ellipsoid.toml").read_text()
     model = require(read_text(text.replace("friction = 1.0", f"friction = {friction}") + more, "varied.toml"))
     found = why_not_closed(model)
+    assert why in found
+    assert bool(found) == bool(why)
+
+
+@pytest.mark.parametrize(
+    ("joint", "more", "why"),
+    [
+        ({}, {}, ""),
+        ({"limits": [-1.0, 1.0]}, {}, "only constraint"),
+        ({"armature": 0.1}, {}, "armature"),
+        ({"motion": "t"}, {}, "prescribed"),
+        ({}, {"contact": [{"between": ["rod", "table"]}]}, "only constraint"),
+    ],
+)
+def test_one_joint_alone_has_a_closed_form(joint: dict[str, Any], more: dict[str, Any], why: str) -> None:
+    rod = make.dynamic("rod", make.sphere(0.05), mass=1.0, inertia=[0.1, 0.2, 0.3], position=[0.5, 0.0, 0.4])
+    hinge = {"name": "hinge", "kind": "revolute", "between": ["world", "rod"], **joint}
+    found = why_not_closed(
+        require(make.scene("hung", [make.fixed("table", make.plane()), rod], joint=[hinge], **more))
+    )
     assert why in found
     assert bool(found) == bool(why)
 

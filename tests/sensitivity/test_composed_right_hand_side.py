@@ -17,6 +17,19 @@ NAMES = (
     *("rolling_ellipsoid", "coin", "tippe_top", "rolling_disc"),  # slip, spin and rolling held
 )
 AGREE = 1e-11  # relative
+HUNG = """
+[[body]]
+name = "rod"
+mass = 1.0
+inertia = [0.2, 0.3, 0.4]
+position = [0.5, 0.1, 0.2]
+
+[[joint]]
+name = "hinge"
+kind = "revolute"
+between = ["world", "rod"]
+rpy = [0.1, 0.2, 0.3]
+"""
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -26,6 +39,11 @@ def test_tangent_and_adjoint(name: str) -> None:
 
 def test_tangent_and_adjoint_of_two_contacts() -> None:
     assert_derivatives((SCENES / "ellipsoid_on_plane.toml").read_text() + SECOND)
+
+
+@pytest.mark.parametrize("kind", ["revolute", "spherical", "cylindrical"])
+def test_tangent_and_adjoint_of_a_body_on_one_joint(kind: str) -> None:
+    assert_derivatives(HUNG.replace("revolute", kind))
 
 
 def assert_derivatives(text: str) -> None:
@@ -43,7 +61,9 @@ def assert_derivatives(text: str) -> None:
         [ca.jtimes(slope, ca.vertcat(x, gravity, parameters), ca.vertcat(*given))],
     )
 
-    entries = [value for entry in (*model.bodies, *model.feature_pairs) for value in entry.parameters]
+    entries = [
+        value for entry in (*model.bodies, *model.feature_pairs, *model.joints) for value in entry.parameters
+    ]
     state = np.concatenate([model.initial_q, random.normal(size=model.n_u), random.normal(size=model.n_eta)])
     place = (state * (1 + 0.1 * random.normal(size=state.size)), random.normal(size=3), np.array(entries))
     change = [random.normal(size=each.size) for each in place]

@@ -249,7 +249,8 @@ MG_INTERNAL mg_real mg_prescribed_motion_power(const mg_context *c);
    accelerations of the context. */
 MG_INTERNAL void mg_right_hand_side(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot);
 
-/* True if the scene has a composed right-hand side, and the run is in its mode. */
+/* True if the scene has a composed right-hand side, and the run is in its mode. That solves for the forces of a joint
+   without pivots or refinement: where its rows were badly conditioned at the last right-hand side, the run is not. */
 MG_INTERNAL int mg_is_in_mode_of_scene_rhs(const mg_context *c);
 
 /* Number of the forces that the composed right-hand side gives. */
@@ -290,6 +291,9 @@ MG_INTERNAL int mg_has_slip_coupling(const mg_context *c, const int *list, int n
 MG_INTERNAL void mg_couple_slip_to_normal_columns(mg_context *c, const int *list, int n);
 
 /* row_refinement.c */
+
+/* True if rows whose scaled matrix has this least pivot need no refinement. */
+MG_INTERNAL int mg_are_rows_well_conditioned(mg_real least_pivot);
 
 /* Corrects the amounts of the n rows of c->islands.rows, which J M^-1 J^T amount = -rate gave, to rounding if the least
    pivot of the scaled matrix is small; notes how uncertain rounding leaves them. `slips`: slip was coupled to the

@@ -255,13 +255,17 @@ static int mg_are_rows_independent(const mg_context *c, mg_row_factors *s) {
   return mg_factor_weighted_rows(c, s, 1, sqrt(MG_LCP_RANK(s->n)));
 }
 
+MG_INTERNAL int mg_are_rows_well_conditioned(mg_real least_pivot) {
+  return least_pivot > (mg_real)MG_BADLY_CONDITIONED;
+}
+
 MG_INTERNAL void mg_refine_rows(mg_context *c, int n, int slips, int rank, const mg_real *rate, mg_real pivot,
                                 mg_real *amount) {
   MG_REQUIRE(mg_are_inverse_mass_rows_valid(c, c->islands.rows, n));
   mg_row_factors s;
   const int *rows = c->islands.rows;
   mg_real change = 0, last = MG_MAX;
-  if (rank == n && pivot > (mg_real)MG_BADLY_CONDITIONED) {
+  if (rank == n && mg_are_rows_well_conditioned(pivot)) {
     c->lcp.rounding = mg_max(c->lcp.rounding, MG_ROUNDING_FACTOR * (mg_real)n * (mg_real)n * MG_EPS / pivot);
     return;
   }

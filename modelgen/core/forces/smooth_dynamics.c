@@ -21,6 +21,7 @@ static void mg_solve_island(mg_context *c, int n, const mg_real *rate, mg_real *
   const int rank = mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask,
                                    c->system->n_joint_row ? c->settings->joint_rank_tolerance : 0, c->lcp.z,
                                    c->lcp.work, c->lcp.iwork, &pivot);
+  c->lcp.least_pivot = mg_min(c->lcp.least_pivot, rank == n ? pivot : 0);
   for (int r = 0; r < n; r++) amount[c->islands.rows[r]] = c->lcp.z[r];
   mg_refine_rows(c, n, 0, rank, rate, pivot, amount);
 }
@@ -79,7 +80,7 @@ static void mg_solve_listed_rows(mg_context *c, int n, const mg_real *rate, mg_r
 static void mg_solve_contact_forces(mg_context *c) {
   c->friction.couples_normal = c->system->n_friction > 0;
   if (c->friction.couples_normal) mg_set_slip_force_ratios(c);
-  c->patches.pressure_rounds = c->lcp.n_assembled = 0, c->lcp.rounding = 0;
+  c->patches.pressure_rounds = c->lcp.n_assembled = 0, c->lcp.rounding = 0, c->lcp.least_pivot = 1;
   const int n = mg_list_marked_rows(c, c->run->active, 1, c->solution.force);
   for (int r = 0; r < n; r++) c->rows.row_rate[c->lcp.rows[r]] = mg_row_acceleration(c, c->lcp.rows[r]);
   mg_solve_listed_rows(c, n, c->rows.row_rate, c->solution.force);
@@ -88,7 +89,7 @@ static void mg_solve_contact_forces(mg_context *c) {
   for (int r = 0; r < n; r++)
     mg_add_row_response(c, c->lcp.rows[r], c->solution.force[c->lcp.rows[r]], c->bodies.acceleration);
   if (c->friction.couples_normal) mg_apply_slip_forces(c);
-  c->friction.couples_normal = 0;
+  c->friction.couples_normal = 0, c->solution.least_pivot = c->lcp.least_pivot;
   mg_report_force_rounding(c->run, c->lcp.rounding);
 }
 
@@ -155,6 +156,7 @@ MG_INTERNAL int mg_is_in_mode_of_scene_rhs(const mg_context *c) {
   const mg_system *s = c->system;
   if (!c->kernels->scene_rhs || !c->settings->use_gamma || c->listed.has_candidates) return 0;
   if (s->n_friction && c->run->forces_redundant) return 0;
+  if (s->n_joint && !mg_are_rows_well_conditioned(c->solution.least_pivot)) return 0;
   for (int pair = 0; pair < s->n_pair; pair++)
     for (int i = s->pair_contact[pair]; i < s->pair_contact[pair + 1]; i++) {
       const int is_first = i == s->pair_contact[pair];
@@ -167,7 +169,7 @@ MG_INTERNAL int mg_is_in_mode_of_scene_rhs(const mg_context *c) {
 
 MG_INTERNAL int mg_scene_force_count(const mg_context *c) {
   const mg_system *s = c->system;
-  int count = s->n_pair;
+  int count = s->n_pair + s->n_joint_row;
   for (int pair = 0; pair < s->n_pair && s->n_friction; pair++)
     for (int g = s->contact_friction[s->pair_contact[pair]]; g < s->contact_friction[s->pair_contact[pair] + 1]; g++)
       count += mg_friction_row_count(c, g);
@@ -183,6 +185,7 @@ MG_INTERNAL void mg_set_scene_forces(mg_context *c, const mg_real *force) {
       for (int k = 0; k < mg_friction_row_count(c, g); k++)
         c->solution.force[mg_first_friction_row(c, i, g) + k] = *force++;
   }
+  for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++) c->solution.force[i] = *force++;
 }
 
 MG_INTERNAL void mg_stage_right_hand_side(mg_context *c, int is_composed, mg_real t, const mg_real *x, mg_real *x_dot) {

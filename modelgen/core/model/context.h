@@ -162,21 +162,23 @@ typedef struct {
 
 /* Complementarity problem over listed rows, and memory of its solvers. */
 typedef struct {
-  mg_real *A;         /* [n n] J M^-1 J^T of the listed rows, column-major */
-  mg_real *b;         /* [n] right-hand side */
-  mg_real *z;         /* [n] solution */
-  mg_real *work;      /* [mg_lcp_work_size(n)] memory of the solvers */
-  mg_real *reduced_A; /* [k k] A after the elimination of bilateral rows */
-  mg_real *reduced_b; /* [k] b after the elimination of bilateral rows */
-  mg_real *reduced_z; /* [n] forces of the bilateral rows */
-  int *rows;          /* [n] row of each unknown */
-  int *mask;          /* [n] active set of the unknowns */
-  int *iwork;         /* [mg_lcp_iwork_size(n)] memory of the solvers */
-  int *joint_mask;    /* [n] bilateral rows; of joint rows alone: the independent ones */
-  int *column;        /* [per row] its column in A, else -1 */
-  mg_real rounding;   /* largest relative error that rounding may have made in the forces of the contacts sought */
-  int n_assembled;    /* matrices assembled since the last right-hand side began */
-  int keeps_matrix;   /* 1: A is that of all rows, which are not assembled again */
+  mg_real *A;          /* [n n] J M^-1 J^T of the listed rows, column-major */
+  mg_real *b;          /* [n] right-hand side */
+  mg_real *z;          /* [n] solution */
+  mg_real *work;       /* [mg_lcp_work_size(n)] memory of the solvers */
+  mg_real *reduced_A;  /* [k k] A after the elimination of bilateral rows */
+  mg_real *reduced_b;  /* [k] b after the elimination of bilateral rows */
+  mg_real *reduced_z;  /* [n] forces of the bilateral rows */
+  int *rows;           /* [n] row of each unknown */
+  int *mask;           /* [n] active set of the unknowns */
+  int *iwork;          /* [mg_lcp_iwork_size(n)] memory of the solvers */
+  int *joint_mask;     /* [n] bilateral rows; of joint rows alone: the independent ones */
+  int *column;         /* [per row] its column in A, else -1 */
+  mg_real rounding;    /* largest relative error that rounding may have made in the forces of the contacts sought */
+  mg_real least_pivot; /* least pivot of the scaled matrices of islands since the last right-hand side began; 0: rows
+                          are dependent */
+  int n_assembled;     /* matrices assembled since the last right-hand side began */
+  int keeps_matrix;    /* 1: A is that of all rows, which are not assembled again */
 } mg_lcp_workspace;
 
 /* Islands: sets of rows that share moving bodies. */
@@ -451,8 +453,9 @@ typedef struct {
 
 /* Solution of the rows. */
 typedef struct {
-  mg_real *force;   /* [per row] N or N m */
-  mg_real *impulse; /* [per row] N s or N m s */
+  mg_real *force;      /* [per row] N or N m */
+  mg_real *impulse;    /* [per row] N s or N m s */
+  mg_real least_pivot; /* c->lcp.least_pivot of the last right-hand side by the kernels of the kinds; 0: none yet */
 } mg_row_solution;
 
 #ifdef MG_DEBUG
