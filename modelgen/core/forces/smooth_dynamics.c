@@ -136,6 +136,7 @@ static void mg_right_hand_side_on_branches(mg_context *c, mg_real t, const mg_re
 
 MG_INTERNAL void mg_right_hand_side(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot) {
   mg_slide slide;
+  c->step.is_end_evaluated = 0;
   mg_begin_slide(c, &slide);
   do {
     mg_right_hand_side_on_branches(c, t, x, x_dot);
@@ -197,6 +198,7 @@ MG_INTERNAL void mg_stage_right_hand_side(mg_context *c, int is_composed, mg_rea
   }
   c->kernels->scene_rhs(0, &t, x, x + s->n_q, eta, s->gravity, s->parameters, x_dot, x_dot + s->n_q,
                         x_dot + s->n_q + s->n_u, c->rows.row_rate);
+  c->step.is_end_evaluated = 0;
   x_dot[c->layout.work_state] = 0;
   mg_set_scene_forces(c, c->rows.row_rate);
   c->run->rhs_evals++;

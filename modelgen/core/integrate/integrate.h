@@ -197,6 +197,10 @@ MG_INTERNAL mg_real mg_try_step(mg_context *c, mg_real t, const mg_real *x, mg_r
 /* Evaluates slope, forces and gap rates at the end of the step, after normalising quaternions. */
 MG_INTERNAL void mg_finish_step(mg_context *c, mg_real t, mg_real h);
 
+/* mg_evaluate_run_state at a state that has just been accepted; where that is the end of the step to the last bit, by
+   what mg_finish_step has evaluated there. */
+MG_INTERNAL void mg_evaluate_accepted_state(mg_context *c);
+
 /* Makes the cubic Hermite interpolant of the step; a collocated step has an interpolant already. */
 MG_INTERNAL void mg_make_cubic_interpolant(mg_context *c, const mg_real *x, mg_real h);
 

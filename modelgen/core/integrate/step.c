@@ -38,6 +38,30 @@ MG_INTERNAL void mg_finish_step(mg_context *c, mg_real t, mg_real h) {
   mg_right_hand_side(c, t + h, c->step.end, c->step.slopes + mg_end_slope_row(c) * c->layout.n_states);
   mg_update_gap_rates(c);
   MG_NOTE(c, MG_VALID_END_SLOPE, t + h, c->step.end);
+  c->step.end_time = t + h;
+  c->step.is_end_evaluated = !mg_is_collocated(c) && !c->system->n_switch && !c->system->n_patch_slot;
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) c->step.end_gap[i] = c->rows.d[i];
+}
+
+/* True if the state of the run is that at the end of the step, at which the context is evaluated. */
+static int mg_is_run_at_evaluated_end(const mg_context *c) {
+  if (!c->step.is_end_evaluated || c->run->t != c->step.end_time) return 0;
+  for (int range = 0; range < c->listed.n_range; range++)
+    for (int i = mg_range_begin(c, range); i < mg_range_end(c, range); i++)
+      if (c->run->x[i] != c->step.end[i]) return 0;
+  return 1;
+}
+
+MG_INTERNAL void mg_evaluate_accepted_state(mg_context *c) {
+  if (!mg_is_run_at_evaluated_end(c)) {
+    mg_evaluate_run_state(c);
+    return;
+  }
+  MG_NEEDS_AT_RUN(c, MG_VALID_FORCES), MG_NEEDS_AT_RUN(c, MG_VALID_RATES), MG_NEEDS_AT_RUN(c, MG_VALID_TWISTS);
+  mg_copy_states(c, c->step.slopes + mg_end_slope_row(c) * c->layout.n_states, c->step.slopes);
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
+    c->rows.d[i] = c->step.end_gap[i], c->run->force[i] = c->solution.force[i];
+  MG_NOTE_WITH(c, MG_VALID_SLOPE, MG_VALID_FORCES);
 }
 
 MG_INTERNAL void mg_make_cubic_interpolant(mg_context *c, const mg_real *x, mg_real h) {
@@ -53,6 +77,7 @@ MG_INTERNAL void mg_make_cubic_interpolant(mg_context *c, const mg_real *x, mg_r
 }
 
 MG_INTERNAL void mg_make_interpolant(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
+  c->step.is_end_evaluated = 0; /* it is there to look at other states */
   if (c->settings->method != MG_DOP853) mg_make_cubic_interpolant(c, x, h);
   else if (!mg_is_collocated(c)) mg_dop853_dense(c, t, x, h);
   MG_NOTE_DIGEST(c, MG_VALID_INTERPOLANT, mg_step_digest(c, t, x, h));

@@ -340,6 +340,7 @@ typedef struct {
                                        start, then states, then slopes of the stages */
   mg_real *stage;                   /* [n_states] state at a stage or on the interpolant */
   mg_real *end;                     /* [n_states] state at the end of the step */
+  mg_real *end_gap;                 /* [per contact] gap there, by its rows */
   mg_real *settled;                 /* [n_states] state at the end with eta corrected; in time-stepping: state at which
                                        rows are taken */
   mg_real *scale;                   /* [n_states] size of each state, against which its error is measured */
@@ -354,10 +355,13 @@ typedef struct {
                             angles of slip; none in a scene without friction */
   mg_real slip_limit;    /* longest explicit step after the start of slip, s */
   mg_real stop_time;     /* t_stop of mg_advance, s */
+  mg_real end_time;      /* time of `end`, s */
   mg_real error;         /* error of the step tried last, over the tolerance */
-  int stiff_failures;    /* collocations of stiff slip that have failed at this state */
-  int sign_changed;      /* 1: an event function had changed sign at a stage */
-  int beyond_margin;     /* 1: a pair of shapes that is left out could have met at a stage */
+  int is_end_evaluated; /* 1: rows, rates, forces and accelerations are those at `end` and the modes of the run, but for
+                           the gaps, which end_gap keeps */
+  int stiff_failures;   /* collocations of stiff slip that have failed at this state */
+  int sign_changed;     /* 1: an event function had changed sign at a stage */
+  int beyond_margin;    /* 1: a pair of shapes that is left out could have met at a stage */
   mg_follower *follower; /* or null */
 } mg_step_workspace;
 

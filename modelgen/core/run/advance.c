@@ -47,10 +47,12 @@ static void mg_accept_state(mg_context *c, mg_real h) {
   mg_finish_slip_onsets(c), mg_forget_stiff_slip(c);
 }
 
-/* Evaluates the right-hand side at the new state, and projects drift if it is due. Returns an outcome. */
-static int mg_control_drift(mg_context *c) {
+/* Evaluates the right-hand side at the new state, and projects drift if it is due. An evaluation at an event is part of
+   the cost of that. Returns an outcome. */
+static int mg_control_drift(mg_context *c, int event) {
   if (!mg_are_states_finite(c, c->run->x)) return MG_NOT_FINITE;
-  mg_evaluate_run_state(c);
+  if (event) mg_evaluate_run_state(c);
+  else mg_evaluate_accepted_state(c);
   if (c->step.follower) c->step.follower->settle(c, c->step.follower->of);
   if (!c->settings->project || ++c->run->since_projection < c->settings->project) return MG_DONE;
   c->run->since_projection = 0;
@@ -129,7 +131,7 @@ static int mg_shorten_collocated_step(mg_context *c, mg_real *h, mg_real end) {
 static int mg_finish_accepted_step(mg_context *c, mg_real h, int event, mg_record *record, mg_events *events) {
   mg_record_until(c, record, h, event);
   mg_accept_state(c, h);
-  int outcome = mg_control_drift(c);
+  int outcome = mg_control_drift(c, event);
   if (outcome) return outcome;
   if (event && mg_follow_touching_minima(c, events, h)) mg_evaluate_run_state(c);
   if (event) outcome = mg_change_mode(c, events);

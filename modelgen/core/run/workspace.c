@@ -234,7 +234,7 @@ static void mg_set_arrays(mg_context *c, mg_memory *memory) {
   c->lcp.reduced_A = mg_reserve_reals(memory, k * k), c->lcp.reduced_b = mg_reserve_reals(memory, k),
   c->lcp.reduced_z = mg_reserve_reals(memory, n);
   c->step.slopes = mg_reserve_reals(memory, MG_STAGES * x), c->step.end = mg_reserve_reals(memory, x),
-  c->step.stage = mg_reserve_reals(memory, x);
+  c->step.stage = mg_reserve_reals(memory, x), c->step.end_gap = mg_reserve_reals(memory, m);
   c->step.load_wrench = mg_reserve_reals(memory, 6 * b), c->step.pose = mg_reserve_reals(memory, 12 * b),
   c->step.start_pose = mg_reserve_reals(memory, 12 * b);
   c->step.settled = mg_reserve_reals(memory, x), c->step.scale = mg_reserve_reals(memory, x);
@@ -355,8 +355,8 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
   mg_fill_scratch(c, system, work, iwork);
   c->system = system, c->kernels = system->kernels, c->settings = settings, c->run = run;
   c->layout.n_states = (int)mg_state_count(system), c->layout.work_state = c->layout.n_states - 1,
-  c->step.sign_changed = c->events.passage.is_paused = 0, c->patches.hull_patch = -1, c->step.follower = 0,
-  c->lcp.keeps_matrix = c->lcp.n_assembled = 0, c->solution.least_pivot = 0;
+  c->step.sign_changed = c->step.is_end_evaluated = c->events.passage.is_paused = 0, c->patches.hull_patch = -1,
+  c->step.follower = 0, c->lcp.keeps_matrix = c->lcp.n_assembled = 0, c->solution.least_pivot = 0;
   c->layout.limit_pair_begin = mg_first_limit_pair(system);
   c->layout.limit_begin = system->pair_contact[c->layout.limit_pair_begin];
   c->layout.support_begin = system->n_contact - 3 * system->n_patch_slot,
