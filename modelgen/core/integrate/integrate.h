@@ -237,8 +237,8 @@ MG_INTERNAL int mg_is_sample_due(const mg_record *record, mg_real t);
    which it is taken. */
 MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h, int is_event);
 
-/* Appends the samples that are due at run->t. Needs the rows at run->x if there are any; the end of a run may have
-   moved run->t by its rounding since. */
+/* Appends the samples that are due at run->t. Needs the rows at run->x if there are any; the end of a run may have moved
+   run->t by its rounding since. */
 MG_INTERNAL void mg_record_now(mg_context *c, mg_record *record);
 
 /* time_function_sampling.c */
