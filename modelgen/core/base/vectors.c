@@ -3,9 +3,9 @@
 #include "base/base.h"
 
 MG_INTERNAL int mg_all_finite(int count, const mg_real *x) {
-  int nonfinite_count = 0;
-  for (int i = 0; i < count; ++i) nonfinite_count |= !(fabs(x[i]) <= MG_MAX);
-  return !nonfinite_count;
+  for (int i = 0; i < count; ++i)
+    if (!(fabs(x[i]) <= MG_MAX)) return 0;
+  return 1;
 }
 
 MG_INTERNAL mg_real mg_max_abs(int count, const mg_real *x) {

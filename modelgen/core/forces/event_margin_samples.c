@@ -16,9 +16,9 @@ MG_INTERNAL void mg_sample_event_margins(mg_context *c, int sample) {
   const mg_system *s = c->system;
   const mg_event_margin *now = mg_event_margins_of_sample(c, MG_MARGIN_SAMPLES);
   mg_event_margin *taken = mg_event_margins_of_sample(c, sample), *constraints = taken + s->n_contact;
+  const mg_real slack = mg_force_tolerance(c);
   for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
-    taken[i].lower =
-        c->run->closed[i] && c->run->active[i] ? c->solution.force[i] + mg_acceleration_tolerance(c) * s->mass : MG_MAX;
+    taken[i].lower = c->run->closed[i] && c->run->active[i] ? c->solution.force[i] + slack : MG_MAX;
     taken[i].upper = taken[i].lower;
     for (int g = s->contact_friction[i]; g < s->contact_friction[i + 1]; g++)
       constraints[g].lower = constraints[g].upper = mg_friction_event_margin(c, i, g);

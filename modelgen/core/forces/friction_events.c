@@ -36,10 +36,9 @@ MG_INTERNAL mg_real mg_friction_event_value(const mg_context *c, int contact, in
 MG_INTERNAL mg_real mg_friction_event_margin(const mg_context *c, int contact, int constraint) {
   const int mode = c->run->friction_mode[constraint];
   if (!c->run->active[contact] || mode == MG_FRICTION_OFF) return MG_MAX;
-  const mg_real rest = mg_slip_velocity_tolerance(c, constraint),
-                slack = mg_acceleration_tolerance(c) * c->system->mass;
-  const mg_real least = mode == MG_STICKING ? -slack : mode == MG_SLIPPING ? rest : -2 * rest;
-  return mg_friction_event_value(c, contact, constraint) - least;
+  if (mode == MG_STICKING) return mg_friction_force_margin(c, contact, constraint) + mg_force_tolerance(c);
+  const mg_real rest = mg_slip_velocity_tolerance(c, constraint);
+  return mg_friction_event_value(c, contact, constraint) - (mode == MG_SLIPPING ? rest : -2 * rest);
 }
 
 /* True if the event of a friction constraint has triggered. */

@@ -63,7 +63,7 @@ MG_INTERNAL int mg_solve_contact_lcp(mg_context *c, int n, const mg_real *value,
     mg_qp(n, c->lcp.A, c->lcp.b, limit, c->lcp.z, c->lcp.mask, report, c->lcp.work, c->lcp.iwork);
     return report->outcome;
   }
-  mg_eliminate_joints(c, n, size);
+  if (n > 0) mg_eliminate_joints(c, n, size);
   mg_drop_redundant_contact_rows(c, n, size);
   mg_qp(n, c->lcp.reduced_A, c->lcp.reduced_b, limit, c->lcp.z, c->lcp.mask, report, c->lcp.work, c->lcp.iwork);
   for (int j = 0; j < n; j++)

@@ -182,9 +182,10 @@ MG_INTERNAL void mg_set_scene_forces(mg_context *c, const mg_real *force) {
   for (int pair = 0; pair < s->n_pair; pair++) c->solution.force[s->pair_contact[pair]] = *force++;
   for (int pair = 0; pair < s->n_pair && s->n_friction; pair++) {
     const int i = s->pair_contact[pair];
-    for (int g = s->contact_friction[i]; g < s->contact_friction[i + 1]; g++)
-      for (int k = 0; k < mg_friction_row_count(c, g); k++)
-        c->solution.force[mg_first_friction_row(c, i, g) + k] = *force++;
+    for (int g = s->contact_friction[i]; g < s->contact_friction[i + 1]; g++) {
+      mg_real *own = c->solution.force + mg_first_friction_row(c, i, g);
+      for (int k = mg_friction_row_count(c, g); k > 0; k--) *own++ = *force++;
+    }
   }
   for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++) c->solution.force[i] = *force++;
 }

@@ -12,7 +12,7 @@
 #include "forces/forces.h"
 #include "integrate/integrate.h"
 
-/* What is left of the scratch memory of the caller, and how much is reserved. Null pointers: it is only counted. */
+/* What is left of the scratch memory of the caller. Null pointers: what would be reserved is counted. */
 typedef struct {
   mg_real *reals;
   int *ints;
@@ -21,14 +21,16 @@ typedef struct {
 
 /* Reserves n mg_real; returns where they begin, 0 where memory is only counted. */
 static mg_real *mg_reserve_reals(mg_memory *memory, long long n) {
+  if (memory->reals) return mg_take_reals(&memory->reals, n);
   memory->n_reals += n;
-  return memory->reals ? mg_take_reals(&memory->reals, n) : 0;
+  return 0;
 }
 
 /* The same of n int. */
 static int *mg_reserve_ints(mg_memory *memory, long long n) {
+  if (memory->ints) return mg_take_ints(&memory->ints, n);
   memory->n_ints += n;
-  return memory->ints ? mg_take_ints(&memory->ints, n) : 0;
+  return 0;
 }
 
 /* The same of n items of `size` bytes, aligned for all types of the core. */
