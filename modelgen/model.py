@@ -6,7 +6,8 @@ same set of kinds share one library.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from modelgen.scene.expression import Expression
@@ -166,12 +167,10 @@ class FeaturePairEntry:
     face_group: int = -1  # of feature pairs of one flat face with the other of two convex solids
     conditions: tuple[FeatureCondition, ...] = ()
 
-    def between(self, pair: int, o: int, f: int) -> FeaturePairEntry:
-        """The same of another pair and other bodies; scenes of many bodies have a million of them."""
-        return FeaturePairEntry(
-            self.name, self.kind, pair, o, f, self.parameters, self.swapped, self.shapes, self.features,
-            self.face_group, self.conditions,
-        )  # fmt: skip
+    def between(self, pair: int, bodies: tuple[int, int]) -> FeaturePairEntry:
+        """The same of another pair and other bodies, as the user named them."""
+        o, f = bodies[::-1] if self.swapped else bodies
+        return replace(self, pair=pair, o=o, f=f)
 
     @property
     def is_coaxial_support(self) -> bool:
@@ -341,7 +340,7 @@ class Model:
     limit_kinds: tuple[LimitKind, ...]
     bodies: tuple[BodyEntry, ...]
     pairs: tuple[PairEntry, ...]
-    feature_pairs: tuple[FeaturePairEntry, ...]
+    feature_pairs: Sequence[FeaturePairEntry]
     contacts: tuple[ContactEntry, ...]
     faces: tuple[FaceEntry, ...]
     patches: tuple[PatchEntry, ...]

@@ -57,6 +57,7 @@ from modelgen.model import (
     Scales,
     ShapeKind,
 )
+from modelgen.repeated_entries import RepeatedEntries
 from modelgen.rotations import rotation_of
 from modelgen.scene.scene_types import Body, ContactPair, Feature, Scene, Vector
 
@@ -87,7 +88,7 @@ class Touching:
     """Pairs of shapes, feature pairs, contacts and patches of the contact pairs of a scene."""
 
     pairs: tuple[PairEntry, ...]
-    feature_pairs: tuple[FeaturePairEntry, ...]
+    feature_pairs: Sequence[FeaturePairEntry]
     contacts: tuple[ContactEntry, ...]
     faces: tuple[FaceEntry, ...]
     patches: tuple[PatchEntry, ...]
@@ -244,7 +245,9 @@ def _touching(scene: Scene, pieces: Sequence[Piece], flush: float) -> Touching:
     joined = JoinedSolids(scene, stands, flush)
     faces, shown = Faces(contents.shapes), []
     entries: list[PairEntry] = []
-    all_feature_pairs: list[FeaturePairEntry] = []
+    sources: list[Sequence[FeaturePairEntry]] = []
+    bodies: list[tuple[int, int] | None] = []
+    first = 0
     all_contacts: list[ContactEntry] = []
     for index, (name, pair) in enumerate(zip(contact_names(scene), scene.contacts, strict=True)):
         where = f"{scene.source}: contact{'s' if pair.candidate else f'[{index}]'}"
@@ -252,9 +255,9 @@ def _touching(scene: Scene, pieces: Sequence[Piece], flush: float) -> Touching:
             wholes.of(partner, f"{where}.between", joined.features_left(partner, other))
             for partner, other in (pair.between, pair.between[::-1])
         )
-        content, first = contents.of(a, b, pair, where, index), len(all_feature_pairs)
+        content = contents.of(a, b, pair, where, index)
         eta = all_contacts[-1].eta + all_contacts[-1].room if all_contacts else 0
-        contacts = _contacts(name, index, content, first, eta, contents.rooms(content))
+        contacts = _contacts(name, index, content, first, eta)
         is_swapped = content.feature_pairs[0].swapped
         normal = _turned_round(pair.normal) if is_swapped else pair.normal
         ranges = (
@@ -274,31 +277,32 @@ def _touching(scene: Scene, pieces: Sequence[Piece], flush: float) -> Touching:
                 tuple(each.ball for each in wholes_of_pair),
                 pair.candidate,
                 tuple(each.shape.name for each in wholes_of_pair),
-                content.repeats,
+                None if content.first == index else content.first,
             )
         )
         patches = patches_of(content.planar_pairs, (a, b), pair, name, index, first, faces)
         shown.append(Shown((a, b), pair, patches))
-        all_feature_pairs += content.feature_pairs
+        sources.append(content.feature_pairs)
+        bodies.append(None if content.first == index else (a.owner.body, b.owner.body))
+        first += len(content.feature_pairs)
         all_contacts += contacts
     unions = Unions(faces.entries, stands, [piece.centre for piece in pieces], flush)
     joined_patches = unions.patches(shown)
+    feature_pairs = RepeatedEntries(sources, bodies, FeaturePairEntry.between)
     return Touching(
-        tuple(entries), tuple(all_feature_pairs), tuple(all_contacts), tuple(unions.faces), joined_patches,
+        tuple(entries), feature_pairs, tuple(all_contacts), tuple(unions.faces), joined_patches,
         contents.shapes.kinds, contents.kinds.kinds, warnings, tuple(joined.told()),
-        handovers_of(scene.contacts, entries, all_feature_pairs, joined),
+        handovers_of(scene.contacts, entries, feature_pairs, joined),
     )  # fmt: skip
 
 
-def _contacts(
-    name: str, pair: int, content: PairContent, first: int, eta: int, rooms: Sequence[int]
-) -> tuple[ContactEntry, ...]:
+def _contacts(name: str, pair: int, content: PairContent, first: int, eta: int) -> tuple[ContactEntry, ...]:
     """The contacts of a pair; `first`, `eta`: the number of its first feature pair, and the offset of eta."""
     found = []
-    for k, room in enumerate(rooms):
+    for k, room in enumerate(content.rooms):
         own = first + k if content.way.own else -1
         label = f":{content.feature_pairs[k].name}" if content.way.own else f"#{k + 1}"
-        found.append(ContactEntry(name + (label if len(rooms) > 1 else ""), pair, eta, room, own))
+        found.append(ContactEntry(name + (label if len(content.rooms) > 1 else ""), pair, eta, room, own))
         eta += room
     return tuple(found)
 

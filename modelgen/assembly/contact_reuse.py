@@ -94,5 +94,5 @@ def _structure(pair: ContactPair) -> tuple[ContactPair, Any]:
 
 def _alike(pairs: Sequence[ContactPair]) -> list[int]:
     """For each pair the first with the same terms; faces in one plane with the same terms are one patch."""
-    first: dict[ContactPair, int] = {}
+    first: dict[tuple[object, ...], int] = {}
     return [first.setdefault(terms_of(pair), k) for k, pair in enumerate(pairs)]

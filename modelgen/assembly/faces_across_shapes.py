@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
 from math import cos, pi, sin
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -179,9 +180,15 @@ def _vector(x: Any) -> Vector:
     return float(x[0]), float(x[1]), float(x[2])
 
 
-def terms_of(pair: ContactPair) -> ContactPair:
+_TERMS = attrgetter(
+    "restitution", "points", "friction", "rolling_resistance", "spinning_resistance", "candidate"
+)
+
+
+def terms_of(pair: ContactPair) -> tuple[object, ...]:
     """A pair without its shapes: the terms that patches must have in common to be one."""
-    return replace(pair, between=(("", ""), ("", "")), features=(), form="auto", normal=None)
+    terms: tuple[object, ...] = _TERMS(pair)
+    return terms
 
 
 def _loops(face: FaceEntry) -> int:

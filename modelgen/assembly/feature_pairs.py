@@ -129,15 +129,6 @@ def feature_pairs_of(
     )
 
 
-def repeated(
-    feature_pairs: Sequence[FeaturePairEntry], a: Whole, b: Whole, index: int
-) -> tuple[FeaturePairEntry, ...]:
-    """The feature pairs of a pair as those of another pair, whose shapes differ from (a, b) by their bodies
-    alone."""
-    order = (a.owner.body, b.owner.body)
-    return tuple(each.between(index, order[each.swapped], order[not each.swapped]) for each in feature_pairs)
-
-
 def _parting_faces(found: Candidates) -> dict[Face, int]:
     """Numbers of the flat faces whose gaps to all features of the other solid have no contact parameters."""
     faces: dict[Face, bool] = {}

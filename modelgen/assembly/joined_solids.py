@@ -34,7 +34,7 @@ class JoinedSolids:
                 key = partner, self._shapes.solid(name)
                 self._joined[key] = (*self._joined.get(key, ()), name)
         self._terms = {
-            names: replace(terms_of(pair), features=pair.features)
+            names: (terms_of(pair), pair.features)
             for pair in scene.contacts
             for names in (pair.between, pair.between[::-1])
         }
@@ -71,7 +71,7 @@ class JoinedSolids:
         if len(joined) < 2:
             return Group(joined, (), on_plane=False)
         terms = self._terms[shape, partner]
-        alike = () if terms.features else tuple(e for e in joined if self._terms[e, partner] == terms)
+        alike = () if terms[1] else tuple(e for e in joined if self._terms[e, partner] == terms)
         faces = features_of(self._shapes.shape(partner)).features
         return Group(joined, alike, any(each.shape.kind == "plane" for each in faces))
 

@@ -3,17 +3,19 @@ alone."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields
+from operator import attrgetter
 
 from modelgen.assembly.contacts_per_pair import PairContacts, confined, contacts_of_pair
-from modelgen.assembly.feature_pairs import Whole, feature_pairs_of, repeated
+from modelgen.assembly.feature_pairs import Whole, feature_pairs_of
 from modelgen.assembly.kind_list import KindList
 from modelgen.assembly.patches import PlanarPair, planar_pairs_of
 from modelgen.contact.form_table import eta_layout
 from modelgen.model import ContactKind, FeaturePairEntry, Search, ShapeKind
 from modelgen.notation import ETA_SIZE
 from modelgen.scene.scene_types import ContactPair
+
+_TERMS = attrgetter(*(field.name for field in fields(ContactPair) if field.name != "between"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,9 +24,9 @@ class PairContent:
 
     feature_pairs: tuple[FeaturePairEntry, ...]
     way: PairContacts
-    room: int  # entries of eta of a contact that may follow each of them
+    rooms: tuple[int, ...]  # entries of eta of each contact
     planar_pairs: tuple[PlanarPair, ...]
-    repeats: int | None = None  # the number of the first pair with this content
+    first: int  # the number of the first pair with this content
 
     @property
     def search(self) -> Search:
@@ -40,17 +42,24 @@ class PairContents:
         """`wish`: the form that contacts take where it is regular, if their pair names none."""
         self.shapes, self.kinds = KindList[ShapeKind](), KindList[ContactKind]()
         self._wish = wish
-        self._known: dict[tuple[object, ...], tuple[int, PairContent]] = {}
+        self._known: dict[tuple[object, ...], PairContent] = {}
+        self._numbers: dict[tuple[object, ...], int] = {}  # of shapes without their bodies
+        self._number_of: dict[int, tuple[Whole, int]] = {}  # by the identity of the shape, which is kept
 
     def of(self, a: Whole, b: Whole, pair: ContactPair, where: str, index: int) -> PairContent:
-        """The content of the pair of that number; raises SceneError."""
-        key = a.without_body, b.without_body, replace(pair, between=(("", ""), ("", "")))
-        if key in self._known:
-            first, content = self._known[key]
-            feature_pairs = repeated(content.feature_pairs, a, b, index)
-            return replace(content, feature_pairs=feature_pairs, repeats=first)
-        self._known[key] = index, self._made(a, b, pair, where, index)
-        return self._known[key][1]
+        """The content of the pair of that number, as an earlier one has it if it is the same; raises
+        SceneError."""
+        key = self._number(a), self._number(b), *_TERMS(pair)
+        if key not in self._known:
+            self._known[key] = self._made(a, b, pair, where, index)
+        return self._known[key]
+
+    def _number(self, whole: Whole) -> int:
+        """The same for shapes that differ in their bodies alone."""
+        if id(whole) not in self._number_of:
+            number = self._numbers.setdefault(whole.without_body, len(self._numbers))
+            self._number_of[id(whole)] = whole, number
+        return self._number_of[id(whole)][1]
 
     def _made(self, a: Whole, b: Whole, pair: ContactPair, where: str, index: int) -> PairContent:
         feature_pairs = feature_pairs_of(a, b, pair, self._wish, where, self.shapes, self.kinds, index)
@@ -61,13 +70,9 @@ class PairContents:
         way = contacts_of_pair(a.shape, b.shape, pair, feature_pairs, explicit, is_cut)
         feature_pairs = confined(feature_pairs) if way.own else feature_pairs
         planar_pairs = planar_pairs_of(a, b, pair, where, feature_pairs, self.shapes, self.kinds)
-        return PairContent(feature_pairs, way, room, planar_pairs)
-
-    def rooms(self, content: PairContent) -> Sequence[int]:
-        """Entries of eta of each contact of a pair."""
-        if not content.way.own:
-            return [content.room] * content.way.contacts
-        return [eta_size(self.kinds.kinds[each.kind]) for each in content.feature_pairs]
+        own = (eta_size(self.kinds.kinds[each.kind]) for each in feature_pairs)
+        rooms = tuple(own) if way.own else (room,) * way.contacts
+        return PairContent(feature_pairs, way, rooms, planar_pairs, index)
 
 
 def eta_size(kind: ContactKind) -> int:

@@ -17,6 +17,7 @@ from modelgen.benchmark.sampled_motion import Bodies, uninterrupted
 from modelgen.codegen.build import build
 from modelgen.codegen.emit import emit
 from modelgen.codegen.library import Library
+from modelgen.codegen.manifest_repeated_pairs import without_repeats
 from modelgen.contact.form_table import regular_forms
 from modelgen.derivation import derive
 from modelgen.model import Model
@@ -110,7 +111,8 @@ class Subject:
 
     def key(self, library: Library, what: Mapping[str, Any]) -> str:
         """SHA-256 (hex) of what decides a measurement: the scene, the library, the span, and `what`."""
-        instance = {k: v for k, v in library.manifest.instance.items() if k not in ("run", "source")}
+        whole = without_repeats(library.manifest.instance)
+        instance = {k: v for k, v in whole.items() if k not in ("run", "source")}
         span = [self.until, self.samples, self.scene.run.accuracy]
         parts = [FORMAT, instance, library.record.hash, span, what]
         return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()

@@ -19,6 +19,7 @@ from modelgen.codegen.manifest import Json
 from modelgen.codegen.manifest_model import instance_of, kinds_of
 from modelgen.errors import LibraryError, SceneError, SimulationError
 from modelgen.model import Model, Scales
+from modelgen.repeated_entries import RepeatedEntries
 from modelgen.scene.parameter_rereading import SceneReader, changed_scene
 from modelgen.scene.parameters import checked_values
 from modelgen.scene.scene_types import Origin, Scene
@@ -198,13 +199,16 @@ def _listed(names: Iterable[str]) -> str:
 _VARIANTS: WeakKeyDictionary[Library, _Variants] = WeakKeyDictionary()
 
 
+LISTS = (list, tuple, RepeatedEntries)
+
+
 def same_but_for_numbers(before: Any, after: Any) -> bool:
     """Whether `differences` finds none; equal parts are passed over at once."""
     if before == after or (isinstance(before, float) and isinstance(after, float)):
         return True
     if isinstance(before, dict) and isinstance(after, dict) and before.keys() == after.keys():
         return all(key in FREE or same_but_for_numbers(each, after[key]) for key, each in before.items())
-    if isinstance(before, list | tuple) and isinstance(after, list | tuple) and len(before) == len(after):
+    if isinstance(before, LISTS) and isinstance(after, LISTS) and len(before) == len(after):
         return all(same_but_for_numbers(one, two) for one, two in zip(before, after, strict=True))
     return False
 
@@ -217,7 +221,7 @@ def differences(before: Any, after: Any, path: str = "") -> Iterator[str]:
         for key, each in before.items():
             if key not in FREE:
                 yield from differences(each, after[key], f"{path}.{key}" if path else key)
-    elif isinstance(before, list | tuple) and isinstance(after, list | tuple):
+    elif isinstance(before, LISTS) and isinstance(after, LISTS):
         if len(before) != len(after):
             yield f"{path}: {len(after)} in place of {len(before)}"
             return

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
+from functools import lru_cache
 from math import isfinite
 from typing import Any
 
@@ -13,7 +15,7 @@ from modelgen.assembly.masses import pose_numbers
 from modelgen.codegen.load_branches import switch_count
 from modelgen.codegen.manifest_open_edges import open_edges_of
 from modelgen.codegen.manifest_planar_contacts import face_table, patch_table
-from modelgen.codegen.manifest_repeated_pairs import repeated
+from modelgen.codegen.manifest_repeated_pairs import all_of
 from modelgen.codegen.manifest_solids import solids_of
 from modelgen.codegen.manifest_unlisted_shapes import unlisted_of
 from modelgen.contact.form_table import FORMS, eta_layout
@@ -29,8 +31,10 @@ from modelgen.joint.joint_kernels import held_row_count, inertial_row_count
 from modelgen.model import (
     BodyEntry,
     BodyKind,
+    ContactEntry,
     ContactKind,
     FeaturePairEntry,
+    FrictionConstraint,
     JointEntry,
     JointKind,
     LimitEntry,
@@ -257,10 +261,11 @@ CONTACTS = (
 
 def _contacts(model: Model) -> dict[str, Any]:
     """The tables that follow from shapes, their places about the centres of mass, and contact pairs."""
+    pairs = [_pair(model, entry) for entry in model.pairs]
     return {
-        "pairs": [_pair(model, entry) for entry in model.pairs],
-        "feature_pairs": _feature_pairs(model),
-        "contacts": [asdict(entry) for entry in model.contacts],
+        "pairs": pairs,
+        "feature_pairs": _feature_pairs(model, pairs),
+        "contacts": [_contact(entry) for entry in model.contacts],
         "faces": [face_table(model, entry) for entry in model.faces],
         "patches": [patch_table(entry) for entry in model.patches],
         "solids": solids_of(model),
@@ -371,7 +376,22 @@ def _pair(model: Model, entry: PairEntry) -> dict[str, Any]:
             {"shape": shape, "centre": list(centre), "radius": _finite(radius)}
             for shape, (centre, radius) in zip(entry.shapes, entry.bounding_balls, strict=True)
         ],
-        **({"friction": [asdict(constraint) for constraint in entry.friction]} if entry.friction else {}),
+        **({"friction": _friction(entry.friction)} if entry.friction else {}),
+    }
+
+
+@lru_cache(maxsize=64)
+def _friction(constraints: tuple[FrictionConstraint, ...]) -> list[dict[str, Any]]:
+    return [asdict(constraint) for constraint in constraints]
+
+
+def _contact(entry: ContactEntry) -> dict[str, Any]:
+    return {
+        "name": entry.name,
+        "pair": entry.pair,
+        "eta": entry.eta,
+        "room": entry.room,
+        "feature_pair": entry.feature_pair,
     }
 
 
@@ -395,17 +415,17 @@ def _named_bodies(model: Model, pair: PairEntry) -> list[int]:
     return [first.f, first.o] if first.swapped else [first.o, first.f]
 
 
-def _feature_pairs(model: Model) -> list[dict[str, Any]]:
-    found: list[dict[str, Any]] = []
+def _feature_pairs(model: Model, pairs: Sequence[Mapping[str, Any]]) -> Sequence[dict[str, Any]]:
+    """`pairs`: the entries of the pairs."""
     shapes = _Shapes(model)
-    for index, pair in enumerate(model.pairs):
-        if pair.repeats is None:
-            entries = model.feature_pairs[slice(*pair.feature_pairs)]
-            found += [_feature_pair(model, entry, shapes) for entry in entries]
-        else:
-            same = found[slice(*model.pairs[pair.repeats].feature_pairs)]
-            found += repeated(same, index, _named_bodies(model, pair))
-    return found
+    own = {
+        index: [
+            _feature_pair(model, entry, shapes) for entry in model.feature_pairs[slice(*pair.feature_pairs)]
+        ]
+        for index, pair in enumerate(model.pairs)
+        if pair.repeats is None
+    }
+    return all_of(pairs, own)
 
 
 def _feature_pair(model: Model, entry: FeaturePairEntry, shapes: _Shapes) -> dict[str, Any]:

@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from modelgen.repeated_entries import RepeatedEntries
+
 Entries = Sequence[dict[str, Any]]
 
 
@@ -18,24 +20,25 @@ def without_repeats(instance: Mapping[str, Any]) -> dict[str, Any]:
 
 def with_repeats(instance: Mapping[str, Any]) -> dict[str, Any]:
     """An instance with all feature pairs, from what `without_repeats` returned."""
-    found: list[dict[str, Any]] = []
     kept = iter(instance["feature_pairs"])
-    for index, pair in enumerate(instance["pairs"]):
-        first, end = pair["feature_pairs"]
-        if "repeats" not in pair:
-            found += [next(kept) for _ in range(first, end)]
-        else:
-            start, stop = instance["pairs"][pair["repeats"]]["feature_pairs"]
-            found += repeated(found[start:stop], index, pair["bodies"])
-    return {**instance, "feature_pairs": found}
+    own = {
+        index: [next(kept) for _ in range(*pair["feature_pairs"])]
+        for index, pair in enumerate(instance["pairs"])
+        if "repeats" not in pair
+    }
+    return {**instance, "feature_pairs": all_of(instance["pairs"], own)}
 
 
-def repeated(entries: Entries, pair: int, bodies: Sequence[int]) -> Iterator[dict[str, Any]]:
-    """Feature pairs as those of another pair; `bodies`: as the user named them."""
-    a, b = bodies
-    for entry in entries:
-        o, f = (b, a) if entry["swapped"] else (a, b)
-        yield {**entry, "pair": pair, "o": o, "f": f}
+def all_of(pairs: Sequence[Mapping[str, Any]], own: Mapping[int, Entries]) -> RepeatedEntries[dict[str, Any]]:
+    """The feature pairs of all pairs; `own`: those of each pair that repeats none, by its number."""
+    sources = [own[pair.get("repeats", index)] for index, pair in enumerate(pairs)]
+    bodies = [(pair["bodies"][0], pair["bodies"][1]) if "repeats" in pair else None for pair in pairs]
+    return RepeatedEntries(sources, bodies, _repeated)
+
+
+def _repeated(entry: Mapping[str, Any], pair: int, bodies: tuple[int, int]) -> dict[str, Any]:
+    o, f = bodies[::-1] if entry["swapped"] else bodies
+    return {**entry, "pair": pair, "o": o, "f": f}
 
 
 def _kept(instance: Mapping[str, Any]) -> Iterator[dict[str, Any]]:

@@ -13,6 +13,7 @@ from typing import Any, Unpack
 
 from modelgen import __version__
 from modelgen.codegen.library import Library
+from modelgen.codegen.manifest_repeated_pairs import without_repeats
 from modelgen.errors import ModelgenError, expect, path_of
 from modelgen.name_suggestions import nearest
 from modelgen.parameter_study.chunk_runs import Chunk, Study, run_chunk
@@ -181,7 +182,8 @@ def _plan(
     """All that decides the table, as JSON."""
     instance = library.manifest.instance
     names = [each.name for each in study.numbers]
-    own = {key: value for key, value in instance.items() if key not in ("run", "source")}
+    whole = without_repeats(instance)
+    own = {key: value for key, value in whole.items() if key not in ("run", "source")}
     return {
         "format": FORMAT,
         "scene": instance["name"],

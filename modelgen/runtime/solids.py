@@ -15,6 +15,7 @@ import numpy as np
 
 from modelgen.codegen.library import Library
 from modelgen.runtime.tables.ctypes_structures import INTEGER, address, packed, tables_of
+from modelgen.runtime.tables.number_pool import NumberPool
 from modelgen.runtime.tables.shapes import solid_arrays
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -44,14 +45,14 @@ class Materials:
         terms = [each["terms"] or samples.get(k) for k, each in enumerate(solids)]
         known = [k for k in range(len(solids)) if terms[k]]
         self._number = {k: number for number, k in enumerate(known)}
-        numbers: list[float] = []
+        numbers = NumberPool({})
         integers = solid_arrays([{**solids[k], "terms": terms[k]} for k in known], numbers)
         self._core, self._tables = library.cdll, tables_of(library.dtype)
         arrays, places = packed(integers, INTEGER)
-        reals, real_places = packed({"numbers": numbers}, self._tables.dtype)
+        reals, real_places = packed({"numbers": numbers.values}, self._tables.dtype)
         self._arrays = arrays | reals  # to which the system points
         self._system = self._tables.System(
-            n_solid=len(known), n_numbers=len(numbers), **places, **real_places
+            n_solid=len(known), n_numbers=len(numbers.values), **places, **real_places
         )
 
     def number(self, entry: Mapping[str, Any]) -> int | None:

@@ -10,7 +10,16 @@ from pathlib import Path
 from tests.architecture.sources import PYTHON, imports, is_module, short, tree
 
 PIPELINE = (
-    ("errors", "file_writing", "interruption", "name_suggestions", "notation", "rotations", "core"),
+    (
+        "errors",
+        "file_writing",
+        "interruption",
+        "name_suggestions",
+        "notation",
+        "repeated_entries",
+        "rotations",
+        "core",
+    ),
     ("scene",),
     ("model",),
     ("geometry",),
@@ -36,6 +45,7 @@ NUMERIC_SIDE = (
     "modelgen.errors",
     "modelgen.name_suggestions",
     "modelgen.notation",
+    "modelgen.repeated_entries",
     "modelgen.rotations",
     "modelgen.codegen.manifest",
     "modelgen.codegen.library",

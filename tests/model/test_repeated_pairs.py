@@ -14,6 +14,7 @@ from modelgen import derive, emit, require
 from modelgen.codegen.manifest import Manifest
 from modelgen.model import Model
 from modelgen.runtime.tables.features import FeatureTables
+from modelgen.runtime.tables.number_pool import NumberPool
 from modelgen.scene.scene_types import Scene
 from tests.model.scenes import TABLE, contact, scene
 
@@ -85,7 +86,7 @@ def test_a_file_has_their_feature_pairs_once() -> None:
     manifest = emit(derive(require(crowd("friction = 0.3")))).manifest
     text = manifest.instance_json()
     again = Manifest.from_json(manifest.structure_json(), text)
-    assert again.instance == json.loads(json.dumps(manifest.instance))
+    assert again.instance == json.loads(json.dumps(manifest.instance, default=list))
     alone = [pair for pair in manifest.instance["pairs"] if "repeats" not in pair]
     count = sum(end - first for first, end in (pair["feature_pairs"] for pair in alone))
     assert text.count('"shape_o"') == count < len(manifest.instance["feature_pairs"]) / 2
@@ -95,9 +96,25 @@ def test_the_tables_of_the_core_do_not_depend_on_what_is_repeated() -> None:
     manifest = emit(derive(require(crowd("friction = 0.3")))).manifest
     pairs = [{key: pair[key] for key in pair if key != "repeats"} for pair in manifest.instance["pairs"]]
     other = replace(manifest, instance={**manifest.instance, "pairs": pairs})
-    pools: list[list[float]] = [[], []]
+    pools = [[NumberPool(each.instance) for _ in range(2)] for each in (manifest, other)]
     one, two = (
-        FeatureTables(each, pool, np.inf) for each, pool in zip((manifest, other), pools, strict=True)
+        FeatureTables(each, *pair, np.inf) for each, pair in zip((manifest, other), pools, strict=True)
     )
-    assert one.integers == two.integers
-    assert (one.numbers, pools[0]) == (two.numbers, pools[1])
+    assert one.integers.keys() == two.integers.keys()
+    assert all((one.integers[name] == two.integers[name]).all() for name in one.integers)
+    assert [pool.values for pool in pools[0]] == [pool.values for pool in pools[1]]
+
+
+def test_a_scene_with_parameters_has_places_for_the_numbers_of_each_pair() -> None:
+    """What a change of a parameter makes different is not shared, though it may be equal."""
+    manifest = emit(derive(require(crowd("friction = 0.3")))).manifest
+    with_parameter = {**manifest.instance, "parameters": [{"name": "size", "value": 1.0}]}
+    places = []
+    for instance in (manifest.instance, with_parameter):
+        tables = FeatureTables(
+            replace(manifest, instance=instance), NumberPool(instance), NumberPool(instance), np.inf
+        )
+        places.append(tables.integers["feature_pair_parameters"])
+    shared, own = (len(set(each.tolist())) for each in places)
+    assert shared < len(places[0]) / 2
+    assert own == len(places[1])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Mapping
 from functools import cache, lru_cache
-from itertools import accumulate, chain, pairwise
+from itertools import accumulate, pairwise
 from typing import Any
 
 import numpy as np
@@ -13,9 +13,12 @@ import numpy as np
 from modelgen.codegen.manifest import Manifest
 from modelgen.runtime.accuracy import RESOLVED, Accuracy
 from modelgen.runtime.arguments import input_range
-from modelgen.runtime.tables.features import FeatureTables, append, cell_capacity
+from modelgen.runtime.tables.features import FeatureTables, cell_capacity
 from modelgen.runtime.tables.friction_rows import FrictionTables
 from modelgen.runtime.tables.joint_limits import add_limits
+from modelgen.runtime.tables.number_pool import INTEGER as INTEGER
+from modelgen.runtime.tables.number_pool import Array as Array
+from modelgen.runtime.tables.number_pool import NumberPool
 from modelgen.runtime.tables.planar_contacts import (
     SUPPORT_POINTS,
     add_patches,
@@ -23,9 +26,6 @@ from modelgen.runtime.tables.planar_contacts import (
     slot_count,
 )
 from modelgen.runtime.tables.shapes import BallTables, SolidTables
-
-Array = np.ndarray[Any, Any]
-INTEGER = np.dtype(np.intc)  # C's int
 
 KERNELS = "kernels"  # the table of the scene's library, first field of what the core is given
 SYSTEM_INTEGERS = (
@@ -326,7 +326,7 @@ MINIMA_FOUND = (
     *("count", "is_complete", "feature_pair"),
     *("d", "normal", "point_o", "point_f", "eta", "margin"),
 )
-PARAMETRISED = ("bodies", "feature_pairs", "loads", "joints", "limits")
+PARAMETRISED = ("bodies", "loads", "joints", "limits")
 ROOM, ROOM_PER_BODY = 2048, 12  # rows that may be held at a time: memory grows with its square, once used
 METHODS = {"rk4": 0, "dop853": 1, "time-stepping": 2}
 SCHEMES = {"stewart-trinkle": 0, "anitescu-potra": 1, "moreau": 2}
@@ -451,11 +451,13 @@ def address(array: Array) -> int:
     return int(array.ctypes.data)
 
 
-def packed(columns: Mapping[str, list[Any]], dtype: np.dtype[Any]) -> tuple[dict[str, Array], dict[str, int]]:
+def packed(
+    columns: Mapping[str, Array | list[Any]], dtype: np.dtype[Any]
+) -> tuple[dict[str, Array], dict[str, int]]:
     """Columns of numbers as read-only arrays in one piece of memory, and their addresses; an empty column is
     one 0."""
-    filled = [values or [0] for values in columns.values()]
-    block = np.array([*chain.from_iterable(filled)], dtype=dtype)
+    filled = [np.asarray(values if len(values) else [0], dtype=dtype) for values in columns.values()]
+    block = np.concatenate(filled)
     block.setflags(write=False)
     starts = [*accumulate(map(len, filled), initial=0)]
     first, spans = address(block), dict(zip(columns, pairwise(starts), strict=True))
@@ -467,24 +469,24 @@ def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) 
     """The mg_system of a manifest's instance over the kernels at an address, and its arrays, which must
     outlive it."""
     instance = manifest.instance
-    parameters: list[float] = []
+    parameters, numbers = NumberPool(instance), NumberPool(instance)
     starts = {
-        group: [append(parameters, entry["parameters"]) for entry in instance[group]]
-        for group in PARAMETRISED
+        group: [parameters.append(entry["parameters"]) for entry in instance[group]] for group in PARAMETRISED
     }
-    sides = FeatureTables(manifest, parameters, float(np.finfo(tables.dtype).max))
-    integers = _bodies_and_contacts(instance, starts) | sides.integers | _loads_and_joints(instance, starts)
-    integers["load_switch"] = _switches(manifest)
+    sides = FeatureTables(manifest, parameters, numbers, float(np.finfo(tables.dtype).max))
+    listed = _bodies_and_contacts(instance, starts) | _loads_and_joints(instance, starts)
+    listed["load_switch"] = _switches(manifest)
+    integers = {name: np.array(values, dtype=INTEGER) for name, values in listed.items()} | sides.integers
     add_limits(integers, instance["limits"], starts["limits"])
-    add_patches(integers, sides.numbers, parameters, instance)
+    add_patches(integers, numbers, parameters, instance)
     of_inputs = (
         len(instance["inputs"]),
-        integers["load_switch"][-1],
-        append(parameters, instance["sensors"]["parameters"]),
+        int(integers["load_switch"][-1]),
+        parameters.append(instance["sensors"]["parameters"]),
     )
     constraints, balls = FrictionTables(instance), BallTables(instance)
-    solids = SolidTables(instance, sides.numbers)
-    integers |= (
+    solids = SolidTables(instance, numbers)
+    others: dict[str, list[int]] = (
         constraints.integers
         | balls.integers
         | solids.integers
@@ -493,22 +495,22 @@ def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) 
     reals = (
         _reals(instance)
         | {"input_range": _input_ranges(tables, instance)}
-        | {"parameters": parameters, "numbers": sides.numbers}
+        | {"parameters": parameters.values, "numbers": numbers.values}
         | constraints.reals
         | balls.reals
     )
-    arrays, at = packed(integers, INTEGER)
+    arrays, at = packed({**integers, **others}, INTEGER)
     real_arrays, real_at = packed(reals, tables.dtype)
     arrays |= real_arrays | {"scale": scale}
     at |= real_at | {"scale": address(scale)}
     states = (instance["n_q"], instance["n_u"], instance["n_eta"])
     rows = _room(manifest), len(instance["joints"]), _row_count(manifest), len(instance.get("stand_ins", ()))
     patches = len(instance["patches"]), slot_count(instance)
-    trees = max(integers["feature_tree"], default=-1) + 1
+    trees = int(integers["feature_tree"].max(initial=-1)) + 1
     of_searches = trees, cell_capacity(trees)
     of_shapes = constraints.count, constraints.rows, balls.count, solids.count
     counts = *rows, *patches, *of_searches, *of_shapes, *of_inputs
-    pools = len(parameters), len(sides.numbers)
+    pools = len(parameters.values), len(numbers.values)
     system = tables.System(kernels, *_sizes(instance, integers), *states, *counts, *pools)
     for name, place in at.items():
         setattr(system, name, place)
@@ -518,7 +520,7 @@ def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) 
     return system, list(arrays.values())
 
 
-def _sizes(instance: Mapping[str, Any], integers: Mapping[str, list[int]]) -> tuple[int, ...]:
+def _sizes(instance: Mapping[str, Any], integers: Mapping[str, Array]) -> tuple[int, ...]:
     """The numbers of bodies, contacts (with limits and support points), loads, pairs and feature pairs."""
     counted = (integers[name] for name in ("contact_pair", "load_kind", "pair_search", "feature_pair_kind"))
     return len(instance["bodies"]), *(len(entries) for entries in counted)
@@ -527,21 +529,14 @@ def _sizes(instance: Mapping[str, Any], integers: Mapping[str, list[int]]) -> tu
 def _bodies_and_contacts(
     instance: Mapping[str, Any], starts: Mapping[str, list[int]]
 ) -> dict[str, list[int]]:
-    bodies, feature_pairs, contacts, pairs = (
-        instance[key] for key in ("bodies", "feature_pairs", "contacts", "pairs")
-    )
+    bodies, contacts, pairs = (instance[key] for key in ("bodies", "contacts", "pairs"))
     return {
         **{f"body_{key}": [b[key] for b in bodies] for key in ("kind", "q", "u")},
         "body_parameters": starts["bodies"],
         **{f"contact_{key}": [c[key] for c in contacts] for key in ("pair", "eta", "feature_pair")},
         "impact_law": _impact_laws(instance),
         "pair_contact": [*(p["contacts"][0] for p in pairs), len(contacts)],
-        "pair_feature_pair": [*(p["feature_pairs"][0] for p in pairs), len(feature_pairs)],
         "pair_search": [SEARCHES.index(p["search"]) for p in pairs],
-        **{f"feature_pair_{key}": [entry[key] for entry in feature_pairs] for key in ("kind", "o", "f")},
-        "feature_pair_owner": [entry["pair"] for entry in feature_pairs],
-        "feature_pair_group": [entry["face_group"] for entry in feature_pairs],
-        "feature_pair_parameters": starts["feature_pairs"],
     }
 
 

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from itertools import accumulate, chain
+from itertools import chain
 from math import hypot, pi
 from typing import Any, TypeVar
 
+import numpy as np
+
 from modelgen.codegen.manifest import Manifest, have_spines
+from modelgen.runtime.tables.number_pool import INTEGER, Array, NumberPool
 
 Entry = Mapping[str, Any]
 Found = TypeVar("Found")
@@ -29,39 +32,54 @@ BORDERS = ("quadric", "parameter", "disc")  # kinds of conditions that tell feat
 
 
 class FeatureTables:
-    """`integers`: arrays of mg_system; `numbers`: its array of numbers; parameters of shapes are added to
-    `parameters`."""
+    """`integers`: arrays of mg_system. Parameters of contact kinds and of shapes are added to `parameters`,
+    numbers of features and conditions to `numbers`."""
 
-    def __init__(self, manifest: Manifest, parameters: list[float], endless: float) -> None:
-        self.numbers: list[float] = []
+    def __init__(
+        self, manifest: Manifest, parameters: NumberPool, numbers: NumberPool, endless: float
+    ) -> None:
         instance, kinds, length = manifest.instance, manifest.kinds, manifest.instance["scales"]["length"]
-        trees = _Trees(kinds)
+        trees, pairs = _Trees(kinds), _Pairs(instance)
 
         def placed(side: Entry) -> list[float]:
             return _side_numbers(side, endless, spans(side, kinds["shape"], length))
 
-        counts = _each(instance, lambda pair: [len(each["conditions"]) for each in pair])
-        self.integers: dict[str, list[int]] = {
-            "feature_pair_condition": [0, *accumulate(counts)],
-            "feature_shape": _each(instance, lambda pair: [side["kind"] for side in _sides(pair)]),
-            "feature_parameters": _pooled(
-                instance, parameters, lambda pair: [side["parameters"] for side in _sides(pair)]
+        def column(key: str) -> Array:
+            return pairs.each(lambda entries: [each[key] for each in entries])
+
+        counts = pairs.each(lambda entries: [len(each["conditions"]) for each in entries])
+        starts = np.concatenate([[0], np.cumsum(counts)]).astype(INTEGER)
+        o, f = pairs.bodies()
+        self.integers: dict[str, Array] = {
+            "pair_feature_pair": pairs.starts,
+            "feature_pair_kind": column("kind"),
+            "feature_pair_o": o,
+            "feature_pair_f": f,
+            "feature_pair_owner": pairs.owners(),
+            "feature_pair_group": column("face_group"),
+            "feature_pair_parameters": pairs.pooled(
+                lambda entries: [parameters.place(each["parameters"]) for each in entries]
             ),
-            "feature_numbers": _features(
-                instance, self.numbers, lambda pair: [placed(side) for side in _sides(pair)]
+            "feature_pair_condition": starts,
+            "feature_shape": pairs.each(lambda entries: [side["kind"] for side in _sides(entries)]),
+            "feature_parameters": pairs.pooled(
+                lambda entries: [parameters.place(side["parameters"]) for side in _sides(entries)]
             ),
-            "feature_tree": _each(instance, trees.of),
-            "feature_is_listed": _each(instance, lambda pair: _listed(pair, trees.of(pair))),
-            "condition_kind": _each(
-                instance, lambda pair: [CONDITIONS.index(each["kind"]) for each in _conditions(pair)]
+            "feature_numbers": pairs.pooled(
+                lambda entries: _feature_places(entries, [placed(side) for side in _sides(entries)], numbers)
             ),
-            "condition_feature": _each(instance, lambda pair: [each["side"] for each in _conditions(pair)]),
-            "condition_feature_pair": _beyond(instance, counts),
-            "condition_numbers": _pooled(
-                instance, self.numbers, lambda pair: [each["numbers"] for each in _conditions(pair)]
+            "feature_tree": pairs.each(trees.of),
+            "feature_is_listed": pairs.each(lambda entries: _listed(entries, trees.of(entries))),
+            "condition_kind": pairs.each(
+                lambda entries: [CONDITIONS.index(each["kind"]) for each in _conditions(entries)]
             ),
-            "condition_is_line_end": _each(
-                instance, lambda pair: [int(each.get("line", False)) for each in _conditions(pair)]
+            "condition_feature": pairs.each(lambda entries: [each["side"] for each in _conditions(entries)]),
+            "condition_feature_pair": _beyond(instance, pairs, starts),
+            "condition_numbers": pairs.pooled(
+                lambda entries: [numbers.place(each["numbers"]) for each in _conditions(entries)]
+            ),
+            "condition_is_line_end": pairs.each(
+                lambda entries: [int(each.get("line", False)) for each in _conditions(entries)]
             ),
         }
 
@@ -93,70 +111,113 @@ def _listed(pair: Sequence[Entry], trees: Sequence[int]) -> list[int]:
     return [int(place in chosen) for place in range(2 * len(pair))]
 
 
-def _by_pair(instance: Entry, of: Callable[[Sequence[Entry]], Found]) -> Iterator[Found]:
-    """What follows from the feature pairs of each pair of shapes, made once for pairs that repeat another."""
-    made: dict[int, Found] = {}
-    for k, pair in enumerate(instance["pairs"]):
-        source = pair.get("repeats", k)
-        if source not in made:
-            made[source] = of(instance["feature_pairs"][slice(*pair["feature_pairs"])])
-        yield made[source]
+class _Pairs:
+    """The pairs of shapes, by what they repeat."""
+
+    def __init__(self, instance: Entry) -> None:
+        self._pairs, self._entries = instance["pairs"], instance["feature_pairs"]
+        self._shares = not instance.get("parameters")
+        self._source = [pair.get("repeats", k) for k, pair in enumerate(self._pairs)]
+        self._own: dict[int, Sequence[Entry]] = {}
+        ends = [0, *(pair["feature_pairs"][1] for pair in self._pairs)]
+        self.starts = np.array(ends, dtype=INTEGER)
+
+    def _of(self, source: int) -> Sequence[Entry]:
+        if source not in self._own:
+            self._own[source] = self._entries[slice(*self._pairs[source]["feature_pairs"])]
+        return self._own[source]
+
+    def by_pair(self, of: Callable[[Sequence[Entry]], Found]) -> list[Found]:
+        """What follows from the feature pairs of each pair, made once for pairs that repeat another."""
+        made = {source: of(self._of(source)) for source in dict.fromkeys(self._source)}
+        return [made[source] for source in self._source]
+
+    def each(self, of: Callable[[Sequence[Entry]], Sequence[int]]) -> Array:
+        """The integers of all pairs, one after another."""
+        return _joined(self.by_pair(lambda entries: np.array(of(entries), dtype=INTEGER)))
+
+    def pooled(self, of: Callable[[Sequence[Entry]], Sequence[int]]) -> Array:
+        """The same of places of numbers, of each pair its own where numbers are not shared."""
+        if self._shares:
+            return self.each(of)
+        return _joined([np.array(of(self._of(source)), dtype=INTEGER) for source in self._source])
+
+    def owners(self) -> Array:
+        """The number of the pair of each feature pair."""
+        return np.repeat(np.arange(len(self._pairs), dtype=INTEGER), np.diff(self.starts))
+
+    def bodies(self) -> tuple[Array, Array]:
+        """Bodies o and f of each feature pair."""
+        named = np.array([pair["bodies"] for pair in self._pairs], dtype=INTEGER).reshape(-1, 2)
+        each = named[self.owners()]
+        is_swapped = self.each(lambda entries: [each["swapped"] for each in entries])[:, None]
+        o, f = np.where(is_swapped, each[:, ::-1], each).T
+        return np.ascontiguousarray(o), np.ascontiguousarray(f)
 
 
-def _each(instance: Entry, of: Callable[[Sequence[Entry]], list[int]]) -> list[int]:
-    return list(chain.from_iterable(_by_pair(instance, of)))
+def feature_pair_names(instance: Entry) -> tuple[str, ...]:
+    """The names of all feature pairs of shapes."""
+    names = _Pairs(instance).by_pair(lambda entries: [str(each["name"]) for each in entries])
+    return tuple(chain.from_iterable(names))
 
 
-def _pooled(
-    instance: Entry, pool: list[float], of: Callable[[Sequence[Entry]], Sequence[Sequence[float]]]
+def _joined(parts: Sequence[Array]) -> Array:
+    return np.concatenate(parts) if parts else np.zeros(0, dtype=INTEGER)
+
+
+def with_rows(integers: dict[str, Array], rows: Mapping[str, Sequence[int]]) -> None:
+    """Adds entries at the ends of arrays of integers."""
+    for name, values in rows.items():
+        integers[name] = np.concatenate([integers[name], np.array(values, dtype=INTEGER)])
+
+
+def without_features(count: int) -> dict[str, Sequence[int]]:
+    """The entries of feature pairs of limits or of support points, which have no features."""
+    return {
+        "feature_parameters": [0] * (2 * count),
+        "feature_numbers": [0] * (2 * count),
+        "feature_shape": [-1] * (2 * count),
+        "feature_tree": [-1] * (2 * count),
+        "feature_is_listed": [1] * (2 * count),
+        "feature_pair_group": [-1] * count,
+    }
+
+
+def _feature_places(
+    entries: Sequence[Entry], numbers: Sequence[Sequence[float]], pool: NumberPool
 ) -> list[int]:
-    """Where each of the sequences of numbers starts in the pool, to whose end they are added."""
-    starts: list[int] = []
-    for found in _by_pair(instance, of):
-        starts += accumulate(map(len, found), initial=len(pool))
-        starts.pop()  # the end
-        pool.extend(chain.from_iterable(found))
-    return starts
+    """Where the numbers of the features of a pair are, which all feature pairs share that a feature has in
+    it."""
+    known: dict[tuple[Any, ...], int] = {}
+    places = []
+    for key, own in zip(_feature_keys(entries), numbers, strict=True):
+        whole = (*key, *own)
+        if whole not in known:
+            known[whole] = pool.place(own, key)
+        places.append(known[whole])
+    return places
 
 
-def _features(
-    instance: Entry, pool: list[float], of: Callable[[Sequence[Entry]], Sequence[Sequence[float]]]
-) -> list[int]:
-    """The same of the numbers of features, which all feature pairs share that a feature has in a pair."""
-    starts: list[int] = []
-    for found in _by_pair(instance, lambda pair: list(zip(_feature_keys(pair), of(pair), strict=True))):
-        known: dict[tuple[Any, ...], int] = {}
-        for key, numbers in found:
-            whole = (*key, *numbers)
-            if whole not in known:
-                known[whole] = len(pool)
-                pool.extend(numbers)
-            starts.append(known[whole])
-    return starts
-
-
-def _feature_keys(pair: Sequence[Entry]) -> Iterator[tuple[Any, ...]]:
+def _feature_keys(entries: Sequence[Entry]) -> Iterator[tuple[Any, ...]]:
     """The body of each side, first or other one of the pair, and kind and parameters of its shape."""
-    for each in pair:
+    for each in entries:
         for number, side in enumerate(("shape_o", "shape_f")):
             shape = each[side]
-            yield each["of"[number]] == pair[0]["o"], shape["kind"], *shape["parameters"]
+            yield each["of"[number]] == entries[0]["o"], shape["kind"], *shape["parameters"]
 
 
-def _beyond(instance: Entry, counts: Sequence[int]) -> list[int]:
+def _beyond(instance: Entry, pairs: _Pairs, starts: Array) -> Array:
     """The feature pair beyond each condition, which says its number within the pair, or that of another pair
-    to which contacts go over. `counts`: the number of conditions of each feature pair."""
-    nexts = _by_pair(instance, lambda pair: [each["next"] for each in _conditions(pair)])
-    firsts = (pair["feature_pairs"][0] for pair in instance["pairs"])
-    beyond = [
-        first + each if each >= 0 else each
-        for first, found in zip(firsts, nexts, strict=True)
-        for each in found
-    ]
-    starts = [0, *accumulate(counts)]
+    to which contacts go over. `starts`: the first condition of each feature pair."""
+    nexts = pairs.by_pair(
+        lambda entries: np.array([each["next"] for each in _conditions(entries)], dtype=INTEGER)
+    )
+    beyond = _joined(nexts)
+    first = np.repeat(pairs.starts[:-1], [len(each) for each in nexts])
+    beyond = np.where(beyond >= 0, first + beyond, beyond)
     for feature_pair, condition, to in instance.get("handovers", ()):
         beyond[starts[feature_pair] + condition] = to
-    return beyond
+    return beyond.astype(INTEGER)
 
 
 class _Trees:
@@ -186,13 +247,6 @@ class _Trees:
 def cell_capacity(trees: int) -> int:
     """Room for the cells of this many trees."""
     return min(max(CELLS_PER_TREE * trees, CELLS_MIN), CELLS_MAX) if trees else 1
-
-
-def append(pool: list[float], values: Sequence[float]) -> int:
-    """Adds the values at the end; returns where they start."""
-    start = len(pool)
-    pool.extend(values)
-    return start
 
 
 def spans(side: Mapping[str, Any], kinds: Sequence[Mapping[str, Any]], length: float) -> list[float]:

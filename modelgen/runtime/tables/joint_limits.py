@@ -5,33 +5,27 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from modelgen.runtime.tables.features import with_rows, without_features
+from modelgen.runtime.tables.number_pool import Array
+
 
 def add_limits(
-    integers: dict[str, list[int]], limits: Sequence[Mapping[str, Any]], parameters: list[int]
+    integers: dict[str, Array], limits: Sequence[Mapping[str, Any]], parameters: Sequence[int]
 ) -> None:
     """Adds each limit as a contact with its own pair and feature pair, after those with shapes."""
-    for limit, start in zip(limits, parameters, strict=True):
-        pair, feature_pair = len(integers["pair_search"]), len(integers["feature_pair_kind"])
-        rows = {
-            **{"contact_pair": pair, "contact_eta": limit["eta"], "contact_feature_pair": feature_pair},
-            **{
-                "pair_contact": len(integers["contact_pair"]) + 1,
-                "pair_feature_pair": feature_pair + 1,
-                "pair_search": 0,
-            },
-            **{
-                "feature_pair_kind": limit["kind"],
-                "feature_pair_o": limit["o"],
-                "feature_pair_f": limit["f"],
-                "feature_pair_owner": pair,
-            },
-            **{"feature_pair_group": -1, "feature_pair_parameters": start},
-            "feature_pair_condition": integers["feature_pair_condition"][-1],
-        }
-        for name, value in rows.items():
-            integers[name].append(value)
-        for name in ("feature_parameters", "feature_numbers"):
-            integers[name] += [0, 0]
-        integers["feature_shape"] += [-1, -1]
-        integers["feature_tree"] += [-1, -1]
-        integers["feature_is_listed"] += [1, 1]
+    count = len(limits)
+    names = ("pair_search", "feature_pair_kind", "contact_pair")
+    pairs, feature_pairs, contacts = (range(n, n + count) for n in (len(integers[name]) for name in names))
+    rows: dict[str, Sequence[int]] = {
+        "contact_pair": pairs,
+        "contact_eta": [limit["eta"] for limit in limits],
+        "contact_feature_pair": feature_pairs,
+        "pair_contact": [contact + 1 for contact in contacts],
+        "pair_feature_pair": [feature_pair + 1 for feature_pair in feature_pairs],
+        "pair_search": [0] * count,
+        **{f"feature_pair_{key}": [limit[key] for limit in limits] for key in ("kind", "o", "f")},
+        "feature_pair_owner": pairs,
+        "feature_pair_parameters": parameters,
+        "feature_pair_condition": [integers["feature_pair_condition"][-1]] * count,
+    }
+    with_rows(integers, rows | without_features(count))

@@ -18,6 +18,7 @@ from modelgen.codegen.library import Library, kernel_table
 from modelgen.notation import SETTING_SIZE, component_names
 from modelgen.runtime.tables.array_block import ArrayBlock
 from modelgen.runtime.tables.ctypes_structures import Array, Tables, fill_system, tables_of
+from modelgen.runtime.tables.features import feature_pair_names
 from modelgen.runtime.tables.planar_contacts import SUPPORT_POINTS, shares, slot_count
 from modelgen.runtime.tables.scratch_memory import fit_scratch, memory_of_run
 
@@ -86,7 +87,7 @@ def _make(library: Library) -> LibraryTables:
         arrays=tuple(arrays),
         start=_start(tables, instance),
         contact_names=names,
-        feature_pair_names=(*(str(pair["name"]) for pair in instance["feature_pairs"]), *[""] * limits),
+        feature_pair_names=(*feature_pair_names(instance), *[""] * limits),
         body_names=tuple(body["name"] for body in instance["bodies"]),
         patch_names=tuple(patch["name"] for patch in instance["patches"]),
         shares=shares(instance),

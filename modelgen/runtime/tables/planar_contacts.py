@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from modelgen.runtime.tables.features import append
+import numpy as np
+
+from modelgen.runtime.tables.features import with_rows, without_features
+from modelgen.runtime.tables.number_pool import INTEGER, Array, NumberPool
 
 SUPPORT_POINTS = 3
 
@@ -26,7 +29,7 @@ def shares(instance: Mapping[str, Any]) -> tuple[tuple[int, str], ...]:
 
 
 def add_patches(
-    integers: dict[str, list[int]], numbers: list[float], parameters: list[float], instance: Mapping[str, Any]
+    integers: dict[str, Array], numbers: NumberPool, parameters: NumberPool, instance: Mapping[str, Any]
 ) -> None:
     """Adds the tables of the patches; their support points are the last contacts and feature pairs."""
     faces = [_add_face(face, numbers, parameters) for face in instance["faces"]]
@@ -52,71 +55,58 @@ def add_patches(
     placed = [
         [instance["faces"][face]["placement"] for face in patch["faces"]] for patch in instance["patches"]
     ]
-    integers |= boundary | {
+    columns = boundary | {
         "patch_pair": [patch["pair"] for patch in instance["patches"]],
         "patch_slots": [slot for patch in instance["patches"] for slot in patch["patch_slots"]],
         "patch_arc": first,
         "patch_arc_f": second,
-        "patch_numbers": [append(numbers, [*o, *f]) for o, f in placed],
+        "patch_numbers": [numbers.place([*o, *f]) for o, f in placed],
         "patch_covered": cover,
         "covered_feature_pair": covered,
         "patch_share": share,
         "share_pair": share_pair,
         "share_arc": share_arc,
     }
+    integers |= {name: np.array(values, dtype=INTEGER) for name, values in columns.items()}
     _add_points(integers, parameters, instance)
 
 
 def _add_face(
-    face: Mapping[str, Any], numbers: list[float], parameters: list[float]
+    face: Mapping[str, Any], numbers: NumberPool, parameters: NumberPool
 ) -> list[tuple[int, int, int, int]]:
     """The arcs of a face as (shape, parameters, numbers, loop)."""
     return [
         (
             arc["kind"],
-            append(parameters, arc["parameters"]),
-            append(numbers, [*arc["placement"], *arc["ends"]]),
+            parameters.place(arc["parameters"]),
+            numbers.place([*arc["placement"], *arc["ends"]]),
             arc["loop"],
         )
         for arc in face["boundary"]
     ]
 
 
-def _add_points(integers: dict[str, list[int]], parameters: list[float], instance: Mapping[str, Any]) -> None:
-    faces = instance["faces"]
-    pairs: dict[int, int] = {}
-    for patch in instance["patches"]:
-        o, f = (faces[face]["body"] for face in patch["faces"])
-        for slot in range(*patch["patch_slots"]):
-            pairs[slot] = patch["pair"]
-        for number, values in enumerate(patch["support_points"]):
-            kind = patch["kind"] if number else patch.get("friction_kind", patch["kind"])
-            _add_feature_pair(integers, kind, patch["pair"], o, f, append(parameters, values))
-    for _, pair in sorted(pairs.items()):
-        for _ in range(SUPPORT_POINTS):
-            integers["contact_pair"].append(pair)
-            integers["contact_eta"].append(instance["n_eta"])
-            integers["contact_feature_pair"].append(-1)
-
-
-def _add_feature_pair(
-    integers: dict[str, list[int]], kind: int, pair: int, o: int, f: int, start: int
-) -> None:
-    row = {
-        **{"feature_pair_kind": kind, "feature_pair_o": o, "feature_pair_f": f, "feature_pair_owner": pair},
-        **{
-            "feature_pair_group": -1,
-            "feature_pair_parameters": start,
-            "feature_pair_condition": integers["feature_pair_condition"][-1],
-        },
+def _add_points(integers: dict[str, Array], parameters: NumberPool, instance: Mapping[str, Any]) -> None:
+    patches, faces = instance["patches"], instance["faces"]
+    kinds, starts, bodies = [], [], [[faces[face]["body"] for face in patch["faces"]] for patch in patches]
+    for patch in patches:
+        kinds += [patch.get("friction_kind", patch["kind"]), patch["kind"], patch["kind"]]
+        starts += [parameters.place(values) for values in patch["support_points"]]
+    o, f = np.repeat(np.array(bodies, dtype=INTEGER).reshape(-1, 2), SUPPORT_POINTS, axis=0).T
+    slots = {slot: patch["pair"] for patch in patches for slot in range(*patch["patch_slots"])}
+    count, held = len(kinds), [slots[slot] for slot in sorted(slots) for _ in range(SUPPORT_POINTS)]
+    rows: dict[str, Sequence[int]] = {
+        "feature_pair_kind": kinds,
+        "feature_pair_o": o,
+        "feature_pair_f": f,
+        "feature_pair_owner": [patch["pair"] for patch in patches for _ in range(SUPPORT_POINTS)],
+        "feature_pair_parameters": starts,
+        "feature_pair_condition": [integers["feature_pair_condition"][-1]] * count,
+        "contact_pair": held,
+        "contact_eta": [instance["n_eta"]] * len(held),
+        "contact_feature_pair": [-1] * len(held),
     }
-    for name, value in row.items():
-        integers[name].append(value)
-    for name in ("feature_parameters", "feature_numbers"):
-        integers[name] += [0, 0]
-    integers["feature_shape"] += [-1, -1]
-    integers["feature_tree"] += [-1, -1]
-    integers["feature_is_listed"] += [1, 1]
+    with_rows(integers, rows | without_features(count))
 
 
 def point_restitutions(instance: Mapping[str, Any]) -> Sequence[float]:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from itertools import accumulate
 from typing import Any
 
-from modelgen.runtime.tables.features import append
+from modelgen.runtime.tables.number_pool import NumberPool
 
 FEW_PAIRS = 400  # up to so many, all pairs that contacts list are followed all the time
 
@@ -71,7 +71,7 @@ def _keys_of(
 class SolidTables:
     """`count`: solids with terms; `integers`: arrays of mg_system. Numbers are added to `numbers`."""
 
-    def __init__(self, instance: Mapping[str, Any], numbers: list[float]) -> None:
+    def __init__(self, instance: Mapping[str, Any], numbers: NumberPool) -> None:
         entries = instance["solids"]
         known = [each for each in entries if each["terms"]]
         index = {
@@ -91,16 +91,16 @@ class SolidTables:
         } | solid_arrays(known, numbers)
 
 
-def solid_arrays(solids: Sequence[Mapping[str, Any]], numbers: list[float]) -> dict[str, list[int]]:
+def solid_arrays(solids: Sequence[Mapping[str, Any]], numbers: NumberPool) -> dict[str, list[int]]:
     """Arrays of mg_system of solids that have terms. Numbers are added to `numbers`."""
     terms = [term for each in solids for term in each["terms"]]
     return {
         "solid_body": [each["body"] for each in solids],
         "solid_is_cavity": [int(each["cavity"]) for each in solids],
-        "solid_numbers": [append(numbers, each["placement"]) for each in solids],
+        "solid_numbers": [numbers.append(each["placement"]) for each in solids],
         "solid_term": [*accumulate((len(each["terms"]) for each in solids), initial=0)],
         "term_kind": [TERMS.index(term["kind"]) for term in terms],
-        "term_numbers": [append(numbers, term["numbers"]) for term in terms],
+        "term_numbers": [numbers.append(term["numbers"]) for term in terms],
         "term_size": [len(term["numbers"]) for term in terms],
     }
 
@@ -118,6 +118,10 @@ def _is_unknown(entry: Mapping[str, Any]) -> bool:
 
 def _shapes(instance: Mapping[str, Any], pair: Mapping[str, Any]) -> tuple[Key, Key]:
     """The shapes of a pair: their bodies o, f of its first feature pair, and their names."""
-    first = instance["feature_pairs"][pair["feature_pairs"][0]]
+    first, source = instance["feature_pairs"], pair
+    if "repeats" in pair:
+        source = instance["pairs"][pair["repeats"]]
+    is_swapped = first[source["feature_pairs"][0]]["swapped"]
     o, f = (each["shape"] for each in pair["bounding_balls"])
-    return (first["o"], o), (first["f"], f)
+    bodies = pair["bodies"][::-1] if is_swapped else pair["bodies"]
+    return (bodies[0], o), (bodies[1], f)

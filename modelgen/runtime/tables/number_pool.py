@@ -1,0 +1,36 @@
+"""Real numbers of the tables of the core, one after another, to which the integers of the tables point."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+Array = np.ndarray[Any, Any]
+INTEGER = np.dtype(np.intc)  # C's int
+
+
+class NumberPool:
+    """Equal numbers that many pairs have are there once, unless the scene has parameters: what a change of
+    those makes different must have places of its own."""
+
+    def __init__(self, instance: Mapping[str, Any]) -> None:
+        self.values: list[float] = []
+        self._shares = not instance.get("parameters")
+        self._known: dict[Hashable, int] = {}
+
+    def append(self, numbers: Sequence[float]) -> int:
+        """Adds the numbers at the end; returns where they start."""
+        start = len(self.values)
+        self.values.extend(numbers)
+        return start
+
+    def place(self, numbers: Sequence[float], *use: Hashable) -> int:
+        """Where the numbers start, which are added unless they are there for the same use."""
+        if not self._shares:
+            return self.append(numbers)
+        key = (*use, *numbers)
+        if key not in self._known:
+            self._known[key] = self.append(numbers)
+        return self._known[key]
