@@ -173,6 +173,11 @@ class FeaturePairEntry:
         return replace(self, pair=pair, o=o, f=f)
 
     @property
+    def bodies(self) -> tuple[int, int]:
+        """As the user named them."""
+        return (self.f, self.o) if self.swapped else (self.o, self.f)
+
+    @property
     def is_coaxial_support(self) -> bool:
         """Whether it replaces another one while two features of revolution are coaxial."""
         return any(each.kind == "coaxial" and each.numbers[-1] > 0 for each in self.conditions)
@@ -205,6 +210,7 @@ class PairEntry:
     """Two shapes that the scene lets touch: a range of feature pairs and a range of contacts."""
 
     name: str  # "egg-table"
+    bodies: tuple[int, int]  # as the user named them
     feature_pairs: tuple[int, int]  # first, end
     contacts: tuple[int, int]
     search: Search

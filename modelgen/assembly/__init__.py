@@ -269,6 +269,7 @@ def _touching(scene: Scene, pieces: Sequence[Piece], flush: float) -> Touching:
         entries.append(
             PairEntry(
                 name,
+                (a.owner.body, b.owner.body),
                 *ranges,
                 content.search,
                 pair.restitution,
@@ -283,7 +284,7 @@ def _touching(scene: Scene, pieces: Sequence[Piece], flush: float) -> Touching:
         patches = patches_of(content.planar_pairs, (a, b), pair, name, index, first, faces)
         shown.append(Shown((a, b), pair, patches))
         sources.append(content.feature_pairs)
-        bodies.append(None if content.first == index else (a.owner.body, b.owner.body))
+        bodies.append(None if content.first == index else entries[-1].bodies)
         first += len(content.feature_pairs)
         all_contacts += contacts
     unions = Unions(faces.entries, stands, [piece.centre for piece in pieces], flush)

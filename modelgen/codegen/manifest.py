@@ -174,8 +174,7 @@ def _entries(value: Any) -> str:
     return _line(value)
 
 
-def _line(value: Any) -> str:
-    return json.dumps(value, sort_keys=True, allow_nan=False)
+_line = json.JSONEncoder(sort_keys=True, allow_nan=False).encode  # once, as there may be many lines
 
 
 def _object(text: str, names: tuple[str, ...], cls: type, source: str) -> Json:

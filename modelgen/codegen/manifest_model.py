@@ -14,7 +14,7 @@ from modelgen.assembly.contact_warnings import stand_ins
 from modelgen.assembly.masses import pose_numbers
 from modelgen.codegen.load_branches import switch_count
 from modelgen.codegen.manifest_open_edges import open_edges_of
-from modelgen.codegen.manifest_planar_contacts import face_table, patch_table
+from modelgen.codegen.manifest_planar_contacts import face_table, patch_tables
 from modelgen.codegen.manifest_repeated_pairs import all_of
 from modelgen.codegen.manifest_solids import solids_of
 from modelgen.codegen.manifest_unlisted_shapes import unlisted_of
@@ -267,7 +267,7 @@ def _contacts(model: Model) -> dict[str, Any]:
         "feature_pairs": _feature_pairs(model, pairs),
         "contacts": [_contact(entry) for entry in model.contacts],
         "faces": [face_table(model, entry) for entry in model.faces],
-        "patches": [patch_table(entry) for entry in model.patches],
+        "patches": patch_tables(model.patches),
         "solids": solids_of(model),
         "unlisted": unlisted_of(model),
         "open_edges": open_edges_of(model),
@@ -289,7 +289,7 @@ def _contacts_like(model: Model, other: Model, known: dict[str, Any]) -> dict[st
     found = {key: known[key] for key in CONTACTS if key in known}
     if model.scene.contacts != other.scene.contacts:
         found["pairs"] = [_pair(model, entry) for entry in model.pairs]
-        found["patches"] = [patch_table(entry) for entry in model.patches]
+        found["patches"] = patch_tables(model.patches)
     return found
 
 
@@ -363,7 +363,7 @@ def _limit(model: Model, entry: LimitEntry) -> dict[str, Any]:
 def _pair(model: Model, entry: PairEntry) -> dict[str, Any]:
     return {
         "name": entry.name,
-        "bodies": _named_bodies(model, entry),
+        "bodies": list(entry.bodies),
         **({} if entry.repeats is None else {"repeats": entry.repeats}),
         "feature_pairs": list(entry.feature_pairs),
         "contacts": list(entry.contacts),
@@ -407,12 +407,6 @@ class _Shapes:
         if key not in self._known:
             self._known[key] = _shape(self._model, body, shape, side)
         return self._known[key]
-
-
-def _named_bodies(model: Model, pair: PairEntry) -> list[int]:
-    """The bodies of a pair as the user named them."""
-    first = model.feature_pairs[pair.feature_pairs[0]]
-    return [first.f, first.o] if first.swapped else [first.o, first.f]
 
 
 def _feature_pairs(model: Model, pairs: Sequence[Mapping[str, Any]]) -> Sequence[dict[str, Any]]:

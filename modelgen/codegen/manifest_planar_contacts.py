@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from modelgen.assembly.masses import pose_numbers
@@ -27,8 +28,13 @@ def face_table(model: Model, entry: FaceEntry) -> dict[str, Any]:
     }
 
 
-def patch_table(entry: PatchEntry) -> dict[str, Any]:
-    """A patch: its two faces, its support points, and the feature pairs that lie in it."""
+def patch_tables(entries: Sequence[PatchEntry]) -> list[dict[str, Any]]:
+    """The patches: their two faces, their support points, and the feature pairs that lie in them."""
+    points = {id(entry.parameters): [list(numbers) for numbers in entry.parameters] for entry in entries}
+    return [_patch_table(entry, points[id(entry.parameters)]) for entry in entries]
+
+
+def _patch_table(entry: PatchEntry, support_points: list[list[float]]) -> dict[str, Any]:
     friction = (
         {"friction_kind": entry.friction_kind, "friction": list(entry.friction)}
         if entry.friction_kind >= 0
@@ -42,7 +48,7 @@ def patch_table(entry: PatchEntry) -> dict[str, Any]:
         "pair": entry.pair,
         "kind": entry.kind,
         "faces": list(entry.faces),
-        "support_points": [list(numbers) for numbers in entry.parameters],
+        "support_points": support_points,
         "feature_pairs": list(entry.feature_pairs),
         "patch_slots": list(entry.patch_slots),
     }

@@ -297,7 +297,8 @@ def _holding(held: tuple[Contact, ...], model: Model) -> Model:
     """The model in which each of these contacts is a pair of its own, without others and without limits."""
     feature_pairs = tuple(replace(each.feature_pair, pair=k, conditions=()) for k, each in enumerate(held))
     pairs = tuple(
-        PairEntry(each.name, (k, k + 1), (k, k + 1), "never", Restitution()) for k, each in enumerate(held)
+        PairEntry(each.name, each.feature_pair.bodies, (k, k + 1), (k, k + 1), "never", Restitution())
+        for k, each in enumerate(held)
     )
     offsets = np.cumsum([0, *(len(each.eta) for each in held)])
     contacts = tuple(
