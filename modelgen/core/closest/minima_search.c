@@ -397,7 +397,8 @@ static int mg_start_limits(mg_context *c) {
   return MG_DONE;
 }
 
-MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
+/* Searches all pairs that take part. Returns an outcome. */
+static int mg_search_listed_pairs(mg_context *c) {
   for (int pair = 0; pair < c->system->n_pair; pair++)
     c->run->unfollowed_gap[pair] = MG_MAX, c->run->withheld_effort[pair] = 0;
   for (int i = 0; i < c->layout.support_begin; i++) mg_set_feature_pair(c, i, -1, 0);
@@ -414,4 +415,12 @@ MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
     c->run->is_search_due[pair] = c->search.open_gap < MG_MAX;
   }
   return mg_start_limits(c);
+}
+
+MG_INTERNAL int mg_search_start_pairs(mg_context *c) {
+  c->listed.is_starting = 1; /* one list after all searches in place of one a contact */
+  const int outcome = mg_search_listed_pairs(c);
+  c->listed.is_starting = 0;
+  mg_list_states(c);
+  return outcome;
 }

@@ -81,7 +81,7 @@ MG_INTERNAL void mg_set_feature_pair(mg_context *c, int contact, int feature_pai
   const int before = c->contacts.n_eta[contact];
   c->run->feature_pair[contact] = feature_pair;
   mg_load_feature_pair(c, contact);
-  if (c->contacts.n_eta[contact] != before) mg_list_states(c);
+  if (c->contacts.n_eta[contact] != before && !c->listed.is_starting) mg_list_states(c);
   for (int k = 0; k < mg_eta_capacity(c, contact); k++) kept[k] = k < c->contacts.n_eta[contact] ? eta[k] : 0;
   if (feature_pair < 0) mg_set_closed(c, contact, 0), mg_set_rolling_start(c, contact, MG_START_NONE);
 }

@@ -115,7 +115,7 @@ MG_INTERNAL int mg_abandoned_capacity(const mg_system *s) { return MG_MINIMA + M
 
 MG_INTERNAL void mg_init_listing(mg_context *c) {
   mg_listing *l = &c->listed;
-  l->n_always = l->n_listed = l->n_over_plane = 0;
+  l->n_always = l->n_listed = l->n_over_plane = l->is_starting = 0;
   for (int pair = 0; pair < c->layout.limit_pair_begin; pair++) {
     if (!mg_may_be_far(c, pair)) l->always[l->n_always++] = pair;
     else if (!mg_has_pair_extents(c, pair)) l->over_plane[l->n_over_plane++] = pair;

@@ -217,6 +217,7 @@ typedef struct {
   int *found;          /* [per pair] pairs that the broad phase found; then those of them that had been left out */
   int *grid;           /* [mg_grid_size] first ball of each place in the grid, or -1 */
   mg_grid_ball *balls; /* [system->n_ball] balls */
+  int is_starting; /* 1: ranges of states are not made anew when a contact changes its feature pair */
   int n_range, n_always, n_over_plane, n_listed, n_found;
   int n_contact;      /* contacts that take part */
   int has_candidates; /* 1: there are pairs that may be left out */
