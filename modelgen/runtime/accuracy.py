@@ -149,6 +149,7 @@ class Accuracy:
             thresholds=Thresholds(
                 stepping_tolerance=1e-2,
                 stepping_residual=0.2,
+                feature_border=1e-6,
                 drift_tolerance=1e-10,
                 rest_acceleration=1e-6,
                 event_tolerance=1e-8,

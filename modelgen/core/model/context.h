@@ -217,7 +217,7 @@ typedef struct {
   int *found;          /* [per pair] pairs that the broad phase found; then those of them that had been left out */
   int *grid;           /* [mg_grid_size] first ball of each place in the grid, or -1 */
   mg_grid_ball *balls; /* [system->n_ball] balls */
-  int is_starting; /* 1: ranges of states are not made anew when a contact changes its feature pair */
+  int is_starting;     /* 1: ranges of states are not made anew when a contact changes its feature pair */
   int n_range, n_always, n_over_plane, n_listed, n_found;
   int n_contact;      /* contacts that take part */
   int has_candidates; /* 1: there are pairs that may be left out */
@@ -336,19 +336,22 @@ typedef struct {
 
 /* One step of an integrator. */
 typedef struct {
-  mg_real *start_pose;              /* [12 per body] poses at its start */
-  mg_real *slopes;                  /* [MG_STAGES n_states] right-hand sides of the stages; of collocation: slope at the
-                                       start, then states, then slopes of the stages */
-  mg_real *stage;                   /* [n_states] state at a stage or on the interpolant */
-  mg_real *end;                     /* [n_states] state at the end of the step */
-  mg_real *end_gap;                 /* [per contact] gap there, by its rows */
-  mg_real *settled;                 /* [n_states] state at the end with eta corrected; in time-stepping: state at which
-                                       rows are taken */
-  mg_real *scale;                   /* [n_states] size of each state, against which its error is measured */
-  mg_real *interpolant;             /* [8 n_states] coefficients of the interpolant */
-  mg_real *load_wrench;             /* [6 per body] time-stepping: wrenches of the loads in the middle of the step */
-  mg_real *pose;                    /* [12 per body] time-stepping: poses from which contact points are followed */
-  mg_real *time_samples;            /* samples of the functions of time in a step */
+  mg_real *start_pose;   /* [12 per body] poses at its start */
+  mg_real *pressing;     /* [6 per contact] time-stepping: contact point and force, world axes, m and N, before contacts
+                            change */
+  int *pressing_on;      /* [per contact] feature pair on which it had that force; -1: it had none */
+  mg_real *slopes;       /* [MG_STAGES n_states] right-hand sides of the stages; of collocation: slope at the
+                            start, then states, then slopes of the stages */
+  mg_real *stage;        /* [n_states] state at a stage or on the interpolant */
+  mg_real *end;          /* [n_states] state at the end of the step */
+  mg_real *end_gap;      /* [per contact] gap there, by its rows */
+  mg_real *settled;      /* [n_states] state at the end with eta corrected; in time-stepping: state at which
+                            rows are taken */
+  mg_real *scale;        /* [n_states] size of each state, against which its error is measured */
+  mg_real *interpolant;  /* [8 n_states] coefficients of the interpolant */
+  mg_real *load_wrench;  /* [6 per body] time-stepping: wrenches of the loads in the middle of the step */
+  mg_real *pose;         /* [12 per body] time-stepping: poses from which contact points are followed */
+  mg_real *time_samples; /* samples of the functions of time in a step */
   mg_rolling_start *rolling_starts; /* [per contact] start of rolling */
   mg_real rolling_step;  /* length of a step from flat tried at this state, which the interpolant holds, s; 0:
                             none */

@@ -238,7 +238,8 @@ static void mg_set_arrays(mg_context *c, mg_memory *memory) {
   c->step.slopes = mg_reserve_reals(memory, MG_STAGES * x), c->step.end = mg_reserve_reals(memory, x),
   c->step.stage = mg_reserve_reals(memory, x), c->step.end_gap = mg_reserve_reals(memory, m);
   c->step.load_wrench = mg_reserve_reals(memory, 6 * b), c->step.pose = mg_reserve_reals(memory, 12 * b),
-  c->step.start_pose = mg_reserve_reals(memory, 12 * b);
+  c->step.start_pose = mg_reserve_reals(memory, 12 * b), c->step.pressing = mg_reserve_reals(memory, 6 * m);
+  c->step.pressing_on = mg_reserve_ints(memory, m);
   c->step.settled = mg_reserve_reals(memory, x), c->step.scale = mg_reserve_reals(memory, x);
   c->step.interpolant = mg_reserve_reals(memory, 8 * x),
   c->search.placement = mg_reserve_reals(memory, 32 + 2 * s->n_eta);

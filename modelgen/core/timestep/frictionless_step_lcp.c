@@ -6,6 +6,8 @@
 #include "model/model.h"
 #include "forces/forces.h"
 
+#define MG_USEFUL ((mg_real)0.5) /* residual of a correction that leaves less than it found */
+
 enum {
   MG_MANY_CONTACTS = 40,  /* from here on conjugate gradients cost less than a factorisation, */
   MG_SOME_CONTACTS = 8,   /* and from here on where a tolerance is given */
@@ -38,9 +40,9 @@ MG_INTERNAL int mg_solve_step_lcp(mg_context *c, int n, const mg_real *value, co
     const mg_row_matrix matrix = mg_gather_rows(c, n);
     for (int r = 0; r < n; r++) c->lcp.b[r] = value[c->lcp.rows[r]], c->lcp.z[r] = guess ? guess[c->lcp.rows[r]] : 0;
     mg_report_qp_solve(c->run);
-    if (mg_large_qp_solve(&matrix, c->lcp.b, tolerance, MG_MANY_ITERATIONS * c->settings->lcp_iterations, c->lcp.z,
-                          report, c->lcp.work) == MG_LCP_SOLVED)
-      return MG_LCP_SOLVED;
+    mg_large_qp_solve(&matrix, c->lcp.b, tolerance, MG_MANY_ITERATIONS * c->settings->lcp_iterations, c->lcp.z, report,
+                      c->lcp.work);
+    if (report->outcome == MG_LCP_SOLVED || (tolerance > 0 && report->residual < MG_USEFUL)) return MG_LCP_SOLVED;
   }
   return mg_solve_contact_lcp(c, n, value, report);
 }

@@ -188,18 +188,20 @@ static void mg_count_correction_as_movement(mg_context *c) {
     c->run->moved_since_search[pair] += mg_pair_movement_bound(c, pair, c->step.pose);
 }
 
-/* Least movement in the metric of the kinetic energy that removes penetration and joint errors, to first order.
-   Returns 0 if it fails, or would move a body too far. */
-static int mg_correct_positions(mg_context *c, mg_real worst) {
+/* Least movement in the metric of the kinetic energy that removes penetration and joint errors, to first order, and
+   closes no gap of up to `reach`. It is found to what the first order is good for: the next correction removes the
+   rest. Returns 0 if it fails, or would move a body too far. */
+static int mg_correct_positions(mg_context *c, mg_real worst, mg_real reach) {
   mg_lcp_report report;
   int n = 0;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
-    if (mg_is_on_feature_pair(c, i) && c->rows.d[i] <= worst) {
+    if (mg_is_on_feature_pair(c, i) && c->rows.d[i] <= reach) {
       if (n < c->system->closed_capacity) c->lcp.rows[n] = i, c->lcp.mask[n++] = 1;
       else mg_report_exceeded(c->run, MG_CAPACITY_CLOSED);
     }
-  const mg_real allowed = c->settings->contact_gap * c->system->length / MG_CORRECTED_TO;
-  if (mg_solve_step_lcp(c, n, c->rows.d, 0, mg_min(allowed / worst, MG_COARSEST_CORRECTION), &report) != MG_LCP_SOLVED)
+  const mg_real allowed = c->settings->contact_gap * c->system->length / MG_CORRECTED_TO,
+                of_first_order = mg_max(allowed / worst, worst / c->system->length);
+  if (mg_solve_step_lcp(c, n, c->rows.d, 0, mg_min(of_first_order, MG_COARSEST_CORRECTION), &report) != MG_LCP_SOLVED)
     return 0;
   for (int i = 0; i < 6 * c->system->n_body; i++) c->bodies.wrench[i] = 0;
   for (int r = 0; r < n + c->system->n_joint_row; r++)
@@ -208,7 +210,7 @@ static int mg_correct_positions(mg_context *c, mg_real worst) {
 }
 
 MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events) {
-  mg_real kinetic, before = 0, halved = MG_MAX;
+  mg_real kinetic, before = 0, halved = MG_MAX, reach = 1;
   int moved = 0, slow_rounds = 0;
   mg_update_rows_at(c, c->run->t, c->run->x);
   for (int round = 0; round < MG_CORRECTIONS && slow_rounds < MG_SLOW_CORRECTIONS && c->settings->project; round++) {
@@ -218,7 +220,7 @@ MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events) {
     if (!slow_rounds) halved = worst;
     if (!moved) before = mg_energy(c, &kinetic);
     mg_copy_states(c, c->run->x, c->step.stage);
-    if (!mg_correct_positions(c, worst)) break;
+    if (!mg_correct_positions(c, worst, reach * worst)) break;
     moved++;
     mg_converge_all_contacts(c, events);
     mg_update_rows_at(c, c->run->t, c->run->x);
@@ -227,7 +229,8 @@ MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events) {
     mg_copy_states(c, c->step.stage, c->run->x);
     mg_converge_all_contacts(c, events);
     mg_update_rows_at(c, c->run->t, c->run->x);
-    break;
+    if (reach > 1) break;
+    reach = c->settings->correction_ratio; /* it has closed other gaps, as a stack that is lifted does */
   }
   const mg_real change = moved ? mg_energy(c, &kinetic) - before : 0;
   mg_report_correction(c->run, change);

@@ -84,6 +84,7 @@ MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_eve
   mg_integrate_positions(c, h);
   if (!mg_are_states_finite(c, run->x)) return MG_NOT_FINITE;
   mg_impulses_to_forces(c, h);
+  mg_note_pressing_contacts(c);
   mg_advance_time(run, h);
   run->steps++;
   if (run->fallback_left > 0) mg_report_fallback_time(run, h);
@@ -92,8 +93,9 @@ MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_eve
     mg_record_step_samples(c, record, h);
     mg_update_rows_at(c, run->t, run->x);
   }
-  mg_keep_step_forces(c);
   mg_update_diagnostics(c);
+  mg_hand_on_forces(c);
+  mg_keep_step_forces(c);
   const int too_deep = mg_check_penetration(c, 2 * h);
   return too_deep ? too_deep : mg_check_contact_rows(c);
 }

@@ -95,6 +95,15 @@ MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events);
 /* Sets modes and appends events. Needs the impulses of the step in c->solution.force. */
 MG_INTERNAL void mg_report_step_modes(mg_context *c, mg_events *events, mg_real h);
 
+/* kept_impulses.c */
+
+/* Notes which contacts press, where and with which force. Needs poses. */
+MG_INTERNAL void mg_note_pressing_contacts(mg_context *c);
+
+/* Gives the forces of noted contacts that are no longer on their feature pairs to contacts beside them. Needs the rows
+   of contacts at the state of the run. */
+MG_INTERNAL void mg_hand_on_forces(mg_context *c);
+
 /* time_step.c */
 
 /* Takes one step of h, or shorter where a pair could move past what the next search finds. Returns an outcome. */
