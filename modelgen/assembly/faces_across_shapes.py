@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from itertools import accumulate
 from math import cos, pi, sin
 from operator import attrgetter
@@ -180,9 +180,8 @@ def _vector(x: Any) -> Vector:
     return float(x[0]), float(x[1]), float(x[2])
 
 
-_TERMS = attrgetter(
-    "restitution", "points", "friction", "rolling_resistance", "spinning_resistance", "candidate"
-)
+_OF_SHAPES = ("between", "features", "form", "normal")
+_TERMS = attrgetter(*(field.name for field in fields(ContactPair) if field.name not in _OF_SHAPES))
 
 
 def terms_of(pair: ContactPair) -> tuple[object, ...]:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
 
-from modelgen.scene.run_choices import SCHEMES, SOLVERS
+from modelgen.scene.run_choices import COMPILED_SOLVERS, SCHEMES
 
 Value = str | int | float | bool
 Settings = Mapping[str, Value]
@@ -76,8 +76,8 @@ KNOBS: tuple[Knob, ...] = (
     Knob("scheme", "of time-stepping", lambda f: SCHEMES, lambda f, s: s["method"] == "time-stepping"),
     Knob(
         "solver",
-        "of time-stepping: Coulomb's law or its convex relaxation",
-        lambda f: SOLVERS,
+        "of time-stepping: Coulomb's law or its convex relaxation, which the core solves",
+        lambda f: COMPILED_SOLVERS,
         lambda f, s: s["method"] == "time-stepping" and f.friction,
     ),
     Knob("form", "form of the contact equations", lambda f: tuple(f.forms), lambda f, s: len(f.forms) > 1),

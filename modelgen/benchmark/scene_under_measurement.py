@@ -6,7 +6,7 @@ import hashlib
 import json
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -97,7 +97,9 @@ class Subject:
     def accuracy(self, settings: Settings) -> Accuracy:
         run = applied(self.scene.run, settings).said()
         scales = {"time": self.characteristic_time}
-        return accuracy_of({"run": run, "source": self.scene.source, "scales": scales}, None, {})
+        pairs = [{"friction": [asdict(each) for each in pair.friction]} for pair in self._model(None).pairs]
+        instance = {"run": run, "source": self.scene.source, "scales": scales, "pairs": pairs}
+        return accuracy_of(instance, None, {})
 
     @cached_property
     def characteristic_time(self) -> float:

@@ -516,7 +516,8 @@ enum {
 /* What a run tells of itself: counts, largest values and first places, by which no body moves. mg_begin resets it. */
 typedef struct {
   long qp_solves;           /* complementarity problems without friction solved by the core, as convex programs */
-  long friction_solves;     /* problems with friction solved by the core */
+  long friction_solves;     /* problems with friction solved by the core, by Coulomb's law */
+  long relaxed_solves;      /* the same by the relaxation */
   long outer_solves;        /* problems solved by settings->outer_solver */
   long fallbacks;           /* how often the run has fallen back on time-stepping */
   long jams;                /* of these, because no accelerations were admissible */

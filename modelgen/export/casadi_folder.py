@@ -32,7 +32,7 @@ def casadi_files(derivation: Derivation, package: Package) -> dict[str, str | by
         "kernels": manifest.functions,
         "composed": {composed.name(): COMPOSED} if composed is not None else {},
         "kinds": manifest.kinds,
-        "instance": manifest.instance,
+        "instance": {**manifest.instance, "feature_pairs": [*manifest.instance["feature_pairs"]]},
     }
     library, command = _compiled(texts)
     told = (

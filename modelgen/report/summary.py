@@ -26,7 +26,7 @@ def summary_lines(summary: dict[str, Any]) -> Iterator[str]:
     )
     if summary["solves"]:
         by = ", ".join(f"{count} by {name}" for name, count in summary["solves"].items())
-        yield f"contact problems solved: {by}, largest residual {summary['solve_residual_max']:.1e}"
+        yield f"complementarity problems: {by}, largest residual {summary['solve_residual_max']:.1e}"
     yield (
         f"energy drift {summary['energy_drift']:.2e}, by corrections {summary['correction_energy']:.2e}, "
         f"largest gap {summary['gap_max']:.2e} m, "

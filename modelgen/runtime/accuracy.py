@@ -305,8 +305,8 @@ class Accuracy:
     def solved_by(self, solver: Solver) -> Accuracy:
         """The same record with another solver."""
         check_name("solver", solver, get_args(Solver))
-        name = self.name if solver in ("coulomb", self.solver) else f"{self.name}, {solver}"
-        return replace(self, name=name, solver=solver)
+        plain = self.name.removesuffix(f", {self.solver}")
+        return replace(self, name=plain if solver == "coulomb" else f"{plain}, {solver}", solver=solver)
 
     def companion(self, epsilon: float) -> Accuracy:
         """The record of the companion run, whose error is much smaller, or at least independent.

@@ -269,6 +269,7 @@ class Session:
         """Starts and advances each mg_run of an array to t_stop; writes the core's codes."""
         ends = self.tables.real(t_stop), ctypes.c_void_p(address(codes)), ctypes.byref(self.events)
         self.library.cdll.mg_batch(*self._head[:2], len(runs), runs, *ends, *self._scratch)
+        raise_failure(self.settings)
 
     def evaluate(self, t: float, x: Array, x_dot: Array) -> None:
         """Writes the right-hand side at (t, x) into x_dot, and the forces of active contacts into `force`."""

@@ -29,6 +29,7 @@ from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.interruptible_advance import interruptible
 from modelgen.runtime.sensitivity_directions import NumberOnKink, direction_rows, directions_of
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
+from modelgen.runtime.solver_choice import raise_failure
 from modelgen.runtime.start import begin
 from modelgen.runtime.tables.ctypes_structures import DIRECTION_ARRAYS, INTEGER, Array, address
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome
@@ -353,6 +354,7 @@ class TangentRun:
         self._given = ctypes.byref(self._directions), ctypes.byref(self._tangent)
         self._head, self._tail, self._scratch = head, tail, tail[-2:]
         interruptible(lambda: cdll.mg_begin_tangent(*head, *self._given, *self._scratch), session.stop)
+        raise_failure(session.settings)
 
     @property
     def outcome(self) -> Outcome | None:
@@ -364,6 +366,7 @@ class TangentRun:
         code, end = self._code or CONTINUE, session.tables.real(until)
         while code in (CONTINUE, FULL):
             code = interruptible(lambda: advance(*self._head, *self._given, end, *self._tail), session.stop)
+            raise_failure(session.settings)
             self._happened += session.drain_events()
             self.on_full()
         self._code = code

@@ -157,6 +157,7 @@ class SessionGroup:
         head, events = self._head_at(lane), ctypes.byref(self._lists[lane])
         scratch = map(ctypes.c_void_p, self._own_scratch().addresses)
         self.codes[lane] = code = self.library.cdll.mg_begin(*head, events, *scratch)
+        raise_failure(self._settings_of[lane])
         if code in REFUSED:
             raise self._refusal(lane, int(code))
 
@@ -176,6 +177,7 @@ class SessionGroup:
         now, no_steps = self.like.tables.real(self.runs[lane].t), ctypes.c_long(0)
         rest = ctypes.byref(record), events, *scratch
         self._short_calls.mg_advance(*self._head_at(lane), now, no_steps, *rest)
+        raise_failure(self._settings_of[lane])
 
     def drain_events(self, lane: int) -> list[Event]:
         """The events of a lane since the last call."""

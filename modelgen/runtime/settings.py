@@ -9,7 +9,7 @@ from typing import Any, TypedDict, get_args
 from modelgen.errors import SimulationError
 from modelgen.runtime.accuracy import Accuracy, Solver
 from modelgen.runtime.arguments import check_name, check_step
-from modelgen.runtime.solver_choice import check_solver
+from modelgen.runtime.solver_choice import DEFAULT, check_solver, solvers_of
 from modelgen.runtime.tables.ctypes_structures import METHODS, SCHEMES
 
 
@@ -49,8 +49,11 @@ def accuracy_of(
     method = given.get("method")
     if method is None and accuracy is not None and record.method != "dop853" and "method" in said:
         method = record.method  # that of `coarse`
+    if method is None and accuracy is not None and "method" not in said and run.get("accuracy") == "coarse":
+        method = record.method  # not that of `coarse`
     if method is not None and method != said.get("method"):  # what goes with another one is not meant
-        said = {key: value for key, value in said.items() if key == "fallback"}
+        fitting = (DEFAULT, *solvers_of(instance, method))
+        said = {k: v for k, v in said.items() if k == "fallback" or (k == "solver" and v in fitting)}
     places = dict.fromkeys(said.keys() - given.keys(), f"{source}: run.")
     return _stepping(record, said | given, places, instance).choosing(run)
 
@@ -74,6 +77,14 @@ def _stepping(
 ) -> Accuracy:
     for key, value in said.items():
         _check(key, value, places.get(key, ""))
+    stepped = _stepped(record.solved_by("coulomb"), said, places, instance)
+    return stepped.solved_by(said.get("solver", record.solver))
+
+
+def _stepped(
+    record: Accuracy, said: Mapping[str, Any], places: Mapping[str, str], instance: Mapping[str, Any]
+) -> Accuracy:
+    """The record without a choice of solver."""
     if "fallback" in said:
         record = replace(record, fallback=said["fallback"])
     method, step = said.get("method", record.method), said.get("step", record.step)
@@ -82,7 +93,6 @@ def _stepping(
         raise _unfit(places, "scheme", said["scheme"], 'method = "time-stepping" with it')
     if "solver" in said:
         check_solver(said["solver"], method, instance, f"{places.get('solver', '')}solver")
-        record = record.solved_by(said["solver"])
     if method == "dop853":
         if "step" in said:
             raise _unfit(places, "step", step, 'method = "rk4" or "time-stepping" with it')

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Mapping
-from functools import lru_cache
 from typing import Any
 
 from modelgen.errors import SimulationError
 from modelgen.runtime.accuracy import Accuracy
 
-OUTER = ("lcp", "polyhedral", "mpcc")  # called by the core (modelgen.runtime.friction.outer_solver)
+OUTER = {"lcp": 0, "polyhedral": 1, "mpcc": 2}  # called by the core; their numbers in saved states
 FRICTIONLESS = ("qp", "lcp", "mpcc")  # by time-stepping; the first is that of the core
 FRICTIONAL = ("coulomb", "relaxation", "polyhedral", "mpcc")
 OF_EVENTS = (
@@ -29,7 +28,15 @@ def has_friction(instance: Mapping[str, Any]) -> bool:
 def solvers_of(instance: Mapping[str, Any], method: str) -> tuple[str, ...]:
     """The solvers between which a run of a scene can choose, its default first."""
     known = FRICTIONAL if has_friction(instance) else FRICTIONLESS
-    return known if method == "time-stepping" else tuple(each for each in known if each in OF_EVENTS)
+    if method != "time-stepping":
+        return tuple(each for each in known if each in OF_EVENTS)
+    return tuple(each for each in known if each != "mpcc") if _has_resistance(instance) else known
+
+
+def _has_resistance(instance: Mapping[str, Any]) -> bool:
+    """Whether any contact resists spinning or rolling, whose lengths IPOPT finds no scale for."""
+    kinds = (each["kind"] for pair in instance["pairs"] for each in pair.get("friction", ()))
+    return any(kind != "slip" for kind in kinds)
 
 
 def solver_of(accuracy: Accuracy, instance: Mapping[str, Any]) -> str:
@@ -38,11 +45,9 @@ def solver_of(accuracy: Accuracy, instance: Mapping[str, Any]) -> str:
 
 
 def solves_of(report: Any, accuracy: Accuracy) -> dict[str, int]:
-    """How many problems each solver has solved in the run that an mg_run_report is of."""
-    with_friction = "relaxation" if accuracy.solver == "relaxation" else "coulomb"
-    counts = {with_friction: report.friction_solves, "qp": report.qp_solves}
-    if accuracy.solver in OUTER:
-        counts = {accuracy.solver: report.outer_solves} | counts
+    """How many problems each solver was given in the run that an mg_run_report is of."""
+    counts = {accuracy.solver: report.outer_solves} if accuracy.solver in OUTER else {}
+    counts |= {"coulomb": report.friction_solves, "relaxation": report.relaxed_solves, "qp": report.qp_solves}
     return {name: int(count) for name, count in counts.items() if count}
 
 
@@ -69,21 +74,19 @@ def with_solver(settings: Any, accuracy: Accuracy, library: Any) -> Any:
     check_solver(accuracy.solver, accuracy.method, library.manifest.instance)
     if accuracy.solver not in OUTER:
         return settings
+    if library.real == "long double":
+        allowed = f"{DEFAULT}, which the core has, over long double"
+        raise SimulationError("solver", repr(accuracy.solver), allowed, "build over double, or leave it out")
+    from modelgen.runtime.friction.outer_solver import OuterSolver
+
     own = type(settings).from_buffer_copy(settings)
-    own.chosen = _outer(accuracy.solver, library)
+    own.chosen = OuterSolver(accuracy.solver, OUTER[accuracy.solver], library)  # lives as long as `own` does
     own.outer_solver = ctypes.addressof(own.chosen.structure)
     return own
 
 
-@lru_cache(maxsize=16)
-def _outer(name: str, library: Any) -> Any:
-    from modelgen.runtime.friction.outer_solver import OuterSolver
-
-    return OuterSolver(name, OUTER.index(name), library)
-
-
 def raise_failure(settings: Any) -> None:
-    """Raises the exception that ended a solver called with these settings, once."""
+    """After a call of the core: raises the exception of a solver called with these settings, once."""
     chosen = getattr(settings, "chosen", None)
     if chosen is not None and chosen.failure is not None:
         failure, chosen.failure = chosen.failure, None

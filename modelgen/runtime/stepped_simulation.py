@@ -28,6 +28,7 @@ from modelgen.runtime.inputs import Inputs
 from modelgen.runtime.sensors import Sensors
 from modelgen.runtime.settings import STEPPING, Stepping, accuracy_of
 from modelgen.runtime.simulate import repeated
+from modelgen.runtime.solver_choice import raise_failure
 from modelgen.runtime.start import begin
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import OUTCOME_OF_CODE, Event, Outcome, Trajectory
@@ -141,6 +142,7 @@ class Simulation:
                 code = self._advance(*self._head, self._real(stop), *self._tail)
                 if session.events.count:
                     events += tuple(session.drain_events())
+            raise_failure(session.settings)
             self._note()
             if code:
                 self._stop(code)

@@ -5,6 +5,7 @@ METHODS = ("dop853", "rk4", "time-stepping")
 SCHEMES = ("stewart-trinkle", "anitescu-potra", "moreau")
 IMPACTS = ("simultaneous", "sequential")
 SOLVERS = ("coulomb", "qp", "lcp", "mpcc", "polyhedral", "relaxation")
+COMPILED_SOLVERS = ("coulomb", "relaxation")  # with friction, in the core
 APPROXIMATE = ("polyhedral", "relaxation")  # laws in the place of Coulomb's
 REALS = ("double", "float", "long double")
 LEVELS = ("O1", "O2", "O3")

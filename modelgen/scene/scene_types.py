@@ -298,7 +298,7 @@ class RunSettings:
     method: str | None = None  # dop853 | rk4 | time-stepping
     step: float | None = None  # s, of rk4 and time-stepping
     scheme: str | None = None  # of time-stepping: stewart-trinkle | anitescu-potra | moreau
-    solver: str | None = None  # of time-stepping: coulomb | relaxation
+    solver: str | None = None  # of complementarity problems: coulomb | qp | ..
     fallback: bool | None = None  # False: an event-driven run ends where it cannot go on
     impacts: str | None = None  # of several contacts: simultaneous | sequential
     newton: int | None = None  # 0 | 1 | 2

@@ -9,6 +9,7 @@ from modelgen.benchmark.reference_solution import APART, PREDICTABLE, ROUNDING, 
 from modelgen.benchmark.scene_under_measurement import Subject
 from modelgen.errors import ModelgenError
 from modelgen.scene.read import read_text
+from modelgen.scene.run_choices import COMPILED_SOLVERS
 from tests.running import SCENES, folder
 
 BILLIARD = """
@@ -91,3 +92,11 @@ def test_an_error_is_promised_up_to_the_horizon_only() -> None:
     assert early.point.error is not None
     assert early.point.error <= 1e-6
     assert early.run.tolerance == early.point.settings["tolerance"]
+
+
+@pytest.mark.parametrize("name", ["sphere_slide_to_roll", "bouncing_ball"])
+def test_a_subject_has_an_accuracy_with_every_solver_that_is_tried(name: str) -> None:
+    solvers = COMPILED_SOLVERS if name == "sphere_slide_to_roll" else COMPILED_SOLVERS[:1]
+    for solver in solvers:
+        settings = {"method": "time-stepping", "step": 0.01, "scheme": "moreau", "solver": solver}
+        assert subject(name, 0.1).accuracy(settings).solver == solver

@@ -18,11 +18,9 @@ STEPPED = {**PLAIN, "method": "time-stepping", "step": 1e-3, "scheme": "moreau"}
 
 
 def chosen(run: dict[str, Any], accuracy: Accuracy | str | None = None, **own: Any) -> Accuracy:
-    return accuracy_of(
-        {"run": run, "source": "s.toml", "scales": {"time": TIME}, "pairs": [{"friction": [0]}]},
-        accuracy,
-        own,
-    )
+    pairs = [{"friction": [{"kind": "slip"}]}]
+    instance = {"run": run, "source": "s.toml", "scales": {"time": TIME}, "pairs": pairs}
+    return accuracy_of(instance, accuracy, own)
 
 
 def test_a_scene_that_says_nothing_is_run_event_driven_and_may_fall_back() -> None:
@@ -120,3 +118,16 @@ def test_a_companion_has_finer_thresholds_of_events_and_shorter_steps() -> None:
     assert finer.event_tolerance == own.event_tolerance / 10
     assert finer.chatter_step < own.chatter_step
     assert finer.gap_error_max == own.gap_error_max
+
+
+def test_keys_that_go_with_a_coarse_scene_are_left_out_at_another_accuracy() -> None:
+    run = PLAIN | {"accuracy": "coarse", "scheme": "moreau", "solver": "relaxation"}
+    assert chosen(run).scheme == "moreau"
+    assert chosen(run, "tight") == Accuracy.tight()
+
+
+def test_the_name_of_a_record_tells_its_solver_once() -> None:
+    assert chosen(STEPPED, solver="relaxation").name.count("relaxation") == 1
+    assert chosen(PLAIN | {"accuracy": "coarse"}, solver="relaxation").name.count("relaxation") == 1
+    own = Accuracy.tight().time_stepping(1e-3)
+    assert own.solved_by("relaxation").solved_by("polyhedral").solved_by("coulomb") == own

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from modelgen import Accuracy, simulate
+from modelgen import Accuracy, simulate, simulate_batch, start, start_many
 from modelgen.codegen.library import Library
 from modelgen.errors import SimulationError
 from modelgen.export.scene_header_and_tables import scene_files
 from modelgen.runtime.core_session import Session
-from modelgen.runtime.friction import polyhedral
+from modelgen.runtime.friction import FrictionProblem, FrictionSolution, Motion, Outcome, polyhedral
 from modelgen.runtime.friction.outer_solver import OuterSolver
 from modelgen.runtime.session_group import SessionGroup
 from modelgen.runtime.settings import Stepping
@@ -130,9 +130,6 @@ def test_runs_in_threads_are_those_alone() -> None:
 
 
 def test_an_exception_in_a_solver_is_that_of_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    def fails(*_: object) -> None:
-        raise ZeroDivisionError("of a solver")
-
     library = pile(2, MU)
     session = Session(library, accuracy("time-stepping", "polyhedral"))
     chosen = session.settings.chosen
@@ -166,3 +163,71 @@ def test_an_export_has_the_solvers_of_the_core_alone() -> None:
     session = Session(scene_of("bouncing_ball"), accuracy("dop853", "lcp"))
     with pytest.raises(SimulationError, match=r"run\.solver: 'lcp'; coulomb, qp or relaxation"):
         scene_files(session)
+
+
+def fails(*_: object) -> None:
+    raise ZeroDivisionError("of a solver")
+
+
+def gives_up(problem: FrictionProblem, _: object) -> FrictionSolution:
+    none = np.zeros(problem.n)
+    opens = (Motion.OPEN,) * len(problem.first)
+    return FrictionSolution(none, none, Outcome.NOT_FOUND, 1.0, 1.0, "", 0, opens)
+
+
+def test_every_way_to_run_raises_what_a_solver_raises(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("modelgen.runtime.friction.outer_solver.solver", lambda _: fails)
+    library, own = pile(0, 0.0), accuracy("dop853", "lcp")
+    q, u = (np.array([library.manifest.instance[f"initial_{key}"]]) for key in "qu")
+    with pytest.raises(ZeroDivisionError):
+        simulate_batch(library, q, u, until=0.2, accuracy=own)
+    with pytest.raises(ZeroDivisionError):
+        start(library, accuracy=own).step(0.2)
+    with pytest.raises(ZeroDivisionError):
+        start_many(library, 2, accuracy=own).step(0.2)
+    monkeypatch.undo()
+    assert simulate(library, until=0.2, accuracy=own, samples=1, estimate=False).outcome.name == "DONE"
+
+
+@pytest.mark.parametrize(
+    ("friction", "solver", "other"), [(0.0, "lcp", "qp"), (MU, "polyhedral", "relaxation")]
+)
+def test_what_a_solver_does_not_solve_the_core_does(
+    friction: float, solver: str, other: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    library = pile(1, friction)
+    known = stepped(library, "coulomb")
+    monkeypatch.setattr("modelgen.runtime.friction.outer_solver.solver", lambda _: gives_up)
+    run = stepped(library, solver)
+    assert run.solves[solver] > 0
+    assert run.solves[other] >= run.solves[solver]
+    if friction:
+        assert any("convex relaxation was taken" in each for each in run.warnings)
+    else:
+        assert np.abs(run.p[-1] - known.p[-1]).max() < 1e-9
+
+
+def test_resistances_and_long_double_are_refused_where_a_solver_has_none() -> None:
+    ball = make.dynamic("ball", make.sphere(0.05), density=1000.0, position=[0.0, 0.0, 0.05])
+    terms: dict[str, object] = {"between": "all", "friction": MU, "rolling_resistance": 1e-3}
+    scene = make.scene("resisted", [make.fixed("floor", make.plane()), ball], contacts=terms)
+    with pytest.raises(SimulationError, match=r"^solver: 'mpcc'; coulomb, relaxation, polyhedral "):
+        stepped(library_of(scene), "mpcc")
+    with pytest.raises(SimulationError, match=r"^solver: 'lcp'; coulomb, which the core has, over"):
+        Session(scene_of("bouncing_ball", real="long double"), accuracy("dop853", "lcp"))
+
+
+def test_the_companion_has_the_solver_of_the_run() -> None:
+    how = Stepping(method="time-stepping", step=STEP, solver="polyhedral")
+    run = simulate(pile(1, MU), until=0.1, samples=2, **how)
+    assert run.estimate is not None
+    assert any("cones of eight sides" in each for each in run.warnings)
+    assert run.accuracy.count("polyhedral") == 1
+
+
+def test_a_solver_of_the_scene_stays_with_another_method_that_has_it() -> None:
+    library = scene_of("bouncing_ball")
+    instance = library.manifest.instance
+    chosen = library.with_instance(instance | {"run": instance["run"] | {"solver": "lcp"}})
+    for how in (Stepping(method="dop853"), Stepping(method="time-stepping", step=STEP), Stepping()):
+        assert simulate(chosen, until=0.1, samples=1, estimate=False, **how).solver == "lcp"

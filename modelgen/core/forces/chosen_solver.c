@@ -22,7 +22,7 @@ static int mg_solve_outside(mg_context *c, const mg_friction_problem *p, mg_real
 MG_INTERNAL int mg_solve_friction_problem(mg_context *c, const mg_friction_problem *p, mg_real *z, int *marks,
                                           mg_friction_report *report) {
   if (mg_has_outer_solver(c, p)) return mg_solve_outside(c, p, z, marks, report);
-  mg_report_friction_solve(c->run);
+  mg_report_friction_solve(c->run, p->law);
   return mg_friction(p, z, marks, report, c->friction.work, c->friction.iwork);
 }
 
@@ -38,10 +38,11 @@ MG_INTERNAL int mg_solve_force_lcp(mg_context *c, int n, const mg_real *value, m
   const mg_friction_problem p = {size,     n,        MG_COULOMB, 1, first,        rows, c->lcp.work,
                                  c->lcp.A, c->lcp.b, 0,          0, c->run->stop, 0,    0};
   const int outcome = mg_solve_outside(c, &p, c->lcp.z, marks, &found);
+  if (outcome == MG_FRICTION_NOT_FOUND) return mg_solve_contact_lcp(c, n, value, report);
   for (int k = 0; k < n; k++) c->lcp.mask[k] = (marks[k] & MG_MARK_FORCE) != 0;
   report->outcome = outcome == MG_FRICTION_SOLVED       ? MG_LCP_SOLVED
                     : outcome == MG_FRICTION_INFEASIBLE ? MG_LCP_INFEASIBLE
-                                                        : MG_LCP_ITERATIONS;
+                                                        : MG_LCP_NOT_FINITE;
   report->iterations = found.newton, report->rank = found.rank, report->residual = found.residual;
   return report->outcome;
 }

@@ -326,7 +326,7 @@ MG_INTERNAL int mg_has_outer_solver(const mg_context *c, const mg_friction_probl
 MG_INTERNAL int mg_solve_friction_problem(mg_context *c, const mg_friction_problem *p, mg_real *z, int *marks,
                                           mg_friction_report *report);
 
-/* mg_solve_contact_lcp, or the solver of the settings in its place. */
+/* mg_solve_contact_lcp, or the solver of the settings in its place where that finds a solution. */
 MG_INTERNAL int mg_solve_force_lcp(mg_context *c, int n, const mg_real *value, mg_lcp_report *report);
 
 /* joint_rank.c */

@@ -151,7 +151,7 @@ static void mg_note_painleve_paradox(mg_context *c, const mg_friction_problem *p
 /* Solve the friction problem with all friction coefficients multiplied by `part`; returns 1 if it was solved. */
 static int mg_solve_with_friction_cones(mg_context *c, const mg_friction_problem *p, mg_real part, mg_real *z,
                                         mg_friction_report *report) {
-  mg_report_friction_solve(c->run);
+  mg_report_friction_solve(c->run, MG_COULOMB);
   for (int k = 0; k < p->n_contact; k++)
     mg_set_friction_cone(c, c->friction.cone_contact[k], part, c->friction.cone + MG_CONE * k);
   for (int r = 0; r < p->n; r++) z[r] = 0;

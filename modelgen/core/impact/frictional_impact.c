@@ -101,7 +101,7 @@ static int mg_solve_impact_problem(mg_context *c, const mg_friction_problem *p) 
 MG_INTERNAL int mg_solve_frictional_impulses(mg_context *c) {
   const mg_friction_problem p = mg_assemble_impact_problem(c);
   int n = 0;
-  mg_report_friction_solve(c->run);
+  mg_report_friction_solve(c->run, MG_COULOMB);
   if (!mg_solve_impact_problem(c, &p)) return -1;
   for (int k = 0; k < p.n_contact; k++) n += c->friction.cone_rows[k];
   for (int i = c->layout.support_begin; i < c->system->n_contact; i++) c->solution.impulse[i] = 0;

@@ -150,11 +150,11 @@ MG_INTERNAL void mg_report_penetration(mg_run *run, int contact, mg_real depth);
 /* The contact that an outcome is about, or -1. */
 MG_INTERNAL void mg_report_failed_contact(mg_run *run, int contact);
 
-/* A problem that is solved, without friction, with it, or by settings->outer_solver; the residual of one; the active
-   contacts beyond the rank of their rows; a solution to stepping_residual only; one of the relaxation; the rounding of
-   forces, relative. */
+/* A problem that is solved, without friction, with a law of it, or by settings->outer_solver; the residual of one; the
+   active contacts beyond the rank of their rows; a solution to stepping_residual only; one of the relaxation; the
+   rounding of forces, relative. */
 MG_INTERNAL void mg_report_qp_solve(mg_run *run);
-MG_INTERNAL void mg_report_friction_solve(mg_run *run);
+MG_INTERNAL void mg_report_friction_solve(mg_run *run, int law);
 MG_INTERNAL void mg_report_outer_solve(mg_run *run);
 MG_INTERNAL void mg_report_residual(mg_run *run, mg_real residual);
 MG_INTERNAL void mg_report_redundancy(mg_run *run, int redundant);

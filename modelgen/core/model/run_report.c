@@ -62,7 +62,9 @@ MG_INTERNAL void mg_report_failed_contact(mg_run *run, int contact) { run->repor
 
 MG_INTERNAL void mg_report_qp_solve(mg_run *run) { run->report.qp_solves++; }
 
-MG_INTERNAL void mg_report_friction_solve(mg_run *run) { run->report.friction_solves++; }
+MG_INTERNAL void mg_report_friction_solve(mg_run *run, int law) {
+  (law == MG_RELAXED ? run->report.relaxed_solves++ : run->report.friction_solves++);
+}
 
 MG_INTERNAL void mg_report_outer_solve(mg_run *run) { run->report.outer_solves++; }
 

@@ -156,7 +156,7 @@ static int mg_solve_island_graph(mg_context *c, const mg_step_island *island, mg
     for (int side = 0; side < 2; side++)
       c->friction.row_body[2 * r + side] = mg_is_moved_by_forces(c, bodies[side]) ? bodies[side] : -1;
   }
-  mg_report_friction_solve(c->run);
+  mg_report_friction_solve(c->run, island->problem.law);
   const mg_friction_graph graph = {c->system->n_body, row,        c->friction.row_body,
                                    c->rows.J,         c->rows.MJ, c->friction.row_yield};
   return mg_friction_on_graph(&island->problem, &graph, c->lcp.z + island->row, c->friction.marks + island->contact,

@@ -116,7 +116,8 @@ def mpcc(problem: FrictionProblem, library: CoreLibrary, start: ArrayLike | None
 
     No approximation but what the last relaxation leaves (G H <= 1e-12 in scaled units). What it loses: of one
     start in eight the end is a point that only minimises infeasibility, so that some are tried; forces come
-    to about 1e-6; it says nothing about rank or uniqueness. Scheme: see `minimise`.
+    to about 1e-6; it says nothing about rank or uniqueness. Contacts that open faster than they press have no
+    force. Scheme: see `minimise`.
     """
     scale, S, c = _scaled(problem)
     discs = sum(len(problem.discs(contact)) for contact in range(len(problem.first)))
@@ -131,10 +132,10 @@ def mpcc(problem: FrictionProblem, library: CoreLibrary, start: ArrayLike | None
             guess[problem.first] = 2 * random.random(len(problem.first))
         answer = minimise(ca.vertcat(y, speed), ca.SX(0), conditions, guess)
         iterations += answer.iterations
-        _open(problem, answer.x, S, c)
-        found = residual(problem, answer.x[: problem.n] * scale, library)
-        if found < value:
-            best, value = answer.x, found
+        for x in (answer.x, _opened(problem, answer.x, S, c)):
+            found = residual(problem, x[: problem.n] * scale, library)
+            if found <= value:
+                best, value = x, found
         if value <= SOLVED:
             break
     return _solution(problem, best, best[: problem.n] * scale, value, iterations)
@@ -165,12 +166,13 @@ def _scaled(problem: FrictionProblem) -> tuple[NDArray[Any], NDArray[Any], NDArr
     return size / mobility, problem.A / mobility[:, None] / mobility, c / size
 
 
-def _open(problem: FrictionProblem, x: NDArray[Any], S: NDArray[Any], c: NDArray[Any]) -> None:
-    """Take the forces from contacts that open faster than they press: what the last relaxation has left."""
-    w = S @ x[: problem.n] + c
+def _opened(problem: FrictionProblem, x: NDArray[Any], S: NDArray[Any], c: NDArray[Any]) -> NDArray[Any]:
+    """Without the forces of contacts that open faster than they press, which the last relaxation has left."""
+    opened, w = x.copy(), S @ x[: problem.n] + c
     for row, rows in zip(problem.first, problem.rows, strict=True):
         if x[row] < w[row]:
-            x[row : row + rows] = 0
+            opened[row : row + rows] = 0
+    return opened
 
 
 def _motions(problem: FrictionProblem, y: NDArray[Any], speed: NDArray[Any]) -> tuple[Motion, ...]:

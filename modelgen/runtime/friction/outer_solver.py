@@ -17,10 +17,11 @@ from modelgen.runtime.friction.compiled_solvers import problem_structure, report
 from modelgen.runtime.friction.problem import CONE, FrictionProblem, FrictionSolution, Motion, Outcome
 
 SAME = {"lcp": "polyhedral"}  # the linear complementarity problem, which has no cones without friction
+_NOT_FINITE = list(Outcome).index(Outcome.NOT_FINITE)
 
 
 class OuterSolver:
-    """A solver as the core calls it. An exception in it is kept in `failure`, and the run ends."""
+    """A solver as the core calls it. After an exception in it, kept in `failure`, it solves nothing more."""
 
     def __init__(self, name: str, number: int, library: CoreLibrary) -> None:
         """`number`: tells it from others in saved states."""
@@ -36,9 +37,14 @@ class OuterSolver:
 
     def _called(self, _of: int, problem: int, z: int, marks: int, report: int) -> int:
         told = self._report.from_address(report)
+        told.outcome = _NOT_FINITE
+        if self.failure is not None:
+            return _NOT_FINITE
         try:
             given = self._problem.from_address(problem)
             asked = self._read(given)
+            if not (np.isfinite(asked.A).all() and np.isfinite(asked.b).all()):
+                return _NOT_FINITE
             answer = self._solver(asked, self._library)
             self._array(z, asked.n, self._dtype)[:] = answer.z
             self._array(marks, len(asked.first), np.dtype(np.intc))[:] = [int(m) for m in answer.motions]
@@ -47,7 +53,7 @@ class OuterSolver:
             if given.wants_rank:
                 told.active, told.rank = _rank(asked, answer)
         except BaseException as error:  # the core cannot pass it on
-            self.failure, told.outcome = error, list(Outcome).index(Outcome.NOT_FINITE)
+            self.failure, told.outcome = error, _NOT_FINITE
         return int(told.outcome)
 
     def _read(self, given: Any) -> FrictionProblem:

@@ -223,6 +223,7 @@ RUN_INTEGERS = (
 REPORT_COUNTS = (
     "qp_solves",
     "friction_solves",
+    "relaxed_solves",
     "outer_solves",
     "fallbacks",
     "jams",

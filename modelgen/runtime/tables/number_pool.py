@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Hashable, Mapping, Sequence
 from typing import Any
 
@@ -30,7 +31,7 @@ class NumberPool:
         """Where the numbers start, which are added unless they are there for the same use."""
         if not self._shares:
             return self.append(numbers)
-        key = (*use, *numbers)
+        key = (*use, array("d", numbers).tobytes())  # 0.0 and -0.0 are two numbers
         if key not in self._known:
             self._known[key] = self.append(numbers)
         return self._known[key]

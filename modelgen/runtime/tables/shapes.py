@@ -118,10 +118,8 @@ def _is_unknown(entry: Mapping[str, Any]) -> bool:
 
 def _shapes(instance: Mapping[str, Any], pair: Mapping[str, Any]) -> tuple[Key, Key]:
     """The shapes of a pair: their bodies o, f of its first feature pair, and their names."""
-    first, source = instance["feature_pairs"], pair
-    if "repeats" in pair:
-        source = instance["pairs"][pair["repeats"]]
-    is_swapped = first[source["feature_pairs"][0]]["swapped"]
+    source = instance["pairs"][pair["repeats"]] if "repeats" in pair else pair
+    is_swapped = instance["feature_pairs"][source["feature_pairs"][0]]["swapped"]
     o, f = (each["shape"] for each in pair["bounding_balls"])
     bodies = pair["bodies"][::-1] if is_swapped else pair["bodies"]
     return (bodies[0], o), (bodies[1], f)

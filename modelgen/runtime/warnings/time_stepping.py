@@ -19,6 +19,13 @@ CAUSES = {
 }
 
 
+APPROXIMATE = {
+    "polyhedral": "friction acts in cones of eight sides (solver polyhedral): weaker by up to 8 %, and "
+    "turned by up to pi/8, which no estimate of the error tells",
+    "relaxation": "contacts that slip at v separate at mu v (solver relaxation), which no estimate of the "
+    "error tells",
+}
+
 SLOW = 1.0  # step times rate up to which the motion of springs and dampers is right to a tenth
 TURN = 0.3  # rad in a step up to which a turn is right to a hundredth
 
@@ -42,6 +49,8 @@ def stepping_warnings(session: Session) -> list[str]:
             f"{float(report.chatter_time):.3g} s in steps of {step:.2g} s: its error is of order 1 in the "
             "step, and events are told to one step; fallback = false locates every event"
         )
+    if report.outer_solves + report.relaxed_solves and session.accuracy.solver in APPROXIMATE:
+        found.append(APPROXIMATE[session.accuracy.solver])
     if report.loose_solutions:
         found.append(
             f"in {report.loose_solutions} steps the impulses were found to a residual of up to "
