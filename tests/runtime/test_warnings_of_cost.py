@@ -48,6 +48,17 @@ def test_changes_far_apart_and_at_different_contacts_are_not_told() -> None:
     assert len(slip_change_warnings(changes, 10.0)) == 3
 
 
+def test_of_many_contacts_that_change_those_that_change_most_are_told() -> None:
+    changes = [
+        Event(0.01 * k, "slip-start", f"ball-table#{contact}", "")
+        for contact in range(9)
+        for k in range(2 * MANY + contact)
+    ]
+    told = slip_change_warnings(changes, 10.0)
+    assert [each.partition(" ")[0] for each in told] == [f"ball-table#{k}" for k in (8, 7, 6)]
+    assert all(each.endswith("6 other contacts as well") for each in told)
+
+
 def test_a_run_of_a_body_that_turns_fast_names_it() -> None:
     top = make.dynamic("top", make.cylinder(0.02, 0.1), density=7800.0, angular_velocity=[0.0, 0.0, 1e5])
     path = simulate(library_of(make.scene("top", [top])), until=0.1, samples=2, estimate=False)

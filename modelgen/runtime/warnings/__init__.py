@@ -75,7 +75,8 @@ def warnings(session: Session, accuracy: Accuracy, events: Sequence[Event]) -> t
     found += _capacities(session)
     found += _far(session, accuracy)
     found += _short_steps(session, accuracy)
-    found += slip_change_warnings(events, session.instance["scales"]["time"])
+    if accuracy.method != "time-stepping":  # whose steps no change ends
+        found += slip_change_warnings(events, session.instance["scales"]["time"])
     found += impact_warnings(session, accuracy)
     found += stepping_warnings(session)
     return (*found, *joint_warnings(session, accuracy))
