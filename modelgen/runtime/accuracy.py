@@ -304,6 +304,8 @@ class Accuracy:
 
     def solved_by(self, solver: Solver) -> Accuracy:
         """The same record with another solver."""
+        if solver == self.solver:
+            return self
         check_name("solver", solver, get_args(Solver))
         plain = self.name.removesuffix(f", {self.solver}")
         return replace(self, name=plain if solver == "coulomb" else f"{plain}, {solver}", solver=solver)

@@ -45,7 +45,7 @@ class Materials:
         terms = [each["terms"] or samples.get(k) for k, each in enumerate(solids)]
         known = [k for k in range(len(solids)) if terms[k]]
         self._number = {k: number for number, k in enumerate(known)}
-        numbers = NumberPool({})
+        numbers = NumberPool(shares=False)
         integers = solid_arrays([{**solids[k], "terms": terms[k]} for k in known], numbers)
         self._core, self._tables = library.cdll, tables_of(library.dtype)
         arrays, places = packed(integers, INTEGER)

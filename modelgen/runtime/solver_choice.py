@@ -53,8 +53,7 @@ def solves_of(report: Any, accuracy: Accuracy) -> dict[str, int]:
 
 def check_solver(solver: str, method: str, instance: Mapping[str, Any], place: str = "solver") -> None:
     """Raises SimulationError, about `place`, where runs of the scene by this method have no such solver."""
-    known = solvers_of(instance, method)
-    if solver in (DEFAULT, *known):
+    if solver == DEFAULT or solver in (known := solvers_of(instance, method)):
         return
     kind = "with friction" if has_friction(instance) else "without friction"
     way = "by time-stepping" if method == "time-stepping" else "with events"

@@ -14,9 +14,11 @@ from modelgen import derive, emit, require
 from modelgen.codegen.manifest import Manifest
 from modelgen.model import Model
 from modelgen.runtime.tables.features import FeatureTables
-from modelgen.runtime.tables.number_pool import NumberPool
+from modelgen.runtime.tables.library_tables import library_tables
+from modelgen.runtime.tables.number_pool import WHOLE_SCENE, NumberPool, may_share
 from modelgen.scene.scene_types import Scene
 from tests.model.scenes import TABLE, contact, scene
+from tests.running import compiled
 
 BOX = "kind = 'box', size = [0.3, 0.2, 0.1]"
 HALF = "kind = 'box', size = [0.3, 0.2, 0.1], position = [0.0, 0.0, 0.02]"
@@ -96,7 +98,7 @@ def test_the_tables_of_the_core_do_not_depend_on_what_is_repeated() -> None:
     manifest = emit(derive(require(crowd("friction = 0.3")))).manifest
     pairs = [{key: pair[key] for key in pair if key != "repeats"} for pair in manifest.instance["pairs"]]
     other = replace(manifest, instance={**manifest.instance, "pairs": pairs})
-    pools = [[NumberPool(each.instance) for _ in range(2)] for each in (manifest, other)]
+    pools = [[NumberPool(shares=True) for _ in range(2)] for _ in range(2)]
     one, two = (
         FeatureTables(each, *pair, np.inf) for each, pair in zip((manifest, other), pools, strict=True)
     )
@@ -111,10 +113,26 @@ def test_a_scene_with_parameters_has_places_for_the_numbers_of_each_pair() -> No
     with_parameter = {**manifest.instance, "parameters": [{"name": "size", "value": 1.0}]}
     places = []
     for instance in (manifest.instance, with_parameter):
-        tables = FeatureTables(
-            replace(manifest, instance=instance), NumberPool(instance), NumberPool(instance), np.inf
-        )
+        pools = [NumberPool(may_share(instance, manifest.functions)) for _ in range(2)]
+        tables = FeatureTables(replace(manifest, instance=instance), *pools, np.inf)
         places.append(tables.integers["feature_pair_parameters"])
     shared, own = (len(set(each.tolist())) for each in places)
     assert shared < len(places[0]) / 2
     assert own == len(places[1])
+
+
+def test_a_scene_with_a_composed_function_has_the_parameters_in_the_order_of_the_model() -> None:
+    """Two balls, one content: the function of the whole scene takes the parameters of both pairs."""
+    balls = [
+        f'[[body]]\nname = "ball{k}"\nshape = {{ kind = "ellipsoid", semi_axes = [0.1, 0.2, 0.15] }}\n'
+        f"density = 1000.0\nposition = [{k}.0, 0.0, 0.15]\n"
+        for k in range(2)
+    ]
+    model = require(scene(*balls, TABLE, *(contact(f"ball{k}", "table") for k in range(2))))
+    library = compiled(emit(derive(model)))
+    assert library.manifest.instance["pairs"][1]["repeats"] == 0
+    assert WHOLE_SCENE in library.manifest.functions
+    blocks = (model.bodies, model.feature_pairs)
+    wanted = [value for block in blocks for entry in block for value in entry.parameters]
+    (found,) = (array for array in library_tables(library).arrays if array[: len(wanted)].tolist() == wanted)
+    assert len(found) >= len(wanted)

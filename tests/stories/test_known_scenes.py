@@ -32,7 +32,7 @@ PACKAGES = {
 }  # that a run needs; each other one takes 10 ms to 200 ms at every start
 SCENE_ROOM = {"modelgen.scene", "modelgen.scene.run_choices", "modelgen.scene.scene_name"}  # names, no reader
 MODULES_AT_MOST = (
-    66  # of modelgen, some 2 ms each, most of them for their dataclasses: 60 when this was written
+    68  # of modelgen, some 2 ms each, most of them for their dataclasses: 60 when this was written
 )
 
 

@@ -18,7 +18,7 @@ from modelgen.runtime.tables.friction_rows import FrictionTables
 from modelgen.runtime.tables.joint_limits import add_limits
 from modelgen.runtime.tables.number_pool import INTEGER as INTEGER
 from modelgen.runtime.tables.number_pool import Array as Array
-from modelgen.runtime.tables.number_pool import NumberPool
+from modelgen.runtime.tables.number_pool import NumberPool, may_share
 from modelgen.runtime.tables.planar_contacts import (
     SUPPORT_POINTS,
     add_patches,
@@ -327,7 +327,6 @@ MINIMA_FOUND = (
     *("count", "is_complete", "feature_pair"),
     *("d", "normal", "point_o", "point_f", "eta", "margin"),
 )
-PARAMETRISED = ("bodies", "loads", "joints", "limits")
 ROOM, ROOM_PER_BODY = 2048, 12  # rows that may be held at a time: memory grows with its square, once used
 METHODS = {"rk4": 0, "dop853": 1, "time-stepping": 2}
 SCHEMES = {"stewart-trinkle": 0, "anitescu-potra": 1, "moreau": 2}
@@ -470,11 +469,12 @@ def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) 
     """The mg_system of a manifest's instance over the kernels at an address, and its arrays, which must
     outlive it."""
     instance = manifest.instance
-    parameters, numbers = NumberPool(instance), NumberPool(instance)
-    starts = {
-        group: [parameters.append(entry["parameters"]) for entry in instance[group]] for group in PARAMETRISED
-    }
+    shares = may_share(instance, manifest.functions)
+    parameters, numbers = NumberPool(shares), NumberPool(shares)
+    starts = {"bodies": [parameters.append(body["parameters"]) for body in instance["bodies"]]}
     sides = FeatureTables(manifest, parameters, numbers, float(np.finfo(tables.dtype).max))
+    for group in ("loads", "joints", "limits"):
+        starts[group] = [parameters.append(entry["parameters"]) for entry in instance[group]]
     listed = _bodies_and_contacts(instance, starts) | _loads_and_joints(instance, starts)
     listed["load_switch"] = _switches(manifest)
     integers = {name: np.array(values, dtype=INTEGER) for name, values in listed.items()} | sides.integers

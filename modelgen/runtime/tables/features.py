@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from modelgen.codegen.manifest import Manifest, have_spines
-from modelgen.runtime.tables.number_pool import INTEGER, Array, NumberPool
+from modelgen.runtime.tables.number_pool import INTEGER, Array, NumberPool, may_share
 
 Entry = Mapping[str, Any]
 Found = TypeVar("Found")
@@ -39,7 +39,8 @@ class FeatureTables:
         self, manifest: Manifest, parameters: NumberPool, numbers: NumberPool, endless: float
     ) -> None:
         instance, kinds, length = manifest.instance, manifest.kinds, manifest.instance["scales"]["length"]
-        trees, pairs = _Trees(kinds), _Pairs(instance)
+        shares = may_share(instance, manifest.functions)
+        trees, pairs = _Trees(kinds), _Pairs(instance, shares)
 
         def placed(side: Entry) -> list[float]:
             return _side_numbers(side, endless, spans(side, kinds["shape"], length))
@@ -114,9 +115,10 @@ def _listed(pair: Sequence[Entry], trees: Sequence[int]) -> list[int]:
 class _Pairs:
     """The pairs of shapes, by what they repeat."""
 
-    def __init__(self, instance: Entry) -> None:
+    def __init__(self, instance: Entry, shares: bool = True) -> None:
+        """`shares`: places of numbers are the same of pairs that repeat another."""
         self._pairs, self._entries = instance["pairs"], instance["feature_pairs"]
-        self._shares = not instance.get("parameters")
+        self._shares = shares
         self._source = [pair.get("repeats", k) for k, pair in enumerate(self._pairs)]
         self._own: dict[int, Sequence[Entry]] = {}
         ends = [0, *(pair["feature_pairs"][1] for pair in self._pairs)]

@@ -3,22 +3,31 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Collection, Hashable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 Array = np.ndarray[Any, Any]
 INTEGER = np.dtype(np.intc)  # C's int
+WHOLE_SCENE = "mg_rhs"  # the composed right-hand side
+
+
+def may_share(instance: Mapping[str, Any], functions: Collection[str]) -> bool:
+    """Whether pairs may share numbers. A change of a parameter of the scene makes equal ones different, and
+    the function of a whole scene takes all parameters in the order of the model.
+
+    `functions`: the names of those of the library.
+    """
+    return not instance.get("parameters") and WHOLE_SCENE not in functions
 
 
 class NumberPool:
-    """Equal numbers that many pairs have are there once, unless the scene has parameters: what a change of
-    those makes different must have places of its own."""
+    """Equal numbers that many pairs have are there once, unless each must have a place of its own."""
 
-    def __init__(self, instance: Mapping[str, Any]) -> None:
+    def __init__(self, shares: bool) -> None:
         self.values: list[float] = []
-        self._shares = not instance.get("parameters")
+        self._shares = shares
         self._known: dict[Hashable, int] = {}
 
     def append(self, numbers: Sequence[float]) -> int:
