@@ -25,6 +25,7 @@ from modelgen import (
     sensitivity,
     simulate,
     start,
+    start_many,
 )  # fmt: skip
 from modelgen.casadi_functions.as_casadi import rhs_arguments
 from modelgen.casadi_functions.complementarity import mpcc
@@ -245,6 +246,56 @@ def test_a_blow_changes_the_rates_by_the_mass_matrix_with_armature() -> None:
     wanted = q[0] - response * (1.6 * (j @ q[0])) / (j @ response)
     assert np.abs(q[1] - wanted).max() < 1e-6
     assert path.energy_drift < 1e-10
+
+
+def limited(friction: float) -> Scene:
+    """Two links that hang at rest at the limits of both joints, with torques on them, and a floor below."""
+    lines = [line for line in LINKS.splitlines() if not line.startswith(("angular_velocity", "velocity"))]
+    text = "\n".join(lines).replace(f"value = {TILT}", "value = 0.0").replace('"lower"', '"foot"')
+    text = text.replace("armature", "limits = [0.0, 2.0]\narmature")
+    text = text.replace(
+        "position = [0.0, 0.0, -0.5]\nrpy",
+        'position = [0.0, 0.0, -0.5]\nshape = { kind = "sphere", radius = 0.01 }\nrpy',
+    )
+    for name in "ab":
+        text += f'''
+[[input]]
+name = "push_{name}"
+[[actuator]]
+joint = "{name}"
+force = "push_{name}"
+gain = 1.0
+'''
+    return read_text(text + FLOOR.replace("restitution = 0.6", f"friction = {friction}"), "limited.toml")
+
+
+def limited_accelerations(torques: Array) -> Array:
+    """Of two angles at their lower limits, of which those that the torques press against them do not turn."""
+    M, _ = lagrange(0.0, 0.0, 0.0, 0.0)
+    for free in ([0, 1], [0], [1], []):
+        found = np.zeros(2)
+        found[free] = np.linalg.solve(M[np.ix_(free, free)], torques[free])
+        reactions = M @ found - torques
+        if (found >= 0).all() and (np.delete(reactions, free) >= 0).all():
+            return found
+    raise AssertionError(torques)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.5])
+def test_joints_with_armature_leave_their_limits_by_the_accelerations(friction: float) -> None:
+    library, span = library_of(limited(friction)), 1e-3
+    turns = np.linspace(0.0, 2 * np.pi, 24, endpoint=False) + 0.05
+    torques = np.array([np.cos(turns), np.sin(turns)])
+    pushes = dict(zip(("push_a", "push_b"), torques, strict=True))
+    many = start_many(library, len(turns), inputs=pushes, accuracy="tight")
+    many.step(span)
+    instance = library.manifest.instance
+    places = {body["name"]: instance["n_q"] + body["u"] + 4 for body in instance["bodies"]}
+    upper, foot = (many.state[:, places[name]] for name in ("upper", "foot"))
+    wanted = np.array([limited_accelerations(each) for each in torques.T])
+    assert np.abs(np.array([upper, foot - upper]).T / span - wanted).max() < 0.01 * np.abs(wanted).max()
+    kinds = {event.kind for lane in range(many.n) for event in many.events(lane)}
+    assert kinds <= {"lift-off"}
 
 
 @pytest.mark.parametrize("scene", [links(), struck()], ids=["smooth", "struck"])

@@ -81,6 +81,10 @@ typedef struct {
    computed. */
 MG_INTERNAL mg_real mg_row_acceleration(const mg_context *c, int contact);
 
+/* What the accelerations and forces last computed lack of the condition of a row: its acceleration, or zero for a row of
+   armature, which these accelerations obey with the force on it. */
+MG_INTERNAL mg_real mg_row_imbalance(const mg_context *c, int row);
+
 /* Acceleration in m/s^2 below which a gap counts as at rest: rest_acceleration * length / time^2. */
 MG_INTERNAL mg_real mg_acceleration_tolerance(const mg_context *c);
 

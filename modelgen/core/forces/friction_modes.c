@@ -132,7 +132,7 @@ static mg_friction_problem mg_assemble_friction_problem(mg_context *c, const int
   for (int k = 0; k < p.n_contact; k++) mg_set_contact_force_ratios(c, c->friction.cone_contact[k]);
   mg_set_patch_force_ratios(c);
   mg_couple_slip_to_normal_columns(c, c->lcp.rows, p.n);
-  for (int r = 0; r < p.n; r++) c->lcp.b[r] = mg_row_acceleration(c, c->lcp.rows[r]);
+  for (int r = 0; r < p.n; r++) c->lcp.b[r] = mg_row_imbalance(c, c->lcp.rows[r]);
   return p;
 }
 

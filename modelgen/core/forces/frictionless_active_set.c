@@ -30,7 +30,7 @@ MG_INTERNAL int mg_solve_active_set(mg_context *c, const int *skip) {
     return MG_DONE;
   }
   for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
-    c->rows.row_rate[i] = mg_row_acceleration(c, i);
+    c->rows.row_rate[i] = mg_row_imbalance(c, i);
   for (int r = 0; r < n; r++)
     c->rows.row_rate[c->lcp.rows[r]] = mg_row_acceleration(c, c->lcp.rows[r]), c->lcp.mask[r] = 1;
   if (mg_solve_force_lcp(c, n, c->rows.row_rate, &report) != MG_LCP_SOLVED)

@@ -6,6 +6,10 @@ MG_INTERNAL mg_real mg_row_acceleration(const mg_context *c, int contact) {
   return mg_row_times(c, contact, c->bodies.acceleration) + c->rows.gamma[contact];
 }
 
+MG_INTERNAL mg_real mg_row_imbalance(const mg_context *c, int row) {
+  return c->contacts.is_inertial[row] ? 0 : mg_row_acceleration(c, row);
+}
+
 MG_INTERNAL mg_real mg_acceleration_tolerance(const mg_context *c) {
   return c->settings->rest_acceleration * c->system->length / (c->system->time * c->system->time);
 }
