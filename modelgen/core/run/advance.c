@@ -263,8 +263,9 @@ MG_INTERNAL int mg_advance_followed(const mg_system *system, const mg_settings *
     const int last = mg_ends_at_stop(&c, h, left);
     const int outcome = mg_advance_step(&c, last ? left : h, record, events);
     if (outcome) return mg_is_stopped(&c) ? MG_CONTINUE : outcome;
-    run->progress_tries += last && left < h; /* a step that t_stop has cut does not count as slow progress */
-    if (last && t_stop - run->t - run->t_roundoff <= 8 * MG_EPS * left) run->t = t_stop, run->t_roundoff = 0;
+    const int reached = last && t_stop - run->t - run->t_roundoff <= 8 * MG_EPS * left;
+    run->progress_tries += reached && left < h; /* a step that t_stop has cut does not count as slow progress */
+    if (reached) run->t = t_stop, run->t_roundoff = 0;
     mg_record_now(&c, record);
     if (follower && !follower->end(&c, follower->of)) return run->t < t_stop ? MG_CONTINUE : MG_DONE;
   }
