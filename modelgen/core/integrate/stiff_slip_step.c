@@ -43,9 +43,40 @@ typedef struct {
 
 #define MG_STEADY_SLIP ((mg_real)1 / 32) /* acceleration of steady slip over that by friction, most */
 
+/* Acceleration of slip along a tangent direction by a unit of force along it: of bodies that nothing holds. */
+static mg_real mg_free_slip_response(const mg_context *c, int row, const mg_real *direction) {
+  mg_real response = 0;
+  for (int i = 0; i < 2; i++)
+    for (int j = 0; j < 2; j++) response += direction[i] * direction[j] * mg_delassus_entry(c, row + i, row + j);
+  return response;
+}
+
+/* The same of bodies that joints, active contacts and sticking friction hold; zero where these hold the slip in that
+   direction, as across the plane of a planar linkage. */
+static mg_real mg_held_slip_response(mg_context *c, int row, const mg_real *direction) {
+  int *rows = c->islands.rows, held = 0;
+  mg_chain_islands(c, mg_list_held_rows(c));
+  const int island = mg_island_of_body(c, mg_moving_body(c, row));
+  for (int i = c->islands.head[island]; i >= 0; i = c->islands.next[i]) rows[held++] = i;
+  const int n = held + 2;
+  rows[held] = row, rows[held + 1] = row + 1;
+  mg_assemble_delassus(c, rows, n);
+  const mg_real *x = c->lcp.A + (long)n * held, *y = x + n;
+  for (int r = 0; r < n; r++)
+    c->lcp.b[r] = direction[0] * x[r] + direction[1] * y[r],
+    c->lcp.mask[r] = r < held ? mg_held_row_mask(c, rows[r]) : 0;
+  mg_real pivot;
+  mg_active_above(n, c->lcp.A, c->lcp.b, c->lcp.mask, c->system->n_joint_row ? c->settings->joint_rank_tolerance : 0,
+                  c->lcp.z, c->lcp.work, c->lcp.iwork, &pivot);
+  const mg_real own = direction[0] * c->lcp.b[held] + direction[1] * c->lcp.b[held + 1];
+  mg_real response = own;
+  for (int r = 0; r < held; r++) response += c->lcp.b[r] * c->lcp.z[r];
+  return response > c->settings->contact_rank_tolerance * own ? response : 0;
+}
+
 /* True if the slip of a friction constraint is steady and friction turns it more than an explicit step h can follow.
-   Needs rows and forces at the run's state. */
-static int mg_is_slip_stiff(const mg_context *c, int contact, int constraint, mg_real h) {
+   What holds the bodies only slows the turning. Needs rows and forces at the run's state. */
+static int mg_is_slip_stiff(mg_context *c, int contact, int constraint, mg_real h) {
   MG_NEEDS_AT_RUN(c, MG_VALID_ROWS), MG_NEEDS_AT_RUN(c, MG_VALID_FORCES);
   const mg_real *mu = c->system->friction_kinetic + 2 * constraint;
   if (!c->run->active[contact] || c->run->friction_mode[constraint] < MG_SLIP_STARTING ||
@@ -55,12 +86,13 @@ static int mg_is_slip_stiff(const mg_context *c, int contact, int constraint, mg
   const int row = mg_first_friction_row(c, contact, constraint);
   mg_slip_along_direction(c, contact, constraint, slip);
   const mg_real speed = sqrt(slip[0] * slip[0] + slip[1] * slip[1]), across[2] = {-slip[1] / speed, slip[0] / speed};
-  mg_real response = 0;
-  for (int i = 0; i < 2; i++)
-    for (int j = 0; j < 2; j++) response += across[i] * across[j] * mg_delassus_entry(c, row + i, row + j);
-  const mg_real pull = (mu[0] < mu[1] ? mu[0] : mu[1]) * c->solution.force[contact] * response,
-                change_x = mg_row_acceleration(c, row), change_y = mg_row_acceleration(c, row + 1);
-  return h * pull > MG_EXPLICIT_TURN * speed && sqrt(change_x * change_x + change_y * change_y) < MG_STEADY_SLIP * pull;
+  const mg_real bound = (mu[0] < mu[1] ? mu[0] : mu[1]) * c->solution.force[contact],
+                change_x = mg_row_acceleration(c, row), change_y = mg_row_acceleration(c, row + 1),
+                change = sqrt(change_x * change_x + change_y * change_y);
+  const mg_real free_pull = bound * mg_free_slip_response(c, row, across);
+  if (!(h * free_pull > MG_EXPLICIT_TURN * speed && change < MG_STEADY_SLIP * free_pull)) return 0;
+  const mg_real pull = bound * mg_held_slip_response(c, row, across);
+  return h * pull > MG_EXPLICIT_TURN * speed && change < MG_STEADY_SLIP * pull;
 }
 
 MG_INTERNAL void mg_mark_stiff_slip(mg_context *c, mg_real h) {
