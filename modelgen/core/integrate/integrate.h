@@ -227,6 +227,10 @@ MG_INTERNAL void mg_read_sensors(mg_context *c, mg_real t, const mg_real *eta, c
 
 /* run_samples.c */
 
+/* Vector in world axes of values on the friction rows of a contact: along t1, t2, or (about) about N, t1, t2. */
+MG_INTERNAL void mg_friction_rows_vector(const mg_context *c, int contact, const mg_real *value, int about,
+                                         mg_real *out);
+
 /* Appends the sample of the state x. Needs poses, rows and forces at x. */
 MG_INTERNAL void mg_record_sample(mg_context *c, mg_record *record, mg_real *x);
 

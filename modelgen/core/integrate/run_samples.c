@@ -19,8 +19,8 @@ static void mg_record_contact(mg_context *c, mg_record *record, int row, int con
   mg_copy_reals(record->point_f + 3 * k, c->search.placement + 11, 3);
 }
 
-/* Vector in world axes of values on the friction rows of a contact: along t1, t2, or (about) about N, t1, t2. */
-static void mg_friction_rows_vector(const mg_context *c, int contact, const mg_real *value, int about, mg_real *out) {
+MG_INTERNAL void mg_friction_rows_vector(const mg_context *c, int contact, const mg_real *value, int about,
+                                         mg_real *out) {
   const mg_real *t = c->rows.tangents + 6 * contact, *N = c->rows.normal + 3 * contact;
   const mg_real *rows = value + c->layout.friction_row_begin + c->system->contact_friction_row[contact];
   for (int k = 0; k < 3; k++)

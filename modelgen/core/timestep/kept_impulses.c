@@ -4,27 +4,27 @@
 #include "timestep/timestep.h"
 #include "base/base.h"
 #include "model/model.h"
+#include "integrate/integrate.h"
 
-/* Rows of the friction force of a contact, or 0 where it has none. */
-static mg_real *mg_friction_force_rows(mg_context *c, int contact) {
-  const int first = c->system->contact_friction_row[contact], end = c->system->contact_friction_row[contact + 1];
-  return end - first < 2 ? 0 : c->solution.force + c->layout.friction_row_begin + first;
+/* True if a contact has rows of friction along its tangents. */
+static int mg_has_tangent_rows(const mg_context *c, int contact) {
+  return c->system->contact_friction_row[contact + 1] - c->system->contact_friction_row[contact] >= 2;
 }
 
 /* Force of a contact, world axes, from its rows. */
-static void mg_contact_force_vector(mg_context *c, int contact, mg_real *out) {
-  const mg_real *N = c->rows.normal + 3 * contact, *t = c->rows.tangents + 6 * contact,
-                *friction = mg_friction_force_rows(c, contact);
-  for (int k = 0; k < 3; k++)
-    out[k] = c->solution.force[contact] * N[k] + (friction ? friction[0] * t[k] + friction[1] * t[3 + k] : 0);
+static void mg_contact_force_vector(const mg_context *c, int contact, mg_real *out) {
+  mg_real friction[3] = {0};
+  if (mg_has_tangent_rows(c, contact)) mg_friction_rows_vector(c, contact, c->solution.force, 0, friction);
+  for (int k = 0; k < 3; k++) out[k] = c->solution.force[contact] * c->rows.normal[3 * contact + k] + friction[k];
 }
 
 /* Adds a force, world axes, to the rows of a contact, within what a contact may carry. */
 static void mg_add_contact_force(mg_context *c, int contact, const mg_real *force) {
   const mg_real *t = c->rows.tangents + 6 * contact;
-  mg_real *friction = mg_friction_force_rows(c, contact);
   c->solution.force[contact] += mg_max(mg_dot3(c->rows.normal + 3 * contact, force), (mg_real)0);
-  if (friction) friction[0] += mg_dot3(t, force), friction[1] += mg_dot3(t + 3, force);
+  if (!mg_has_tangent_rows(c, contact)) return;
+  mg_real *friction = c->solution.force + c->layout.friction_row_begin + c->system->contact_friction_row[contact];
+  friction[0] += mg_dot3(t, force), friction[1] += mg_dot3(t + 3, force);
 }
 
 MG_INTERNAL void mg_note_pressing_contacts(mg_context *c) {

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from modelgen.codegen.manifest import Manifest, have_spines
-from modelgen.runtime.tables.number_pool import INTEGER, Array, NumberPool, may_share
+from modelgen.runtime.tables.number_pool import INTEGER, Array, NumberPool
 
 Entry = Mapping[str, Any]
 Found = TypeVar("Found")
@@ -39,8 +39,7 @@ class FeatureTables:
         self, manifest: Manifest, parameters: NumberPool, numbers: NumberPool, endless: float
     ) -> None:
         instance, kinds, length = manifest.instance, manifest.kinds, manifest.instance["scales"]["length"]
-        shares = may_share(instance, manifest.functions)
-        trees, pairs = _Trees(kinds), _Pairs(instance, shares)
+        trees, pairs = _Trees(kinds), _Pairs(instance, parameters.shares)
 
         def placed(side: Entry) -> list[float]:
             return _side_numbers(side, endless, spans(side, kinds["shape"], length))

@@ -27,7 +27,7 @@ class NumberPool:
 
     def __init__(self, shares: bool) -> None:
         self.values: list[float] = []
-        self._shares = shares
+        self.shares = shares
         self._known: dict[Hashable, int] = {}
 
     def append(self, numbers: Sequence[float]) -> int:
@@ -38,7 +38,7 @@ class NumberPool:
 
     def place(self, numbers: Sequence[float], *use: Hashable) -> int:
         """Where the numbers start, which are added unless they are there for the same use."""
-        if not self._shares:
+        if not self.shares:
             return self.append(numbers)
         key = (*use, array("d", numbers).tobytes())  # 0.0 and -0.0 are two numbers
         if key not in self._known:
