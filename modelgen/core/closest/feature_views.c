@@ -6,8 +6,8 @@
 #include "model/model.h"
 
 MG_INTERNAL void mg_begin_feature_views(mg_context *c, int pair) {
-  for (int k = 0; k < MG_FEATURE_VIEWS; k++) c->search.views[k].numbers = -1;
-  c->search.viewed_pair = pair;
+  for (int k = 0; k < MG_FEATURE_VIEWS && !c->search.view_round; k++) c->search.views[k].round = 0;
+  c->search.view_round++, c->search.viewed_pair = pair;
 }
 
 /* True if the ball around a feature is within reach of that around the other shape of its pair, or one has none. */
@@ -26,7 +26,8 @@ static void mg_read_feature(const mg_context *c, int feature_pair, int side, mg_
   const mg_real *pose = c->bodies.pose + 12 * body, *at = mg_feature_numbers(c, feature_pair, side),
                 *place = at + MG_FEATURE_PLACEMENT;
   mg_real local[3];
-  view->numbers = c->system->feature_numbers[2 * feature_pair + side], view->body = body;
+  view->round = c->search.view_round, view->numbers = c->system->feature_numbers[2 * feature_pair + side];
+  view->body = body;
   view->shape = c->system->feature_shape[2 * feature_pair + side];
   view->dimension = kind->dimension, view->radius = at[MG_FEATURE_BALL_RADIUS];
   view->flat = kind->dimension || view->radius == 0 ? kind->flat : 0;
@@ -45,7 +46,7 @@ static const mg_feature_in_world *mg_view_of_feature(mg_context *c, int feature_
             half = MG_FEATURE_VIEWS / 2 * mg_side_of_pair(c, feature_pair, side),
             place = half + numbers / MG_FEATURE_SIZE % (MG_FEATURE_VIEWS / 2);
   mg_feature_in_world *view = c->search.views + place;
-  if (view->numbers != numbers || view->body != body ||
+  if (view->round != c->search.view_round || view->numbers != numbers || view->body != body ||
       view->shape != c->system->feature_shape[2 * feature_pair + side])
     mg_read_feature(c, feature_pair, side, view);
   return view;

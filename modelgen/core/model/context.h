@@ -292,7 +292,8 @@ typedef struct {
 
 /* A feature at the present poses, in world axes. */
 typedef struct {
-  int numbers, body; /* which it is: system->feature_numbers, -1: none, and its body */
+  long round;        /* the view_round in which it was read; 0: in none */
+  int numbers, body; /* which it is: system->feature_numbers, and its body */
   int dimension;
   int shape;           /* its kind */
   int flat;            /* that of its kind; 0 of a point that is not its own ball */
@@ -318,6 +319,7 @@ typedef struct {
                             -1: not searched; -2: it found minima that touch and that no contact followed */
   mg_feature_in_world *views; /* [MG_FEATURE_VIEWS] features of the pair that is searched, by their numbers */
   int viewed_pair;            /* that pair */
+  long view_round;            /* number of the present search of a pair in this call */
   int *cell_pairs;            /* [2 MG_CELL_PAIRS] pairs of cells still to be treated */
   mg_real open_gap;           /* least gap noted in the present search by mg_note_open_gap, m; MG_MAX: none */
   mg_real singular_gap;       /* the same of closest points that are not isolated, which no contact can follow */

@@ -124,31 +124,50 @@ MG_INTERNAL mg_motion_bound mg_pair_motion_bound(const mg_context *c, int pair, 
   return least;
 }
 
-/* Bound of the way of the points of body `seen`, within `extent` of its centre of mass, in the axes of body `from`,
-   between earlier poses of all bodies and the present ones. The points of a turned body are nearer to their old places
-   than the Frobenius norm of the change of its rotation, over sqrt(2), times their distance from its centre. */
-static mg_real mg_relative_movement_bound(const mg_context *c, int seen, int from, const mg_real *before,
-                                          mg_real extent) {
-  const mg_real *poses[2] = {before, c->bodies.pose};
-  mg_real place[2][3], axis[2][3], way = 0, turn = 0;
-  for (int k = 0; k < 2; k++) mg_world_to_local_point(poses[k] + 12 * from, poses[k] + 12 * seen, place[k]);
-  for (int i = 0; i < 3; i++) way += (place[1][i] - place[0][i]) * (place[1][i] - place[0][i]);
-  for (int column = 3; column < 12; column += 3) {
-    for (int k = 0; k < 2; k++) mg_rotate_back(poses[k] + 12 * from + 3, poses[k] + 12 * seen + column, axis[k]);
-    for (int i = 0; i < 3; i++) turn += (axis[1][i] - axis[0][i]) * (axis[1][i] - axis[0][i]);
+/* Square of the change of a vector in the axes of body `from` from earlier poses of all bodies to the present ones; the
+   axes of the world serve where it does not turn. */
+static mg_real mg_squared_change(const mg_context *c, int from, const mg_real *vector_before, const mg_real *vector_now,
+                                 const mg_real *before) {
+  const mg_real *seen[2] = {vector_before, vector_now};
+  mg_real turned[2][3];
+  if (c->bodies.motion[from] != MG_FIXED) {
+    mg_rotate_back(before + 12 * from + 3, vector_before, turned[0]);
+    mg_rotate_back(c->bodies.pose + 12 * from + 3, vector_now, turned[1]);
+    seen[0] = turned[0], seen[1] = turned[1];
   }
-  return sqrt(way) + extent * sqrt(turn / 2);
+  const mg_real change[3] = {seen[1][0] - seen[0][0], seen[1][1] - seen[0][1], seen[1][2] - seen[0][2]};
+  return mg_dot3(change, change);
+}
+
+/* How far the centre of mass of body `seen` has come since then in the axes of body `from`. */
+static mg_real mg_relative_way(const mg_context *c, int seen, int from, const mg_real *before) {
+  const mg_real *poses[2] = {before, c->bodies.pose};
+  mg_real arm[2][3];
+  for (int k = 0; k < 2; k++)
+    for (int i = 0; i < 3; i++) arm[k][i] = poses[k][12 * seen + i] - poses[k][12 * from + i];
+  return sqrt(mg_squared_change(c, from, arm[0], arm[1], before));
+}
+
+/* Bound of the relative turn of two bodies since then, as the distance of the new from the old places of points at a
+   distance of 1 from the axis: the Frobenius norm of the change of the rotation between them, over sqrt(2). */
+static mg_real mg_relative_turn_bound(const mg_context *c, int a, int b, const mg_real *before) {
+  const int from = c->bodies.motion[a] == MG_FIXED ? a : b, seen = from == a ? b : a;
+  mg_real turn = 0;
+  for (int column = 12 * seen + 3; column < 12 * seen + 12; column += 3)
+    turn += mg_squared_change(c, from, before + column, c->bodies.pose + column, before);
+  return sqrt(turn / 2);
 }
 
 MG_INTERNAL mg_real mg_pair_movement_bound(const mg_context *c, int pair, const mg_real *before) {
   const int first = c->system->pair_feature_pair[pair];
+  const int body[2] = {mg_feature_body(c, first, 0), mg_feature_body(c, first, 1)};
+  const mg_real extent[2] = {mg_shape_extent(c, pair, 0), mg_shape_extent(c, pair, 1)};
+  const mg_real turn = mg_relative_turn_bound(c, body[0], body[1], before);
+  if (extent[0] < 0 && extent[1] < 0) return mg_relative_way(c, body[1], body[0], before) + c->system->length * turn;
   mg_real least = MG_MAX;
-  for (int side = 1; side >= 0; side--) {
-    const int seen = mg_feature_body(c, first, side), from = mg_feature_body(c, first, 1 - side);
-    const mg_real known = mg_shape_extent(c, pair, side), extent = known < 0 ? c->system->length : known;
-    if (known < 0 && (side == 0 || mg_shape_extent(c, pair, 0) >= 0)) continue; /* the other body bounds it */
-    least = mg_min(least, mg_relative_movement_bound(c, seen, from, before, extent));
-  }
+  for (int side = 1; side >= 0; side--)
+    if (extent[side] >= 0)
+      least = mg_min(least, mg_relative_way(c, body[side], body[1 - side], before) + extent[side] * turn);
   return least;
 }
 
