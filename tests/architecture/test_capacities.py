@@ -23,6 +23,7 @@ COUNTED = {  # where more come, the run counts it (mg_report_exceeded) or report
 }
 SUFFICIENT = {  # by the method: orders, stages, blocks, rows of one kind, bounded proofs
     *("MG_ARCS", "MG_ARC_LEVELS", "MG_ASCENT_RESTARTS", "MG_BERNSTEIN_DEGREE", "MG_BERNSTEIN_OPEN"),
+    "MG_COLUMNS",
     "MG_CRITICAL",  # a point that is not kept is found again: effort alone, which is counted
     "MG_COMMON_CELLS",  # a bounded search for a point in both bodies, beside that for closest points
     "MG_CURVE_SAMPLES",

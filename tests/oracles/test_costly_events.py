@@ -15,7 +15,10 @@ from modelgen.codegen.library import Library
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Scene
+from tests.benchmarks.many_contacts import pyramid
+from tests.running import library_of
 
+EVALUATIONS = 20_000  # of right-hand sides; far more without a bound on what modes and rejected steps cost
 TRANSITIONS = ("impact", "touch-down", "lift-off")
 LEAST_EVALUATIONS = 13  # of the right-hand side in a step of order 8
 BODIES = 6
@@ -66,7 +69,7 @@ def located(path: Trajectory) -> np.ndarray:
 def excess(path: Trajectory, seed: int) -> float:
     """The most that the work of located events between any two times exceeds 4 times that of time-stepping, 5
     right-hand sides a step of 0.01 T, over `chatter_work`; one right-hand side is one evaluation of each of m
-    contacts, and of n < m forces n^3/300 more, which only a bound of is known."""
+    contacts, and of n < m forces n^3/300 more, of which only a bound is known."""
     instance = library(seed).manifest.instance
     contacts, T = len(instance["contacts"]), instance["scales"]["time"]
     t = located(path)
@@ -108,6 +111,17 @@ def test_the_change_is_told_with_its_error() -> None:
     (told,) = [warning for warning in path.warnings if "cost several times" in warning]
     assert f"in steps of {step:.2g} s" in told
     assert path.doubts
+
+
+@pytest.mark.parametrize("base", [2, 3])
+def test_a_wall_of_flush_blocks_is_passed_by_steps(base: int) -> None:
+    """More faces rest on each other than forces can be told apart: to choose which of them stick, and to
+    follow their pressures when a ball strikes them, costs more than to step over it."""
+    path = simulate(library_of(pyramid(base)), until=0.3, accuracy="balanced", samples=3, estimate=False)
+    assert path.outcome.succeeded
+    assert path.rhs_evals < EVALUATIONS
+    assert path.penetration_max <= 1e-9
+    assert any(event.kind == "fallback-start" for event in path.events)
 
 
 @pytest.mark.parametrize("restitution", [0.5, 0.9, 0.97])

@@ -77,7 +77,7 @@ static int mg_solve_modes_on_branches(mg_context *c, mg_events *events) {
 }
 
 MG_INTERNAL int mg_solve_contact_modes(mg_context *c, mg_events *events) {
-  c->switches.is_unresolved = 0;
+  c->switches.is_unresolved = 0, c->step.mode_choices++;
   mg_settle_load_branches(c, events);
   int outcome = mg_solve_modes_on_branches(c, events);
   if (!outcome && mg_settle_load_branches(c, events)) outcome = mg_solve_modes_on_branches(c, events);

@@ -35,8 +35,8 @@ MG_INTERNAL int mg_solve_force_lcp(mg_context *c, int n, const mg_real *value, m
   for (int r = 0; r < size; r++) c->lcp.b[r] = value[c->lcp.rows[r]], c->lcp.z[r] = 0;
   for (int k = 0; k < n; k++) first[k] = k, rows[k] = 1;
   for (int k = 0; k < MG_CONE * n; k++) c->lcp.work[k] = 0;
-  const mg_friction_problem p = {size,     n,        MG_COULOMB, 1, first,        rows, c->lcp.work,
-                                 c->lcp.A, c->lcp.b, 0,          0, c->run->stop, 0,    0};
+  const mg_friction_problem p = {size, n, MG_COULOMB,   1, first, rows, c->lcp.work, c->lcp.A, c->lcp.b,
+                                 0,    0, c->run->stop, 0, 0,     0};
   const int outcome = mg_solve_outside(c, &p, c->lcp.z, marks, &found);
   if (outcome == MG_FRICTION_NOT_FOUND) return mg_solve_contact_lcp(c, n, value, report);
   for (int k = 0; k < n; k++) c->lcp.mask[k] = (marks[k] & MG_MARK_FORCE) != 0;

@@ -81,8 +81,8 @@ typedef struct {
    computed. */
 MG_INTERNAL mg_real mg_row_acceleration(const mg_context *c, int contact);
 
-/* What the accelerations and forces last computed lack of the condition of a row: its acceleration, or zero for a row of
-   armature, which these accelerations obey with the force on it. */
+/* What the accelerations and forces last computed lack of the condition of a row: its acceleration, or zero for a row
+   of armature, which these accelerations obey with the force on it. */
 MG_INTERNAL mg_real mg_row_imbalance(const mg_context *c, int row);
 
 /* Acceleration in m/s^2 below which a gap counts as at rest: rest_acceleration * length / time^2. */
@@ -687,6 +687,30 @@ MG_INTERNAL void mg_collect_margin_samples(const mg_context *c, int which, int e
 
 /* True if an event margin varies so little over the samples that it cannot be below zero between them. */
 MG_INTERNAL int mg_is_margin_nearly_constant(const mg_context *c, int which);
+
+/* evaluation_work.c */
+
+/* Work of the equations of all contacts, and of loads that switch as those of one. */
+MG_INTERNAL mg_real mg_work_of_equations(const mg_context *c);
+
+/* Counts evaluations of the right-hand side and the work of their equations. */
+MG_INTERNAL void mg_count_evaluations(mg_context *c, int count);
+
+/* Counts the work of finding the pressure of a planar contact. */
+MG_INTERNAL void mg_count_pressure(mg_context *c);
+
+/* Counts the work of a solution for n forces. */
+MG_INTERNAL void mg_count_factorisation(mg_context *c, int n);
+
+/* Counts the work of a solution for n forces by Coulomb's law. */
+MG_INTERNAL void mg_count_friction_solve(mg_context *c, int n, const mg_friction_report *report);
+
+/* How many factorisations for n forces a choice of modes may take before it costs too much; at least 1, and 0 where
+   there is no bound. */
+MG_INTERNAL int mg_affordable_factorisations(const mg_context *c, int n);
+
+/* True if this step, in which modes are chosen, takes more work than events may. */
+MG_INTERNAL int mg_is_mode_choice_too_costly(const mg_context *c);
 
 /* diagnostics.c */
 

@@ -123,7 +123,8 @@ static void mg_set_contact_force_ratios(mg_context *c, int contact) {
 static mg_friction_problem mg_assemble_friction_problem(mg_context *c, const int *skip) {
   mg_friction_problem p = {
       0,        0,        MG_COULOMB, 1, c->friction.cone_first, c->friction.cone_rows,        c->friction.cone,
-      c->lcp.A, c->lcp.b, 0,          0, c->run->stop,           c->settings->sweep_from_last, 0};
+      c->lcp.A, c->lcp.b, 0,          0, c->run->stop,           c->settings->sweep_from_last, 0,
+      0};
   for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     if (c->run->closed[i] && !skip[i]) p.n = mg_append_friction_contact(c, i, p.n_contact++, p.n);
   mg_activate_supports(c);
@@ -151,11 +152,14 @@ static void mg_note_painleve_paradox(mg_context *c, const mg_friction_problem *p
 /* Solve the friction problem with all friction coefficients multiplied by `part`; returns 1 if it was solved. */
 static int mg_solve_with_friction_cones(mg_context *c, const mg_friction_problem *p, mg_real part, mg_real *z,
                                         mg_friction_report *report) {
+  mg_friction_problem bounded = *p;
+  bounded.newton_max = mg_affordable_factorisations(c, p->n);
   mg_report_friction_solve(c->run, MG_COULOMB);
   for (int k = 0; k < p->n_contact; k++)
     mg_set_friction_cone(c, c->friction.cone_contact[k], part, c->friction.cone + MG_CONE * k);
   for (int r = 0; r < p->n; r++) z[r] = 0;
-  const int outcome = mg_solve_friction_with_bilaterals(c, p, z, report);
+  const int outcome = mg_solve_friction_with_bilaterals(c, &bounded, z, report);
+  mg_count_friction_solve(c, p->n, report);
   MG_NOTE_DIGEST(c, MG_VALID_MARKS, mg_solution_digest(c, p, z));
   return outcome == MG_FRICTION_SOLVED;
 }
@@ -345,7 +349,7 @@ MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip) {
   redundant = mg_unsymmetric_rank(c, c->lcp.rows, p.n) < p.n - dependent_joint_rows;
   do {
     if (!mg_solve_with_friction_cones(c, &p, redundant ? 1 - c->settings->friction_bound_margin : 1, c->lcp.z, &report))
-      return MG_NO_FRICTION;
+      return mg_is_mode_choice_too_costly(c) ? MG_CHATTER : MG_NO_FRICTION;
     yielding_count = mg_mark_yielding_friction(c, &p);
   } while (mg_use_kinetic_bounds(c));
   mg_record_friction_report(c, &p, &report, dependent_joint_rows);

@@ -93,7 +93,8 @@ static int mg_has_island_patch(const mg_context *c, int first) {
 static mg_friction_problem mg_problem_of_island(mg_context *c, int first) {
   mg_friction_problem p = {
       0,        0,        MG_COULOMB, 0, c->friction.cone_first, c->friction.cone_rows,        c->friction.cone,
-      c->lcp.A, c->lcp.b, 1,          0, c->run->stop,           c->settings->sweep_from_last, 0};
+      c->lcp.A, c->lcp.b, 1,          0, c->run->stop,           c->settings->sweep_from_last, 0,
+      0};
   for (int i = first; i >= 0; i = c->islands.next[i]) {
     if (i >= c->system->n_contact) continue;
     mg_bound_friction_of_contact(c, i);

@@ -172,6 +172,7 @@ static void mg_place_starting_centre(mg_context *c, int slot) {
 MG_INTERNAL void mg_update_patch_pressure(mg_context *c, int slot) {
   mg_patch_friction *r = c->patches.friction + slot;
   mg_winkler_pressure_field *p = &c->patches.pressure;
+  mg_count_pressure(c);
   mg_overlay_patch_regions(c, mg_patch_of_slot(c, slot));
   mg_open_pressure(p, &c->patches.hull, c->patches.strip_capacity, c->patches.strips);
   if (r->centre_known != MG_CENTRE_KNOWN) mg_place_starting_centre(c, slot);

@@ -219,7 +219,7 @@ static mg_real mg_residual_across_direction(const mg_real *e, const mg_real *rat
 }
 
 /* Newton step for the slip direction across e, by central differences, limited to half a radian; returns 0 where
-   the matrix is singular. */
+   the matrix is singular, or the choice of modes takes too much work. */
 static int mg_slip_direction_newton_step(mg_context *c, int slot, const mg_real *e, mg_real across[2][3],
                                          const mg_real *miss, mg_real *step) {
   const mg_real increment = (mg_real)1 / 4096;
@@ -227,6 +227,7 @@ static int mg_slip_direction_newton_step(mg_context *c, int slot, const mg_real 
   for (int j = 0; j < 2; j++) {
     for (int i = 0; i < 2; i++) A[i + 2 * j] = 0;
     for (int sign = -1; sign <= 1; sign += 2) {
+      if (mg_is_mode_choice_too_costly(c)) return 0;
       for (int k = 0; k < 3; k++) tried[k] = e[k] + sign * increment * across[j][k];
       mg_evaluate_slip_direction(c, slot, tried, rate);
       const mg_real forward = mg_dot3(e, rate);
@@ -245,7 +246,8 @@ static int mg_slip_direction_newton_step(mg_context *c, int slot, const mg_real 
   return 1;
 }
 
-/* Find the slip direction along which the acceleration of slip points, by damped Newton iteration from a guess e. */
+/* Find the slip direction along which the acceleration of slip points, by damped Newton iteration from a guess e,
+   unless the choice of modes, which began at so much work, takes too much. */
 static void mg_find_slip_direction(mg_context *c, int slot, mg_real *e) {
   mg_real rate[3], across[2][3], miss[2], step[2];
   mg_evaluate_slip_direction(c, slot, e, rate);
@@ -256,7 +258,7 @@ static void mg_find_slip_direction(mg_context *c, int slot, mg_real *e) {
         !mg_slip_direction_newton_step(c, slot, e, across, miss, step))
       break;
     mg_real next[3], damping = 1, next_norm = MG_MAX, across_next[2][3];
-    for (; damping > (mg_real)1 / 1024; damping /= 2) {
+    for (; damping > (mg_real)1 / 1024 && !mg_is_mode_choice_too_costly(c); damping /= 2) {
       for (int k = 0; k < 3; k++) next[k] = e[k] + damping * (step[0] * across[0][k] + step[1] * across[1][k]);
       const mg_real length = sqrt(mg_dot3(next, next));
       for (int k = 0; k < 3; k++) next[k] /= length;
@@ -275,7 +277,7 @@ static void mg_find_slip_direction(mg_context *c, int slot, mg_real *e) {
    driven bodies make slip; returns their number. */
 static int mg_release_yielding_patches(mg_context *c) {
   int count = 0;
-  for (int slot = 0; slot < c->system->n_patch_slot; slot++) {
+  for (int slot = 0; slot < c->system->n_patch_slot && !mg_is_mode_choice_too_costly(c); slot++) {
     mg_patch_friction *r = c->patches.friction + slot;
     mg_real twist[3], e[3];
     if (!mg_is_slot_frictional(c, slot) || c->run->patch_mode[slot] != MG_STICKING) continue;
@@ -298,8 +300,11 @@ static int mg_release_yielding_patches(mg_context *c) {
 MG_INTERNAL int mg_solve_patch_friction_modes(mg_context *c, const int *skip) {
   mg_initialise_patch_modes(c);
   int outcome = mg_solve_friction_modes(c, skip);
-  for (int round = 0; round < MG_RELEASE_ROUNDS && !outcome && mg_release_yielding_patches(c); round++)
+  for (int round = 0;
+       round < MG_RELEASE_ROUNDS && !outcome && mg_release_yielding_patches(c) && !mg_is_mode_choice_too_costly(c);
+       round++)
     outcome = mg_solve_friction_modes(c, skip);
+  if (!outcome && mg_is_mode_choice_too_costly(c)) outcome = MG_CHATTER;
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) c->patches.friction[slot].triggered = 0;
   return outcome;
 }

@@ -11,6 +11,7 @@
 static void mg_solve_island(mg_context *c, int n, const mg_real *rate, mg_real *amount) {
   const int has_slip = c->friction.couples_normal && c->friction.slips,
             has_reference = c->friction.couples_normal && c->run->forces_redundant;
+  mg_count_factorisation(c, n);
   for (int r = 0; r < n; r++)
     c->lcp.b[r] = rate[c->islands.rows[r]], c->lcp.mask[r] = mg_held_row_mask(c, c->islands.rows[r]);
   if (has_slip || has_reference) {
@@ -84,7 +85,7 @@ static void mg_solve_contact_forces(mg_context *c) {
   const int n = mg_list_marked_rows(c, c->run->active, 1, c->solution.force);
   for (int r = 0; r < n; r++) c->rows.row_rate[c->lcp.rows[r]] = mg_row_acceleration(c, c->lcp.rows[r]);
   mg_solve_listed_rows(c, n, c->rows.row_rate, c->solution.force);
-  while (c->friction.couples_normal && mg_has_changed_patch_pressures(c))
+  while (c->friction.couples_normal && !mg_is_mode_choice_too_costly(c) && mg_has_changed_patch_pressures(c))
     mg_solve_listed_rows(c, n, c->rows.row_rate, c->solution.force);
   for (int r = 0; r < n; r++)
     mg_add_row_response(c, c->lcp.rows[r], c->solution.force[c->lcp.rows[r]], c->bodies.acceleration);
@@ -131,7 +132,7 @@ static void mg_right_hand_side_on_branches(mg_context *c, mg_real t, const mg_re
   if (c->layout.n_driven || c->layout.has_prescribed_joint)
     x_dot[c->layout.work_state] += mg_prescribed_motion_power(c);
   if (s->n_friction) x_dot[c->layout.work_state] += mg_friction_power(c);
-  c->run->rhs_evals++;
+  mg_count_evaluations(c, 1);
 }
 
 MG_INTERNAL void mg_right_hand_side(mg_context *c, mg_real t, const mg_real *x, mg_real *x_dot) {
@@ -202,7 +203,7 @@ MG_INTERNAL void mg_stage_right_hand_side(mg_context *c, int is_composed, mg_rea
   c->step.is_end_evaluated = 0;
   x_dot[c->layout.work_state] = 0;
   mg_set_scene_forces(c, c->rows.row_rate);
-  c->run->rhs_evals++;
+  mg_count_evaluations(c, 1);
 }
 
 MG_INTERNAL int mg_hold_rows(mg_context *c, const int *marked, int sticks, const mg_real *rate, mg_real *amount) {

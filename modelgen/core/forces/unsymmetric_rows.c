@@ -28,6 +28,7 @@ MG_INTERNAL mg_real mg_solve_least_norm_rows(mg_context *c, const int *list, int
 
 MG_INTERNAL int mg_unsymmetric_rank(mg_context *c, const int *list, int n) {
   mg_real *R = c->lcp.work, *y = R + n * n, *d = y + n;
+  mg_count_factorisation(c, n);
   return mg_factor_scaled_rows(c, list, n, c->lcp.A, n, c->lcp.b, R, y, d);
 }
 

@@ -26,7 +26,8 @@ static void mg_set_kinetic_cone(mg_context *c, int contact, mg_real *cone) {
 static mg_friction_problem mg_assemble_impact_problem(mg_context *c) {
   mg_friction_problem p = {
       0,        0,        MG_COULOMB, 0, c->friction.cone_first, c->friction.cone_rows,        c->friction.cone,
-      c->lcp.A, c->lcp.b, 0,          0, c->run->stop,           c->settings->sweep_from_last, 0};
+      c->lcp.A, c->lcp.b, 0,          0, c->run->stop,           c->settings->sweep_from_last, 0,
+      0};
   for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) {
     if (!c->run->closed[i] || c->patches.is_covered[i]) continue;
     mg_set_kinetic_cone(c, i, c->friction.cone + MG_CONE * p.n_contact);
@@ -95,7 +96,9 @@ static int mg_solve_impact_problem(mg_context *c, const mg_friction_problem *p) 
   mg_friction_report report;
   if (mg_are_gaps_dependent(c, p) && !mg_share_impulses_evenly(c, p, &report))
     for (int r = 0; r < p->n; r++) c->lcp.z[r] = 0;
-  return !mg_friction(p, c->lcp.z, c->friction.marks, &report, c->friction.work, c->friction.iwork);
+  const int outcome = mg_friction(p, c->lcp.z, c->friction.marks, &report, c->friction.work, c->friction.iwork);
+  mg_count_friction_solve(c, p->n, &report);
+  return outcome == MG_FRICTION_SOLVED;
 }
 
 MG_INTERNAL int mg_solve_frictional_impulses(mg_context *c) {

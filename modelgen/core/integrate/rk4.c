@@ -11,7 +11,7 @@ MG_INTERNAL void mg_scene_rk4(mg_context *c, mg_real t, const mg_real *x, mg_rea
   const mg_system *s = c->system;
   c->kernels->scene_step(&t, x, h, s->gravity, s->parameters, slope, mg_scene_step_forces(c), end);
   end[c->layout.work_state] = x[c->layout.work_state];
-  c->run->rhs_evals += slope ? 3 : 4;
+  mg_count_evaluations(c, slope ? 3 : 4);
 }
 
 /* Watches event functions at the last three stages of mg_scene_rk4. */

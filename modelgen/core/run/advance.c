@@ -195,16 +195,16 @@ static int mg_event_driven_step(mg_context *c, mg_real h, mg_record *record, mg_
 /* One step of the method, or of time-stepping during a fallback. Returns an outcome. */
 static int mg_advance_step(mg_context *c, mg_real h, mg_record *record, mg_events *events) {
   const int first_event = events->count;
-  const long evaluations = c->run->rhs_evals, cells = c->run->search_effort;
+  const long rejected = c->run->rejected, cells = c->run->search_effort;
   const mg_real t = c->run->t;
   int outcome;
   if (mg_is_time_stepping(c)) {
     outcome = mg_time_step(c, h, record, events);
     if (!outcome) outcome = mg_count_fallback_step(c, events, first_event, c->run->t - t);
   } else {
+    mg_begin_step_work(c);
     outcome = mg_cross_infinite_load(c, mg_event_driven_step(c, h, record, events), events);
-    if (!outcome &&
-        mg_has_costly_events(c, events, first_event, c->run->rhs_evals - evaluations, c->run->search_effort - cells))
+    if (!outcome && mg_has_costly_events(c, c->run->rejected - rejected, c->run->search_effort - cells))
       outcome = MG_CHATTER;
   }
   if (outcome && mg_is_stopped(c)) return outcome;

@@ -2,20 +2,21 @@
    what time-stepping over the same time would cost. Where contacts close and open, or stick and slip, without
    end, as in a heap that settles, the run goes on by time-stepping.
 
-   Work is counted in evaluations of one contact. Promise: between any two times of event-driven integration, the work
-   of steps in which contacts change their mode is at most chatter_work, plus MG_WORK_RATIO times that of time-stepping
-   over the time between, plus that of one step. Writes run->event_work. */
+   Promise: between any two times of event-driven integration, the work of steps in which modes are chosen, or that are
+   rejected, is at most chatter_work, plus MG_WORK_RATIO times that of time-stepping over the time between, plus that of
+   one step; after a return from time-stepping, part 1 / MG_RETURN_SHARE of the work of its steps takes the place of
+   chatter_work. Writes run->event_work. */
 #include "timestep/timestep.h"
 #include "model/model.h"
 #include "forces/forces.h"
 
 enum {
-  MG_WORK_RATIO = 4,             /* events may cost so many times as much as time-stepping */
-  MG_EVALUATIONS_OF_STEP = 5,    /* right-hand sides that cost as much as a step of time-stepping */
-  MG_EVALUATIONS_OF_EVENT = 40,  /* right-hand sides of a step that ends in an event, as a rule */
-  MG_EVALUATIONS_OF_PATCH = 15,  /* equations of one contact that cost as much as the pressure of a planar contact */
-  MG_CELLS_PER_EVALUATION = 4,   /* pairs of cells of a search that cost as much as one contact's equations */
-  MG_PIVOTS_PER_EVALUATION = 300 /* cubes of the number of forces that cost as much as one contact's equations */
+  MG_WORK_RATIO = 4,            /* events may cost so many times as much as time-stepping */
+  MG_EVALUATIONS_OF_STEP = 5,   /* right-hand sides that cost as much as a step of time-stepping */
+  MG_EVALUATIONS_OF_FORCE = 2,  /* equations of one contact that cost as much as a force of a step */
+  MG_RETURN_SHARE = 3,          /* events after a return may cost this part of the steps before it */
+  MG_EVALUATIONS_OF_EVENT = 40, /* right-hand sides of a step that ends in an event, as a rule */
+  MG_CELLS_PER_EVALUATION = 4   /* pairs of cells of a search that cost as much as one contact's equations */
 };
 
 MG_INTERNAL void mg_reset_event_work(mg_run *run) {
@@ -33,26 +34,31 @@ MG_INTERNAL int mg_count_transitions(const mg_events *events, int first) {
   return count;
 }
 
-/* Work of one right-hand side: the equations of all contacts, loads that switch as those of one, the pressures of
-   planar contacts, and the factorisation for the forces of those that carry some, with their friction rows. */
-static mg_real mg_work_of_evaluation(const mg_context *c) {
-  mg_real n = 0;
+/* Work of time-stepping over a span of time in steps of this length, whose forces are found contact by contact. */
+static mg_real mg_work_of_steps(const mg_context *c, mg_real span, mg_real step) {
+  mg_real each = mg_work_of_equations(c);
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
-    n += c->run->active[i] ? 1 + mg_tangential_row_count(c, i) : 0;
-  int patches = 0;
-  for (int slot = 0; slot < c->system->n_patch_slot; slot++) patches += mg_patch_of_slot(c, slot) >= 0;
-  return c->listed.n_contact + (c->system->n_switch > 0) + MG_EVALUATIONS_OF_PATCH * patches +
-         n * n * n / MG_PIVOTS_PER_EVALUATION;
+    each += c->run->active[i] ? MG_EVALUATIONS_OF_FORCE * (1 + mg_tangential_row_count(c, i)) : 0;
+  return span / step * MG_EVALUATIONS_OF_STEP * each;
 }
 
-MG_INTERNAL int mg_has_costly_events(mg_context *c, const mg_events *events, int first, long evaluations, long cells) {
+MG_INTERNAL void mg_begin_step_work(mg_context *c) {
   mg_run *run = c->run;
-  if (!mg_count_transitions(events, first)) return 0;
-  const mg_real each = mg_work_of_evaluation(c),
-                steps = (run->t - run->event_work_t) / (c->settings->chatter_step * c->system->time);
-  run->event_work = mg_max(run->event_work - MG_WORK_RATIO * MG_EVALUATIONS_OF_STEP * steps * each, 0);
-  run->event_work += evaluations * each + cells / (mg_real)MG_CELLS_PER_EVALUATION, run->event_work_t = run->t;
-  return c->settings->fallback && run->event_work > c->settings->chatter_work;
+  const mg_real steps = mg_work_of_steps(c, run->t - run->event_work_t, c->settings->chatter_step * c->system->time);
+  run->event_work = mg_max(run->event_work - MG_WORK_RATIO * steps, 0), run->event_work_t = run->t;
+  c->step.work = 0, c->step.mode_choices = 0;
+}
+
+MG_INTERNAL int mg_has_costly_events(mg_context *c, long rejected, long cells) {
+  if (!c->step.mode_choices && !rejected) return 0;
+  c->run->event_work += c->step.work + cells / (mg_real)MG_CELLS_PER_EVALUATION;
+  return c->settings->fallback && c->run->event_work > c->settings->chatter_work;
+}
+
+MG_INTERNAL void mg_grant_event_work(mg_context *c) {
+  mg_run *run = c->run;
+  const mg_real steps = mg_work_of_steps(c, run->t - run->event_work_t, run->fallback_step);
+  run->event_work = mg_max(c->settings->chatter_work - steps / MG_RETURN_SHARE, 0);
 }
 
 MG_INTERNAL int mg_would_chatter(const mg_context *c, long transitions, long n) {

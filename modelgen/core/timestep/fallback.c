@@ -114,7 +114,7 @@ MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events)
       (outcome == MG_CHATTER ? c->settings->chatter_step : c->settings->fallback_step) * c->system->time;
   run->fallback_left = (mg_real)mg_fallback_steps(c, outcome) * run->fallback_step;
   run->fallback_transitions = 0, run->friction_redundant = 0;
-  run->present_cause = outcome;
+  run->present_cause = outcome, run->event_work_t = run->t;
   mg_report_fallback(run, outcome);
   mg_append_event(c, events, run->t, MG_EVENT_FALLBACK_START, mg_first_closed_contact(c), 0);
   mg_update_poses(c, run->t, run->x);
@@ -166,7 +166,8 @@ MG_INTERNAL int mg_count_fallback_step(mg_context *c, mg_events *events, int fir
   if (run->fallback_left > run->fallback_step / 2 || mg_prolong_fallback(c)) return MG_DONE;
   run->fallback_left = 0;
   run->fallback_end = run->t, run->events_at_t = 0, run->h = mg_first_step(c);
-  run->event_work = run->present_cause == MG_CHATTER ? 0 : run->event_work, run->event_work_t = run->t;
+  if (run->present_cause == MG_CHATTER) mg_grant_event_work(c);
+  run->event_work_t = run->t;
   int outcome = mg_resume_event_driven(c);
   if (!outcome) outcome = mg_resolve_impacts(c, events);
   if (!outcome) outcome = mg_solve_contact_modes(c, events);

@@ -130,7 +130,8 @@ static void mg_list_island(mg_context *c, mg_real h, mg_real per_force, int firs
       c->settings->stepping_tolerance,
       c->run->stop,
       c->settings->sweep_from_last,
-      mg_min(MG_NEAR_TOLERANCE * c->settings->stepping_tolerance, c->settings->stepping_residual)};
+      mg_min(MG_NEAR_TOLERANCE * c->settings->stepping_tolerance, c->settings->stepping_residual),
+      0};
   island->problem = problem;
 }
 

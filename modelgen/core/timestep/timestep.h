@@ -144,9 +144,15 @@ MG_INTERNAL void mg_reset_event_work(mg_run *run);
 /* How often contacts change their mode in the events from `first` on: close, open, slip or stick, or loads switch. */
 MG_INTERNAL int mg_count_transitions(const mg_events *events, int first);
 
-/* Counts the work of an event-driven step with so many evaluations of the right-hand side and pairs of cells looked at
-   in searches, whose events are those from `first` on. True if the run is to go on by time-stepping. */
-MG_INTERNAL int mg_has_costly_events(mg_context *c, const mg_events *events, int first, long evaluations, long cells);
+/* Begins to count the work of an event-driven step, and takes off what events may cost by the time that has passed. */
+MG_INTERNAL void mg_begin_step_work(mg_context *c);
+
+/* Counts the work of an event-driven step in which modes were chosen or steps rejected, and that of the pairs of cells
+   looked at in its searches. True if the run is to go on by time-stepping. */
+MG_INTERNAL int mg_has_costly_events(mg_context *c, long rejected, long cells);
+
+/* Sets what events may cost after a return from time-stepping that took the place of costly ones. */
+MG_INTERNAL void mg_grant_event_work(mg_context *c);
 
 /* True if to locate so many transitions as n steps of time-stepping have shown would cost much more than these. */
 MG_INTERNAL int mg_would_chatter(const mg_context *c, long transitions, long n);

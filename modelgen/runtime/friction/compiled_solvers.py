@@ -158,6 +158,7 @@ def problem_structure(dtype: np.dtype[Any]) -> Any:
         ("stop", ctypes.c_void_p),
         ("from_last", ctypes.c_int),
         ("near", C_REALS[dtype.char]),
+        ("newton_max", ctypes.c_int),
     ]
     return type("FrictionProblem", (ctypes.Structure,), {"_fields_": fields})
 

@@ -40,8 +40,9 @@ typedef struct {
                           thousand roundings are, and Newton steps go on while they reduce them */
   const int *stop;     /* [1] or null; 1, also set by another thread during the solve: it ends soon, NOT_FOUND */
   int from_last;       /* 1: sweeps over the contacts begin with the last one */
-  mg_real near; /* on a graph: from this residual on, a round of sweeps and Newton steps that does not halve it is
-                   the last one */
+  mg_real near;   /* on a graph: from this residual on, a round of sweeps and Newton steps that does not halve it is
+                     the last one */
+  int newton_max; /* after so many Newton steps it ends, NOT_FOUND unless solved; 0: no bound */
 } mg_friction_problem;
 
 /* Outcome of mg_friction. */

@@ -72,7 +72,9 @@ MG_INTERNAL mg_real mg_friction_tolerance(const mg_scaled_friction *s, const mg_
   return tolerance < MG_LCP_CAP ? mg_min(tolerance, cap) : cap;
 }
 
-MG_INTERNAL int mg_friction_is_stopped(const mg_scaled_friction *s) { return mg_is_raised(s->given->stop); }
+MG_INTERNAL int mg_friction_is_stopped(const mg_scaled_friction *s) {
+  return mg_is_raised(s->given->stop) || (s->given->newton_max > 0 && s->newton >= s->given->newton_max);
+}
 
 MG_INTERNAL int mg_friction_is_accepted(const mg_scaled_friction *s) {
   const mg_real accepted = s->given->accepted;
