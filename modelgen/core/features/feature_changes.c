@@ -261,6 +261,7 @@ static void mg_change_contact_feature(mg_context *c, mg_events *events, int cont
   }
   const int is_round = found.feature_pair == c->run->feature_pair[contact]; /* a turn on along a closed feature */
   mg_set_feature_pair(c, contact, found.feature_pair, found.eta);
+  c->rows.d[contact] = found.d;
   if (!is_round) mg_apply_contact_transition(c, events, contact, MG_FEATURE_CHANGES, c->run->t, 0);
 }
 

@@ -585,8 +585,9 @@ MG_INTERNAL int mg_first_friction_event(const mg_context *c);
 
 /* friction_modes.c */
 
-/* Give the friction constraints that slip their kinetic coefficients; returns how many bounds that changes. */
-MG_INTERNAL int mg_use_kinetic_bounds(mg_context *c);
+/* Gives the friction constraints of n contacts that slip their kinetic coefficients; returns how many bounds that
+   changes. */
+MG_INTERNAL int mg_use_kinetic_bounds(mg_context *c, int n, const int *contacts);
 
 /* Solve Coulomb's law for accelerations: which closed contacts carry force, and which friction sticks or slips.
    Needs J and the twists at the run's state. */

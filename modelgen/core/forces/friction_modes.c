@@ -208,14 +208,15 @@ static int mg_mark_yielding_friction(mg_context *c, const mg_friction_problem *p
   return count;
 }
 
-MG_INTERNAL int mg_use_kinetic_bounds(mg_context *c) {
+MG_INTERNAL int mg_use_kinetic_bounds(mg_context *c, int n, const int *contacts) {
   int count = 0;
-  for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g)) {
-    const mg_real *s = c->system->friction_static + 2 * g, *d = c->system->friction_kinetic + 2 * g;
-    if (!c->friction.is_yielding[g] || c->friction.bound[g] == MG_BOUND_KINETIC) continue;
-    c->friction.bound[g] = MG_BOUND_KINETIC;
-    count += s[0] != d[0] || s[1] != d[1];
-  }
+  for (int k = 0; k < n; k++)
+    for (int g = c->system->contact_friction[contacts[k]]; g < c->system->contact_friction[contacts[k] + 1]; g++) {
+      const mg_real *s = c->system->friction_static + 2 * g, *d = c->system->friction_kinetic + 2 * g;
+      if (!c->friction.is_yielding[g] || c->friction.bound[g] == MG_BOUND_KINETIC) continue;
+      c->friction.bound[g] = MG_BOUND_KINETIC;
+      count += s[0] != d[0] || s[1] != d[1];
+    }
   return count;
 }
 
@@ -351,7 +352,7 @@ MG_INTERNAL int mg_solve_friction_modes(mg_context *c, const int *skip) {
     if (!mg_solve_with_friction_cones(c, &p, redundant ? 1 - c->settings->friction_bound_margin : 1, c->lcp.z, &report))
       return mg_is_mode_choice_too_costly(c) ? MG_CHATTER : MG_NO_FRICTION;
     yielding_count = mg_mark_yielding_friction(c, &p);
-  } while (mg_use_kinetic_bounds(c));
+  } while (mg_use_kinetic_bounds(c, p.n_contact, c->friction.cone_contact));
   mg_record_friction_report(c, &p, &report, dependent_joint_rows);
   mg_note_painleve_paradox(c, &p);
   mg_store_friction_modes(c, &p);

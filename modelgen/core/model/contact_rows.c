@@ -101,22 +101,25 @@ static void mg_scatter_contact_rows(mg_context *c, int contact) {
     if (c->system->friction_body[g] >= 0) mg_align_tangents_to_friction(c, contact, g);
 }
 
-MG_INTERNAL void mg_update_contact_rows(mg_context *c, const mg_real *x) {
-  const mg_system *s = c->system;
+MG_INTERNAL void mg_update_rows_of_contact(mg_context *c, int i, const mg_real *x) {
   MG_NEEDS_AT(c, MG_VALID_POSES, x), MG_NEEDS_AT(c, MG_VALID_TWISTS, x);
-  for (int i = mg_next_row(c, -1); i < s->n_contact; i = mg_next_row(c, i)) {
-    const int kind = c->contacts.kind[i], o = c->contacts.o[i], f = c->contacts.f[i],
-              below = c->kernels->contact_kinds[kind].rows > 1;
-    if (c->run->feature_pair[i] < 0 || (c->run->rolling_start[i] && mg_set_rows_of_flat_start(c, i))) continue;
-    c->kernels->contact_rates(
-        kind, c->bodies.pose + 12 * o, c->bodies.twist + 6 * o, c->bodies.pose + 12 * f, c->bodies.twist + 6 * f,
-        x + s->n_q + s->n_u + s->contact_eta[i], mg_contact_parameters(c, i), c->rows.d + i,
-        below ? c->rows.kernel_rows : c->rows.J + 12 * i, below ? c->rows.kernel_rows + 36 : c->rows.J + 12 * i + 6,
-        below ? c->rows.kernel_rows + 72 : c->rows.gamma + i, c->rows.eta_dot + s->contact_eta[i],
-        c->rows.normal + 3 * i, below ? c->rows.tangents + 6 * i : 0);
-    if (below) mg_scatter_contact_rows(c, i);
-    if (!c->settings->use_gamma) c->rows.gamma[i] = 0;
-  }
+  const mg_system *s = c->system;
+  const int kind = c->contacts.kind[i], o = c->contacts.o[i], f = c->contacts.f[i],
+            below = c->kernels->contact_kinds[kind].rows > 1;
+  if (c->run->rolling_start[i] && mg_set_rows_of_flat_start(c, i)) return;
+  c->kernels->contact_rates(
+      kind, c->bodies.pose + 12 * o, c->bodies.twist + 6 * o, c->bodies.pose + 12 * f, c->bodies.twist + 6 * f,
+      x + s->n_q + s->n_u + s->contact_eta[i], mg_contact_parameters(c, i), c->rows.d + i,
+      below ? c->rows.kernel_rows : c->rows.J + 12 * i, below ? c->rows.kernel_rows + 36 : c->rows.J + 12 * i + 6,
+      below ? c->rows.kernel_rows + 72 : c->rows.gamma + i, c->rows.eta_dot + s->contact_eta[i], c->rows.normal + 3 * i,
+      below ? c->rows.tangents + 6 * i : 0);
+  if (below) mg_scatter_contact_rows(c, i);
+  if (!c->settings->use_gamma) c->rows.gamma[i] = 0;
+}
+
+MG_INTERNAL void mg_update_contact_rows(mg_context *c, const mg_real *x) {
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
+    if (c->run->feature_pair[i] >= 0) mg_update_rows_of_contact(c, i, x);
   MG_NOTE(c, MG_VALID_ROWS, c->valid.t, x), MG_NOTE_WITH(c, MG_VALID_GAPS, MG_VALID_POSES);
 }
 
@@ -161,7 +164,10 @@ MG_INTERNAL void mg_rotate_pair(mg_real cosine, mg_real sine, mg_real *a, mg_rea
 }
 
 MG_INTERNAL void mg_update_slip_velocities(mg_context *c) {
-  for (int i = mg_next_row(c, c->layout.friction_row_begin - 1); i < c->layout.friction_row_end; i = mg_next_row(c, i))
-    c->rows.d_dot[i] = mg_row_times(c, i, c->bodies.twist);
+  const int *rows = c->system->contact_friction_row;
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
+    for (int k = rows[i]; k < rows[i + 1] && c->run->feature_pair[i] >= 0; k++)
+      c->rows.d_dot[c->layout.friction_row_begin + k] =
+          mg_row_times(c, c->layout.friction_row_begin + k, c->bodies.twist);
   MG_NOTE_WITH(c, MG_VALID_SLIP, MG_VALID_TWISTS);
 }

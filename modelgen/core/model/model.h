@@ -474,7 +474,10 @@ MG_INTERNAL void mg_find_near_pairs(mg_context *c);
 
 /* contact_rows.c */
 
-/* Evaluates d, J, Gamma2, eta_dot, N and tangents of all contacts at x. Needs the poses at x. */
+/* Evaluates d, J, Gamma2, eta_dot, N and tangents of a contact on a feature pair at x. Needs the poses at x. */
+MG_INTERNAL void mg_update_rows_of_contact(mg_context *c, int contact, const mg_real *x);
+
+/* The same of all contacts. Needs the poses at x. */
 MG_INTERNAL void mg_update_contact_rows(mg_context *c, const mg_real *x);
 
 /* J of a row times velocities or accelerations, 6 per body. */

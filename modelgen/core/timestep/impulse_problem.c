@@ -144,7 +144,7 @@ static int mg_release_slipping_constraints(mg_context *c, const mg_step_island *
       c->friction.is_yielding[g] = (c->friction.marks[k] & (MG_MARK_SLIP << c->system->friction_kind[g])) != 0;
   }
   MG_NOTE_WITH(c, MG_VALID_YIELDING, MG_VALID_STEP_GEOMETRY);
-  return mg_use_kinetic_bounds(c);
+  return mg_use_kinetic_bounds(c, island->problem.n_contact, c->friction.cone_contact + island->contact);
 }
 
 /* Impulses of an island by its graph. Returns the outcome of mg_friction. */

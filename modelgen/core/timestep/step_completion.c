@@ -34,11 +34,12 @@ static void mg_add_impulse_work(mg_context *c, mg_real h) {
   for (int i = mg_next_row(c, -1); i < c->layout.friction_row_end; i = mg_next_row(c, i))
     run->x[c->layout.work_state] += mg_row_impulse_work(c, i, h);
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
+    if (!mg_is_rebounding(c, i, h)) continue;
     const int first =
         c->layout.friction_row_begin + (mg_tangential_row_count(c, i) ? c->system->contact_friction_row[i] : 0);
     mg_real gain = mg_row_impulse_work(c, i, h);
     for (int row = first; row < first + mg_tangential_row_count(c, i); row++) gain += mg_row_impulse_work(c, row, h);
-    if (mg_is_rebounding(c, i, h)) mg_report_impact_gain(run, i, run->t + h, gain);
+    mg_report_impact_gain(run, i, run->t + h, gain);
   }
 }
 
@@ -114,11 +115,10 @@ MG_INTERNAL void mg_integrate_positions(mg_context *c, mg_real h) {
   mg_normalise_quaternions(c, c->run->x);
 }
 
-/* Most change of the gap of a contact between the poses c->step.pose and the present ones: the gap of a critical point
-   changes no faster than the shapes move, and a turn is longer than its chord. */
-static mg_real mg_gap_change_bound(const mg_context *c, int contact) {
-  return 2 * mg_pair_movement_bound(c, c->system->contact_pair[contact], c->step.pose) +
-         c->settings->start_gap * c->system->length;
+/* Most change of the gap of a contact of a pair between the poses c->step.pose and the present ones: the gap of a
+   critical point changes no faster than the shapes move, and a turn is longer than its chord. */
+static mg_real mg_gap_change_bound(const mg_context *c, int pair) {
+  return 2 * mg_pair_movement_bound(c, pair, c->step.pose) + c->settings->start_gap * c->system->length;
 }
 
 /* True if the contact placed last is at another critical point than that which had the gap `gap`: Newton's method leads
@@ -127,12 +127,12 @@ static int mg_has_leapt(const mg_context *c, mg_real gap, mg_real change) {
   return fabs(c->search.placement[0] - gap) > change;
 }
 
-/* Converges eta of a contact from where the step has led it, else from where it began. Returns 0 if both fail, or lead
-   to other critical points. */
-static int mg_converge_contact(mg_context *c, int contact) {
+/* Converges eta of a contact, whose gap may change by `change`, from where the step has led it, else from where it
+   began. Returns 0 if both fail, or lead to other critical points. */
+static int mg_converge_contact(mg_context *c, int contact, mg_real change) {
   mg_real *eta = mg_contact_eta(c, c->run->x, contact), found[MG_MAX_ETA];
   const mg_real *before = mg_contact_eta(c, c->step.settled, contact);
-  const mg_real gap = c->rows.d[contact], change = mg_gap_change_bound(c, contact);
+  const mg_real gap = c->rows.d[contact];
   const int n = c->contacts.n_eta[contact];
   for (int k = 0; k < n; k++) found[k] = eta[k];
   int is_found = mg_newton_on_feature_pair(c, contact, found) >= 0 && !mg_has_leapt(c, gap, change);
@@ -161,10 +161,12 @@ MG_INTERNAL void mg_converge_all_contacts(mg_context *c, mg_events *events) {
   MG_NEEDS_WITH(c, MG_VALID_GAPS, MG_VALID_POSES);
   mg_copy_reals(c->step.pose, c->bodies.pose, 12 * c->system->n_body);
   mg_update_poses(c, c->run->t, c->run->x);
-  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
+  mg_real change = 0;
+  for (int i = mg_next_row(c, -1), pair = -1; i < c->system->n_contact; i = mg_next_row(c, i)) {
     c->events.triggered[i] = c->events.within_border[i] = 0;
     if (!mg_is_on_feature_pair(c, i)) continue;
-    const int is_converged = mg_converge_contact(c, i);
+    if (c->system->contact_pair[i] != pair) pair = c->system->contact_pair[i], change = mg_gap_change_bound(c, pair);
+    const int is_converged = mg_converge_contact(c, i, change);
     if (is_converged) c->rows.d[i] = c->search.placement[0], c->run->margin[i] = mg_contact_margin(c, i);
     if (is_converged && !mg_is_contact_at_fold(c, i)) mg_mark_feature_exit(c, i);
     else mg_release_contact(c, events, i);
@@ -189,8 +191,8 @@ static void mg_count_correction_as_movement(mg_context *c) {
 }
 
 /* Least movement in the metric of the kinetic energy that removes penetration and joint errors, to first order, and
-   closes no gap of up to `reach`. It is found to what the first order is good for: the next correction removes the
-   rest. Returns 0 if it fails, or would move a body too far. */
+   closes no gap of up to `reach`, by the rows of these contacts. It is found to what the first order is good for: the
+   next correction removes the rest. Returns 0 if it fails, or would move a body too far. */
 static int mg_correct_positions(mg_context *c, mg_real worst, mg_real reach) {
   mg_lcp_report report;
   int n = 0;
@@ -199,6 +201,7 @@ static int mg_correct_positions(mg_context *c, mg_real worst, mg_real reach) {
       if (n < c->system->closed_capacity) c->lcp.rows[n] = i, c->lcp.mask[n++] = 1;
       else mg_report_exceeded(c->run, MG_CAPACITY_CLOSED);
     }
+  for (int r = 0; r < n; r++) mg_update_rows_of_contact(c, c->lcp.rows[r], c->run->x);
   const mg_real allowed = c->settings->contact_gap * c->system->length / MG_CORRECTED_TO,
                 of_first_order = mg_max(allowed / worst, worst / c->system->length);
   if (mg_solve_step_lcp(c, n, c->rows.d, 0, mg_min(of_first_order, MG_COARSEST_CORRECTION), &report) != MG_LCP_SOLVED)
@@ -212,7 +215,7 @@ static int mg_correct_positions(mg_context *c, mg_real worst, mg_real reach) {
 MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events) {
   mg_real kinetic, before = 0, halved = MG_MAX, reach = 1;
   int moved = 0, slow_rounds = 0;
-  mg_update_rows_at(c, c->run->t, c->run->x);
+  mg_update_joint_rows(c, c->run->t);
   for (int round = 0; round < MG_CORRECTIONS && slow_rounds < MG_SLOW_CORRECTIONS && c->settings->project; round++) {
     const mg_real worst = mg_largest_violation(c);
     if (!(worst > c->settings->contact_gap * c->system->length)) break;
@@ -223,12 +226,12 @@ MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events) {
     if (!mg_correct_positions(c, worst, reach * worst)) break;
     moved++;
     mg_converge_all_contacts(c, events);
-    mg_update_rows_at(c, c->run->t, c->run->x);
+    mg_update_joint_rows(c, c->run->t);
     mg_count_correction_as_movement(c);
     if (mg_largest_violation(c) < 2 * worst) continue;
     mg_copy_states(c, c->step.stage, c->run->x);
     mg_converge_all_contacts(c, events);
-    mg_update_rows_at(c, c->run->t, c->run->x);
+    mg_update_joint_rows(c, c->run->t);
     if (reach > 1) break;
     reach = c->settings->correction_ratio; /* it has closed other gaps, as a stack that is lifted does */
   }

@@ -50,7 +50,7 @@ static void mg_update_contacts_after_step(mg_context *c, mg_events *events, mg_r
     changed = mg_post_stabilise(c, events) ? mg_change_marked_features(c, events) : 0;
     changed += mg_search_all_pairs(c, events, h, update > 0);
   } while (changed && ++update < MG_UPDATES);
-  if (changed) mg_update_rows_at(c, c->run->t, c->run->x);
+  mg_update_rows_at(c, c->run->t, c->run->x);
 }
 
 /* Notes the fastest spin of a body. Needs the twists. */

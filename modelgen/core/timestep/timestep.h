@@ -87,7 +87,7 @@ MG_INTERNAL void mg_integrate_positions(mg_context *c, mg_real h);
 MG_INTERNAL void mg_converge_all_contacts(mg_context *c, mg_events *events);
 
 /* Corrects positions while penetration exceeds contact_gap; the change of the energy counts as that of a correction,
-   not as work, which the impulses have done. Leaves the rows at run->x. Returns the number of corrections. */
+   not as work, which the impulses have done. Needs the poses and gaps at run->x. Returns the number of corrections. */
 MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events);
 
 /* step_events.c */
