@@ -201,6 +201,10 @@ MG_INTERNAL mg_real mg_lu(int k, mg_real *U, int *swap);
 /* Replaces x by the solution of U z = x for factors of mg_lu. */
 MG_INTERNAL void mg_lu_solve(int k, const mg_real *U, const int *swap, mg_real *x);
 
+/* Replaces B by A^-1 B. AB has k rows of `width`: k columns of A, which are lost, and behind them those of B. Returns 0
+   if A is singular. */
+MG_INTERNAL int mg_solve_columns(int k, int width, mg_real *AB);
+
 /* Solves A_BB z_B = -b_B, refined once, with z = 0 outside B; active[i] != 0 marks B. Returns the smallest pivot
    (A has entries up to 1), or 0 if A_BB is singular, with z = 0. work: n^2 + n; iwork: 2 n. */
 MG_INTERNAL mg_real mg_basis_solve(int n, const mg_real *A, const mg_real *b, const int *active, mg_real *z,

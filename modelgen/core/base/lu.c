@@ -1,5 +1,6 @@
-/* LU factorisation of small dense matrices with row exchanges, and the solution of one complementary basis of a
-   general matrix, scaled by rows and columns (Golub and Van Loan, Matrix Computations, section 3.4). */
+/* LU factorisation of small dense matrices with row exchanges, elimination of several right-hand sides, and the
+   solution of one complementary basis of a general matrix, scaled by rows and columns (Golub and Van Loan, Matrix
+   Computations, section 3.4). */
 #include "base/base.h"
 
 /* Scales rows by the square root of their largest entry, then columns by their largest entry. */
@@ -65,6 +66,29 @@ MG_INTERNAL void mg_lu_solve(int k, const mg_real *U, const int *swap, mg_real *
     x[j] /= U[j + j * k];
     for (int i = 0; i < j; ++i) x[i] -= U[i + j * k] * x[j];
   }
+}
+
+MG_INTERNAL int mg_solve_columns(int k, int width, mg_real *AB) {
+  for (int j = 0; j < k; ++j) {
+    mg_real *pivot = AB + j * width;
+    int p = j;
+    for (int i = j + 1; i < k; ++i)
+      if (fabs(AB[i * width + j]) > fabs(AB[p * width + j])) p = i;
+    if (!(fabs(AB[p * width + j]) > (mg_real)k * MG_EPS)) return 0;
+    for (int c = j; c < width && p != j; ++c) {
+      const mg_real value = AB[p * width + c];
+      AB[p * width + c] = pivot[c];
+      pivot[c] = value;
+    }
+    const mg_real inverse = 1 / pivot[j];
+    for (int c = j + 1; c < width; ++c) pivot[c] *= inverse;
+    for (int i = 0; i < k; ++i) {
+      mg_real *row = AB + i * width;
+      const mg_real factor = row[j];
+      for (int c = j + 1; c < width && i != j; ++c) row[c] -= factor * pivot[c];
+    }
+  }
+  return 1;
 }
 
 MG_INTERNAL mg_real mg_basis_solve(int n, const mg_real *A, const mg_real *b, const int *active, mg_real *z,

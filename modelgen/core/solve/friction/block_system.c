@@ -94,11 +94,12 @@ MG_INTERNAL mg_real *mg_block_at(mg_block_system *b, int row, int column) {
 
 /* Replaces a block by its inverse. Returns 0 if it is singular. */
 static int mg_block_invert(mg_real *A) {
-  mg_real U[MG_BLOCK_SIZE];
-  int swap[6];
-  for (int i = 0; i < MG_BLOCK_SIZE; ++i) U[i] = A[i], A[i] = i % 7 == 0;
-  if (!(mg_lu(6, U, swap) > 0)) return 0;
-  for (int j = 0; j < 6; ++j) mg_lu_solve(6, U, swap, A + 6 * j);
+  mg_real AB[2 * MG_BLOCK_SIZE]; /* that of the transpose is the transpose of the inverse */
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j) AB[12 * i + j] = A[6 * i + j], AB[12 * i + 6 + j] = i == j;
+  if (!mg_solve_columns(6, 12, AB)) return 0;
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j) A[6 * i + j] = AB[12 * i + 6 + j];
   return 1;
 }
 

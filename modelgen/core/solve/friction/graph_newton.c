@@ -20,52 +20,53 @@ MG_INTERNAL void mg_graph_begin_step(mg_scaled_friction *s, mg_real shift) {
 MG_INTERNAL int mg_graph_add_contact(mg_scaled_friction *s, int contact, int presses, mg_real shift, const mg_real *gy,
                                      const mg_real *gv, const mg_real *phi) {
   mg_scaled_graph *g = &s->graph;
-  const int from = s->normal[contact], width = mg_friction_row_end(s, contact) - from;
-  mg_real *stiffness = g->stiffness + (long)MG_BLOCK_SIZE * contact, A[MG_BLOCK_SIZE];
-  int swap[MG_ROWS];
+  const int from = s->normal[contact], width = mg_friction_row_end(s, contact) - from, n = 2 * width + 1;
+  mg_real *stiffness = g->stiffness + (long)MG_BLOCK_SIZE * contact, AB[2 * MG_BLOCK_SIZE + MG_ROWS];
   for (int i = 0; i < MG_BLOCK_SIZE; ++i) stiffness[i] = 0;
   for (int i = 0; i < width; ++i) g->push[from + i] = -s->y[from + i];
   if (!presses) return 1;
-  for (int j = 0; j < width; ++j)
-    for (int i = 0; i < width; ++i) {
-      A[i + width * j] = gy[MG_ROWS * i + j] + shift * gv[MG_ROWS * i + j];
-      stiffness[i + MG_ROWS * j] = gv[MG_ROWS * i + j];
+  for (int i = 0; i < width; ++i) {
+    mg_real *row = AB + n * i;
+    for (int j = 0; j < width; ++j) {
+      row[j] = gy[MG_ROWS * i + j] + shift * gv[MG_ROWS * i + j];
+      row[width + j] = gv[MG_ROWS * i + j];
     }
-  if (!(mg_lu(width, A, swap) > 0)) return 0;
-  for (int i = 0; i < width; ++i) g->push[from + i] = -phi[i];
-  mg_lu_solve(width, A, swap, g->push + from);
-  for (int j = 0; j < width; ++j) mg_lu_solve(width, A, swap, stiffness + MG_ROWS * j);
+    row[2 * width] = -phi[i];
+  }
+  if (!mg_solve_columns(width, n, AB)) return 0;
+  for (int i = 0; i < width; ++i) {
+    for (int j = 0; j < width; ++j) stiffness[i + MG_ROWS * j] = AB[n * i + width + j];
+    g->push[from + i] = AB[n * i + 2 * width];
+  }
   return 1;
 }
 
-/* block += a b' */
-static inline void mg_add_outer_product(const mg_real *a, const mg_real *b, mg_real *block) {
-  const mg_real a0 = a[0], a1 = a[1], a2 = a[2], a3 = a[3], a4 = a[4], a5 = a[5];
-  for (int k = 0; k < 6; ++k) {
-    mg_real *c = block + 6 * k;
-    const mg_real factor = b[k];
-    c[0] += a0 * factor, c[1] += a1 * factor, c[2] += a2 * factor;
-    c[3] += a3 * factor, c[4] += a4 * factor, c[5] += a5 * factor;
+/* y += sum of x_j a_j over n vectors of six, a_j every `apart`, x_j every `every`; the sums stay in registers. */
+static inline void mg_add_combination(int n, const mg_real *a, int apart, const mg_real *x, int every, mg_real *y) {
+  mg_real y0 = y[0], y1 = y[1], y2 = y[2], y3 = y[3], y4 = y[4], y5 = y[5];
+  for (int j = 0; j < n; ++j, a += apart, x += every) {
+    y0 += a[0] * *x, y1 += a[1] * *x, y2 += a[2] * *x;
+    y3 += a[3] * *x, y4 += a[4] * *x, y5 += a[5] * *x;
   }
+  y[0] = y0, y[1] = y1, y[2] = y2, y[3] = y3, y[4] = y4, y[5] = y5;
 }
 
 /* Adds what rows from .. from + width, of one contact or a free one, do to the motion: M^-1 J' (push - K J du), K by
-   columns of `stride`. */
+   columns of `stride`, 0 for a contact that does not press. */
 static void mg_graph_add_rows(mg_scaled_graph *g, int from, int width, const mg_real *K, int stride) {
   const int *body = g->body + 2 * from;
   for (int a = 0; a < 2; ++a) {
     if (body[a] < 0) continue;
-    mg_real carried[MG_ROWS * MG_ROWS]; /* M^-1 J' K of body a, by columns of six */
-    for (int j = 0; j < width; ++j) {
-      mg_add_multiple6(g->push[from + j], g->MJ + 12L * (from + j) + 6 * a, g->step + 6L * body[a]);
-      for (int i = 0; i < 6; ++i) carried[6 * j + i] = 0;
-      for (int r = 0; r < width; ++r)
-        mg_add_multiple6(K[r + stride * j], g->MJ + 12L * (from + r) + 6 * a, carried + 6 * j);
-    }
+    const mg_real *MJ = g->MJ + 12L * from + 6 * a;
+    mg_add_combination(width, MJ, 12, g->push + from, 1, g->step + 6L * body[a]);
+    if (K[0] == 0) continue;
+    mg_real carried[MG_ROWS * MG_ROWS] = {0}; /* M^-1 J' K of body a, by columns of six */
+    for (int j = 0; j < width; ++j) mg_add_combination(width, MJ, 12, K + stride * j, 1, carried + 6 * j);
     for (int b = 0; b < 2; ++b) {
       if (body[b] < 0) continue;
       mg_real *block = mg_block_at(&g->system, body[a], body[b]);
-      for (int j = 0; j < width; ++j) mg_add_outer_product(carried + 6 * j, g->J + 12L * (from + j) + 6 * b, block);
+      const mg_real *J = g->J + 12L * from + 6 * b;
+      for (int k = 0; k < 6; ++k) mg_add_combination(width, carried, 6, J + k, 12, block + 6 * k);
     }
   }
 }
