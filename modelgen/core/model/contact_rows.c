@@ -118,6 +118,7 @@ MG_INTERNAL void mg_update_rows_of_contact(mg_context *c, int i, const mg_real *
 }
 
 MG_INTERNAL void mg_update_contact_rows(mg_context *c, const mg_real *x) {
+  MG_NEEDS_AT(c, MG_VALID_POSES, x);
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->run->feature_pair[i] >= 0) mg_update_rows_of_contact(c, i, x);
   MG_NOTE(c, MG_VALID_ROWS, c->valid.t, x), MG_NOTE_WITH(c, MG_VALID_GAPS, MG_VALID_POSES);

@@ -215,6 +215,7 @@ static int mg_correct_positions(mg_context *c, mg_real worst, mg_real reach) {
 MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events) {
   mg_real kinetic, before = 0, halved = MG_MAX, reach = 1;
   int moved = 0, slow_rounds = 0;
+  MG_NEEDS_AT_RUN(c, MG_VALID_POSES);
   mg_update_joint_rows(c, c->run->t);
   for (int round = 0; round < MG_CORRECTIONS && slow_rounds < MG_SLOW_CORRECTIONS && c->settings->project; round++) {
     const mg_real worst = mg_largest_violation(c);
