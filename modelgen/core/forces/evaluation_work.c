@@ -27,12 +27,12 @@ MG_INTERNAL void mg_count_friction_solve(mg_context *c, int n, const mg_friction
 }
 
 MG_INTERNAL int mg_affordable_factorisations(const mg_context *c, int n) {
-  if (!c->settings->fallback || !c->step.mode_choices || mg_is_time_stepping(c)) return 0;
+  if (!c->settings->fallback || !c->step.chooses_modes || mg_is_time_stepping(c)) return 0;
   const mg_real left = (c->settings->chatter_work - c->run->event_work - c->step.work) / mg_work_of_factorisation(n);
   return (int)mg_max(1, mg_min(left, MG_FACTORISATIONS_MAX));
 }
 
 MG_INTERNAL int mg_is_mode_choice_too_costly(const mg_context *c) {
-  return c->settings->fallback && !mg_is_time_stepping(c) && c->step.mode_choices &&
+  return c->settings->fallback && !mg_is_time_stepping(c) && c->step.chooses_modes &&
          c->run->event_work + c->step.work > c->settings->chatter_work;
 }

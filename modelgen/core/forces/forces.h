@@ -710,7 +710,7 @@ MG_INTERNAL void mg_count_friction_solve(mg_context *c, int n, const mg_friction
    there is no bound. */
 MG_INTERNAL int mg_affordable_factorisations(const mg_context *c, int n);
 
-/* True if this step, in which modes are chosen, takes more work than events may. */
+/* True while modes are chosen in a step that takes more work than events may; the choice is then given up. */
 MG_INTERNAL int mg_is_mode_choice_too_costly(const mg_context *c);
 
 /* diagnostics.c */

@@ -298,6 +298,7 @@ static int mg_release_yielding_patches(mg_context *c) {
 }
 
 MG_INTERNAL int mg_solve_patch_friction_modes(mg_context *c, const int *skip) {
+  c->step.chooses_modes = 1;
   mg_initialise_patch_modes(c);
   int outcome = mg_solve_friction_modes(c, skip);
   for (int round = 0;
@@ -305,6 +306,7 @@ MG_INTERNAL int mg_solve_patch_friction_modes(mg_context *c, const int *skip) {
        round++)
     outcome = mg_solve_friction_modes(c, skip);
   if (!outcome && mg_is_mode_choice_too_costly(c)) outcome = MG_CHATTER;
+  c->step.chooses_modes = 0;
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) c->patches.friction[slot].triggered = 0;
   return outcome;
 }

@@ -365,6 +365,7 @@ typedef struct {
   mg_real error;         /* error of the step tried last, over the tolerance */
   mg_real work;          /* what evaluations and forces have taken in this step, evaluations of one contact */
   int mode_choices;      /* how often the modes of the contacts were chosen in this step */
+  int chooses_modes;     /* 1 while modes of contacts with friction are chosen */
   int is_end_evaluated; /* 1: rows, rates, forces and accelerations are those at `end` and the modes of the run, but for
                            the gaps, which end_gap keeps */
   int stiff_failures;   /* collocations of stiff slip that have failed at this state */
