@@ -325,19 +325,20 @@ typedef struct {
   mg_real fallback_progress;  /* an event-driven run falls back where many tries advance t by less than
                                  fallback_progress * time and a third of them is rejected */
   mg_real chatter_step;       /* time-stepping in place of events that cost too much: steps of chatter_step * time */
-  mg_real chatter_work;    /* an event-driven run goes on by time-stepping when the work of its events, in evaluations
-                              of one contact, exceeds this and several times what time-stepping would have cost */
-  mg_real tolerance;       /* DOP853: bound of the local error over scale, root mean square */
-  mg_real contact_gap;     /* gaps |d| <= contact_gap * length count as touching */
-  mg_real start_gap;       /* at the start, gaps |d| <= start_gap * length count as touching; deeper penetration
-                              is refused */
-  mg_real start_joint_gap; /* at the start, joint errors <= start_joint_gap * length are corrected, others refused */
-  mg_real drift_tolerance; /* drift is projected away if d exceeds drift_tolerance * length, or d_dot that over
-                              time */
-  mg_real rest_speed;      /* contacts that approach slower than rest_speed * length / time do not rebound; loads hold a
-                              switching function of place at a zero that it passes as slowly */
-  mg_real slip_speed;      /* slip below slip_speed * length / time (spin, rolling: slip_speed / time) sticks if
-                              the forces permit it */
+  mg_real chatter_work;       /* an event-driven run goes on by time-stepping when the work of its events and
+                                 rejected steps, in evaluations of one contact, exceeds this and several times what
+                                 time-stepping would have cost */
+  mg_real tolerance;          /* DOP853: bound of the local error over scale, root mean square */
+  mg_real contact_gap;        /* gaps |d| <= contact_gap * length count as touching */
+  mg_real start_gap;          /* at the start, gaps |d| <= start_gap * length count as touching; deeper penetration
+                                 is refused */
+  mg_real start_joint_gap;    /* at the start, joint errors <= start_joint_gap * length are corrected, others refused */
+  mg_real drift_tolerance;    /* drift is projected away if d exceeds drift_tolerance * length, or d_dot that over
+                                 time */
+  mg_real rest_speed; /* contacts that approach slower than rest_speed * length / time do not rebound; loads hold a
+                         switching function of place at a zero that it passes as slowly */
+  mg_real slip_speed; /* slip below slip_speed * length / time (spin, rolling: slip_speed / time) sticks if
+                         the forces permit it */
   mg_real friction_bound_margin; /* a friction constraint whose force has reached its bound is tried with a bound that
                                     is smaller by this part */
   mg_real other_motion;          /* forces that change accelerations by more than this part of those without forces
@@ -669,7 +670,7 @@ typedef struct {
   mg_real fallback_step; /* step of the present fallback, s */
   mg_real fallback_left; /* time left of the present fallback, s; 0: none */
   mg_real event_work;    /* work of events beyond what time-stepping would have cost, evaluations of a contact */
-  mg_real event_work_t;  /* t when event_work was last updated, s */
+  mg_real event_work_t;  /* t when event_work was last updated or the present fallback began, s */
 
   int present_cause;      /* outcome that the present fallback avoids */
   int fallback_doublings; /* how often the length of the last fallback was doubled */

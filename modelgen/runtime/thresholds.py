@@ -27,8 +27,8 @@ class Thresholds:
             this times T.
         fallback_step: step of time-stepping during a fallback, in T.
         chatter_step: the same where events cost too much, in T.
-        chatter_work: work of events, in evaluations of one contact, up to which a run stays event-driven
-            though time-stepping costs several times less.
+        chatter_work: work of events and rejected steps, in evaluations of one contact, up to which a run
+            stays event-driven though time-stepping costs several times less.
         chatter_closed: a run that left its events for time-stepping does not return while more contacts are
             closed.
         start_joint_gap: joints that fit at t = 0 up to this times L are closed; others are refused.

@@ -12,6 +12,7 @@ import pytest
 
 from modelgen import Accuracy, build, derive, emit, require, simulate
 from modelgen.codegen.library import Library
+from modelgen.runtime.core_session import Session
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Scene
@@ -122,6 +123,23 @@ def test_a_wall_of_flush_blocks_is_passed_by_steps(base: int) -> None:
     assert path.rhs_evals < EVALUATIONS
     assert path.penetration_max <= 1e-9
     assert any(event.kind == "fallback-start" for event in path.events)
+
+
+def test_neither_calls_nor_samples_change_when_events_cost_too_much() -> None:
+    scene = library_of(pyramid(2))
+    accuracy = Accuracy.balanced().with_thresholds(chatter_work=10 * WORK)
+    one, many = Session(scene, accuracy), Session(scene, accuracy)
+    record = one.tables.Record()
+    for session, steps in ((one, 10**8), (many, 1)):
+        assert session.begin() == 0
+        while session.advance(0.3, steps, record):
+            session.events.count = 0
+    assert one.run.report.chatters
+    assert many.save() == one.save()
+    few, dense = (
+        simulate(scene, until=0.3, accuracy="balanced", samples=n, estimate=False) for n in (3, 500)
+    )
+    np.testing.assert_array_equal(dense.p[-1], few.p[-1])
 
 
 @pytest.mark.parametrize("restitution", [0.5, 0.9, 0.97])

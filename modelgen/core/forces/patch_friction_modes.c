@@ -247,7 +247,7 @@ static int mg_slip_direction_newton_step(mg_context *c, int slot, const mg_real 
 }
 
 /* Find the slip direction along which the acceleration of slip points, by damped Newton iteration from a guess e,
-   unless the choice of modes, which began at so much work, takes too much. */
+   unless the choice of modes takes too much work. */
 static void mg_find_slip_direction(mg_context *c, int slot, mg_real *e) {
   mg_real rate[3], across[2][3], miss[2], step[2];
   mg_evaluate_slip_direction(c, slot, e, rate);

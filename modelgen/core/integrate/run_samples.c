@@ -134,6 +134,7 @@ static int mg_is_sample_within(const mg_record *record, mg_real t, int is_event)
 MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h, int is_event) {
   const mg_real t = c->run->t;
   if (!mg_is_sample_within(record, t + h, is_event)) return;
+  const mg_real work = c->step.work; /* samples are no work of the step */
   mg_finish_step(c, t, h);
   mg_make_interpolant(c, t, c->run->x, h);
   while (mg_is_sample_within(record, t + h, is_event)) {
@@ -143,6 +144,7 @@ MG_INTERNAL void mg_record_until(mg_context *c, mg_record *record, mg_real h, in
     mg_right_hand_side(c, t + theta * h, c->step.stage, c->step.slopes + 16 * c->layout.n_states);
     mg_record_sample(c, record, c->step.stage);
   }
+  c->step.work = work;
 }
 
 MG_INTERNAL void mg_record_now(mg_context *c, mg_record *record) {

@@ -198,11 +198,12 @@ static int mg_advance_step(mg_context *c, mg_real h, mg_record *record, mg_event
   const long rejected = c->run->rejected, cells = c->run->search_effort;
   const mg_real t = c->run->t;
   int outcome;
+  c->step.work = 0, c->step.mode_choices = 0;
   if (mg_is_time_stepping(c)) {
     outcome = mg_time_step(c, h, record, events);
     if (!outcome) outcome = mg_count_fallback_step(c, events, first_event, c->run->t - t);
   } else {
-    mg_begin_step_work(c);
+    mg_credit_event_work(c);
     outcome = mg_cross_infinite_load(c, mg_event_driven_step(c, h, record, events), events);
     if (!outcome && mg_has_costly_events(c, c->run->rejected - rejected, c->run->search_effort - cells))
       outcome = MG_CHATTER;

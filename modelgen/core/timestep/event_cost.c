@@ -42,11 +42,10 @@ static mg_real mg_work_of_steps(const mg_context *c, mg_real span, mg_real step)
   return span / step * MG_EVALUATIONS_OF_STEP * each;
 }
 
-MG_INTERNAL void mg_begin_step_work(mg_context *c) {
+MG_INTERNAL void mg_credit_event_work(mg_context *c) {
   mg_run *run = c->run;
   const mg_real steps = mg_work_of_steps(c, run->t - run->event_work_t, c->settings->chatter_step * c->system->time);
   run->event_work = mg_max(run->event_work - MG_WORK_RATIO * steps, 0), run->event_work_t = run->t;
-  c->step.work = 0, c->step.mode_choices = 0;
 }
 
 MG_INTERNAL int mg_has_costly_events(mg_context *c, long rejected, long cells) {

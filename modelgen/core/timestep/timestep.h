@@ -144,8 +144,8 @@ MG_INTERNAL void mg_reset_event_work(mg_run *run);
 /* How often contacts change their mode in the events from `first` on: close, open, slip or stick, or loads switch. */
 MG_INTERNAL int mg_count_transitions(const mg_events *events, int first);
 
-/* Begins to count the work of an event-driven step, and takes off what events may cost by the time that has passed. */
-MG_INTERNAL void mg_begin_step_work(mg_context *c);
+/* Takes what events may cost in the time that has passed off their work. */
+MG_INTERNAL void mg_credit_event_work(mg_context *c);
 
 /* Counts the work of an event-driven step in which modes were chosen or steps rejected, and that of the pairs of cells
    looked at in its searches. True if the run is to go on by time-stepping. */

@@ -338,9 +338,10 @@ MG_INTERNAL int mg_friction_newton(mg_scaled_friction *s, int limit, int augment
        !mg_friction_is_stopped(s) && steps.left > 0 && steps.slow <= (mg_friction_is_accepted(s) ? 0 : patience);
        ++iteration) {
     const mg_real merit = n.before[iteration % MG_LINE_SEARCH_MEMORY];
-    ++s->newton;
     n.has_changed = 0;
-    if (!mg_semismooth_step(&n, iteration)) return mg_friction_update_best(s);
+    const int is_taken = mg_semismooth_step(&n, iteration);
+    ++s->newton;
+    if (!is_taken) return mg_friction_update_best(s);
     mg_count_newton_step(&steps, merit, n.has_changed);
     if (iteration % MG_LINE_SEARCH_MEMORY == MG_LINE_SEARCH_MEMORY - 1) mg_friction_update_motion(s);
     if (mg_friction_update_best(s)) {
