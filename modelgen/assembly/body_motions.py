@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from modelgen.assembly.loads import bodies_of
 from modelgen.assembly.masses import Mass
@@ -24,11 +25,16 @@ _ZERO = (0.0, 0.0, 0.0)
 
 
 def pairs_by_body(scene: Scene) -> Mapping[str, tuple[ContactPair, ...]]:
-    """The contact pairs of each body, by its name."""
+    """The contact pairs of each body, by its name; of the pairs of a pool, one."""
     found: dict[str, list[ContactPair]] = {body.name: [] for body in scene.bodies}
     for pair in scene.contacts:
         for name in {owner for owner, _ in pair.between} & found.keys():
             found[name].append(pair)
+    for pool in scene.pools:
+        pattern = scene.contacts[pool.pattern]
+        for own, other in zip(pool.classes, pool.classes[::-1], strict=True):
+            for member in scene.classes[own]:
+                found[member[0]].append(replace(pattern, between=(member, scene.classes[other][0])))
     return {name: tuple(pairs) for name, pairs in found.items()}
 
 

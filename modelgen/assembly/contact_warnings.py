@@ -10,13 +10,13 @@ from modelgen.geometry.face_regions import regions_of
 from modelgen.geometry.shape_features import features_of
 from modelgen.geometry.shape_warnings import declared_limits
 from modelgen.geometry.user_shape_checks import check_user_shape
-from modelgen.scene.scene_types import Scene, Shape
+from modelgen.scene.scene_types import Partner, Scene, Shape
 
 
 def soundness(scene: Scene) -> tuple[str, ...]:
     """Warnings on the shapes that may touch, each named `body/shape`; SceneError where none could run, with
     the place of the shape in the scene."""
-    touching = {partner for pair in scene.contacts for partner in pair.between}
+    touching = touching_shapes(scene)
     found: list[str] = []
     for i, body in enumerate(scene.bodies):
         for k, shape in enumerate(body.shapes):
@@ -29,9 +29,15 @@ def soundness(scene: Scene) -> tuple[str, ...]:
     return (*found, *_standing(scene))
 
 
+def touching_shapes(scene: Scene) -> set[Partner]:
+    """The shapes that take part in contacts, each with its body."""
+    listed = {partner for pair in scene.contacts for partner in pair.between}
+    return listed.union(*(scene.classes[k] for pool in scene.pools for k in pool.classes))
+
+
 def stand_ins(scene: Scene) -> list[tuple[str, str]]:
     """The shapes that may touch and stand for another surface: `body/shape`, and the latter in words."""
-    touching = {partner for pair in scene.contacts for partner in pair.between}
+    touching = touching_shapes(scene)
     return [
         (f"{body.name}/{shape.name}", shape.stands_for)
         for body in scene.bodies

@@ -20,18 +20,24 @@ def influencing(scene: Scene, contacts: Sequence[str]) -> tuple[Scene, tuple[str
     needed = _closed(set(_observed(scene, contacts)) & dynamic, [set(tie) & dynamic for tie in _ties(scene)])
     if not needed or needed == dynamic:
         return scene, ()
-    kept_contacts = tuple(c for c in scene.contacts if needed & {owner for owner, _ in c.between})
+    kept = [k for k, pair in enumerate(scene.contacts) if needed & {owner for owner, _ in pair.between}]
+    kept_contacts = tuple(scene.contacts[k] for k in kept)
+    place = {number: k for k, number in enumerate(kept)}
+    kept_pools = tuple(
+        replace(pool, pattern=place[pool.pattern]) for pool in scene.pools if pool.pattern in place
+    )
     kept_loads = tuple(load for load in scene.loads if needed & set(bodies_of(load)))
     kept_joints = tuple(joint for joint in scene.joints if needed & set(joint.between))
-    part = replace(scene, contacts=kept_contacts, loads=kept_loads, joints=kept_joints)
+    part = replace(scene, contacts=kept_contacts, pools=kept_pools, loads=kept_loads, joints=kept_joints)
     standing = {name for tie in _ties(part) for name in tie} | set(_observed(scene, contacts))
     bodies = tuple(body for body in scene.bodies if body.name in needed | (standing - dynamic))
     return replace(part, bodies=bodies), tuple(b.name for b in scene.bodies if b.name in dynamic - needed)
 
 
 def _ties(scene: Scene) -> Iterator[tuple[str, ...]]:
-    """The names of bodies that one contact, load or joint is between."""
+    """The names of bodies that one contact, load or joint is between, or the contacts of one pool."""
     yield from (tuple(owner for owner, _ in pair.between) for pair in scene.contacts)
+    yield from (tuple(name for k in pool.classes for name, _ in scene.classes[k]) for pool in scene.pools)
     yield from (bodies_of(load) for load in scene.loads)
     yield from (joint.between for joint in scene.joints)
 

@@ -15,6 +15,7 @@ from modelgen.assembly.masses import pose_numbers
 from modelgen.codegen.load_branches import switch_count
 from modelgen.codegen.manifest_open_edges import open_edges_of
 from modelgen.codegen.manifest_planar_contacts import face_table, patch_tables
+from modelgen.codegen.manifest_pools import pools_of
 from modelgen.codegen.manifest_repeated_pairs import all_of
 from modelgen.codegen.manifest_solids import solids_of
 from modelgen.codegen.manifest_unlisted_shapes import unlisted_of
@@ -219,6 +220,7 @@ def instance_of(model: Model, known: tuple[Model, dict[str, Any]] | None = None)
         "source": scene.source,
         "bodies": [_body(model, entry) for entry in model.bodies],
         **(_contacts(model) if known is None else _contacts_like(model, *known)),
+        **pools_of(model),
         "loads": [
             {"kind": load.kind, "bodies": list(load.bodies), "parameters": list(load.parameters)}
             for load in model.loads

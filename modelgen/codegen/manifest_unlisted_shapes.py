@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import combinations
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from modelgen.geometry.extent import bounding_ball
 from modelgen.geometry.shape_samples import samples_of
 from modelgen.geometry.solid_terms import about_terms_of, is_thin
 from modelgen.model import Model
+from modelgen.scene.contact_groups import all_pairs
 from modelgen.scene.scene_types import Body, Shape
 
 
@@ -27,15 +28,23 @@ def unlisted_of(model: Model) -> dict[str, Any]:
     listed = {_ordered(*(index[partner] for partner in pair.between)) for pair in scene.contacts}
     bodies = {body.name: k for k, body in enumerate(scene.bodies)}
     joined = {_ordered(*(bodies[name] for name in joint.between)) for joint in scene.joints}
-    involved: set[int] = set()
-    for (i, (a, _)), (j, (b, _)) in combinations(enumerate(of_body), 2):
-        if _may_meet(scene.bodies[a], scene.bodies[b]) and (a, b) not in joined and (i, j) not in listed:
-            involved |= {a, b}
+    owner = np.array([body for body, _ in of_body], dtype=int)
+    open_to = _may_meet(scene.bodies)[owner[:, None], owner]
+    for pool in scene.pools:
+        one, other = ([index[each] for each in scene.classes[k]] for k in pool.classes)
+        open_to[np.ix_(one, other)] = open_to[np.ix_(other, one)] = False
+    for i, j in listed:
+        open_to[i, j] = open_to[j, i] = False
+    for a, b in joined:
+        one, other = owner == a, owner == b
+        open_to[np.ix_(one, other)] = open_to[np.ix_(other, one)] = False
+    involved = {int(owner[k]) for k in np.flatnonzero(open_to.any(axis=1))}
     kept = [k for k, (body, _) in enumerate(of_body) if body in involved]
     place = {k: at for at, k in enumerate(kept)}
+    pooled = {_ordered(*(index[each] for each in pair.between)) for pair in all_pairs(scene)} if kept else set()
     return {
         "shapes": [shape_entry(model, k, *of_body[k]) for k in kept],
-        "listed": [[place[i], place[j]] for i, j in sorted(listed) if i in place and j in place],
+        "listed": [[place[i], place[j]] for i, j in sorted(listed | pooled) if i in place and j in place],
         "joined": [list(pair) for pair in sorted(joined) if set(pair) <= involved],
     }
 
@@ -44,8 +53,10 @@ def _ordered(a: int, b: int) -> tuple[int, int]:
     return min(a, b), max(a, b)
 
 
-def _may_meet(a: Body, b: Body) -> bool:
-    return a is not b and "dynamic" in (a.motion, b.motion)
+def _may_meet(bodies: Sequence[Body]) -> np.ndarray[Any, np.dtype[np.bool_]]:
+    """(n, n) whether two bodies are different and one of them can move."""
+    moves = np.array([body.motion == "dynamic" for body in bodies], dtype=bool)
+    return (moves[:, None] | moves) & ~np.eye(len(bodies), dtype=bool)
 
 
 def placed_entry(model: Model, body: int, shape: Shape) -> dict[str, Any]:

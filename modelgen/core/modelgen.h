@@ -150,6 +150,9 @@ typedef struct {
   int n_friction;            /* friction constraints of all contacts */
   int n_friction_row;        /* rows of all contacts other than their normal rows */
   int n_ball;                /* balls around shapes */
+  int n_ball_class;          /* classes of equal shapes of equal bodies, of which pairs share slots */
+  int n_pool;                /* pools of slots */
+  int slot_contact_max;      /* most contacts of a slot, see mg_told_contact */
   int n_solid;               /* shapes whose material is described by terms */
   int n_input;               /* inputs: numbers of loads and prescribed motions that the caller sets during a run */
   int n_switch;              /* switching functions of all loads */
@@ -175,9 +178,21 @@ typedef struct {
   const int *ball_body;          /* [n_ball] body of each ball */
   const int *ball_partner_begin; /* [n_ball + 1] range of ball_partner */
   const int *ball_partner;       /* [all partners] balls with a larger number with which a ball has pairs, ascending */
-  const int *ball_pair;          /* [all partners] these pairs */
+  const int *ball_pair;          /* [all partners] these pairs; -1: none, whatever their classes */
 
-  const int *pair_solid;      /* [2 n_pair] solids of the shapes of o, f; MG_NO_MATERIAL, MG_UNKNOWN_MATERIAL */
+  /* Where many bodies are equal, pairs of their shapes have no entries of their own: each pair that is near takes a
+     slot of its pool. Slots are pairs, the last ones before those of limits. The entries of all slots of a pool are those
+     of one pair, the pattern of the pool, which has entries too and never takes part; run->slot_balls tells which pair a
+     slot stands for. */
+  const int *pool_slot;      /* [n_pool + 1] range of pairs that are the slots of a pool, for pairs of two classes */
+  const int *pool_pattern;   /* [n_pool] its pattern */
+  const int *pool_width;     /* [n_pool] balls in the class of f */
+  const int *pool_told_pair; /* [n_pool] number told of the first of all its pairs (mg_told_pair) */
+  const int *ball_class;     /* [n_ball] class of each ball, or -1: none of its pairs are in a pool */
+  const int *ball_rank;      /* [n_ball] its number within its class */
+  const int *class_pool;     /* [n_ball_class^2] pool of the pairs of two classes, or -1 */
+
+  const int *ball_solid;      /* [n_ball] solid of the shape in each ball; MG_NO_MATERIAL, MG_UNKNOWN_MATERIAL */
   const int *solid_body;      /* [n_solid] body of each solid, ascending */
   const int *solid_is_cavity; /* [n_solid] 1: the material is where no terms are negative, and others of its body have
                                  none within it */
@@ -478,6 +493,7 @@ enum {
   MG_NO_FRICTION = 26,     /* no forces satisfy Coulomb's law, or none were found */
   MG_PENETRATED = 27,      /* bodies penetrate deeper than penetration_limit, at failed_contact */
   MG_TOO_COSTLY = 29,      /* more than steps_max steps */
+  MG_TOO_MANY_NEAR = 30,   /* a pool has too few slots for the pairs that are near: exceeded_pool of the report */
   MG_CHATTER = 28          /* ends no run: events cost too much, and the run goes on by time-stepping */
 };
 
@@ -511,7 +527,8 @@ enum {
   MG_CAPACITY_REGION = 5,     /* intersections of the outlines of two faces, and parts of their boundary */
   MG_CAPACITY_EVENTS = 6,     /* events between two calls of the caller */
   MG_CAPACITY_PRESSURE = 7,   /* steps of Newton's method for the pressure between faces that slip */
-  MG_CAPACITIES = 8
+  MG_CAPACITY_NEAR = 8,       /* near pairs of a pool */
+  MG_CAPACITIES = 9
 };
 
 /* What a run tells of itself: counts, largest values and first places, by which no body moves. mg_begin resets it. */
@@ -530,7 +547,7 @@ typedef struct {
   long redundant_max;       /* most active contacts beyond the rank of their rows; forces then are of minimum norm */
   long unfollowed_minima;   /* how often a search found closest points within search_gap that no contact could follow */
   long incomplete_searches; /* searches of feature pairs that were given up before all closest points were found */
-  long exceeded[8];         /* how often each capacity was exceeded, MG_CAPACITY_CLOSED .. */
+  long exceeded[9];         /* how often each capacity was exceeded, MG_CAPACITY_CLOSED .. */
 
   mg_real energy_0;          /* energy at the start, J */
   mg_real energy_error_max;  /* largest |energy - energy_0 - work - correction_work|, J */
@@ -567,7 +584,7 @@ typedef struct {
   mg_real indeterminate_part;  /* change of the acceleration at indeterminate_contact by other forces, as a part of the
                                   largest without forces */
   mg_real flush_t;             /* time of flush_contact, s */
-  mg_real exceeded_t[8];       /* when each capacity was exceeded first, s */
+  mg_real exceeded_t[9];       /* when each capacity was exceeded first, s */
 
   int failed_contact;       /* contact of the outcome, or -1 */
   int failed_joint;         /* joint with the largest error at the start, or -1 */
@@ -593,6 +610,7 @@ typedef struct {
   int indeterminate_switch;  /* switching function of that load, or -1: friction forces */
   int flush_contact; /* contact of the first blow from the side within the plane of faces of both bodies, or -1 */
   int shared_switch; /* switching function of the first load at a jump that contacts or joints hold too, or -1 */
+  int exceeded_pool; /* pool that had too few slots first, or -1 */
 } mg_run_report;
 
 /* One run: its state, its active set, counts by which it goes on, and its report. Before mg_begin the caller sets t, h
@@ -612,6 +630,8 @@ typedef struct {
   mg_real *unfollowed_gap;     /* [n_pair] least gap found by that search that no contact was free to follow, m */
   mg_real *withheld_effort;    /* [n_pair] pairs of cells by which its searches look at fewer than usual */
   int *is_far;                 /* [n_pair] 1: left out, because its shapes are far apart */
+  int *slot_balls;             /* [2 per slot of the pools] of the pair in the slot: numbers of its balls o, f, from 1 on;
+                                  0: those of the pattern of its pool */
   int *stop;                   /* [1] or null; 1: another thread or a signal handler asks that a call end soon */
   mg_real *ball_at;            /* [4 n_ball] centre when near pairs were last looked for, m, world axes, and how far it
                                   may move before that is due again, m */
@@ -684,7 +704,7 @@ typedef struct {
 
 /* Samples at times that the caller gives. Row k of an array belongs to t[k]; shapes are those of one row. The caller's
    arrays hold capacity rows. */
-typedef struct {
+typedef struct mg_record {
   int capacity;      /* rows of every array */
   int count;         /* rows filled; the library counts it up */
   const mg_real *t;  /* times of the samples, s, ascending; given by the caller */
@@ -698,6 +718,7 @@ typedef struct {
   mg_real *point_f;  /* [3 n_contact] contact point of f, m */
   int *feature_pair; /* [n_contact] feature pair, or -1 */
   int *patch;        /* [n_patch_slot] patch that the slot holds, or -1 */
+  int *slot_balls;   /* [2 per slot of the pools] as that of the run */
   mg_real *pressure; /* [4 n_patch_slot] resultant normal force, N, and centre of pressure, m */
   mg_real
       *patch_friction;  /* [8 n_patch_slot] friction force on f, N; its torque about N through the centre of pressure,
@@ -713,6 +734,8 @@ typedef struct {
   mg_real *energy;       /* [1] kinetic and potential energy, J */
   mg_real *work;         /* [1] work of loads and prescribed motions since the start, J */
   mg_real *sensors;      /* [kernels->n_sensor] what the sensors show */
+  void (*empty)(struct mg_record *record); /* null, or called when all rows are filled: takes the samples, sets count
+                                              back to 0, and t and capacity to the times of the next ones */
 } mg_record;
 
 /* List of events; the caller's arrays have capacity entries. */
@@ -722,6 +745,7 @@ typedef struct {
   mg_real *t;        /* time, s */
   int *kind;         /* MG_EVENT_IMPACT .. MG_EVENT_FALLBACK_END */
   int *contact;      /* contact */
+  int *told_contact; /* the contact by the number that tells the pair in its slot (mg_told_contact) */
   int *feature_pair; /* feature pair of the contact after the event, or -1 */
   mg_real *speed;    /* approach speed of an impact or touch-down, m/s; else 0 */
   mg_real *after_t;  /* of an impact or touch-down: time of the last blow before which its contact did not approach or
@@ -1061,6 +1085,12 @@ enum {
   MG_LOAD_OTHER_SETTINGS = 7, /* saved with other settings */
   MG_LOAD_DAMAGED = 8         /* bytes are missing, or are not those that were saved */
 };
+
+/* The number by which results tell a contact of a run, whatever slot its pair is in. A contact of a slot is told as
+   n_contact + (p - n_pair) (slot_contact_max + 1) + k, with p = pool_told_pair + rank of o * pool_width + rank of f of
+   its pair, and k its number among the contacts of its slot, slot_contact_max for support points; any other one by its
+   own number. The report of a run tells contacts so. */
+MG_API int mg_told_contact(const mg_system *system, const mg_run *run, int contact);
 
 /* Length in bytes of a checkpoint of a run of this system. */
 MG_API long mg_save_size(const mg_system *system);

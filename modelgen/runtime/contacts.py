@@ -46,6 +46,6 @@ def contacts_of(session: Session) -> Mapping[str, Contact]:
             (shown["points_o"][0, k].copy(), shown["points_f"][0, k].copy()),
             names[int(shown["feature_pair"][0, k])],
         )
-        for k, name in enumerate(session.contacts)
+        for k, name in enumerate(shown["contact_names"])
     }
     return ByName(found, "contact")

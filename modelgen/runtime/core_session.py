@@ -87,7 +87,7 @@ class Session:
     @property
     def eta(self) -> Array:
         """The contact parameters of all contacts, (n_eta,)."""
-        return self.x[self.n_x - 1 - self.instance["n_eta"] : self.n_x - 1]
+        return self.x[self.n_x - 1 - self.shared.slots.n_eta : self.n_x - 1]
 
     def _reals(self, n: int) -> Array:
         return np.zeros(n, dtype=self.tables.dtype)
@@ -118,28 +118,31 @@ class Session:
             Event(
                 float(t),
                 EVENT_KINDS[kind],
-                *self._subject(kind, contact, feature_pair),
+                *self._subject(kind, contact, told, feature_pair),
                 speed=float(speed),
                 after_t=float(after_t) if after_t >= 0 else None,
             )
-            for t, kind, contact, feature_pair, speed, after_t in zip(*given, strict=True)
+            for t, kind, contact, told, feature_pair, speed, after_t in zip(*given, strict=True)
         ]
 
-    def _subject(self, kind: int, number: int, feature_pair: int) -> tuple[str, str]:
+    def _subject(self, kind: int, number: int, told: int, feature_pair: int) -> tuple[str, str]:
         """What an event is of: a contact and its features, or a load."""
         if EVENT_KINDS[kind] == LOAD_SWITCH:
             return self.switching_loads[number], ""
-        return self._named(number, feature_pair)
+        return self._named(number, told, feature_pair)
 
-    def _named(self, contact: int, feature_pair: int) -> tuple[str, str]:
-        """The contact and its features; of a support point, its patch and the two faces."""
+    def _named(self, contact: int, told: int, feature_pair: int) -> tuple[str, str]:
+        """The contact and its features; of a support point, its patch and the two faces. `told`: the number by
+        which the core tells it (mg_told_contact)."""
+        slots = self.shared.slots
         if contact < self.n_shown:
-            return self.contacts[contact], self.feature_pair_names[feature_pair] if feature_pair >= 0 else ""
+            own = slots.feature_pair.order[feature_pair]
+            return self.contacts[told], self.feature_pair_names[own] if feature_pair >= 0 else ""
         if not self.instance["patches"]:
             return "", ""
-        patch = self.instance["patches"][(feature_pair - len(self.feature_pair_names)) // SUPPORT_POINTS]
-        pair, _, faces = str(patch["name"]).rpartition(":")
-        return pair, faces
+        patch = slots.patch.order[(feature_pair - len(slots.feature_pair)) // SUPPORT_POINTS]
+        pair, _, faces = str(self.instance["patches"][patch]["name"]).rpartition(":")
+        return self.contacts[told] if told != contact else pair, faces
 
     @property
     def switching_loads(self) -> list[str]:
@@ -153,10 +156,11 @@ class Session:
 
     def contact_name(self, contact: int) -> str:
         """The name of a contact; of a support point, that of its pair."""
+        told = int(self.library.cdll.mg_told_contact(self._head[0], self._head[2], ctypes.c_int(contact)))
         if contact < self.n_shown:
-            return self.contacts[contact]
+            return self.contacts[told]
         slot = (contact - self.n_shown) // SUPPORT_POINTS
-        return self._named(contact, int(self.feature_pair[contact]))[0] if slot < self.n_patch_slot else ""
+        return self._named(contact, told, int(self.feature_pair[contact]))[0] if slot < self.n_patch_slot else ""
 
     def begin(self) -> int:
         """Settles the start; returns the core's outcome code (see `runtime.start.begin`)."""
@@ -197,7 +201,7 @@ class Session:
 
     def settle(self, contact: int, eta: Array | None = None) -> dict[str, Any]:
         """Newton from `eta` (None: the state's) for one contact: steps (-1: failed), d, margin and so on."""
-        start = (*self.instance["contacts"], *self.instance["limits"])[contact]["eta"]
+        start = self.shared.slots.eta_of(contact)
         size = sum(ETA_SIZE[kind] for kind in self.layout(contact))
         local = np.array(self.eta[start : start + size] if eta is None else eta, dtype=self.tables.dtype)
         out = {"d": 1, "residual": 2, "margin": 2, "normal": 3, "point_o": 3, "point_f": 3}
@@ -211,12 +215,21 @@ class Session:
         """Answers an mg_minima_queries; for a session that has not begun."""
         self.library.cdll.mg_find_minima(*self._head, ctypes.byref(queries), *self._scratch)
 
+    def features_of(self, contact: int) -> Mapping[str, Any] | None:
+        """The entry of the feature pair that a contact with shapes is on, in a slot that of the pattern, with
+        the bodies of its pair; None on no feature pair."""
+        slots, held = self.shared.slots, int(self.feature_pair[contact])
+        if held < 0 or slots.entry_of(contact) is None:
+            return None
+        o, f = slots.bodies_of(contact, held, self._arrays["slot_balls"])
+        return {**self.instance["feature_pairs"][int(slots.feature_pair.order[held])], "o": o, "f": f}
+
     def layout(self, contact: int) -> list[str]:
         """The parametrisation of each side of a contact (keys of ETA_SIZE); empty on no feature pair."""
-        feature_pair = int(self.feature_pair[contact])
-        if not 0 <= feature_pair < len(self.instance["feature_pairs"]):
+        feature_pair = self.features_of(contact)
+        if feature_pair is None:
             return []
-        kind = self.instance["feature_pairs"][feature_pair]["kind"]
+        kind = feature_pair["kind"]
         return list(self.library.manifest.kinds["contact"][kind]["eta"])
 
     def advance(self, t_stop: float, max_steps: int, record: Any) -> int:

@@ -21,7 +21,7 @@ from modelgen.runtime.event_matching import (
     Pairs,
     Subject,
     alone,
-    bodies_by_contact,
+    BodiesByContact,
     in_pairs,
     modes_apart,
     subject_of,
@@ -31,6 +31,7 @@ from modelgen.runtime.event_matching import (
 from modelgen.runtime.run_distance import (
     APART,
     apart_of,
+    columns_in_common,
     forces_between,
     gaps_between,
 )
@@ -101,7 +102,7 @@ def estimate_of(
         compared = _without_blows(path, common, compared[:, :n], safe)
         errors[:, :n] = _errors(path, compared, safe, instance)
         told = _told(path.events, slow), _told(twin.events, slow)
-        pairs, bodies = in_pairs(*told), bodies_by_contact(instance)
+        pairs, bodies = in_pairs(*told), BodiesByContact(instance)
         first = errors[:, : _predicted(errors, n, length, accuracy)]
         doubts, apart = _orders(path, twin, common, pairs, first, accuracy, instance, finer, other_order)
         if apart is not None:
@@ -222,7 +223,9 @@ def _told(events: Sequence[Event], slow: float) -> list[Event]:
 
 def _gaps_and_forces(path: Trajectory, twin: Trajectory, n: int, safe: float) -> dict[str, Any]:
     """Errors in gaps and forces up to sample n."""
-    gap, force = gaps_between(path, twin, n), forces_between(path.force[:n], twin.force[:n])
+    mine, theirs = columns_in_common(path, twin)
+    gap = gaps_between(mine, theirs, n)
+    force = forces_between(mine["force"][:n], theirs["force"][:n])
     return {
         "gap": None if gap is None else safe * gap,
         "force": None if force is None else safe * force + path.force_rounding,

@@ -13,6 +13,7 @@ Where run and companion differ in that, it shows; but both may err to the same s
 
 from __future__ import annotations
 
+import re
 from bisect import bisect, bisect_left
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -110,7 +111,7 @@ def undecided_impacts(
         safe: the time between two impacts errs by `safe` times what the companion has otherwise.
         least: m; impacts that move less than this until `end`, s, are left aside.
     """
-    struck, found = bodies_by_contact(instance), []
+    struck, found = BodiesByContact(instance), []
     blows = [(a, b) for a, b in pairs if a.kind in BLOWS and a.t <= end]
     for (a, like_a), (b, like_b) in pairwise(blows):
         if a.contact == b.contact or not struck[a.contact] & struck[b.contact]:
@@ -296,13 +297,34 @@ def _time_apart(mine: Sequence[Stretch], theirs: Sequence[Stretch]) -> float:
     return apart
 
 
-def bodies_by_contact(instance: Mapping[str, Any]) -> dict[str, set[int]]:
-    """For each contact and joint limit, its bodies that forces move."""
-    free = {k for k, body in enumerate(instance["bodies"]) if body["motion"] in ("point", "free")}
-    feature_pairs = [instance["feature_pairs"][pair["feature_pairs"][0]] for pair in instance["pairs"]]
-    pairs = [free & {feature_pair["o"], feature_pair["f"]} for feature_pair in feature_pairs]
-    return {
-        **{contact["name"]: pairs[contact["pair"]] for contact in instance["contacts"]},
-        **{pair["name"]: bodies for pair, bodies in zip(instance["pairs"], pairs, strict=True)},
-        **{limit["name"]: free & {limit["o"], limit["f"]} for limit in instance["limits"]},
-    }
+class BodiesByContact(Mapping[str, Collection[int]]):
+    """For each contact, pair and joint limit, its bodies that forces move; also for those of pools, whose names
+    are made of those of the bodies."""
+
+    def __init__(self, instance: Mapping[str, Any]) -> None:
+        free = {k for k, body in enumerate(instance["bodies"]) if body["motion"] in ("point", "free")}
+        feature_pairs = [instance["feature_pairs"][pair["feature_pairs"][0]] for pair in instance["pairs"]]
+        pairs = [free & {feature_pair["o"], feature_pair["f"]} for feature_pair in feature_pairs]
+        self._known: dict[str, Collection[int]] = {
+            **{contact["name"]: pairs[contact["pair"]] for contact in instance["contacts"]},
+            **{pair["name"]: bodies for pair, bodies in zip(instance["pairs"], pairs, strict=True)},
+            **{limit["name"]: free & {limit["o"], limit["f"]} for limit in instance["limits"]},
+        }
+        members = {body for each in instance.get("classes", ()) for body, _ in each}
+        self._members = {instance["bodies"][body]["name"]: body for body in members}
+
+    def __getitem__(self, name: str) -> Collection[int]:
+        if name not in self._known:
+            pair, *_ = re.split("[#:]", name, maxsplit=1)
+            parts = ((pair[:at], pair[at + 1 :]) for at, each in enumerate(pair) if each == "-")
+            found = next((each for each in parts if self._members.keys() >= {*each}), None)
+            if found is None:
+                raise KeyError(name)
+            self._known[name] = {self._members[each] for each in found}
+        return self._known[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._known)
+
+    def __len__(self) -> int:
+        return len(self._known)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.runtime.core_session import CONTINUE, FULL, Session
-from modelgen.runtime.event_matching import Pairs, bodies_by_contact, in_pairs, name_of_blow, undecided
+from modelgen.runtime.event_matching import Pairs, BodiesByContact, in_pairs, name_of_blow, undecided
 from modelgen.runtime.run_distance import APART, apart_of
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import Event, Trajectory
@@ -140,7 +140,7 @@ def _moves(session: Session, tie: Tie) -> Iterator[Array]:
     """Moves of the bodies that either impact strikes along each axis and about it, by some 1 m, as changes of
     q."""
     instance = session.instance
-    struck = bodies_by_contact(instance)
+    struck = BodiesByContact(instance)
     for body in sorted(struck[tie[0].contact] | struck[tie[1].contact]):
         entry = instance["bodies"][body]
         for k in range({"free": 6, "point": 3}.get(entry["motion"], 0)):

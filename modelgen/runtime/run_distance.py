@@ -13,6 +13,7 @@ from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import Event, Trajectory
 
 MOTION = ("p", "quaternion", "v", "w")  # columns of a run that are compared
+EMPTY = {"gap": np.nan, "feature_pair": -1, "force": 0.0}  # of a contact that a run has not
 APART = ("position", "rotation", "velocity", "spin")
 
 
@@ -54,10 +55,28 @@ def angle_between(a: Array, b: Array) -> Array:
     return np.asarray(4 * np.arcsin(np.minimum(largest / 2, 1.0)), dtype=float)
 
 
-def gaps_between(a: Trajectory, b: Trajectory, n: int) -> float | None:
-    """m: the largest difference of a gap in n samples while its contact is on the same features in both."""
-    mine, theirs = a.gap[:n], b.gap[:n]
-    same = (a.feature_pair[:n] == b.feature_pair[:n]) & np.isfinite(mine) & np.isfinite(theirs)
+def columns_in_common(a: Trajectory, b: Trajectory) -> tuple[Mapping[str, Array], Mapping[str, Array]]:
+    """The columns gap, feature_pair and force of two runs with the contacts that either has, in one order."""
+    if a.contact_names == b.contact_names:
+        return tuple({name: getattr(run, name) for name in EMPTY} for run in (a, b))  # type: ignore[return-value]
+    place = {name: k for k, name in enumerate(dict.fromkeys((*a.contact_names, *b.contact_names)))}
+
+    def columns(run: Trajectory) -> Mapping[str, Array]:
+        at, made = [place[name] for name in run.contact_names], {}
+        for name, empty in EMPTY.items():
+            column = getattr(run, name)
+            made[name] = np.full((len(run.t), len(place)), empty, dtype=column.dtype)
+            made[name][:, at] = column
+        return made
+
+    return columns(a), columns(b)
+
+
+def gaps_between(a: Mapping[str, Array], b: Mapping[str, Array], n: int) -> float | None:
+    """m: the largest difference of a gap in n samples while its contact is on the same features in both runs,
+    given by their columns."""
+    mine, theirs = a["gap"][:n], b["gap"][:n]
+    same = (a["feature_pair"][:n] == b["feature_pair"][:n]) & np.isfinite(mine) & np.isfinite(theirs)
     return float(np.abs(mine - theirs)[same].max()) if same.any() else None
 
 

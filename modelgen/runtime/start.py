@@ -58,7 +58,7 @@ def refusal(session: Session, code: int, run: Any, label: str = "") -> Simulatio
         )
     if code == BODY_WITHIN:
         return _within(session, contact, where)
-    if contact >= len(session.instance["contacts"]):
+    if session.shared.slots.entry_of(contact) is None:
         return _beyond(session, contact, label)
     settled = session.settle(contact)
     depth, allowed = -float(settled["d"]), session.settings.start_gap * session.system.length
@@ -72,7 +72,8 @@ def refusal(session: Session, code: int, run: Any, label: str = "") -> Simulatio
 
 def _way_out(session: Session, contact: int, depth: float, normal: Array) -> str:
     """The advice which body to move along the normal, which points from the first body to the second."""
-    feature_pair = session.instance["feature_pairs"][int(session.feature_pair[contact])]
+    feature_pair = session.features_of(contact)
+    assert feature_pair is not None, "a contact that penetrates is on a feature pair"
     bodies = [session.instance["bodies"][feature_pair[side]] for side in ("f", "o")]
     moving, sign = (bodies[0], 1.0) if bodies[0]["motion"] in ("point", "free") else (bodies[1], -1.0)
     along = ", ".join(f"{sign * float(x) + 0.0:.3g}" for x in normal)
@@ -95,10 +96,13 @@ def _other_side(session: Session, feature_pair: Mapping[str, Any], depth: float)
 
 def _within(session: Session, contact: int, where: str) -> SimulationError:
     """The error of two bodies of which the smaller one is in the other."""
-    pair = session.instance["pairs"][session.instance["contacts"][contact]["pair"]]
-    first = session.instance["feature_pairs"][pair["feature_pairs"][0]]
-    balls = zip("of", pair["bounding_balls"], strict=True)
-    radii = {first[side]: inf if ball["radius"] is None else ball["radius"] for side, ball in balls}
+    slots, entry = session.shared.slots, session.shared.slots.entry_of(contact)
+    assert entry is not None, "a body within another one is of a contact with shapes"
+    pair = session.instance["pairs"][entry["pair"]]
+    first = int(slots.feature_pair.moved[pair["feature_pairs"][0]])
+    bodies = slots.bodies_of(contact, first, session.run_arrays["slot_balls"])
+    balls = zip(bodies, pair["bounding_balls"], strict=True)
+    radii = {body: inf if ball["radius"] is None else ball["radius"] for body, ball in balls}
     inner, outer = (session.instance["bodies"][body]["name"] for body in sorted(radii, key=radii.__getitem__))
     return SimulationError(
         where,
@@ -110,10 +114,10 @@ def _within(session: Session, contact: int, where: str) -> SimulationError:
 
 def _place_of(session: Session, contact: int, label: str) -> str:
     """The place in the scene, as in `scene.toml: contact[1] (contact 'ball-table')`."""
-    instance, name = session.instance, session.contacts[contact]
-    if contact >= len(instance["contacts"]):
+    name, entry = session.contact_name(contact), session.shared.slots.entry_of(contact)
+    if entry is None:
         return _place_of_joint(session, name.rsplit(":", 1)[0], label)
-    return f"{instance['source']}: contact[{instance['contacts'][contact]['pair']}] ({label}contact {name!r})"
+    return f"{session.instance['source']}: contact[{entry['pair']}] ({label}contact {name!r})"
 
 
 def _place_of_joint(session: Session, name: str, label: str) -> str:
@@ -162,7 +166,7 @@ def _degrees(cosine: float) -> str:
 
 def _beyond(session: Session, contact: int, label: str) -> SimulationError:
     """The error of a start beyond the limit of a joint."""
-    joint, end = session.contacts[contact].rsplit(":", 1)
+    joint, end = session.contact_name(contact).rsplit(":", 1)
     return SimulationError(
         _place_of_joint(session, joint, label),
         f"at the start it is past its limit ({end}imum)",

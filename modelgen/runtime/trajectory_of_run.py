@@ -57,16 +57,14 @@ def trajectory_of(
         scene=own["name"],
         **columns,
         body_names=shared.body_names,
-        contact_names=session.contacts,
         feature_pair_names=session.feature_pair_names,
-        patch_names=shared.patch_names,
         shares=shared.shares,
         joint_names=session.joints,
         coordinate_names=shared.coordinate_names,
         sensor_names=shared.sensor_names,
         events=tuple(in_order(ending.events)),
         outcome=ending.outcome,
-        outcome_contact=session.contacts[failed] if failed >= 0 else "",
+        outcome_contact=session.contact_name(failed) if failed >= 0 else "",
         t_end=float(run.t),
         steps=int(run.steps),
         rejected=int(run.rejected),
@@ -109,9 +107,9 @@ def trajectory_of(
         warnings=tuple(warnings),
         jams=int(report.jams),
         fallback_time=float(report.fallback_time + report.chatter_time),
-        unfollowed_pair=_pair_name(own, report.unfollowed_pair),
+        unfollowed_pair=shared.slots.pair_name(report.unfollowed_pair),
         unfollowed_t=float(report.unfollowed_t),
-        incomplete_pair=_pair_name(own, report.incomplete_pair),
+        incomplete_pair=shared.slots.pair_name(report.incomplete_pair),
         incomplete_t=float(report.incomplete_t),
         fallback_step=fallback_step(report, record, own),
         outcome_function=outcome_function,
@@ -119,10 +117,6 @@ def trajectory_of(
         parameters=ByName(((each["name"], each["value"]) for each in own.get("parameters", ())), "parameter"),
         inputs=ByName(inputs, "input"),
     )
-
-
-def _pair_name(instance: Mapping[str, Any], pair: int) -> str:
-    return str(instance["pairs"][pair]["name"]) if pair >= 0 else ""
 
 
 def in_order(events: Sequence[Event]) -> list[Event]:

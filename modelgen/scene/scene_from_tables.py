@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
 from typing import Any
 
 from modelgen.errors import SceneError
 from modelgen.scene import contacts_and_loads, joints
 from modelgen.scene.actuators import actuators_of, check_names
 from modelgen.scene.constants import along, with_constants
-from modelgen.scene.contact_groups import group_pairs
+from modelgen.scene.contact_groups import group_of
+from modelgen.scene.expression import Expression
 from modelgen.scene.inputs import remark_on_unused, with_inputs
 from modelgen.scene.parameters import parameters_of, with_uses
 from modelgen.scene.patterns import repeated
@@ -32,6 +34,8 @@ from modelgen.scene.scene_types import (
 from modelgen.scene.sensors import sensors_of
 from modelgen.scene.shapes_and_bodies import read_body, unique_names
 from modelgen.scene.source_location import Place
+
+MENTIONING = (*("observe", "force", "torque", "spring", "actuator"), "sensor")  # tables that name bodies
 
 
 def scene_from_tables(name: str, written: object, source: str) -> Scene:
@@ -105,7 +109,9 @@ def scene_from_bodies(name: str, bodies: tuple[Body, ...], values: Mapping[str, 
     joined = joints.joints(values["joint"], known)
     loads = contacts_and_loads.loads(values, known)
     listed = contacts_and_loads.contacts(values["contact"], known)
-    pairs = (*listed, *group_pairs(values["contacts"], listed, known, joined, place.key("contacts")))
+    texts = None if place.following else [*_texts([values[key] for key in MENTIONING])]
+    group = group_of(values["contacts"], listed, known, joined, place.key("contacts"), texts)
+    pairs = (*listed, *group.pairs)
     observe = contacts_and_loads.observed(values["observe"], known, pairs, joined, place.key("observe"))
     check_names(place)
     actuators = actuators_of(values["actuator"], joined)
@@ -126,7 +132,19 @@ def scene_from_bodies(name: str, bodies: tuple[Body, ...], values: Mapping[str, 
         fold=values["fold"],
         run=RunSettings(**run),
         remarks=tuple(place.remarks),
+        classes=group.classes,
+        pools=tuple(replace(pool, pattern=len(listed) + pool.pattern) for pool in group.pools),
     )
+
+
+def _texts(value: object) -> Iterator[str]:
+    """All texts in a value of a table."""
+    if isinstance(value, str | Expression):
+        yield value if isinstance(value, str) else value.text
+    elif isinstance(value, Mapping):
+        yield from chain.from_iterable(map(_texts, value.values()))
+    elif isinstance(value, Sequence):
+        yield from chain.from_iterable(map(_texts, value))
 
 
 def _names_used(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from math import inf
 from typing import Any, Literal
@@ -180,6 +180,22 @@ class ContactPair:
     candidate: bool = False  # of a group: followed only while its shapes are near to each other
 
 
+Partner = tuple[str, str]  # body, shape
+
+
+@dataclass(frozen=True, slots=True)
+class PairPool:
+    """All pairs of the shapes of two classes of equal bodies, or of one, of which few are near at a time."""
+
+    pattern: int  # number of the one among the contact pairs of the scene
+    classes: tuple[int, int]  # of its first and second shape
+
+    def size(self, classes: Sequence[Sequence[Partner]]) -> int:
+        """How many pairs there are."""
+        first, second = (len(classes[k]) for k in self.classes)
+        return first * (first - 1) // 2 if self.classes[0] == self.classes[1] else first * second
+
+
 @dataclass(frozen=True, slots=True)
 class Input:
     """A number that expressions use by name and that the caller of a run sets while it runs."""
@@ -342,7 +358,7 @@ class Scene:
     name: str
     source: str  # file name, for messages; "<python>" when built in Python
     bodies: tuple[Body, ...]
-    contacts: tuple[ContactPair, ...]
+    contacts: tuple[ContactPair, ...]  # of the pairs of a pool, one
     loads: tuple[Load, ...] = ()
     joints: tuple[Joint, ...] = ()
     actuators: tuple[Actuator, ...] = ()
@@ -355,4 +371,6 @@ class Scene:
     remarks: tuple[str, ...] = ()  # on what is allowed but seldom meant, in words
     parameters: tuple[Parameter, ...] = ()
     nominal: Scene | None = None  # at the nominal values of the parameters; None: they are those of the scene
+    classes: tuple[tuple[Partner, ...], ...] = ()  # of equal shapes of equal bodies
+    pools: tuple[PairPool, ...] = ()
     origin: Origin | None = field(default=None, compare=False, repr=False)  # of what was read

@@ -92,7 +92,7 @@ MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta,
 
 MG_INTERNAL void mg_report_unfollowed_minimum(const mg_context *c, const mg_minimum *found) {
   if (found->d > mg_search_reach(c, c->system->feature_pair_owner[found->feature_pair])) return;
-  mg_report_unfollowed_pair(c->run, c->system->feature_pair_owner[found->feature_pair]);
+  mg_report_unfollowed_pair(c->run, mg_told_pair(c->system, c->run, c->system->feature_pair_owner[found->feature_pair]));
 }
 
 MG_INTERNAL void mg_note_penetration(mg_context *c, int contact, int feature_pair, mg_real depth, int outcome) {
@@ -100,7 +100,7 @@ MG_INTERNAL void mg_note_penetration(mg_context *c, int contact, int feature_pai
     depth -= 2 * c->settings->flat_angle * c->system->length;
   if (depth > c->search.penetration)
     c->search.penetration = depth, c->search.penetration_contact = contact, c->search.penetration_outcome = outcome;
-  mg_report_penetration(c->run, contact, depth);
+  mg_report_penetration(c->run, mg_told_contact(c->system, c->run, contact), depth);
 }
 
 MG_INTERNAL void mg_insert_minimum(const mg_context *c, mg_minima *kept, const mg_minimum *found) {

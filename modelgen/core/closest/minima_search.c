@@ -12,7 +12,7 @@ static int mg_report_incomplete_search(mg_context *c, int feature_pair) {
   for (int patch = 0; patch < c->system->n_patch; patch++)
     if (mg_is_feature_pair_in_patch(c, patch, feature_pair)) return 0;
   c->search.incomplete++;
-  mg_report_incomplete_pair(c->run, c->system->feature_pair_owner[feature_pair]);
+  mg_report_incomplete_pair(c->run, mg_told_pair(c->system, c->run, c->system->feature_pair_owner[feature_pair]));
   return 1;
 }
 
@@ -283,7 +283,8 @@ static int mg_is_within_all_conditions(mg_context *c, const mg_minimum *at) {
    other would penetrate most, or is a ball whose centre is not in the other. */
 static int mg_do_closest_points_part(mg_context *c, int pair, int are_all, const mg_minima *nearest) {
   const mg_system *s = c->system;
-  const int first = s->pair_feature_pair[pair], *solid = s->pair_solid + 2 * pair;
+  const int first = s->pair_feature_pair[pair],
+            solid[2] = {mg_solid_of_pair(c, pair, 0), mg_solid_of_pair(c, pair, 1)};
   if (!nearest->count) return 0;
   if (s->pair_feature_pair[pair + 1] == first + 1 && c->kernels->contact_kinds[s->feature_pair_kind[first]].is_convex)
     return 1;

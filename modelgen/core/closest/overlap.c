@@ -27,7 +27,7 @@ static mg_both_solids mg_solids_of_pair(const mg_context *c, int pair) {
   MG_NEEDS_ANY(c, MG_VALID_POSES);
   for (int side = 0; side < 2; side++) {
     if (!mg_has_material(c, pair, side)) continue;
-    both.solid[side] = c->system->pair_solid[2 * pair + side];
+    both.solid[side] = mg_solid_of_pair(c, pair, side);
     both.pose[side] = c->bodies.pose + 12 * c->system->solid_body[both.solid[side]];
   }
   return both;
@@ -356,7 +356,7 @@ static int mg_is_near_overlap(const mg_context *c, int pair, int side, const mg_
   mg_real centre[3], moved[3];
   if (mg_pair_ball(c, pair, side)[3] < 0 || !mg_has_material(c, pair, side) || !mg_has_material(c, pair, 1 - side))
     return 0;
-  mg_ball_centre(c, c->system->pair_balls[2 * pair + side], centre);
+  mg_ball_centre(c, mg_ball_of_pair(c, pair, side), centre);
   const mg_real span[3] = {centre[0] - point[0], centre[1] - point[1], centre[2] - point[2]};
   const mg_real part = mg_min(depth / (4 * sqrt(mg_dot3(span, span))), (mg_real)1);
   for (int k = 0; k < 3; k++) moved[k] = point[k] + part * span[k];

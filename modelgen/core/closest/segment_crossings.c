@@ -208,7 +208,7 @@ static mg_real mg_part_in_cells(mg_context *c, int feature_pair, int side, const
 static mg_real mg_body_size(const mg_context *c, int pair, int body) {
   const mg_system *s = c->system;
   for (int side = 0; side < 2; side++) {
-    const int ball = s->pair_balls[2 * pair + side];
+    const int ball = mg_ball_of_pair(c, pair, side);
     if (ball >= 0 && s->ball_body[ball] == body && s->ball[4 * ball + 3] >= 0) return 2 * s->ball[4 * ball + 3];
   }
   return MG_MAX;

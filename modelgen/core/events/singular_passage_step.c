@@ -312,7 +312,7 @@ MG_INTERNAL int mg_cross_singular_contacts(mg_context *c, mg_record *record, mg_
     mg_merge_contacts(c, events);
     if (mg_is_on_feature_pair(c, singular)) mg_split_contact(c, events, singular);
   } else if (!mg_replace_singular_contact(c, events, singular)) return MG_DONE;
-  mg_report_passage(c->run, singular);
+  mg_report_passage(c->run, mg_told_contact(c->system, c->run, singular));
   mg_evaluate_run_state(c);
   return mg_change_mode(c, events);
 }

@@ -10,7 +10,8 @@
 enum {
   MG_FLOOR_PARTS = 8, /* least margin: this part of search_gap */
   MG_NEAR_STEPS = 8,  /* steps at the present velocities for which margins suffice, */
-  MG_MARGIN_RADII = 1 /* but for movements of more than so many radii */
+  MG_MARGIN_RADII = 1, /* but for movements of more than so many radii */
+  MG_MARGIN_CUTS = 5   /* how often margins are cut where slots are too few */
 };
 
 /* How far the centre of a ball can move in a step h: by the velocity of its body at both ends of the step, of which
@@ -53,15 +54,15 @@ static int mg_could_leave_margins(const mg_context *c, mg_real h, const mg_real 
   return 0;
 }
 
-/* Sets the margins to what some steps of h could need, but not much more than a body's own size, so that few pairs are
-   near; where the step is given, to no less than what one needs. */
-static void mg_set_margins(mg_context *c, mg_real h, const mg_real *change, int is_step_given) {
+/* Sets the margins to a part of what some steps of h could need, but not much more than a body's own size, so that few
+   pairs are near; where the step is given, to no less than what one needs. */
+static void mg_set_margins(mg_context *c, mg_real h, const mg_real *change, int is_step_given, mg_real part) {
   const mg_real least = c->settings->search_gap * c->system->length / MG_FLOOR_PARTS;
   for (int b = 0; b < c->system->n_ball; b++) {
     const mg_real reach = mg_ball_reach(c, b, h, change),
                   most = mg_max(MG_MARGIN_RADII * c->system->ball[4 * b + 3], c->system->length);
     mg_ball_centre(c, b, c->run->ball_at + 4 * b);
-    c->run->ball_at[4 * b + 3] = mg_max(mg_min(MG_NEAR_STEPS * reach, most), is_step_given ? reach : 0) + least;
+    c->run->ball_at[4 * b + 3] = mg_max(part * mg_min(MG_NEAR_STEPS * reach, most), is_step_given ? reach : 0) + least;
   }
 }
 
@@ -129,20 +130,32 @@ static int mg_leave_far_pairs(mg_context *c) {
   return count;
 }
 
+/* Finds the near pairs, with smaller margins where a pool has too few slots for them. The run tells if it still has. */
+static void mg_find_pairs_within_slots(mg_context *c, mg_real h, const mg_real *change, int is_step_given) {
+  mg_real part = 1;
+  for (int k = 0; k < MG_MARGIN_CUTS; k++, part /= 4) {
+    mg_set_margins(c, h, change, is_step_given, part);
+    mg_find_near_pairs(c);
+    if (c->listed.slots.exceeded < 0) return;
+  }
+  mg_report_too_many_near(c->run, c->listed.slots.exceeded);
+}
+
 /* Looks for near pairs anew, with margins for some steps of h. Returns how many pairs come near or are left out. */
 static int mg_update_near_pairs(mg_context *c, mg_real h, const mg_real *change, int is_step_given) {
-  mg_set_margins(c, h, change, is_step_given);
-  mg_find_near_pairs(c);
+  mg_find_pairs_within_slots(c, h, change, is_step_given);
   c->listed.n_found = mg_merge_found_pairs(c);
   const int left = mg_leave_far_pairs(c);
   for (int k = 0; k < c->listed.n_found; k++) c->run->is_far[c->listed.found[k]] = 0;
   mg_list_pairs(c);
   for (int k = 0; k < c->listed.n_found; k++) mg_enter_pair(c, c->listed.found[k]);
+  if (c->system->n_pool && c->listed.n_found) mg_set_incidence(c);
   return left + c->listed.n_found;
 }
 
 MG_INTERNAL void mg_begin_near_pairs(mg_context *c) {
   for (int pair = 0; pair < c->system->n_pair; pair++) c->run->is_far[pair] = 0;
+  mg_empty_slots(c);
   mg_init_listing(c);
   if (!c->listed.has_candidates) return;
   for (int i = 0; i < c->layout.support_begin; i++) mg_set_feature_pair(c, i, -1, 0);

@@ -143,7 +143,7 @@ static void mg_note_painleve_paradox(mg_context *c, const mg_friction_problem *p
   for (int k = 0; k < p->n_contact; k++) {
     const int first = p->first[k];
     if (p->A[first * (p->n + 1)] < 0 && p->b[first] > mg_acceleration_tolerance(c)) {
-      mg_report_painleve_paradox(c->run, c->friction.cone_contact[k]);
+      mg_report_painleve_paradox(c->run, mg_told_contact(c->system, c->run, c->friction.cone_contact[k]));
       return;
     }
   }

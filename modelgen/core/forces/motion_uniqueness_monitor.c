@@ -145,7 +145,7 @@ static int mg_report_motion_of_forces(mg_context *c, const mg_friction_problem *
   }
   mg_change_accelerations(c, p, 0);
   if (!(most > mg_max(c->settings->other_motion, (mg_real)sqrt(MG_EPS)) * load)) return 0;
-  mg_report_other_motion(c->run, contact, most / load);
+  mg_report_other_motion(c->run, mg_told_contact(c->system, c->run, contact), most / load);
   return 1;
 }
 

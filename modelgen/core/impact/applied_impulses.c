@@ -43,7 +43,7 @@ MG_INTERNAL void mg_note_impact_energy_gain(mg_context *c, int n) {
     total += gain;
     if (gain > largest) largest = gain, contact = c->friction.cone_contact[k];
   }
-  if (contact >= 0) mg_report_impact_gain(c->run, contact, c->run->t, total);
+  if (contact >= 0) mg_report_impact_gain(c->run, mg_told_contact(c->system, c->run, contact), c->run->t, total);
 }
 
 MG_INTERNAL void mg_reset_friction_modes(mg_context *c) {

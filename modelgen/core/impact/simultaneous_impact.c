@@ -69,7 +69,7 @@ static void mg_note_impact_chain(mg_context *c, int n) {
     if (mg_is_approaching(c, i)) struck = 1;
     else chain = i;
   }
-  if (struck && chain >= 0) mg_report_chain_impact(c->run, chain);
+  if (struck && chain >= 0) mg_report_chain_impact(c->run, mg_told_contact(c->system, c->run, chain));
 }
 
 MG_INTERNAL int mg_resolve_impacts(mg_context *c, mg_events *events) {

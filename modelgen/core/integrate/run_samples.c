@@ -112,6 +112,8 @@ MG_INTERNAL void mg_record_sample(mg_context *c, mg_record *record, mg_real *x) 
   mg_copy_reals(record->pose + row * 12 * s->n_body, c->bodies.pose, 12 * s->n_body);
   mg_copy_reals(record->twist + row * 6 * s->n_body, c->bodies.twist, 6 * s->n_body);
   mg_copy_reals(record->eta + row * s->n_eta, eta, s->n_eta);
+  for (int k = 0; k < 2 * mg_slot_count(s); k++)
+    record->slot_balls[2 * row * mg_slot_count(s) + k] = c->run->slot_balls[k];
   for (int i = 0; i < s->n_contact; i++) mg_record_contact(c, record, (int)row, i, eta + s->contact_eta[i]);
   for (int i = 0; i < s->n_contact; i++) mg_record_contact_friction(c, record, (int)row, i);
   for (int i = 0; i < s->n_patch_slot; i++) mg_record_patch(c, record, (int)row, i);
@@ -120,6 +122,7 @@ MG_INTERNAL void mg_record_sample(mg_context *c, mg_record *record, mg_real *x) 
   mg_read_sensors(c, record->t[row], eta, c->solution.force, 1, record->sensors + row * c->kernels->n_sensor);
   record->energy[row] = mg_energy_at(c, x);
   record->work[row] = x[c->layout.work_state];
+  if (record->empty && record->count == record->capacity) record->empty(record);
 }
 
 MG_INTERNAL int mg_is_sample_due(const mg_record *record, mg_real t) {

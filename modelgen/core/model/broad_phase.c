@@ -112,8 +112,12 @@ static void mg_note_meeting_balls(mg_context *c, int a, int b) {
     if (s->ball_partner[middle] < large) low = middle + 1;
     else high = middle;
   }
-  for (; low < s->ball_partner_begin[small + 1] && s->ball_partner[low] == large; low++)
-    if (mg_may_be_far(c, s->ball_pair[low])) c->listed.found[c->listed.n_found++] = s->ball_pair[low];
+  const int first = low, end = s->ball_partner_begin[small + 1];
+  for (; low < end && s->ball_partner[low] == large; low++)
+    if (s->ball_pair[low] >= 0 && mg_may_be_far(c, s->ball_pair[low]))
+      c->listed.found[c->listed.n_found++] = s->ball_pair[low];
+  const int slot = low > first ? -1 : mg_slot_for_balls(c, small, large);
+  if (slot >= 0) c->listed.found[c->listed.n_found++] = slot;
 }
 
 /* Finds the balls of one cell that overlap a ball; of its own level those with a larger number. */
@@ -144,7 +148,7 @@ static void mg_search_level(mg_context *c, int b, int level, int lowest) {
 static int mg_is_ball_near_plane(const mg_context *c, int pair) {
   const mg_system *s = c->system;
   const int first = s->pair_feature_pair[pair], side = mg_unbounded_side(c, pair),
-            ball = s->pair_balls[2 * pair + 1 - side];
+            ball = mg_ball_of_pair(c, pair, 1 - side);
   const mg_real *pose = c->bodies.pose + 12 * mg_feature_body(c, first, side),
                 *place = mg_feature_numbers(c, first, side) + MG_FEATURE_PLACEMENT;
   mg_real centre[3], foot[3], normal[3];
@@ -159,7 +163,7 @@ MG_INTERNAL void mg_find_near_pairs(mg_context *c) {
   MG_NEEDS_ANY(c, MG_VALID_POSES);
   unsigned long long levels;
   const int lowest = mg_place_balls(c, &levels);
-  mg_fill_grid(c, lowest);
+  mg_fill_grid(c, lowest), mg_open_slots(c);
   c->listed.n_found = 0;
   for (int b = 0; b < c->system->n_ball; b++)
     for (int level = c->listed.balls[b].level; c->listed.balls[b].radius >= 0 && levels >> level; level++)

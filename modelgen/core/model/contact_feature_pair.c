@@ -34,7 +34,8 @@ MG_INTERNAL void mg_place_on_feature_pair(mg_context *c, int contact, int featur
   c->contacts.kind[contact] = s->feature_pair_kind[feature_pair],
   c->contacts.parameters[contact] = s->feature_pair_parameters[feature_pair];
   c->contacts.length[contact] = mg_pair_length(c, s->feature_pair_owner[feature_pair]);
-  c->contacts.o[contact] = s->feature_pair_o[feature_pair], c->contacts.f[contact] = s->feature_pair_f[feature_pair];
+  c->contacts.o[contact] = mg_feature_body(c, feature_pair, 0),
+  c->contacts.f[contact] = mg_feature_body(c, feature_pair, 1);
 }
 
 MG_INTERNAL int mg_pair_first_contact(const mg_context *c, int pair) {

@@ -63,7 +63,7 @@ static int mg_set_rows_of_flat_start(mg_context *c, int contact) {
   const int feature_pair = patch < 0 ? -1 : mg_rim_feature_pair(c, patch, c->run->feature_pair[contact]);
   if (feature_pair < 0) return 0;
   const int kind = s->feature_pair_kind[feature_pair], n = c->kernels->contact_kinds[kind].n_parameters,
-            o = s->feature_pair_o[feature_pair], f = s->feature_pair_f[feature_pair];
+            o = mg_feature_body(c, feature_pair, 0), f = mg_feature_body(c, feature_pair, 1);
   mg_real none[1], world[3], block[78];
   for (int k = 0; k < n - 3; k++)
     c->contacts.point_parameters[k] = s->parameters[s->feature_pair_parameters[feature_pair] + k];

@@ -50,6 +50,7 @@ MG_INTERNAL void mg_append_event(const mg_context *c, mg_events *events, mg_real
   }
   const int k = events->count++;
   events->t[k] = t, events->kind[k] = kind, events->contact[k] = contact, events->speed[k] = speed;
+  events->told_contact[k] = kind == MG_EVENT_LOAD_SWITCH ? contact : mg_told_contact(c->system, c->run, contact);
   events->after_t[k] = speed > 0 ? c->run->after_t[contact] : -1;
   if (speed > 0) {
     c->run->tiny_bounces = mg_is_bounce_tiny(c, contact, speed) ? c->run->tiny_bounces + 1 : 0;

@@ -205,6 +205,14 @@ typedef struct {
   int next;          /* next ball with the same place in the grid, or -1 */
 } mg_grid_ball;
 
+/* The slots of the pools while near pairs are looked for. */
+typedef struct {
+  int *of_ball;   /* [per ball] first slot in use whose pair has it as o, counted from the first of all slots, or -1 */
+  int *next;      /* [per slot] next such slot, or -1 */
+  int *next_free; /* [per pool] slots before it are in use */
+  int exceeded;   /* pool without a free slot for a pair, or -1 */
+} mg_slot_listing;
+
 /* What takes part at present. Entry 0 of a list of successors is the first member, entry k + 1 the one after k. */
 typedef struct {
   int *row;            /* [1 per row + 1] contacts and rows */
@@ -217,6 +225,7 @@ typedef struct {
   int *found;          /* [per pair] pairs that the broad phase found; then those of them that had been left out */
   int *grid;           /* [mg_grid_size] first ball of each place in the grid, or -1 */
   mg_grid_ball *balls; /* [system->n_ball] balls */
+  mg_slot_listing slots;
   int is_starting;     /* 1: ranges of states are not made anew when a contact changes its feature pair */
   int n_range, n_always, n_over_plane, n_listed, n_found;
   int n_contact;      /* contacts that take part */

@@ -26,7 +26,7 @@ static mg_real mg_feature_pair_clearance(const mg_context *c, int feature_pair) 
 MG_INTERNAL const mg_real *mg_pair_ball(const mg_context *c, int pair, int side) {
   MG_REQUIRE(pair >= 0 && pair < c->system->n_pair);
   static const mg_real unbounded[4] = {0, 0, 0, -1};
-  const int ball = c->system->pair_balls[2 * pair + side];
+  const int ball = mg_ball_of_pair(c, pair, side);
   return ball < 0 ? unbounded : c->system->ball + 4 * ball;
 }
 

@@ -36,7 +36,9 @@ MG_INTERNAL const mg_shape_kind *mg_shape_kind_of(const mg_context *c, int featu
 
 MG_INTERNAL int mg_feature_body(const mg_context *c, int feature_pair, int side) {
   MG_REQUIRE(feature_pair >= 0 && feature_pair < c->system->n_feature_pair);
-  return side ? c->system->feature_pair_f[feature_pair] : c->system->feature_pair_o[feature_pair];
+  const mg_system *s = c->system;
+  return mg_body_in_pair(c, s->feature_pair_owner[feature_pair],
+                         side ? s->feature_pair_f[feature_pair] : s->feature_pair_o[feature_pair]);
 }
 
 MG_INTERNAL int mg_parametrisation(const mg_context *c, int feature_pair, int side) {

@@ -84,12 +84,12 @@ MG_INTERNAL void mg_require_tables(const mg_system *s);
 #define MG_NEEDS_PLACED(c, contact) MG_NEEDS_DIGEST(c, MG_VALID_PLACED, MG_PLACEMENT_OF(c, contact, 0))
 #define MG_NEEDS_PLACED_PAIR(c, feature_pair)                                                                       \
   MG_REQUIRE((c)->valid.of[MG_VALID_PLACED] == mg_placement_digest(c, (c)->system->feature_pair_kind[feature_pair], \
-                                                                   (c)->system->feature_pair_o[feature_pair],       \
-                                                                   (c)->system->feature_pair_f[feature_pair], 0))
+                                                                   mg_feature_body(c, feature_pair, 0),            \
+                                                                   mg_feature_body(c, feature_pair, 1), 0))
 #define MG_NEEDS_PLACEMENT(c, feature_pair, eta)                                                                       \
   MG_REQUIRE((c)->valid.of[MG_VALID_PLACEMENT] == mg_placement_digest(c, (c)->system->feature_pair_kind[feature_pair], \
-                                                                      (c)->system->feature_pair_o[feature_pair],       \
-                                                                      (c)->system->feature_pair_f[feature_pair], eta))
+                                                                      mg_feature_body(c, feature_pair, 0),            \
+                                                                      mg_feature_body(c, feature_pair, 1), eta))
 #else
 #define MG_NOTE(c, what, time, x) ((void)0)
 #define MG_NOTE_TIME(c, time) ((void)0)
@@ -174,6 +174,10 @@ MG_INTERNAL void mg_withdraw_incomplete_searches(mg_run *run, long count);
 
 /* That a capacity, MG_CAPACITY_CLOSED .., was exceeded and something left out. */
 MG_INTERNAL void mg_report_exceeded(mg_run *run, int capacity);
+
+/* A pool has too few slots for the pairs that are near; true if one has had. */
+MG_INTERNAL void mg_report_too_many_near(mg_run *run, int pool);
+MG_INTERNAL int mg_are_too_many_near(const mg_run *run);
 
 /* The joint with the largest error at the start, m or rad, and with the largest velocity error, m/s or rad/s; the
    largest error of a joint row at a state and the rank of all; a dead centre, and the least independence of the rows of
@@ -454,6 +458,33 @@ MG_INTERNAL int mg_abandoned_capacity(const mg_system *s);
 /* Lists the pairs that the run has not left out. */
 MG_INTERNAL void mg_init_listing(mg_context *c);
 
+/* pair_pools.c */
+
+/* Slots of all pools. */
+MG_INTERNAL int mg_slot_count(const mg_system *s);
+
+/* Ball around the shape of a side (0: o, 1: f) of a pair; -1: none. */
+MG_INTERNAL int mg_ball_of_pair(const mg_context *c, int pair, int side);
+
+/* The body of a pair that its entries name so: another one in a slot. */
+MG_INTERNAL int mg_body_in_pair(const mg_context *c, int pair, int named);
+
+/* Solid of a side of a pair; MG_NO_MATERIAL, MG_UNKNOWN_MATERIAL. */
+MG_INTERNAL int mg_solid_of_pair(const mg_context *c, int pair, int side);
+
+/* The number by which results tell a pair: of a slot, that of the pair that it stands for. */
+MG_INTERNAL int mg_told_pair(const mg_system *s, const mg_run *run, int pair);
+
+/* Empties all slots. */
+MG_INTERNAL void mg_empty_slots(mg_context *c);
+
+/* Begins to look for near pairs: lists the slots in use. */
+MG_INTERNAL void mg_open_slots(mg_context *c);
+
+/* The slot of the pair of two balls, a free one if it has none; -1 if it is of no pool, or its pool has none left, which
+   c->listed.slots.exceeded tells. Needs mg_open_slots. */
+MG_INTERNAL int mg_slot_for_balls(mg_context *c, int small, int large);
+
 /* broad_phase.c */
 
 /* Centre of a ball, world axes. */
@@ -499,6 +530,9 @@ MG_INTERNAL void mg_rotate_pair(mg_real cosine, mg_real sine, mg_real *a, mg_rea
 MG_INTERNAL void mg_update_slip_velocities(mg_context *c);
 
 /* delassus_matrix.c */
+
+/* Lists the rows that act on each body that forces move, sorted by body; a row with one body on both sides once. */
+MG_INTERNAL void mg_set_incidence(mg_context *c);
 
 /* Writes M^-1 J^T of a row, zero for bodies that forces do not move. Returns J M^-1 J^T. */
 MG_INTERNAL mg_real mg_update_inverse_mass_row(mg_context *c, int contact);

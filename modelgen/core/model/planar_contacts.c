@@ -181,8 +181,7 @@ MG_INTERNAL void mg_request_pair_searches(mg_context *c, int patch) {
 
 MG_INTERNAL int mg_patch_body(const mg_context *c, int patch, int side) {
   MG_REQUIRE(patch >= 0 && patch < c->system->n_patch);
-  const int feature_pair = c->layout.support_feature_pair_begin + 3 * patch;
-  return side ? c->system->feature_pair_f[feature_pair] : c->system->feature_pair_o[feature_pair];
+  return mg_feature_body(c, c->layout.support_feature_pair_begin + 3 * patch, side);
 }
 
 MG_INTERNAL const mg_real *mg_support_point_of_feature_pair(const mg_context *c, int feature_pair) {

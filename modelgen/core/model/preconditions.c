@@ -104,12 +104,16 @@ static void mg_require_pairs(const mg_system *s) {
   mg_require_range(s->pair_search, s->n_pair, MG_SEARCH_NEVER, MG_SEARCH_APART + 1);
   mg_require_range(s->pair_balls, 2L * s->n_pair, -1, s->n_ball);
   mg_require_range(s->ball_body, s->n_ball, 0, s->n_body);
+  if (s->n_pool) mg_require_ascent(s->pool_slot, s->n_pool, s->n_pair);
+  mg_require_range(s->pool_pattern, s->n_pool, 0, s->n_pair);
+  mg_require_range(s->ball_class, s->n_pool ? s->n_ball : 0, -1, s->n_ball_class);
+  mg_require_range(s->class_pool, (long)s->n_ball_class * s->n_ball_class, -1, s->n_pool);
 }
 
 /* The tables of solids and their terms. */
 static void mg_require_solids(const mg_system *s) {
   const int n = s->n_solid, terms = n ? s->solid_term[n] : 0;
-  mg_require_range(s->pair_solid, 2L * s->n_pair, MG_UNKNOWN_MATERIAL, n);
+  mg_require_range(s->ball_solid, s->n_ball, MG_UNKNOWN_MATERIAL, n);
   if (!n) return;
   mg_require_ascent(s->solid_term, n, terms);
   mg_require_range(s->solid_body, n, 0, s->n_body), mg_require_range(s->solid_numbers, n, 0, s->n_numbers - 11);

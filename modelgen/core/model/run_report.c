@@ -14,7 +14,7 @@ MG_INTERNAL void mg_reset_report(mg_run *run) {
   report->passage_contact = report->penetration_contact = report->flush_contact = -1;
   report->unfollowed_pair = report->incomplete_pair = -1;
   report->spin_body = report->spring_rate_load = report->overlapping_patch = -1;
-  report->indeterminate_contact = report->indeterminate_switch = report->shared_switch = -1;
+  report->indeterminate_contact = report->indeterminate_switch = report->shared_switch = report->exceeded_pool = -1;
 }
 
 /* Raises a maximum. */
@@ -105,6 +105,13 @@ MG_INTERNAL void mg_withdraw_incomplete_searches(mg_run *run, long count) { run-
 MG_INTERNAL void mg_report_exceeded(mg_run *run, int capacity) {
   if (!run->report.exceeded[capacity]++) run->report.exceeded_t[capacity] = run->t;
 }
+
+MG_INTERNAL void mg_report_too_many_near(mg_run *run, int pool) {
+  mg_report_exceeded(run, MG_CAPACITY_NEAR);
+  if (run->report.exceeded_pool < 0) run->report.exceeded_pool = pool;
+}
+
+MG_INTERNAL int mg_are_too_many_near(const mg_run *run) { return run->report.exceeded[MG_CAPACITY_NEAR] > 0; }
 
 MG_INTERNAL void mg_report_start_of_joints(mg_run *run, int joint, mg_real error) {
   run->report.failed_joint = joint, run->report.joint_error_max = error;

@@ -34,12 +34,12 @@ static int mg_is_patch_flat(mg_context *c, int patch, mg_real touching, int movi
   mg_real fastest = 0;
   for (int k = 0; k < 3; k++) {
     const int feature_pair = c->layout.support_feature_pair_begin + 3 * patch + k,
-              body = s->feature_pair_f[feature_pair];
+              body = mg_feature_body(c, feature_pair, 1);
     mg_to_world(c->bodies.pose + 12 * body, mg_support_point_of_feature_pair(c, feature_pair), 1, at);
     mg_world_to_local_point(o, at, x);
     if (fabs(x[2]) > touching) return 0;
     const mg_real speed = mg_point_speed_along_normal(c, c->bodies.twist, body, at, o + 9) -
-                          mg_point_speed_along_normal(c, c->bodies.twist, s->feature_pair_o[feature_pair], at, o + 9);
+                          mg_point_speed_along_normal(c, c->bodies.twist, mg_feature_body(c, feature_pair, 0), at, o + 9);
     fastest = mg_max(fastest, fabs(speed));
   }
   return (moving || mg_is_patch_at_rest(c, patch, fastest)) && mg_overlay_patch_regions(c, patch) > 2;

@@ -155,6 +155,7 @@ static int mg_event_driven_step(mg_context *c, mg_real h, mg_record *record, mg_
   mg_run *run = c->run;
   const mg_real end = h;
   if (mg_choose_near_pairs(c, h, 0, c->settings->method == MG_RK4)) mg_evaluate_run_state(c);
+  if (mg_are_too_many_near(run)) return MG_TOO_MANY_NEAR;
   const mg_real longest = mg_longest_step(c);
   if (mg_has_rolling_start(c)) h = run->h;
   if (c->settings->method == MG_DOP853) h = mg_time_function_step_limit(c, h > longest ? longest : h);

@@ -94,7 +94,7 @@ static int mg_begin_run(mg_context *c, mg_events *events) {
   mg_normalise_quaternions(c, run->x);
   mg_update_poses(c, run->t, run->x);
   mg_begin_near_pairs(c);
-  int outcome = mg_search_start_pairs(c);
+  int outcome = mg_are_too_many_near(run) ? MG_TOO_MANY_NEAR : mg_search_start_pairs(c);
   if (!outcome) outcome = mg_place_start_contacts(c);
   if (outcome) return outcome;
   mg_evaluate_run_state(c);

@@ -55,6 +55,7 @@ static void mg_move_run(mg_stream *stream, const mg_system *s, mg_run *run) {
   mg_move_reals(stream, run->unfollowed_gap, s->n_pair);
   mg_move_reals(stream, run->withheld_effort, s->n_pair);
   mg_move_ints(stream, run->is_far, s->n_pair);
+  mg_move_ints(stream, run->slot_balls, 2L * mg_slot_count(s));
   mg_move_reals(stream, run->ball_at, 4L * s->n_ball);
   mg_move_ints(stream, run->closed, s->n_contact);
   mg_move_ints(stream, run->active, s->n_contact);
@@ -89,7 +90,7 @@ static mg_digest mg_digest_sizes(const mg_system *s) {
   const int sizes[] = {s->n_body,     s->n_contact,   s->n_load,  s->n_pair,         s->n_feature_pair, s->n_q,
                        s->n_u,        s->n_eta,       s->n_joint, s->n_joint_row,    s->n_patch,        s->n_patch_slot,
                        s->n_friction, s->n_cell_tree, s->n_cell,  s->n_friction_row, s->n_numbers,      s->n_parameters,
-                       s->n_input,    s->n_ball,      s->n_switch};
+                       s->n_input,    s->n_ball,      s->n_switch, s->n_pool};
   return mg_digest_ints(MG_DIGEST_START, sizes, (long)(sizeof sizes / sizeof *sizes));
 }
 
@@ -134,6 +135,10 @@ static mg_digest mg_digest_contacts(mg_digest digest, const mg_system *s) {
                                    {s->ball_partner_begin, balls ? balls + 1 : 0},
                                    {s->ball_partner, partners},
                                    {s->ball_pair, partners},
+                                   {s->pool_slot, s->n_pool ? s->n_pool + 1 : 0},
+                                   {s->pool_pattern, s->n_pool},
+                                   {s->ball_class, s->n_pool ? balls : 0},
+                                   {s->class_pool, (long)s->n_ball_class * s->n_ball_class},
                                    {s->feature_pair_kind, e},
                                    {s->feature_pair_o, e},
                                    {s->feature_pair_f, e},

@@ -102,25 +102,6 @@ MG_API int mg_abi(void) { return MG_ABI; }
 
 MG_API int mg_real_size(void) { return (int)sizeof(mg_real); }
 
-/* Lists the rows that act on each body that forces move, sorted by body; a row with one body on both sides once. */
-static void mg_set_incidence(mg_context *c) {
-  const int n_body = c->system->n_body, n_row = c->layout.spring_row_end, probe = c->system->n_contact;
-  int *begin = c->islands.incident_begin;
-  for (int b = 0; b <= n_body; b++) begin[b] = 0;
-  for (int row = 0; row < n_row; row++) {
-    const int o = c->contacts.o[row], f = c->contacts.f[row];
-    if (row == probe) continue;
-    begin[o] += mg_is_moved_by_forces(c, o), begin[f] += f != o && mg_is_moved_by_forces(c, f);
-  }
-  for (int b = 0; b < n_body; b++) begin[b + 1] += begin[b];
-  for (int row = n_row - 1; row >= 0; row--) {
-    const int o = c->contacts.o[row], f = c->contacts.f[row];
-    if (row == probe) continue;
-    if (f != o && mg_is_moved_by_forces(c, f)) c->islands.incident[--begin[f]] = row;
-    if (mg_is_moved_by_forces(c, o)) c->islands.incident[--begin[o]] = row;
-  }
-}
-
 /* Divides the memory of the solvers of friction problems, which use the same one after another. */
 static void mg_set_friction_solver_arrays(mg_context *c, mg_memory *memory) {
   const mg_system *s = c->system;
@@ -167,6 +148,8 @@ static void mg_set_listing_arrays(mg_context *c, mg_memory *memory) {
   l->over_plane = mg_reserve_ints(memory, s->n_pair);
   l->always = mg_reserve_ints(memory, s->n_pair), l->listed = mg_reserve_ints(memory, s->n_pair);
   l->found = mg_reserve_ints(memory, s->n_pair), l->grid = mg_reserve_ints(memory, mg_grid_size(s));
+  l->slots.of_ball = mg_reserve_ints(memory, s->n_pool ? s->n_ball : 0),
+  l->slots.next = mg_reserve_ints(memory, mg_slot_count(s)), l->slots.next_free = mg_reserve_ints(memory, s->n_pool);
 }
 
 /* Takes the memory of the cells, at the same place for all systems that may keep each other's cells. */

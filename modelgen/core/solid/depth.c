@@ -171,16 +171,16 @@ MG_INTERNAL int mg_is_solid_ball(const mg_system *s, int solid) {
 }
 
 MG_INTERNAL int mg_is_material_known(const mg_context *c, int pair, int side) {
-  return c->system->pair_solid[2 * pair + side] != MG_UNKNOWN_MATERIAL;
+  return mg_solid_of_pair(c, pair, side) != MG_UNKNOWN_MATERIAL;
 }
 
 MG_INTERNAL int mg_has_material(const mg_context *c, int pair, int side) {
-  return c->system->pair_solid[2 * pair + side] >= 0;
+  return mg_solid_of_pair(c, pair, side) >= 0;
 }
 
 MG_INTERNAL mg_real mg_height_over_material(const mg_context *c, int pair, int side, const mg_real *x, int how) {
   MG_REQUIRE(mg_has_material(c, pair, side));
   MG_NEEDS_ANY(c, MG_VALID_POSES);
-  const int solid = c->system->pair_solid[2 * pair + side];
+  const int solid = mg_solid_of_pair(c, pair, side);
   return mg_height_over_solid(c->system, solid, c->bodies.pose + 12 * c->system->solid_body[solid], x, how);
 }

@@ -39,7 +39,7 @@ static void mg_add_impulse_work(mg_context *c, mg_real h) {
         c->layout.friction_row_begin + (mg_tangential_row_count(c, i) ? c->system->contact_friction_row[i] : 0);
     mg_real gain = mg_row_impulse_work(c, i, h);
     for (int row = first; row < first + mg_tangential_row_count(c, i); row++) gain += mg_row_impulse_work(c, row, h);
-    mg_report_impact_gain(run, i, run->t + h, gain);
+    mg_report_impact_gain(run, mg_told_contact(c->system, run, i), run->t + h, gain);
   }
 }
 

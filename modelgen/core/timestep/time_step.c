@@ -66,6 +66,7 @@ MG_INTERNAL int mg_time_step(mg_context *c, mg_real h, mg_record *record, mg_eve
   mg_run *run = c->run;
   mg_free_accelerations(c, run->t, run->x, c->step.slopes); /* by which pairs come near */
   if (mg_choose_near_pairs(c, h, 0, 1)) mg_update_rows_at(c, run->t, run->x);
+  if (mg_are_too_many_near(run)) return MG_TOO_MANY_NEAR;
   const mg_real search_limit = mg_search_step_limit(c);
   if (h > search_limit) h = search_limit;
   c->search.n_abandoned = 0;

@@ -27,6 +27,11 @@ class ArrayBlock:
             self._parts.append((name, self._size, end, shape))
             self._size = end + 1  # so that the addresses of empty arrays differ, too
 
+    @property
+    def size(self) -> int:
+        """Numbers of all arrays."""
+        return self._size
+
     def zeros(self, dtype: np.dtype[Any]) -> tuple[dict[str, Array], dict[str, int]]:
         """New arrays of zeros, and their addresses; all keep the whole block."""
         block = np.zeros(self._size, dtype=dtype)

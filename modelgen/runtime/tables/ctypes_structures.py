@@ -19,6 +19,7 @@ from modelgen.runtime.tables.joint_limits import add_limits
 from modelgen.runtime.tables.number_pool import INTEGER as INTEGER
 from modelgen.runtime.tables.number_pool import Array as Array
 from modelgen.runtime.tables.number_pool import NumberPool, may_share
+from modelgen.runtime.tables.pair_slots import PairSlots, with_slots
 from modelgen.runtime.tables.planar_contacts import (
     SUPPORT_POINTS,
     add_patches,
@@ -32,7 +33,7 @@ SYSTEM_INTEGERS = (
     *("n_body", "n_contact", "n_load", "n_pair", "n_feature_pair"),
     *("n_q", "n_u", "n_eta", "closed_capacity", "n_joint", "n_joint_row", "n_stand_in"),
     *("n_patch", "n_patch_slot", "n_cell_tree", "n_cell", "n_friction", "n_friction_row"),
-    *("n_ball", "n_solid"),
+    *("n_ball", "n_ball_class", "n_pool", "slot_contact_max", "n_solid"),
     *("n_input", "n_switch", "sensor_parameters"),
     *("n_parameters", "n_numbers"),
 )
@@ -41,7 +42,9 @@ SYSTEM_INDICES = (
     *("contact_pair", "contact_eta", "contact_feature_pair"),
     *("pair_contact", "pair_feature_pair", "pair_search", "pair_is_candidate", "pair_balls"),
     *("ball_body", "ball_partner_begin", "ball_partner", "ball_pair"),
-    *("pair_solid", "solid_body", "solid_is_cavity", "solid_numbers", "solid_term"),
+    *("pool_slot", "pool_pattern", "pool_width", "pool_told_pair"),
+    *("ball_class", "ball_rank", "class_pool"),
+    *("ball_solid", "solid_body", "solid_is_cavity", "solid_numbers", "solid_term"),
     *("term_kind", "term_numbers", "term_size"),
     *(
         "feature_pair_kind",
@@ -174,6 +177,7 @@ RUN_ARRAYS = (
         "unfollowed_gap",
         "withheld_effort",
         "is_far",
+        "slot_balls",
         "stop",
         "ball_at",
         "closed",
@@ -245,6 +249,7 @@ CAPACITIES = (  # MG_CAPACITY_
     "region",
     "events",
     "pressure",
+    "near",
 )
 REPORT_REALS = (
     "energy_0",
@@ -304,10 +309,11 @@ REPORT_INTEGERS = (
     "indeterminate_switch",
     "flush_contact",
     "shared_switch",
+    "exceeded_pool",
 )
 RECORD_ARRAYS = (
     *("t", "pose", "twist", "eta", "force", "gap", "normal", "point_o", "point_f", "feature_pair"),
-    *("patch", "pressure", "patch_friction", "patch_share", "friction", "torque", "slip"),
+    *("patch", "slot_balls", "pressure", "patch_friction", "patch_share", "friction", "torque", "slip"),
     *("joint_wrench", "coordinate", "energy", "work", "sensors"),
 )
 DIRECTION_ARRAYS = (
@@ -318,7 +324,7 @@ COTANGENT_ARRAYS = (
     *("x", "parameters", "gravity", "restitution", "friction_static", "friction_kinetic"),
     *("patch_friction", "input"),
 )
-EVENT_ARRAYS = ("t", "kind", "contact", "feature_pair", "speed", "after_t")
+EVENT_ARRAYS = ("t", "kind", "contact", "told_contact", "feature_pair", "speed", "after_t")
 QUERY_GIVEN = ("parameters", "pose_o", "pose_f", "step_limit")
 QUERY_FOUND = ("eta", "d", "normal", "point_o", "point_f", "margin", "outcome")
 MINIMA = 24  # MG_MINIMA
@@ -378,7 +384,8 @@ class Tables:
         )
         self.Record = structure(
             "Record",
-            [("capacity", integer), ("count", integer)] + [(n, pointer) for n in RECORD_ARRAYS],
+            [("capacity", integer), ("count", integer)]
+            + [(n, pointer) for n in (*RECORD_ARRAYS, "empty")],
         )
         self.Events = structure(
             "Events",
@@ -465,7 +472,9 @@ def packed(
     return arrays, {name: first + start * dtype.itemsize for name, (start, _) in spans.items()}
 
 
-def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) -> tuple[Any, list[Array]]:
+def fill_system(
+    tables: Tables, manifest: Manifest, kernels: int, scale: Array, slots: PairSlots
+) -> tuple[Any, list[Array]]:
     """The mg_system of a manifest's instance over the kernels at an address, and its arrays, which must
     outlive it."""
     instance = manifest.instance
@@ -486,11 +495,12 @@ def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) 
         parameters.append(instance["sensors"]["parameters"]),
     )
     constraints, balls = FrictionTables(instance), BallTables(instance)
-    solids = SolidTables(instance, numbers)
+    solids = SolidTables(instance, balls.index, numbers)
     others: dict[str, list[int]] = (
         constraints.integers
         | balls.integers
         | solids.integers
+        | slots.index_tables(balls.index)
         | {"input_is_linear": [int(each["hold"] == "linear") for each in instance["inputs"]]}
     )
     reals = (
@@ -500,19 +510,25 @@ def fill_system(tables: Tables, manifest: Manifest, kernels: int, scale: Array) 
         | constraints.reals
         | balls.reals
     )
-    arrays, at = packed({**integers, **others}, INTEGER)
-    real_arrays, real_at = packed(reals, tables.dtype)
+    whole = integers | {name: np.array(values, dtype=INTEGER) for name, values in others.items()}
+    columns = {name: np.array(values, dtype=tables.dtype) for name, values in reals.items()}
+    if slots:
+        whole, columns = with_slots(whole, columns, slots)
+    arrays, at = packed(whole, INTEGER)
+    real_arrays, real_at = packed(columns, tables.dtype)
     arrays |= real_arrays | {"scale": scale}
     at |= real_at | {"scale": address(scale)}
-    states = (instance["n_q"], instance["n_u"], instance["n_eta"])
-    rows = _room(manifest), len(instance["joints"]), _row_count(manifest), len(instance.get("stand_ins", ()))
-    patches = len(instance["patches"]), slot_count(instance)
+    states = (instance["n_q"], instance["n_u"], slots.n_eta)
+    held = len(slots.patch), len(slots.patch_slot)
+    n_joints = len(instance["joints"]), _row_count(manifest), len(instance.get("stand_ins", ()))
     trees = int(integers["feature_tree"].max(initial=-1)) + 1
     of_searches = trees, cell_capacity(trees)
-    of_shapes = constraints.count, constraints.rows, balls.count, solids.count
-    counts = *rows, *patches, *of_searches, *of_shapes, *of_inputs
+    of_friction = len(whole["friction_kind"]), int(whole["contact_friction_row"][-1])
+    of_shapes = balls.count, len(slots.classes), len(slots.pools), slots.told_stride - 1, solids.count
+    room = _room(manifest, len(whole["contact_pair"]))
+    counts = room, *n_joints, *held, *of_searches, *of_friction, *of_shapes, *of_inputs
     pools = len(parameters.values), len(numbers.values)
-    system = tables.System(kernels, *_sizes(instance, integers), *states, *counts, *pools)
+    system = tables.System(kernels, *_sizes(instance, whole), *states, *counts, *pools)
     for name, place in at.items():
         setattr(system, name, place)
     system.gravity = (tables.real * 3)(*instance["gravity"])
@@ -586,11 +602,11 @@ def _input_ranges(tables: Tables, instance: Mapping[str, Any]) -> list[float]:
     return [min(max(end, -most), most) for end in ends]
 
 
-def _room(manifest: Manifest) -> int:
-    """The bound on contacts closed at a time: all in a small scene, 12 per moving body in a large one."""
+def _room(manifest: Manifest, many: int) -> int:
+    """The bound on contacts closed at a time: all, `many`, in a small scene, 12 per moving body in a large
+    one."""
     instance = manifest.instance
     moving = sum(body["motion"] in ("point", "free") for body in instance["bodies"])
-    many = len(instance["contacts"]) + len(instance["limits"]) + SUPPORT_POINTS * slot_count(instance)
     rows = max((kind.get("rows", 1) for kind in manifest.kinds["contact"]), default=1)
     return min(many, max(ROOM // rows, ROOM_PER_BODY * moving))
 

@@ -19,7 +19,8 @@ from modelgen.notation import SETTING_SIZE, component_names
 from modelgen.runtime.tables.array_block import ArrayBlock
 from modelgen.runtime.tables.ctypes_structures import Array, Tables, fill_system, tables_of
 from modelgen.runtime.tables.features import feature_pair_names
-from modelgen.runtime.tables.planar_contacts import SUPPORT_POINTS, shares, slot_count
+from modelgen.runtime.tables.pair_slots import ContactNames, PairSlots
+from modelgen.runtime.tables.planar_contacts import shares
 from modelgen.runtime.tables.scratch_memory import fit_scratch, memory_of_run
 
 EVENT_PREFIX = "event_"
@@ -34,7 +35,8 @@ class LibraryTables:
     system: Any  # mg_system
     arrays: tuple[Array, ...]  # to which it points
     start: Array  # (n_x,) the state at t = 0, with eta and work zero
-    contact_names: tuple[str, ...]  # contacts with shapes, then the limits of joints
+    slots: PairSlots
+    contact_names: tuple[str, ...] | ContactNames  # contacts with shapes, then the limits of joints
     feature_pair_names: tuple[str, ...]
     body_names: tuple[str, ...]
     patch_names: tuple[str, ...]
@@ -69,24 +71,27 @@ GROUPS = ("body", "contact", "load", "joint", "limit")  # of kinds, as results l
 def _make(library: Library) -> LibraryTables:
     manifest, instance = library.manifest, library.manifest.instance
     tables = tables_of(library.dtype)
-    system, arrays = fill_system(tables, manifest, kernel_table(library.cdll), _scales(tables, instance))
+    slots = PairSlots(instance)
+    scale = _scales(tables, instance, slots.n_eta)
+    system, arrays = fill_system(tables, manifest, kernel_table(library.cdll), scale, slots)
     digest = library.cdll.mg_shapes_digest
     digest.restype = ctypes.c_ulonglong
     system.shapes_digest = digest(ctypes.byref(system))
     for array in arrays:
         array.setflags(write=False)
-    names = tuple(c["name"] for c in (*instance["contacts"], *instance["limits"]))
-    slots = slot_count(instance)
-    n_contact, limits = len(names) + SUPPORT_POINTS * slots, len(instance["limits"])
+    limits, patch_slots, n_contact = len(instance["limits"]), len(slots.patch_slot), int(system.n_contact)
     n_event = 64 + 8 * n_contact + 4 * int(system.n_switch)
-    reals, integers = _sizes_of_run(instance, system, n_contact, slots)
+    reals, integers = _sizes_of_run(instance, system, slots)
     work, iwork = fit_scratch(library.cdll, system, tables.dtype, memory_of_run())
     return LibraryTables(
         tables=tables,
         system=system,
         arrays=tuple(arrays),
-        start=_start(tables, instance),
-        contact_names=names,
+        start=_start(tables, instance, slots.n_eta),
+        slots=slots,
+        contact_names=ContactNames(instance, slots)
+        if slots
+        else tuple(each["name"] for each in (*instance["contacts"], *instance["limits"])),
         feature_pair_names=(*feature_pair_names(instance), *[""] * limits),
         body_names=tuple(body["name"] for body in instance["bodies"]),
         patch_names=tuple(patch["name"] for patch in instance["patches"]),
@@ -100,21 +105,21 @@ def _make(library: Library) -> LibraryTables:
         sensor_names=component_names(instance["sensors"]["names"]),
         kind_names=tuple(kind["name"] for group in GROUPS for kind in manifest.kinds[group]),
         instructions={name: entry["instructions"] for name, entry in manifest.functions.items()},
-        n_patch_slot=slots,
+        n_patch_slot=patch_slots,
         n_contact=n_contact,
         n_sensor=sum(size for _, size in instance["sensors"]["names"]),
         n_event=n_event,
         reals=_block(reals, n_event, ("t", "speed", "after_t")),
-        integers=_block(integers, n_event, ("kind", "contact", "feature_pair")),
+        integers=_block(integers, n_event, ("kind", "contact", "told_contact", "feature_pair")),
         work_size=work,
         iwork_size=iwork,
         checkpoint_size=_checkpoint_size(library.cdll, system),
     )
 
 
-def _start(tables: Tables, instance: Mapping[str, Any]) -> Array:
+def _start(tables: Tables, instance: Mapping[str, Any], n_eta: int) -> Array:
     n_q, n_u = instance["n_q"], instance["n_u"]
-    x = np.zeros(n_q + n_u + instance["n_eta"] + 1, dtype=tables.dtype)
+    x = np.zeros(n_q + n_u + n_eta + 1, dtype=tables.dtype)
     x[:n_q], x[n_q : n_q + n_u] = instance["initial_q"], instance["initial_u"]
     x.setflags(write=False)
     return x
@@ -126,12 +131,12 @@ def _block(sizes: Mapping[str, int], n_event: int, of_events: tuple[str, ...]) -
 
 
 def _sizes_of_run(
-    instance: Mapping[str, Any], system: Any, n_contact: int, slots: int
+    instance: Mapping[str, Any], system: Any, of_pairs: PairSlots
 ) -> tuple[dict[str, int], dict[str, int]]:
     """Lengths of the arrays of an mg_run, with one entry to spare, reals and integers."""
-    m, groups = n_contact + 1, int(system.n_friction)
-    states = instance["n_q"] + instance["n_u"] + instance["n_eta"] + 1
-    pairs = len(instance["pairs"]) + len(instance["limits"]) + 1
+    n_contact, slots, groups = int(system.n_contact), len(of_pairs.patch_slot), int(system.n_friction)
+    m, pairs = n_contact + 1, int(system.n_pair) + 1
+    states = instance["n_q"] + instance["n_u"] + of_pairs.n_eta + 1
     reals = {
         "x": states,
         "point": 3 * n_contact + 1,
@@ -155,6 +160,7 @@ def _sizes_of_run(
     integers = {
         **dict.fromkeys(("feature_pair", "closed", "active", "rolling_start"), m),
         **dict.fromkeys(("is_search_due", "is_far"), pairs),
+        "slot_balls": 2 * of_pairs.count + 1,
         "stop": 1,
         "struck_by": len(instance["bodies"]) + 1,
         "friction_mode": groups + 1,
@@ -165,11 +171,11 @@ def _sizes_of_run(
     return reals, integers
 
 
-def _scales(tables: Tables, instance: Mapping[str, Any]) -> Array:
+def _scales(tables: Tables, instance: Mapping[str, Any], n_eta: int) -> Array:
     """The scale of each state in the error norm; the core sets that of eta."""
     scales = instance["scales"]
     length, time = scales["length"], scales["time"]
-    sizes = np.ones(instance["n_q"] + instance["n_u"] + instance["n_eta"] + 1, dtype=tables.dtype)
+    sizes = np.ones(instance["n_q"] + instance["n_u"] + n_eta + 1, dtype=tables.dtype)
     for body in instance["bodies"]:
         u = instance["n_q"] + body["u"]
         if body["motion"] in ("point", "free"):

@@ -29,6 +29,7 @@ class BallTables:
         pairs, limits = instance["pairs"], instance["limits"]
         balls: dict[Key, list[float]] = {}
         of_pairs = [_keys_of(instance, pair, balls) for pair in pairs]
+        _add_members(instance, of_pairs, balls)
         index = {key: k for k, key in enumerate(balls)}
         partners: list[list[tuple[int, int]]] = [[] for _ in index]
         for k, (o, f) in enumerate((index[o], index[f]) for o, f in of_pairs):
@@ -39,7 +40,7 @@ class BallTables:
             begin.append(begin[-1] + len(each))
         is_large = int(len(pairs) + len(limits) > FEW_PAIRS)
         measured = set(instance["sensors"].get("pairs", ()))
-        self.count = len(index)
+        self.count, self.index = len(index), index
         self.integers = {
             "pair_is_candidate": [
                 *(
@@ -68,10 +69,24 @@ def _keys_of(
     return keys
 
 
+def _add_members(
+    instance: Mapping[str, Any], of_pairs: Sequence[tuple[Key, Key]], balls: dict[Key, list[float]]
+) -> None:
+    """Add the balls of all bodies whose pairs are in pools, which are those of the patterns."""
+    classes = instance.get("classes", ())
+    for pool in instance.get("pools", ()):
+        known = {key: balls[key] for key in of_pairs[pool["pattern"]]}
+        for members in (classes[k] for k in pool["classes"]):
+            keys = [(body, shape) for body, shape in members]
+            like = next(ball for key, ball in known.items() if key in set(keys))
+            balls |= {key: like for key in keys if key not in balls}
+
+
 class SolidTables:
     """`count`: solids with terms; `integers`: arrays of mg_system. Numbers are added to `numbers`."""
 
-    def __init__(self, instance: Mapping[str, Any], numbers: NumberPool) -> None:
+    def __init__(self, instance: Mapping[str, Any], balls: Mapping[Key, int], numbers: NumberPool) -> None:
+        """`balls`: numbers of balls by shape."""
         entries = instance["solids"]
         known = [each for each in entries if each["terms"]]
         index = {
@@ -84,10 +99,7 @@ class SolidTables:
                 index[key] = UNKNOWN
         self.count = len(known)
         self.integers = {
-            "pair_solid": [
-                *(index[key] for pair in instance["pairs"] for key in _shapes(instance, pair)),
-                *([NO_MATERIAL, NO_MATERIAL] * len(instance["limits"])),
-            ],
+            "ball_solid": [index[key] for key in balls],
         } | solid_arrays(known, numbers)
 
 
