@@ -8,7 +8,6 @@ from typing import Any
 
 from modelgen.model import Model
 
-NEAR_PER_BODY = 8  # pairs of equal bodies that are near at a time, as a rule fewer
 UNEVEN = 3  # how many times more of them than on the average may be of one pool
 FEWEST = 32  # slots of a pool
 
@@ -21,7 +20,8 @@ def pools_of(model: Model) -> dict[str, Any]:
         return {}
     number = {entry.name: k for k, entry in enumerate(model.bodies)}
     sizes = [pool.size(scene.classes) for pool in scene.pools]
-    near = NEAR_PER_BODY * len({name for pool in scene.pools for k in pool.classes for name, _ in scene.classes[k]})
+    members = {member for pool in scene.pools for k in pool.classes for member in scene.classes[k]}
+    near = scene.near_per_body * len(members)
     slots = [min(size, FEWEST + ceil(near * min(1.0, UNEVEN * size / sum(sizes)))) for size in sizes]
     return {
         "classes": [[[number[body], shape] for body, shape in members] for members in scene.classes],

@@ -41,7 +41,9 @@ def unlisted_of(model: Model) -> dict[str, Any]:
     involved = {int(owner[k]) for k in np.flatnonzero(open_to.any(axis=1))}
     kept = [k for k, (body, _) in enumerate(of_body) if body in involved]
     place = {k: at for at, k in enumerate(kept)}
-    pooled = {_ordered(*(index[each] for each in pair.between)) for pair in all_pairs(scene)} if kept else set()
+    pooled = (
+        {_ordered(*(index[each] for each in pair.between)) for pair in all_pairs(scene)} if kept else set()
+    )
     return {
         "shapes": [shape_entry(model, k, *of_body[k]) for k in kept],
         "listed": [[place[i], place[j]] for i, j in sorted(listed | pooled) if i in place and j in place],
@@ -56,7 +58,8 @@ def _ordered(a: int, b: int) -> tuple[int, int]:
 def _may_meet(bodies: Sequence[Body]) -> np.ndarray[Any, np.dtype[np.bool_]]:
     """(n, n) whether two bodies are different and one of them can move."""
     moves = np.array([body.motion == "dynamic" for body in bodies], dtype=bool)
-    return (moves[:, None] | moves) & ~np.eye(len(bodies), dtype=bool)
+    met: np.ndarray[Any, np.dtype[np.bool_]] = (moves[:, None] | moves) & ~np.eye(len(bodies), dtype=bool)
+    return met
 
 
 def placed_entry(model: Model, body: int, shape: Shape) -> dict[str, Any]:

@@ -182,8 +182,7 @@ typedef struct {
 
   /* Where many bodies are equal, pairs of their shapes have no entries of their own: each pair that is near takes a
      slot of its pool. Slots are pairs, the last ones before those of limits. The entries of all slots of a pool are those
-     of one pair, the pattern of the pool, which has entries too and never takes part; run->slot_balls tells which pair a
-     slot stands for. */
+     of one pair, the pattern of the pool, which has its own; run->slot_balls tells which pair a slot stands for. */
   const int *pool_slot;      /* [n_pool + 1] range of pairs that are the slots of a pool, for pairs of two classes */
   const int *pool_pattern;   /* [n_pool] its pattern */
   const int *pool_width;     /* [n_pool] balls in the class of f */
@@ -704,7 +703,8 @@ typedef struct {
 
 /* Samples at times that the caller gives. Row k of an array belongs to t[k]; shapes are those of one row. The caller's
    arrays hold capacity rows. */
-typedef struct mg_record {
+typedef struct mg_record mg_record;
+struct mg_record {
   int capacity;      /* rows of every array */
   int count;         /* rows filled; the library counts it up */
   const mg_real *t;  /* times of the samples, s, ascending; given by the caller */
@@ -734,9 +734,9 @@ typedef struct mg_record {
   mg_real *energy;       /* [1] kinetic and potential energy, J */
   mg_real *work;         /* [1] work of loads and prescribed motions since the start, J */
   mg_real *sensors;      /* [kernels->n_sensor] what the sensors show */
-  void (*empty)(struct mg_record *record); /* null, or called when all rows are filled: takes the samples, sets count
-                                              back to 0, and t and capacity to the times of the next ones */
-} mg_record;
+  void (*empty)(mg_record *record); /* null, or called when all rows are filled: takes the samples, sets count back to
+                                       0, and t and capacity to the times of the next ones */
+};
 
 /* List of events; the caller's arrays have capacity entries. */
 typedef struct {

@@ -97,7 +97,7 @@ def browser_page(scene: Scene, library: Library, package: Package, fixed: Collec
         "list_full": FULL,
         "outcomes": {code: outcome.value for code, outcome in OUTCOME_OF_CODE.items()},
         "event_kinds": list(EVENT_KINDS),
-        "contact_names": list(session.contacts),
+        "contact_names": session.contact_labels,
         "load_switch": LOAD_SWITCH,
         "switching_loads": session.switching_loads,
         "face_names": [str(patch["name"]).rpartition(":")[0] for patch in instance["patches"]],

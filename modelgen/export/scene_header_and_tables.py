@@ -97,7 +97,7 @@ def _named(session: Session) -> dict[str, Sequence[str]]:
     instance = session.instance
     return {
         "body": [body["name"] for body in instance["bodies"]],
-        "contact": session.contacts,
+        "contact": session.contact_labels,
         "input": [each["name"] for each in instance["inputs"]],
         "sensor": component_names(instance["sensors"]["names"]),
     }

@@ -132,8 +132,8 @@ class Session:
         return self._named(number, told, feature_pair)
 
     def _named(self, contact: int, told: int, feature_pair: int) -> tuple[str, str]:
-        """The contact and its features; of a support point, its patch and the two faces. `told`: the number by
-        which the core tells it (mg_told_contact)."""
+        """The contact and its features; of a support point, its patch and the two faces. `told`: the number
+        by which the core tells it (mg_told_contact)."""
         slots = self.shared.slots
         if contact < self.n_shown:
             own = slots.feature_pair.order[feature_pair]
@@ -154,13 +154,22 @@ class Session:
             found += [f"{kind['kind']} on {' and '.join(names)}"] * int(kind.get("switches", 0))
         return found
 
+    @property
+    def contact_labels(self) -> list[str]:
+        """The names of contacts; of those in slots, whose pairs are others at each time, their numbers."""
+        slots = self.shared.slots
+        first, end = slots.contact.at, slots.contact.at + len(slots.contacts_of_slots)
+        return [f"slot {k - first}" if first <= k < end else self.contacts[k] for k in range(self.n_shown)]
+
     def contact_name(self, contact: int) -> str:
         """The name of a contact; of a support point, that of its pair."""
         told = int(self.library.cdll.mg_told_contact(self._head[0], self._head[2], ctypes.c_int(contact)))
         if contact < self.n_shown:
             return self.contacts[told]
         slot = (contact - self.n_shown) // SUPPORT_POINTS
-        return self._named(contact, told, int(self.feature_pair[contact]))[0] if slot < self.n_patch_slot else ""
+        return (
+            self._named(contact, told, int(self.feature_pair[contact]))[0] if slot < self.n_patch_slot else ""
+        )
 
     def begin(self) -> int:
         """Settles the start; returns the core's outcome code (see `runtime.start.begin`)."""

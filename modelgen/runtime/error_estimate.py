@@ -18,10 +18,10 @@ from modelgen.runtime.accuracy import TENTH, Accuracy
 from modelgen.runtime.error_statement import Estimate
 from modelgen.runtime.event_matching import (
     BLOWS,
+    BodiesByContact,
     Pairs,
     Subject,
     alone,
-    BodiesByContact,
     in_pairs,
     modes_apart,
     subject_of,

@@ -297,15 +297,15 @@ def _time_apart(mine: Sequence[Stretch], theirs: Sequence[Stretch]) -> float:
     return apart
 
 
-class BodiesByContact(Mapping[str, Collection[int]]):
-    """For each contact, pair and joint limit, its bodies that forces move; also for those of pools, whose names
-    are made of those of the bodies."""
+class BodiesByContact(Mapping[str, set[int]]):
+    """For each contact, pair and joint limit, its bodies that forces move; also for those of pools, whose
+    names are made of those of the bodies."""
 
     def __init__(self, instance: Mapping[str, Any]) -> None:
         free = {k for k, body in enumerate(instance["bodies"]) if body["motion"] in ("point", "free")}
         feature_pairs = [instance["feature_pairs"][pair["feature_pairs"][0]] for pair in instance["pairs"]]
         pairs = [free & {feature_pair["o"], feature_pair["f"]} for feature_pair in feature_pairs]
-        self._known: dict[str, Collection[int]] = {
+        self._known: dict[str, set[int]] = {
             **{contact["name"]: pairs[contact["pair"]] for contact in instance["contacts"]},
             **{pair["name"]: bodies for pair, bodies in zip(instance["pairs"], pairs, strict=True)},
             **{limit["name"]: free & {limit["o"], limit["f"]} for limit in instance["limits"]},
@@ -313,7 +313,7 @@ class BodiesByContact(Mapping[str, Collection[int]]):
         members = {body for each in instance.get("classes", ()) for body, _ in each}
         self._members = {instance["bodies"][body]["name"]: body for body in members}
 
-    def __getitem__(self, name: str) -> Collection[int]:
+    def __getitem__(self, name: str) -> set[int]:
         if name not in self._known:
             pair, *_ = re.split("[#:]", name, maxsplit=1)
             parts = ((pair[:at], pair[at + 1 :]) for at, each in enumerate(pair) if each == "-")

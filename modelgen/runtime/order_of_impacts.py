@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.runtime.core_session import CONTINUE, FULL, Session
-from modelgen.runtime.event_matching import Pairs, BodiesByContact, in_pairs, name_of_blow, undecided
+from modelgen.runtime.event_matching import BodiesByContact, Pairs, in_pairs, name_of_blow, undecided
 from modelgen.runtime.run_distance import APART, apart_of
 from modelgen.runtime.tables.ctypes_structures import Array
 from modelgen.runtime.trajectory import Event, Trajectory

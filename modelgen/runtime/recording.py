@@ -16,18 +16,20 @@ from modelgen.runtime.tables.array_block import ArrayBlock, by_address
 from modelgen.runtime.tables.ctypes_structures import INTEGER, RECORD_ARRAYS, Array, address
 
 INTEGERS = ("feature_pair", "patch", "slot_balls")  # columns of integers
+NAMES = ("contact_names", "patch_names")  # columns that are the names of others
 _EMPTY = ctypes.CFUNCTYPE(None, ctypes.c_void_p)
 
 
 class Recording:
     """Room for one sample at each of `times`, filled by the core."""
 
-    def __init__(self, session: Session, times: Array) -> None:
+    def __init__(self, session: Session, times: Array, at_once: bool = False) -> None:
+        """`at_once`: there is a row for each sample, also where that takes much memory."""
         n_joint, shared = len(session.joints), session.shared
         sizes = (session.n_body, session.n_contact, n_joint, shared.slots.n_eta)
         more = session.n_patch_slot, len(shared.shares), shared.n_sensor, 2 * shared.slots.count
         self._n = rows = len(times)
-        if shared.slots:
+        if shared.slots and not at_once:
             width = sum(block.size for block in _layout(1, *sizes, *more)) * session.tables.dtype.itemsize
             rows = rows_at_a_time(width, self._n)
         reals_of_n, integers_of_n = _layout(rows, *sizes, *more)
@@ -40,7 +42,7 @@ class Recording:
         self._rows = rows
         self.record = session.tables.Record(rows, 0, *(self._addresses[name] for name in RECORD_ARRAYS))
         self._samples = SlotSamples(session, self.arrays, self._n) if shared.slots else None
-        if self._samples is not None:
+        if self._samples is not None and not at_once:
             self._empty = _EMPTY(lambda _: self._take())  # which lives as long as the record
             self.record.empty = ctypes.cast(self._empty, ctypes.c_void_p)
 
@@ -71,17 +73,17 @@ class Recording:
             self.session.advance(float(t[count]), 0, self.record)
 
     def columns(self, count: int | None = None, runs: int = 1) -> dict[str, Any]:
-        """The first samples, those taken so far unless given, as the fields of a Trajectory, with the names of
-        contacts and patches; of several runs one run after the other, as many of each."""
+        """The first samples, those taken so far unless given, as the fields of a Trajectory, with the names
+        of contacts and patches; of several runs one run after the other, as many of each."""
         shared, names = self.session.shared, {}
         whole: dict[str, Any] = self.arrays
         if self._samples is None:
             names = {"contact_names": self.session.contacts, "patch_names": shared.patch_names}
         else:
-            if self.record.count:
-                self._take()
+            self._samples.take(int(self.record.count) if count is None else count - self._samples.taken)
+            self.record.count = 0
             whole = {"t": self.arrays["t"], **self._samples.columns()}
-            names = {name: whole.pop(name) for name in ("contact_names", "patch_names")}
+            names = {name: whole.pop(name) for name in NAMES}
         kept = {name: array[: self.count if count is None else count] for name, array in whole.items()}
         shown = len(names["contact_names"])
         rotation = np.swapaxes(kept["pose"][..., 3:].reshape(*kept["pose"].shape[:2], 3, 3), -1, -2)

@@ -12,6 +12,7 @@ from typing import Any, Unpack
 import numpy as np
 
 from modelgen.codegen.library import Library
+from modelgen.codegen.library_with_slots import with_more_slots
 from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import TENTH, Accuracy
 from modelgen.runtime.arguments import (
@@ -102,7 +103,12 @@ def simulate(
     session = Session(library, chosen)
     Inputs(session).update(values_by_name("inputs", inputs))
     schedule = [(end, session.input.copy())]
-    path = _path(session, schedule, np.linspace(0.0, end, intervals + 1), half)
+    times = np.linspace(0.0, end, intervals + 1)
+    path = _path(session, schedule, times, half)
+    while path.outcome is Outcome.TOO_MANY_NEAR:
+        library = with_more_slots(library, int(session.run.report.exceeded_pool))
+        session = Session(library, chosen)
+        path = _path(session, schedule, times, half)
     path = _with_passages(path, chosen, library)
     told = _part(on_progress, 0.5, 1.0)
     stated = _estimate(library, chosen, schedule, path, told) if doubled and len(path.t) else None

@@ -21,7 +21,7 @@ from modelgen.runtime.error_estimate import estimate_of, nudge, steps_max
 from modelgen.runtime.error_statement import Estimate
 from modelgen.runtime.inputs_by_lane import InputsByLane
 from modelgen.runtime.lane_arrays import each_once
-from modelgen.runtime.recording import Recording
+from modelgen.runtime.recording import NAMES, Recording
 from modelgen.runtime.run_distance import MOTION, motions_compared
 from modelgen.runtime.session_group import group_of
 from modelgen.runtime.tables.ctypes_structures import Array
@@ -84,7 +84,7 @@ class LaneRuns:
             settings[name][:] = np.tile(values, times)
         settings.restart(np.arange(group.n))
         nudge(group.x[self._n :], self._instances[0])
-        self._recording = Recording(group.like, np.zeros(2 * group.n))
+        self._recording = Recording(group.like, np.zeros(2 * group.n), at_once=True)
         self._taken = np.zeros(group.n, dtype=int)  # samples of each lane
         self._refused: Mapping[int, SimulationError] = {}  # errors of lanes that cannot start
 
@@ -146,7 +146,7 @@ class LaneRuns:
         return trajectory_of(
             self._group.like,
             self._group.runs[lane],
-            {name: column[rows] for name, column in self._columns.items()},
+            {name: column if name in NAMES else column[rows] for name, column in self._columns.items()},
             Ending(OUTCOME_OF_CODE[int(self._group.codes[lane])], self._group.drain_events(lane)),
             doubts=self._group.doubts(lane),
             inputs=dict(zip(names, values, strict=True)),

@@ -1,5 +1,5 @@
-"""Samples of a run whose near pairs are in slots: columns of contacts with pairs that do not change, and of all
-pairs that were near at a sample, by the numbers that the core tells.
+"""Samples of a run whose near pairs are in slots: columns of contacts with pairs that do not change, and of
+all pairs that were near at a sample, by the numbers that the core tells.
 
 The core fills a few rows at a time, with a place for each slot; what is in them is taken out here.
 """
@@ -83,10 +83,14 @@ class SlotSamples:
         names = self._session.contacts
         told = [names[int(k)] for k in (*self._own, *seen)]
         patches = self._session.shared.patch_names
-        return self.kept | columns | {
-            "contact_names": tuple(told),
-            "patch_names": (*patches, *(self._slots.patch_name(pair, patches[k]) for pair, k in resting)),
-        }
+        return (
+            self.kept
+            | columns
+            | {
+                "contact_names": tuple(told),
+                "patch_names": (*patches, *(self._slots.patch_name(pair, patches[k]) for pair, k in resting)),
+            }
+        )
 
     def _widened(self, names: tuple[str, ...], seen: list[Any], rows: Any) -> dict[str, Any]:
         """Columns with those of `seen` after the ones kept, empty where a row has none of them."""
@@ -113,4 +117,3 @@ class SlotSamples:
 def rows_at_a_time(width: int, n: int) -> int:
     """How many of n samples of `width` bytes the core fills at a time."""
     return max(min(n, BYTES // max(width, 1)), 1)
-

@@ -32,6 +32,10 @@ class Outcome(Enum):
         "no set of contact forces keeps the bodies apart; look for driven bodies that squeeze others"
     )
     TOO_MANY_CLOSED = "more contacts closed at once than there is room for; leave out pairs that cannot touch"
+    TOO_MANY_NEAR = (
+        "more pairs of equal bodies are near each other than there is room for; raise near_per_body in "
+        "[contacts]"
+    )
     NO_FRICTION = (
         "no contact forces with this friction are found: bodies jam, or the friction is too large for finite "
         "forces (Painleve); lower the friction"
@@ -61,6 +65,7 @@ OUTCOME_OF_CODE = {
     26: Outcome.NO_FRICTION,
     27: Outcome.PENETRATED,
     29: Outcome.TOO_COSTLY,
+    30: Outcome.TOO_MANY_NEAR,
 }
 EventKind = Literal[
     "impact",

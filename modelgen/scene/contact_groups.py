@@ -37,6 +37,7 @@ class Group:
     pairs: tuple[ContactPair, ...] = ()
     classes: tuple[tuple[Partner, ...], ...] = ()
     pools: tuple[PairPool, ...] = ()  # with patterns counted from the first of these pairs
+    near_per_body: int = 8  # for how many near pairs of pools there is room
 
 
 def group_of(
@@ -61,7 +62,8 @@ def group_of(
     members = _members(values["among"], bodies, place.key("among"))
     keys = ("restitution", "friction", "rolling_resistance", "spinning_resistance")
     given = {key: values[key] for key in keys}
-    named_alone = {name for pair in (*listed, *joints) for name in _bodies_of(pair)}
+    named_alone = {name for joint in joints for name in joint.between}
+    named_alone |= {body for pair in listed for body, _ in pair.between}
     classes = () if mentioned is None else _classes(members, bodies, named_alone, mentioned)
 
     def pairs(between: Iterable[tuple[Partner, Partner]]) -> Iterator[ContactPair]:
@@ -94,7 +96,7 @@ def group_of(
             pools.append(pool)
             every = [next(iter(every))]
         found += pairs(every)
-    return Group(tuple(found), classes, tuple(pools))
+    return Group(tuple(found), classes, tuple(pools), values["near_per_body"])
 
 
 def all_pairs(scene: Scene) -> Iterator[ContactPair]:
@@ -107,10 +109,6 @@ def all_pairs(scene: Scene) -> Iterator[ContactPair]:
         one, other = (scene.classes[k] for k in pools[number].classes)
         every = combinations(one, 2) if one is other else product(one, other)
         yield from (replace(pair, between=each) for each in every)
-
-
-def _bodies_of(thing: ContactPair | Joint) -> tuple[str, ...]:
-    return thing.between if isinstance(thing, Joint) else tuple(body for body, _ in thing.between)
 
 
 def _classes(

@@ -203,6 +203,13 @@ CONTACTS = Table(
             default=Restitution(),
         ),
         *FRICTION_FIELDS,
+        Field(
+            "near_per_body",
+            Whole(1, 10_000),
+            "in a group of many equal bodies: for how many pairs near each other, per body, there is room; "
+            "`simulate` makes more where a run needs more",
+            default=8,
+        ),
     ),
     instead_of_list="write [[contact]] for each pair; [contacts], once, is a group of bodies",
 )  # fmt: skip

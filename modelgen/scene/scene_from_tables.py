@@ -133,6 +133,7 @@ def scene_from_bodies(name: str, bodies: tuple[Body, ...], values: Mapping[str, 
         run=RunSettings(**run),
         remarks=tuple(place.remarks),
         classes=group.classes,
+        near_per_body=group.near_per_body,
         pools=tuple(replace(pool, pattern=len(listed) + pool.pattern) for pool in group.pools),
     )
 

@@ -373,4 +373,5 @@ class Scene:
     nominal: Scene | None = None  # at the nominal values of the parameters; None: they are those of the scene
     classes: tuple[tuple[Partner, ...], ...] = ()  # of equal shapes of equal bodies
     pools: tuple[PairPool, ...] = ()
+    near_per_body: int = 8  # pairs of pools that are near at a time
     origin: Origin | None = field(default=None, compare=False, repr=False)  # of what was read

@@ -42,6 +42,8 @@ def declared(name: str) -> list[tuple[str, Any]]:
     """Names and ctypes of the fields of a structure of the public headers, in order."""
     headers = "".join((CORE / name).read_text() for name in HEADERS)
     text = re.sub(r"/\*.*?\*/", "", headers, flags=re.DOTALL)
+    text = re.sub(r"struct (\w+) (\{[^{}]*\});", r"typedef struct \2 \1;", text)
+    text = re.sub(r"void \(\*(\w+)\)\([^()]*\);", r"void *\1;", text)  # a pointer to a function
     (body,) = re.findall(r"typedef struct \{([^{}]*)\} " + name + ";", text)
     fields: list[tuple[str, Any]] = []
     for statement in filter(None, map(str.strip, body.split(";"))):

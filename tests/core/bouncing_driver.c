@@ -17,7 +17,7 @@ int main(void) {
   mg_real x[7] = {0, 0, (mg_real)1.1L, 0, 0, 0, 0}, force[1], margin[1], t[COUNT], speed[COUNT], after[COUNT], blow[1], work[20000];
   mg_real ball_at[8] = {0};
   const int listed[2] = {1, 1};
-  int is_far[1] = {0}, due[1] = {0}, closed[1], active[1], fresh[1], struck[2], on[] = {-1}, kind[COUNT], contact[COUNT], feature_pair[COUNT], iwork[1000];
+  int is_far[1] = {0}, due[1] = {0}, closed[1], active[1], fresh[1], struck[2], on[] = {-1}, kind[COUNT], contact[COUNT], told[COUNT], feature_pair[COUNT], iwork[1000];
   static const int no_solids[] = {MG_UNKNOWN_MATERIAL, MG_UNKNOWN_MATERIAL};
   mass_inverse[10] = 1;
   for (int i = 0; i < 7; i++) scale[i] = (mg_real)0.1;
@@ -31,7 +31,7 @@ int main(void) {
                       .body_kind = body_kind, .body_q = zeros, .body_u = zeros, .body_parameters = body_parameters,
                       .contact_pair = zeros, .contact_eta = zeros, .contact_feature_pair = zeros,
                       .pair_contact = ends, .pair_feature_pair = ends, .pair_search = search,
-                      .pair_is_candidate = candidate, .pair_solid = no_solids, .pair_balls = ends, .n_ball = 2, .ball_body = ends, .ball_partner_begin = partners,
+                      .pair_is_candidate = candidate, .ball_solid = no_solids, .pair_balls = ends, .n_ball = 2, .ball_body = ends, .ball_partner_begin = partners,
                       .feature_pair_kind = zeros, .feature_pair_o = zeros, .feature_pair_f = f, .feature_pair_parameters = link_parameters,
                       .feature_pair_owner = zeros, .feature_pair_group = groups, .feature_pair_condition = zeros,
                       .feature_shape = sides, .feature_parameters = side_parameters, .feature_numbers = side_numbers, .feature_is_listed = listed,
@@ -52,7 +52,7 @@ int main(void) {
                           .lcp_iterations = 100, .events_at_once_max = 100};
   mg_run run = {.x = x, .feature_pair = on, .moved_since_search = moved, .is_search_due = due, .watched_movement = watched, .unfollowed_gap = unfollowed, .withheld_effort = withheld, .is_far = is_far, .ball_at = ball_at, .closed = closed, .active = active, .force = force, .margin = margin,
                  .rolling_start = fresh, .point = point, .after_t = blow, .struck_by = struck, .tilt_direction = outward};
-  mg_events events = {COUNT, 0, t, kind, contact, feature_pair, speed, after};
+  mg_events events = {COUNT, 0, t, kind, contact, told, feature_pair, speed, after};
   mg_record record = {0};
   if (mg_work_size(&system) > 20000 || mg_iwork_size(&system) > 1000) return 1;
   if (mg_begin(&system, &settings, &run, &events, work, iwork)) return 2;

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from modelgen.runtime.tables.library_tables import library_tables
+from modelgen.runtime.tables.shapes import BallTables
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Scene
 from tests.benchmarks.measured_solids import Solid
@@ -38,9 +39,8 @@ def heights(solid: Solid, x: Array, how: int) -> Array:
     )
     library = library_of(scene)
     table = library_tables(library)
-    first = library.manifest.instance["feature_pairs"][0]
-    side = 0 if first["o"] == 0 else 1
-    pairs = ctypes.cast(table.system.pair_solid, ctypes.POINTER(ctypes.c_int))
+    side = BallTables(library.manifest.instance).index[0, solid.shape.name]
+    pairs = ctypes.cast(table.system.ball_solid, ctypes.POINTER(ctypes.c_int))
     pose, found = np.array([0.0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1]), np.empty(len(x))
     points = np.ascontiguousarray(x)
     assert pairs[side] >= 0

@@ -386,6 +386,26 @@ static int mg_start_shared_feature_pairs(mg_context *c, int pair) {
   return MG_DONE;
 }
 
+/* Puts the contacts of a pair on its closest points. Returns an outcome. */
+static int mg_start_pair(mg_context *c, int pair) {
+  mg_forget_noted_gaps(c);
+  return mg_has_own_feature_pairs(c, pair) ? mg_start_own_feature_pairs(c, pair)
+                                           : mg_start_shared_feature_pairs(c, pair);
+}
+
+MG_INTERNAL int mg_follow_closest_points(mg_context *c, int pair) {
+  MG_NEEDS_ANY(c, MG_VALID_POSES);
+  const int outcome = mg_start_pair(c, pair), contact = mg_pair_first_contact(c, pair);
+  int count = 0;
+  mg_report_failed_contact(c->run, -1);
+  for (int i = contact; i < mg_pair_first_contact(c, pair + 1); i++) {
+    if (!mg_is_on_feature_pair(c, i)) continue;
+    if (outcome || mg_newton_on_feature_pair(c, i, mg_contact_eta(c, c->run->x, i)) < 0) mg_set_feature_pair(c, i, -1, 0);
+    else count++;
+  }
+  return count;
+}
+
 /* Puts each limit on its feature pair, where its gap is a function of the poses. Returns an outcome. */
 static int mg_start_limits(mg_context *c) {
   for (int i = c->layout.limit_begin; i < c->layout.support_begin; i++) {
@@ -405,9 +425,7 @@ static int mg_search_listed_pairs(mg_context *c) {
   for (int i = 0; i < c->layout.support_begin; i++) mg_set_feature_pair(c, i, -1, 0);
   for (int pair = mg_next_pair(c, -1); pair < c->system->n_pair; pair = mg_next_pair(c, pair)) {
     const long incomplete = c->search.incomplete;
-    mg_forget_noted_gaps(c);
-    const int outcome = mg_has_own_feature_pairs(c, pair) ? mg_start_own_feature_pairs(c, pair)
-                                                          : mg_start_shared_feature_pairs(c, pair);
+    const int outcome = mg_start_pair(c, pair);
     if (mg_is_search_stopped(c)) return MG_CONTINUE;
     if (outcome) return outcome;
     mg_note_missed_gap(c, pair, incomplete);

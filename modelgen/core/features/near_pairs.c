@@ -84,6 +84,16 @@ static void mg_clear_pair(mg_context *c, int pair) {
   }
 }
 
+/* Places the contacts of a pair. Needs the poses. */
+static void mg_place_entered_pair(mg_context *c, int pair) {
+  MG_NEEDS_ANY(c, MG_VALID_POSES);
+  for (int i = c->system->pair_contact[pair]; i < c->system->pair_contact[pair + 1]; i++) {
+    if (!mg_is_on_feature_pair(c, i)) continue;
+    mg_place_contact(c, i, mg_contact_eta(c, c->run->x, i), c->search.placement + 32);
+    c->rows.d[i] = c->search.placement[0], c->run->margin[i] = mg_placement_uniqueness(c, i);
+  }
+}
+
 /* Begins to follow a pair: from its closest points, or by a search at the end of the step. Needs the poses. Scratch of
    its contacts may be of another run. */
 static void mg_enter_pair(mg_context *c, int pair) {
@@ -92,15 +102,15 @@ static void mg_enter_pair(mg_context *c, int pair) {
   if (!mg_is_pair_followed_from_anywhere(c, pair)) {
     c->run->is_search_due[pair] = 1, c->run->unfollowed_gap[pair] = MG_MAX;
     c->run->moved_since_search[pair] = c->run->watched_movement[pair] = 0;
+    if (c->system->pair_search[pair] == MG_SEARCH_NEVER && mg_follow_closest_points(c, pair)) mg_place_entered_pair(c, pair);
     return;
   }
   for (int i = c->system->pair_contact[pair]; i < c->system->pair_contact[pair + 1]; i++) {
     mg_real eta[MG_MAX_ETA] = {0};
     if (mg_converge_from_any_start(c, c->system->contact_feature_pair[i], eta) < 0) continue;
     mg_set_feature_pair(c, i, c->system->contact_feature_pair[i], eta);
-    mg_place_contact(c, i, eta, c->search.placement + 32);
-    c->rows.d[i] = c->search.placement[0], c->run->margin[i] = mg_placement_uniqueness(c, i);
   }
+  mg_place_entered_pair(c, pair);
 }
 
 /* Lists the pairs that are never left out and those found, both ascending; those found that were left out are kept in

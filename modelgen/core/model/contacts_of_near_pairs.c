@@ -93,6 +93,7 @@ static int mg_is_pair_over_fixed_plane(const mg_context *c, int pair) {
 }
 
 MG_INTERNAL int mg_may_be_far(const mg_context *c, int pair) {
+  if (mg_is_slot(c->system, pair)) return 1;
   return c->system->pair_is_candidate[pair] && (mg_has_pair_extents(c, pair) || mg_is_pair_over_fixed_plane(c, pair)) &&
          (c->system->pair_search[pair] != MG_SEARCH_NEVER || mg_is_pair_followed_from_anywhere(c, pair));
 }

@@ -463,6 +463,9 @@ MG_INTERNAL void mg_init_listing(mg_context *c);
 /* Slots of all pools. */
 MG_INTERNAL int mg_slot_count(const mg_system *s);
 
+/* True if a pair is a slot of a pool. */
+MG_INTERNAL int mg_is_slot(const mg_system *s, int pair);
+
 /* Ball around the shape of a side (0: o, 1: f) of a pair; -1: none. */
 MG_INTERNAL int mg_ball_of_pair(const mg_context *c, int pair, int side);
 

@@ -9,8 +9,7 @@ static int mg_first_slot(const mg_system *s) { return s->pool_slot[0]; }
 
 MG_INTERNAL int mg_slot_count(const mg_system *s) { return s->n_pool ? s->pool_slot[s->n_pool] - mg_first_slot(s) : 0; }
 
-/* True if a pair is a slot of a pool. */
-static int mg_is_slot(const mg_system *s, int pair) {
+MG_INTERNAL int mg_is_slot(const mg_system *s, int pair) {
   return s->n_pool && pair >= mg_first_slot(s) && pair < s->pool_slot[s->n_pool];
 }
 

@@ -26,7 +26,6 @@ static int mg_is_patch_at_rest(const mg_context *c, int patch, mg_real fastest) 
 /* True if the faces of a patch lie on each other: gaps within `touching`, normal velocities of faces at rest unless
    `moving`, and a common area. */
 static int mg_is_patch_flat(mg_context *c, int patch, mg_real touching, int moving) {
-  const mg_system *s = c->system;
   mg_real o[12], f[12], at[3], x[3];
   mg_face_pose(c, patch, 0, o);
   mg_face_pose(c, patch, 1, f);

@@ -384,8 +384,7 @@ class Tables:
         )
         self.Record = structure(
             "Record",
-            [("capacity", integer), ("count", integer)]
-            + [(n, pointer) for n in (*RECORD_ARRAYS, "empty")],
+            [("capacity", integer), ("count", integer)] + [(n, pointer) for n in (*RECORD_ARRAYS, "empty")],
         )
         self.Events = structure(
             "Events",

@@ -57,7 +57,8 @@ class Axis:
 
     def repeated(self, column: Array, width: int = 1) -> Array:
         """A column of `width` numbers an entry."""
-        return column.reshape(-1, width)[self.order].ravel()
+        found: Array = column.reshape(-1, width)[self.order].ravel()
+        return found
 
     def ranges(self, column: Array) -> Array:
         """A column of the starts of ranges, with the end of the last one."""
@@ -65,8 +66,8 @@ class Axis:
         return np.concatenate([column[:1], column[0] + np.cumsum(counts)]).astype(column.dtype)
 
     def references(self, column: Array, to: Axis, width: int = 1) -> Array:
-        """A column of numbers of entries of another axis, negative ones of none; those of slots are of the same
-        slot."""
+        """A column of numbers of entries of another axis, negative ones of none; those of slots are of the
+        same slot."""
         values = self.repeated(column, width).reshape(-1, width)
         held = np.clip(values, 0, max(len(to.moved) - 1, 0))
         found = np.where(values < 0, values, to.moved[held] if len(to.moved) else values)
@@ -95,7 +96,10 @@ class PairSlots:
         for number, patch in enumerate(patches):
             of_pair.setdefault(patch["pair"], []).append(number)
         within = [_span(of_pair.get(pattern, ())) for pattern in patterns]
-        held = [_span([slot for k in range(*ends) for slot in range(*patches[k]["patch_slots"])]) for ends in within]
+        held = [
+            _span([slot for k in range(*ends) for slot in range(*patches[k]["patch_slots"])])
+            for ends in within
+        ]
         all_held = int(patches[-1]["patch_slots"][1]) if patches else 0
         limits = len(instance["limits"])
 
@@ -127,8 +131,12 @@ class PairSlots:
     def n_eta(self) -> int:
         """Entries of eta of all contacts, those of slots included."""
         entries = self.instance["contacts"]
-        rooms = (sum(each["room"] for each in entries[slice(*pair["contacts"])]) for pair in self.patterns)
-        return int(self.instance["n_eta"]) + sum(n * room for n, room in zip(self._counts, rooms, strict=True))
+        rooms = (
+            sum(int(each["room"]) for each in entries[slice(*pair["contacts"])]) for pair in self.patterns
+        )
+        return int(self.instance["n_eta"]) + sum(
+            n * room for n, room in zip(self._counts, rooms, strict=True)
+        )
 
     @cached_property
     def widths(self) -> list[int]:
@@ -182,10 +190,8 @@ class PairSlots:
 
     @cached_property
     def own_contacts(self) -> Array:
-        """The contacts of the core that are in no slot and of no pattern, limits among them."""
-        patterns = {k for pair in self.patterns for k in range(*pair["contacts"])}
-        own = [k for k in range(len(self.contact.moved)) if k not in patterns]
-        return self.contact.moved[own]
+        """The contacts of the core that are in no slot, limits among them."""
+        return self.contact.moved
 
     @cached_property
     def contacts_of_slots(self) -> Array:
@@ -212,20 +218,25 @@ class PairSlots:
         """The number told of the pair in each slot, from those of its balls (mg_run.slot_balls)."""
         _, told, widths, ranks = self._of_balls
         o, f = np.maximum(slot_balls.reshape(-1, 2).astype(int) - 1, 0).T
-        return told + ranks[o] * widths + ranks[f]
+        found: Array = told + ranks[o] * widths + ranks[f]
+        return found
 
     def contacts_told(self, contacts: Array, pairs: Array) -> Array:
         """The numbers told of contacts in slots; `pairs`: of the pair in each slot."""
         slots, within = (each[contacts - self.contact.at] for each in self._slot_of_contact)
-        return len(self.contact) + len(self.support) + (pairs[slots] - len(self.pair)) * self.told_stride + within
+        first = len(self.contact) + len(self.support)
+        found: Array = first + (pairs[slots] - len(self.pair)) * self.told_stride + within
+        return found
 
     def pairs_of_patches(self, patches: Array, pairs: Array) -> Array:
         """The numbers told of the pairs of patches of slots; `pairs`: of the pair in each slot."""
         sizes = [block.size for block in self.patch.blocks for _ in range(block.slots)]
-        return pairs[np.repeat(np.arange(len(sizes)), sizes)[patches - self.patch.at]]
+        found: Array = pairs[np.repeat(np.arange(len(sizes)), sizes)[patches - self.patch.at]]
+        return found
 
     def entry_of(self, contact: int) -> Mapping[str, Any] | None:
-        """The entry of a contact of the core in the instance, in a slot that of the pattern; None of a limit."""
+        """The entry of a contact of the core in the instance, in a slot that of the pattern; None of a
+        limit."""
         own, entries = int(self.contact.order[contact]), self.instance["contacts"]
         return entries[own] if own < len(entries) else None
 
@@ -237,7 +248,7 @@ class PairSlots:
             return int(self.instance["limits"][limit]["eta"]) + self.n_eta - int(self.instance["n_eta"])
         if contact < first:
             return int(entry["eta"])
-        rooms = [self.instance["contacts"][k]["room"] for k in self.contact.order[first:contact]]
+        rooms = [int(self.instance["contacts"][k]["room"]) for k in self.contact.order[first:contact]]
         return self.eta_of_contacts + sum(rooms)
 
     def bodies_of(self, contact: int, feature_pair: int, slot_balls: Array) -> tuple[int, int]:
@@ -316,7 +327,7 @@ class ContactNames:
         entry = self._slots.instance["pairs"][pattern]
         first, end = entry["contacts"]
         name = "-".join(self._bodies[body] for body in bodies)
-        return name + self._own[first + k][len(entry["name"]) :] if first + k < end else name
+        return name + self._own[first + k][len(str(entry["name"])) :] if first + k < end else name
 
 
 def _span(numbers: Sequence[int]) -> tuple[int, int]:
@@ -366,7 +377,9 @@ def with_slots(integers: Columns, reals: Columns, slots: PairSlots) -> tuple[Col
             f"condition_{name}": condition.repeated(integers[f"condition_{name}"])
             for name in ("kind", "feature", "numbers", "is_line_end")
         },
-        "condition_feature_pair": condition.references(integers["condition_feature_pair"], slots.feature_pair),
+        "condition_feature_pair": condition.references(
+            integers["condition_feature_pair"], slots.feature_pair
+        ),
     }
     starts = {name: patch.ranges(integers[name]) for name in ("patch_arc", "patch_covered", "patch_share")}
     of_patches = {
@@ -400,7 +413,10 @@ def _joined(axes: tuple[Axis, Axis], column: Array, width: int = 1, to: Axis | N
     split = width * len(axes[0].moved)
     parts = zip(axes, (column[:split], column[split:]), strict=True)
     return np.concatenate(
-        [axis.repeated(part, width) if to is None else axis.references(part, to, width) for axis, part in parts]
+        [
+            axis.repeated(part, width) if to is None else axis.references(part, to, width)
+            for axis, part in parts
+        ]
     )
 
 
@@ -420,4 +436,3 @@ def _spans(column: Array, patch: Axis, to: Axis) -> Array:
     last = column.reshape(-1, 2)[:, 1] - 1
     ends = patch.references(column.reshape(-1, 2)[:, 0].copy(), to), patch.references(last, to) + 1
     return np.stack(ends, axis=1).ravel()
-

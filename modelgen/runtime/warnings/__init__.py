@@ -112,22 +112,24 @@ def _shared(session: Session) -> str:
 def _unfollowed(session: Session) -> str:
     """Warns that a pair has more closest points within reach than contacts."""
     report = session.run.report
-    pair = session.instance["pairs"][session.shared.slots.pattern_of(report.unfollowed_pair)]
-    first, end = pair["contacts"]
+    slots = session.shared.slots
+    first, end = session.instance["pairs"][slots.pattern_of(report.unfollowed_pair)]["contacts"]
     count = end - first
     is_shared = session.instance["contacts"][first]["feature_pair"] < 0
     remedy = f"; points = {min(2 * count, POINTS_MAX)} in its [[contact]] follows more" if is_shared else ""
     return (
-        f"{session.shared.slots.pair_name(report.unfollowed_pair)} has more closest points within reach than its contacts can follow ({count}), "
-        f"first at t = {float(report.unfollowed_t):.6g} s: it may penetrate there{remedy}"
+        f"{slots.pair_name(report.unfollowed_pair)} has more closest points within reach than its contacts "
+        f"can follow ({count}), first at t = {float(report.unfollowed_t):.6g} s: it may penetrate "
+        f"there{remedy}"
     )
 
 
 def _incomplete(session: Session) -> str:
     """Warns that a search for closest points was given up."""
     report = session.run.report
+    name = session.shared.slots.pair_name(report.incomplete_pair)
     return (
-        f"{session.shared.slots.pair_name(report.incomplete_pair)}: a search for closest points was given up before all were found, first at "
+        f"{name}: a search for closest points was given up before all were found, first at "
         f"t = {float(report.incomplete_t):.6g} s, as where surfaces conform or a chart is singular: a "
         "contact may be missed there; a small change of the shapes or the start removes a perfect fit"
     )

@@ -29,6 +29,10 @@ EXCEEDED: Mapping[str, tuple[str, str]] = {  # by CAPACITIES: what was too much 
     ),
     "region": ("intersections of the outlines of two faces", LARGE),
     "events": ("events in one step", "shorter steps, by a tighter accuracy, hold fewer"),
+    "near": (
+        "near pairs of equal bodies",
+        "shorter runs, or fewer bodies among [contacts], have fewer",
+    ),
     "pressure": (
         "the pressure between two faces that slip",
         "planar_contacts = false lets faces stand on their corners",
