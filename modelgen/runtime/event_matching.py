@@ -316,11 +316,7 @@ class BodiesByContact(Mapping[str, set[int]]):
     def __getitem__(self, name: str) -> set[int]:
         if name not in self._known:
             pair, *_ = re.split("[#:]", name, maxsplit=1)
-            parts = ((pair[:at], pair[at + 1 :]) for at, each in enumerate(pair) if each == "-")
-            found = next((each for each in parts if self._members.keys() >= {*each}), None)
-            if found is None:
-                raise KeyError(name)
-            self._known[name] = {self._members[each] for each in found}
+            self._known[name] = {self._members[each] for each in pair.split("-")}
         return self._known[name]
 
     def __iter__(self) -> Iterator[str]:
