@@ -181,8 +181,9 @@ typedef struct {
   const int *ball_pair;          /* [all partners] these pairs; -1: none, whatever their classes */
 
   /* Where many bodies are equal, pairs of their shapes have no entries of their own: each pair that is near takes a
-     slot of its pool. Slots are pairs, the last ones before those of limits. The entries of all slots of a pool are those
-     of one pair, the pattern of the pool, which has its own; run->slot_balls tells which pair a slot stands for. */
+     slot of its pool. Slots are pairs, the last ones before those of limits. The entries of all slots of a pool are
+     those of one pair, the pattern of the pool, which has its own; run->slot_balls tells which pair a slot stands for.
+   */
   const int *pool_slot;      /* [n_pool + 1] range of pairs that are the slots of a pool, for pairs of two classes */
   const int *pool_pattern;   /* [n_pool] its pattern */
   const int *pool_width;     /* [n_pool] balls in the class of f */
@@ -629,16 +630,16 @@ typedef struct {
   mg_real *unfollowed_gap;     /* [n_pair] least gap found by that search that no contact was free to follow, m */
   mg_real *withheld_effort;    /* [n_pair] pairs of cells by which its searches look at fewer than usual */
   int *is_far;                 /* [n_pair] 1: left out, because its shapes are far apart */
-  int *slot_balls;             /* [2 per slot of the pools] of the pair in the slot: numbers of its balls o, f, from 1 on;
-                                  0: those of the pattern of its pool */
-  int *stop;                   /* [1] or null; 1: another thread or a signal handler asks that a call end soon */
-  mg_real *ball_at;            /* [4 n_ball] centre when near pairs were last looked for, m, world axes, and how far it
-                                  may move before that is due again, m */
-  int *closed;                 /* [n_contact] 1: the gap is held at zero */
-  int *active;                 /* [n_contact] 1: closed and carrying force */
-  int *friction_mode;          /* [n_friction] MG_FRICTION_OFF .. MG_SLIPPING */
-  mg_real *slip_direction;     /* [3 n_friction] direction of slip or rolling, unit vector; of spin, +-1 in the first */
-  int *patch_mode;             /* [n_patch_slot] mode of the friction of its patch, MG_FRICTION_OFF .. MG_SLIPPING */
+  int *slot_balls;         /* [2 per slot of the pools] of the pair in the slot: numbers of its balls o, f, from 1 on;
+                              0: those of the pattern of its pool */
+  int *stop;               /* [1] or null; 1: another thread or a signal handler asks that a call end soon */
+  mg_real *ball_at;        /* [4 n_ball] centre when near pairs were last looked for, m, world axes, and how far it
+                              may move before that is due again, m */
+  int *closed;             /* [n_contact] 1: the gap is held at zero */
+  int *active;             /* [n_contact] 1: closed and carrying force */
+  int *friction_mode;      /* [n_friction] MG_FRICTION_OFF .. MG_SLIPPING */
+  mg_real *slip_direction; /* [3 n_friction] direction of slip or rolling, unit vector; of spin, +-1 in the first */
+  int *patch_mode;         /* [n_patch_slot] mode of the friction of its patch, MG_FRICTION_OFF .. MG_SLIPPING */
   mg_real *patch_slip_direction; /* [4 n_patch_slot] direction of the slip of a patch: velocity in the middle of the
                                     support points (3) and spin times their radius; unit length */
   mg_real *patch_support_share;  /* [3 n_patch_slot] shares of its support points in its force at the state before this

@@ -25,7 +25,7 @@ from modelgen.scene.scene_types import (
 )
 from modelgen.scene.source_location import Place
 
-LISTED = 2000  # pairs: up to so many, all pairs of a group are listed
+LISTED = 500  # pairs: up to so many, all pairs of a group are listed
 POOLED = 100  # pairs of two classes: fewer are listed
 _AT_REST = (0.0, 0.0, 0.0)
 

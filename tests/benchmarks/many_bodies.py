@@ -81,7 +81,11 @@ def main() -> None:
         print(json.dumps(measured(Path(sys.argv[2]))))
         return
     counts = [int(word) for word in sys.argv[1:] or COUNTS]
-    print("bodies  " + "".join(f"{stage:>11}" for stage in STAGES) + "   all (s)   memory (MB)   pairs with entries")
+    print(
+        "bodies  "
+        + "".join(f"{stage:>11}" for stage in STAGES)
+        + "   all (s)   memory (MB)   pairs with entries"
+    )
     with TemporaryDirectory() as folder:
         for count in counts:
             path = Path(folder) / f"bodies_{count}.toml"

@@ -14,6 +14,7 @@ from modelgen.runtime.trajectory import Outcome, Trajectory
 from modelgen.scene import contact_groups
 from modelgen.scene import python_scenes as make
 from modelgen.scene.scene_types import Scene
+from tests.benchmarks.many_contacts import stack
 from tests.running import library_of
 
 SHAPES = {
@@ -24,7 +25,12 @@ SHAPES = {
     "cylinder": make.cylinder(0.04, 0.09),
     "frustum": make.frustum(0.05, 0.03, 0.08),
 }
-FAMILIES = (("sphere",), ("box",), ("sphere", "ellipsoid", "capsule"), ("box", "cylinder", "frustum", "sphere"))
+FAMILIES = (
+    ("sphere",),
+    ("box",),
+    ("sphere", "ellipsoid", "capsule"),
+    ("box", "cylinder", "frustum", "sphere"),
+)
 UNTIL = {"balanced": 0.18, "coarse": 0.18}
 
 
@@ -63,7 +69,9 @@ def listed_and_pooled(
             monkeypatch.setattr(contact_groups, name, limit)
         scene = heap(kinds, seed)
         assert bool(scene.pools) == (limits[0] == 1)
-        found.append(simulate(library_of(scene), until=UNTIL[accuracy], accuracy=accuracy, samples=9, estimate=False))
+        found.append(
+            simulate(library_of(scene), until=UNTIL[accuracy], accuracy=accuracy, samples=9, estimate=False)
+        )
     return found[0], found[1]
 
 
@@ -85,6 +93,23 @@ def test_pooled_runs_are_those_of_listed_pairs(
         mine, theirs = columns_in_common(listed, pooled)
         size = np.abs(mine["force"]).max()
         assert np.abs(mine["force"] - theirs["force"]).max() < 1e-4 * size  # one motion, shared otherwise
+
+
+def test_stacks_rest_on_faces_of_pairs_in_slots(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bit for bit, as the pairs of one pool are in the order of the scene."""
+    found = []
+    for limits in ((10**9, 10**9), (1, 2)):
+        for name, limit in zip(("LISTED", "POOLED"), limits, strict=True):
+            monkeypatch.setattr(contact_groups, name, limit)
+        found.append(simulate(library_of(stack(5)), until=0.3, accuracy="balanced", samples=4))
+    listed, pooled = found
+    assert np.array_equal(listed.p, pooled.p) and listed.steps == pooled.steps
+    assert [(each.kind, each.contact) for each in listed.events] == [
+        (each.kind, each.contact) for each in pooled.events
+    ]
+    resting = [sorted(path.patch_names[k] for k in path.patch[-1] if k >= 0) for path in (listed, pooled)]
+    assert len(resting[0]) == 5 and resting[0] == resting[1]
+    assert listed.doubts == pooled.doubts
 
 
 @pytest.mark.usefixtures("pooled")
@@ -134,7 +159,9 @@ def test_each_slot_has_the_entries_of_its_pattern() -> None:
     system, slots = tables.system, tables.slots
 
     def column(name: str, size: int) -> np.ndarray:
-        pointer = np.ctypeslib.as_array((np.ctypeslib.ctypes.c_int * size).from_address(getattr(system, name)))
+        pointer = np.ctypeslib.as_array(
+            (np.ctypeslib.ctypes.c_int * size).from_address(getattr(system, name))
+        )
         return np.array(pointer)
 
     pairs = column("pair_feature_pair", system.n_pair + 1)

@@ -415,7 +415,8 @@ MG_INTERNAL void mg_search_feature_pair(mg_context *c, int feature_pair, const m
    Returns how many searches within search_gap were given up. */
 MG_INTERNAL long mg_search_nearest(mg_context *c, int first, int end, mg_real least, long effort, mg_minima *found);
 
-/* Puts the contacts of a pair on its closest points, wherever they are. Returns how many were found. Needs the poses. */
+/* Puts the contacts of a pair on its closest points, wherever they are. Returns how many were found. Needs the poses.
+ */
 MG_INTERNAL int mg_follow_closest_points(mg_context *c, int pair);
 
 /* Finds the minima of all pairs at the start and assigns the contacts to them; puts limits on their feature pairs.

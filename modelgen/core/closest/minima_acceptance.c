@@ -92,7 +92,8 @@ MG_INTERNAL int mg_accept_minimum(mg_context *c, int feature_pair, mg_real *eta,
 
 MG_INTERNAL void mg_report_unfollowed_minimum(const mg_context *c, const mg_minimum *found) {
   if (found->d > mg_search_reach(c, c->system->feature_pair_owner[found->feature_pair])) return;
-  mg_report_unfollowed_pair(c->run, mg_told_pair(c->system, c->run, c->system->feature_pair_owner[found->feature_pair]));
+  mg_report_unfollowed_pair(c->run,
+                            mg_told_pair(c->system, c->run, c->system->feature_pair_owner[found->feature_pair]));
 }
 
 MG_INTERNAL void mg_note_penetration(mg_context *c, int contact, int feature_pair, mg_real depth, int outcome) {

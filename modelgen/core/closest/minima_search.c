@@ -9,7 +9,7 @@
 /* Counts a search that was given up in the report of the run, but where flat faces may lie on each other, which patches
    treat. Returns 1 if it was counted. */
 static int mg_report_incomplete_search(mg_context *c, int feature_pair) {
-  for (int patch = 0; patch < c->system->n_patch; patch++)
+  for (int patch = mg_next_patch(c, -1); patch < c->system->n_patch; patch = mg_next_patch(c, patch))
     if (mg_is_feature_pair_in_patch(c, patch, feature_pair)) return 0;
   c->search.incomplete++;
   mg_report_incomplete_pair(c->run, mg_told_pair(c->system, c->run, c->system->feature_pair_owner[feature_pair]));
@@ -283,8 +283,7 @@ static int mg_is_within_all_conditions(mg_context *c, const mg_minimum *at) {
    other would penetrate most, or is a ball whose centre is not in the other. */
 static int mg_do_closest_points_part(mg_context *c, int pair, int are_all, const mg_minima *nearest) {
   const mg_system *s = c->system;
-  const int first = s->pair_feature_pair[pair],
-            solid[2] = {mg_solid_of_pair(c, pair, 0), mg_solid_of_pair(c, pair, 1)};
+  const int first = s->pair_feature_pair[pair], solid[2] = {mg_solid_of_pair(c, pair, 0), mg_solid_of_pair(c, pair, 1)};
   if (!nearest->count) return 0;
   if (s->pair_feature_pair[pair + 1] == first + 1 && c->kernels->contact_kinds[s->feature_pair_kind[first]].is_convex)
     return 1;
@@ -400,7 +399,8 @@ MG_INTERNAL int mg_follow_closest_points(mg_context *c, int pair) {
   mg_report_failed_contact(c->run, -1);
   for (int i = contact; i < mg_pair_first_contact(c, pair + 1); i++) {
     if (!mg_is_on_feature_pair(c, i)) continue;
-    if (outcome || mg_newton_on_feature_pair(c, i, mg_contact_eta(c, c->run->x, i)) < 0) mg_set_feature_pair(c, i, -1, 0);
+    if (outcome || mg_newton_on_feature_pair(c, i, mg_contact_eta(c, c->run->x, i)) < 0)
+      mg_set_feature_pair(c, i, -1, 0);
     else count++;
   }
   return count;

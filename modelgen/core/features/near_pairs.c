@@ -8,8 +8,8 @@
 #include "closest/closest.h"
 
 enum {
-  MG_FLOOR_PARTS = 8, /* least margin: this part of search_gap */
-  MG_NEAR_STEPS = 8,  /* steps at the present velocities for which margins suffice, */
+  MG_FLOOR_PARTS = 8,  /* least margin: this part of search_gap */
+  MG_NEAR_STEPS = 8,   /* steps at the present velocities for which margins suffice, */
   MG_MARGIN_RADII = 1, /* but for movements of more than so many radii */
   MG_MARGIN_CUTS = 5   /* how often margins are cut where slots are too few */
 };
@@ -102,7 +102,8 @@ static void mg_enter_pair(mg_context *c, int pair) {
   if (!mg_is_pair_followed_from_anywhere(c, pair)) {
     c->run->is_search_due[pair] = 1, c->run->unfollowed_gap[pair] = MG_MAX;
     c->run->moved_since_search[pair] = c->run->watched_movement[pair] = 0;
-    if (c->system->pair_search[pair] == MG_SEARCH_NEVER && mg_follow_closest_points(c, pair)) mg_place_entered_pair(c, pair);
+    if (c->system->pair_search[pair] == MG_SEARCH_NEVER && mg_follow_closest_points(c, pair))
+      mg_place_entered_pair(c, pair);
     return;
   }
   for (int i = c->system->pair_contact[pair]; i < c->system->pair_contact[pair + 1]; i++) {
@@ -111,6 +112,12 @@ static void mg_enter_pair(mg_context *c, int pair) {
     mg_set_feature_pair(c, i, c->system->contact_feature_pair[i], eta);
   }
   mg_place_entered_pair(c, pair);
+}
+
+/* Loads the bodies of the support points of slots that no patch holds. */
+static void mg_load_supports_of_slots(mg_context *c) {
+  for (int i = c->layout.support_begin; i < c->system->n_contact; i++)
+    if (mg_is_slot(c->system, c->system->contact_pair[i]) && !mg_is_on_feature_pair(c, i)) mg_load_feature_pair(c, i);
 }
 
 /* Lists the pairs that are never left out and those found, both ascending; those found that were left out are kept in
@@ -159,7 +166,7 @@ static int mg_update_near_pairs(mg_context *c, mg_real h, const mg_real *change,
   for (int k = 0; k < c->listed.n_found; k++) c->run->is_far[c->listed.found[k]] = 0;
   mg_list_pairs(c);
   for (int k = 0; k < c->listed.n_found; k++) mg_enter_pair(c, c->listed.found[k]);
-  if (c->system->n_pool && c->listed.n_found) mg_set_incidence(c);
+  if (c->system->n_pool && c->listed.n_found) mg_load_supports_of_slots(c), mg_set_incidence(c);
   return left + c->listed.n_found;
 }
 

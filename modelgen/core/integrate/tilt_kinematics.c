@@ -21,7 +21,7 @@ static void mg_find_flat_normals(const mg_context *c, int contact, mg_rolling_st
   mg_real least = MG_MAX, face[2][12];
   mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.o[contact], c->search.placement + 5, start->normal);
   mg_world_to_local_direction(c->bodies.pose + 12 * c->contacts.f[contact], c->search.placement + 5, start->axis);
-  for (int patch = 0; patch < c->system->n_patch; patch++) {
+  for (int patch = mg_next_patch(c, -1); patch < c->system->n_patch; patch = mg_next_patch(c, patch)) {
     if (!mg_is_feature_pair_in_patch(c, patch, c->run->feature_pair[contact])) continue;
     const int swapped = mg_patch_body(c, patch, 0) != c->contacts.o[contact];
     for (int side = 0; side < 2; side++) mg_face_pose(c, patch, side != swapped, face[side]);

@@ -56,6 +56,16 @@ static void mg_append_contact(mg_context *c, int contact, mg_list_ends *last) {
     l->constraint[last->constraint + 1] = g, last->constraint = g;
 }
 
+/* Lists the patches of pairs that are not slots, and of slots that take part. */
+static void mg_list_patches(mg_context *c) {
+  const mg_system *s = c->system;
+  int last = -1;
+  for (int patch = 0; patch < s->n_patch; patch++)
+    if (!mg_is_slot(s, s->patch_pair[patch]) || !c->run->is_far[s->patch_pair[patch]])
+      c->listed.patch[last + 1] = patch, last = patch;
+  c->listed.patch[last + 1] = s->n_patch;
+}
+
 MG_INTERNAL void mg_list_pairs(mg_context *c) {
   const mg_system *s = c->system;
   mg_listing *l = &c->listed;
@@ -73,6 +83,7 @@ MG_INTERNAL void mg_list_pairs(mg_context *c) {
   l->row[last.friction_row + 1] = c->layout.spring_row_begin;
   for (int i = c->layout.spring_row_begin; i < c->layout.spring_row_end; i++) l->row[i + 1] = i + 1;
   l->constraint[last.constraint + 1] = s->n_friction;
+  mg_list_patches(c);
   mg_list_states(c);
 }
 

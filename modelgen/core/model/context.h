@@ -218,6 +218,7 @@ typedef struct {
   int *row;            /* [1 per row + 1] contacts and rows */
   int *constraint;     /* [1 per friction constraint + 1] friction constraints */
   int *pair;           /* [1 per pair + 1] pairs of shapes; those of limits are none */
+  int *patch;          /* [1 per patch + 1] patches but for those of slots that are left out */
   int *range;          /* [2 per contact + 6] first state and end of each range of states */
   int *always;         /* [per pair] pairs that are never left out, ascending */
   int *over_plane;     /* [per pair] pairs of a plane that does not move, which may be far */
@@ -226,7 +227,7 @@ typedef struct {
   int *grid;           /* [mg_grid_size] first ball of each place in the grid, or -1 */
   mg_grid_ball *balls; /* [system->n_ball] balls */
   mg_slot_listing slots;
-  int is_starting;     /* 1: ranges of states are not made anew when a contact changes its feature pair */
+  int is_starting; /* 1: ranges of states are not made anew when a contact changes its feature pair */
   int n_range, n_always, n_over_plane, n_listed, n_found;
   int n_contact;      /* contacts that take part */
   int has_candidates; /* 1: there are pairs that may be left out */

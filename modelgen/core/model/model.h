@@ -84,11 +84,11 @@ MG_INTERNAL void mg_require_tables(const mg_system *s);
 #define MG_NEEDS_PLACED(c, contact) MG_NEEDS_DIGEST(c, MG_VALID_PLACED, MG_PLACEMENT_OF(c, contact, 0))
 #define MG_NEEDS_PLACED_PAIR(c, feature_pair)                                                                       \
   MG_REQUIRE((c)->valid.of[MG_VALID_PLACED] == mg_placement_digest(c, (c)->system->feature_pair_kind[feature_pair], \
-                                                                   mg_feature_body(c, feature_pair, 0),            \
+                                                                   mg_feature_body(c, feature_pair, 0),             \
                                                                    mg_feature_body(c, feature_pair, 1), 0))
 #define MG_NEEDS_PLACEMENT(c, feature_pair, eta)                                                                       \
   MG_REQUIRE((c)->valid.of[MG_VALID_PLACEMENT] == mg_placement_digest(c, (c)->system->feature_pair_kind[feature_pair], \
-                                                                      mg_feature_body(c, feature_pair, 0),            \
+                                                                      mg_feature_body(c, feature_pair, 0),             \
                                                                       mg_feature_body(c, feature_pair, 1), eta))
 #else
 #define MG_NOTE(c, what, time, x) ((void)0)
@@ -427,6 +427,9 @@ static inline int mg_next_constraint(const mg_context *c, int constraint) {
 /* The same for pairs of shapes; beyond the last the number of pairs. */
 static inline int mg_next_pair(const mg_context *c, int pair) { return c->listed.pair[pair + 1]; }
 
+/* The same for patches; beyond the last the number of patches. */
+static inline int mg_next_patch(const mg_context *c, int patch) { return c->listed.patch[patch + 1]; }
+
 /* First of a range of states that take part. */
 static inline int mg_range_begin(const mg_context *c, int range) { return c->listed.range[2 * range]; }
 
@@ -484,8 +487,8 @@ MG_INTERNAL void mg_empty_slots(mg_context *c);
 /* Begins to look for near pairs: lists the slots in use. */
 MG_INTERNAL void mg_open_slots(mg_context *c);
 
-/* The slot of the pair of two balls, a free one if it has none; -1 if it is of no pool, or its pool has none left, which
-   c->listed.slots.exceeded tells. Needs mg_open_slots. */
+/* The slot of the pair of two balls, a free one if it has none; -1 if it is of no pool, or its pool has none left,
+   which c->listed.slots.exceeded tells. Needs mg_open_slots. */
 MG_INTERNAL int mg_slot_for_balls(mg_context *c, int small, int large);
 
 /* broad_phase.c */

@@ -34,7 +34,7 @@ MG_INTERNAL int mg_is_feature_pair_in_patch(const mg_context *c, int patch, int 
 MG_INTERNAL int mg_find_flat_patch_of_contact(const mg_context *c, int contact, mg_real tilt_tolerance) {
   const int feature_pair = c->run->feature_pair[contact];
   mg_real o[12], f[12];
-  for (int patch = 0; patch < c->system->n_patch; patch++) {
+  for (int patch = mg_next_patch(c, -1); patch < c->system->n_patch; patch = mg_next_patch(c, patch)) {
     if (!mg_is_feature_pair_in_patch(c, patch, feature_pair)) continue;
     mg_face_pose(c, patch, 0, o);
     mg_face_pose(c, patch, 1, f);
@@ -97,7 +97,8 @@ MG_INTERNAL int mg_may_patches_open(const mg_system *s) {
 }
 
 MG_INTERNAL int mg_has_opening_patch(const mg_context *c, int pair) {
-  for (int patch = 0; patch < c->system->n_patch && c->layout.may_patches_open; patch++)
+  for (int patch = mg_next_patch(c, -1); patch < c->system->n_patch && c->layout.may_patches_open;
+       patch = mg_next_patch(c, patch))
     if (mg_is_patch_of_pair(c, patch, pair) && mg_is_patch_opening(c, patch)) return 1;
   return 0;
 }
@@ -117,7 +118,8 @@ static mg_real mg_patch_tilt_rate(const mg_context *c, int patch) {
 
 MG_INTERNAL mg_real mg_patch_opening_step_limit(const mg_context *c) {
   mg_real longest = MG_MAX;
-  for (int patch = 0; patch < c->system->n_patch && c->layout.may_patches_open; patch++)
+  for (int patch = mg_next_patch(c, -1); patch < c->system->n_patch && c->layout.may_patches_open;
+       patch = mg_next_patch(c, patch))
     if (mg_is_patch_opening(c, patch))
       longest = mg_min(longest, 2 * c->settings->flat_angle / mg_patch_tilt_rate(c, patch));
   return longest;
@@ -150,7 +152,7 @@ MG_INTERNAL int mg_is_feature_pair_covered(const mg_context *c, int feature_pair
   }
   if (!c->system->n_patch_slot || !mg_is_feature_pair_of_flat_faces(c, feature_pair) || !mg_has_patch_rolling_start(c))
     return 0;
-  for (int patch = 0; patch < c->system->n_patch; patch++)
+  for (int patch = mg_next_patch(c, -1); patch < c->system->n_patch; patch = mg_next_patch(c, patch))
     if (mg_is_feature_pair_in_patch(c, patch, feature_pair) && mg_is_patch_rolling_start(c, patch)) return 1;
   return 0;
 }

@@ -68,7 +68,7 @@ MG_INTERNAL void mg_note_flush_blow(mg_context *c, int contact) {
       !mg_is_approaching_beyond_drift(c, contact))
     return;
   mg_place_contact(c, contact, mg_contact_eta(c, c->run->x, contact), next);
-  for (int patch = 0; patch < c->system->n_patch; patch++) {
+  for (int patch = mg_next_patch(c, -1); patch < c->system->n_patch; patch = mg_next_patch(c, patch)) {
     if (!mg_is_patch_of_pair(c, patch, pair) || !mg_is_flush_with(c, patch, feature_pair)) continue;
     mg_report_flush_blow(c->run, mg_told_contact(c->system, c->run, contact));
     return;

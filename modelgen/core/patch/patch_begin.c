@@ -37,8 +37,9 @@ static int mg_is_patch_flat(mg_context *c, int patch, mg_real touching, int movi
     mg_to_world(c->bodies.pose + 12 * body, mg_support_point_of_feature_pair(c, feature_pair), 1, at);
     mg_world_to_local_point(o, at, x);
     if (fabs(x[2]) > touching) return 0;
-    const mg_real speed = mg_point_speed_along_normal(c, c->bodies.twist, body, at, o + 9) -
-                          mg_point_speed_along_normal(c, c->bodies.twist, mg_feature_body(c, feature_pair, 0), at, o + 9);
+    const mg_real speed =
+        mg_point_speed_along_normal(c, c->bodies.twist, body, at, o + 9) -
+        mg_point_speed_along_normal(c, c->bodies.twist, mg_feature_body(c, feature_pair, 0), at, o + 9);
     fastest = mg_max(fastest, fabs(speed));
   }
   return (moving || mg_is_patch_at_rest(c, patch, fastest)) && mg_overlay_patch_regions(c, patch) > 2;
@@ -52,7 +53,8 @@ MG_INTERNAL int mg_is_contact_of_flat_patch(mg_context *c, int contact) {
 MG_INTERNAL int mg_hold_flat_patches_on_trial(mg_context *c, mg_real touching, int moving) {
   int count = 0;
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) c->patches.trial[slot] = 0;
-  for (int patch = 0; patch < c->system->n_patch && c->settings->planar_contacts; patch++) {
+  for (int patch = mg_next_patch(c, -1); patch < c->system->n_patch && c->settings->planar_contacts;
+       patch = mg_next_patch(c, patch)) {
     if (mg_slot_of_patch(c, patch) >= 0) continue;
     const int slot = mg_find_free_slot(c, patch);
     if ((slot >= 0 && c->patches.barred[slot] == patch) || (moving && mg_has_patch_friction(c, patch)) ||

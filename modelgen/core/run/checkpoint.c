@@ -87,10 +87,11 @@ static void mg_move_run(mg_stream *stream, const mg_system *s, mg_run *run) {
 
 /* Digest of the sizes of a system. */
 static mg_digest mg_digest_sizes(const mg_system *s) {
-  const int sizes[] = {s->n_body,     s->n_contact,   s->n_load,  s->n_pair,         s->n_feature_pair, s->n_q,
-                       s->n_u,        s->n_eta,       s->n_joint, s->n_joint_row,    s->n_patch,        s->n_patch_slot,
-                       s->n_friction, s->n_cell_tree, s->n_cell,  s->n_friction_row, s->n_numbers,      s->n_parameters,
-                       s->n_input,    s->n_ball,      s->n_switch, s->n_pool};
+  const int sizes[] = {
+      s->n_body,     s->n_contact,   s->n_load,   s->n_pair,         s->n_feature_pair, s->n_q,
+      s->n_u,        s->n_eta,       s->n_joint,  s->n_joint_row,    s->n_patch,        s->n_patch_slot,
+      s->n_friction, s->n_cell_tree, s->n_cell,   s->n_friction_row, s->n_numbers,      s->n_parameters,
+      s->n_input,    s->n_ball,      s->n_switch, s->n_pool};
   return mg_digest_ints(MG_DIGEST_START, sizes, (long)(sizeof sizes / sizeof *sizes));
 }
 

@@ -145,7 +145,7 @@ static void mg_set_listing_arrays(mg_context *c, mg_memory *memory) {
   l->balls = mg_reserve_items(memory, s->n_ball, sizeof(mg_grid_ball));
   l->row = mg_reserve_ints(memory, mg_row_count(s) + 1L), l->constraint = mg_reserve_ints(memory, s->n_friction + 1L);
   l->pair = mg_reserve_ints(memory, s->n_pair + 1L), l->range = mg_reserve_ints(memory, 2L * s->n_contact + 6);
-  l->over_plane = mg_reserve_ints(memory, s->n_pair);
+  l->over_plane = mg_reserve_ints(memory, s->n_pair), l->patch = mg_reserve_ints(memory, s->n_patch + 1L);
   l->always = mg_reserve_ints(memory, s->n_pair), l->listed = mg_reserve_ints(memory, s->n_pair);
   l->found = mg_reserve_ints(memory, s->n_pair), l->grid = mg_reserve_ints(memory, mg_grid_size(s));
   l->slots.of_ball = mg_reserve_ints(memory, s->n_pool ? s->n_ball : 0),

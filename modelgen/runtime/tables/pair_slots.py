@@ -40,44 +40,46 @@ class Axis:
 
     def __init__(self, count: int, blocks: Sequence[Block], at: int | None = None) -> None:
         """`count`: entries of the manifest; `at`: before which one slots have theirs; None: at the end."""
-        self.blocks, self.at = tuple(blocks), count if at is None else at
-        parts = [np.tile(np.arange(each.first, each.end), each.slots) for each in blocks]
-        repeated = np.concatenate([np.zeros(0, dtype=int), *parts])
-        own = np.arange(count)
-        self.order = np.concatenate([own[: self.at], repeated, own[self.at :]])
-        self.moved = np.where(own < self.at, own, own + len(repeated))  # where entries of the manifest are
+        self.blocks, self.at, self.count = tuple(blocks), count if at is None else at, count
         sizes = [each.size * each.slots for each in blocks]
-        self._pool = np.repeat(np.arange(len(blocks)), sizes)
-        slots = [np.repeat(np.arange(each.slots), each.size) for each in blocks]
-        self._slot = np.concatenate([np.zeros(0, dtype=int), *slots])
-        self._starts = np.array([*accumulate(sizes, initial=self.at)], dtype=int)
+        self._starts = [*accumulate(sizes, initial=self.at)]
+        self.repeats = sum(sizes)
 
     def __len__(self) -> int:
-        return len(self.order)
+        return self.count + self.repeats
+
+    @cached_property
+    def order(self) -> Array:
+        """Of each entry, which one of the manifest it repeats, or is."""
+        return self.repeated(np.arange(self.count))
+
+    @cached_property
+    def moved(self) -> Array:
+        """Where the entries of the manifest are."""
+        own = np.arange(self.count)
+        return np.where(own < self.at, own, own + self.repeats)
 
     def repeated(self, column: Array, width: int = 1) -> Array:
         """A column of `width` numbers an entry."""
-        found: Array = column.reshape(-1, width)[self.order].ravel()
-        return found
+        parts = (np.tile(column[width * b.first : width * b.end], b.slots) for b in self.blocks)
+        return np.concatenate([column[: width * self.at], *parts, column[width * self.at :]])
 
     def ranges(self, column: Array) -> Array:
         """A column of the starts of ranges, with the end of the last one."""
-        counts = np.diff(column)[self.order]
+        counts = self.repeated(np.diff(column))
         return np.concatenate([column[:1], column[0] + np.cumsum(counts)]).astype(column.dtype)
 
     def references(self, column: Array, to: Axis, width: int = 1) -> Array:
         """A column of numbers of entries of another axis, negative ones of none; those of slots are of the
         same slot."""
-        values = self.repeated(column, width).reshape(-1, width)
-        held = np.clip(values, 0, max(len(to.moved) - 1, 0))
-        found = np.where(values < 0, values, to.moved[held] if len(to.moved) else values)
-        first = np.array([each.first for each in to.blocks] + [0], dtype=int)
-        size = np.array([each.size for each in to.blocks] + [0], dtype=int)
-        begin = to._starts[self._pool] + self._slot * size[self._pool]
-        own = slice(self.at, self.at + len(self._pool))
-        moved = begin[:, None] + values[own] - first[self._pool][:, None]
-        found[own] = np.where(values[own] < 0, values[own], moved)
-        return found.ravel().astype(column.dtype)
+        moved = np.where(column < to.at, column, column + to.repeats).astype(column.dtype)
+        parts = []
+        for own, other, start in zip(self.blocks, to.blocks, to._starts, strict=False):
+            held = column[width * own.first : width * own.end]
+            slots = np.arange(own.slots, dtype=column.dtype)[:, None]
+            parts.append(np.where(held < 0, held, held + (start - other.first) + other.size * slots).ravel())
+        cut = width * self.at
+        return np.concatenate([moved[:cut], *parts, moved[cut:]]).astype(column.dtype)
 
 
 class PairSlots:
@@ -197,7 +199,7 @@ class PairSlots:
     def contacts_of_slots(self) -> Array:
         """The contacts of the core that are in slots, without support points."""
         first = self.contact.at
-        return np.arange(first, first + len(self.contact) - len(self.contact.moved))
+        return np.arange(first, first + self.contact.repeats)
 
     @cached_property
     def _slot_of_contact(self) -> tuple[Array, Array]:
@@ -410,7 +412,7 @@ def with_slots(integers: Columns, reals: Columns, slots: PairSlots) -> tuple[Col
 def _joined(axes: tuple[Axis, Axis], column: Array, width: int = 1, to: Axis | None = None) -> Array:
     """A column of entries of one axis, then of another; of numbers of entries of a third, where that is
     given."""
-    split = width * len(axes[0].moved)
+    split = width * axes[0].count
     parts = zip(axes, (column[:split], column[split:]), strict=True)
     return np.concatenate(
         [
@@ -428,7 +430,7 @@ def _ends(counts: Array) -> Array:
 def _within(axis: Axis, starts: Array) -> Axis:
     """The axis of what the entries of another one have, by the column of their starts."""
     blocks = [Block(int(starts[each.first]), int(starts[each.end]), each.slots) for each in axis.blocks]
-    return Axis(int(starts[len(axis.moved)]), blocks, int(starts[axis.at]))
+    return Axis(int(starts[axis.count]), blocks, int(starts[axis.at]))
 
 
 def _spans(column: Array, patch: Axis, to: Axis) -> Array:
