@@ -89,7 +89,8 @@ def test_pooled_runs_are_those_of_listed_pairs(
         blows = [
             {(each.contact, each.kind) for each in path.events if each.speed > 0} for path in (listed, pooled)
         ]
-        assert blows[0] == blows[1] and any("floor" not in contact for contact, _ in blows[0])
+        assert blows[0] == blows[1]
+        assert any("floor" not in contact for contact, _ in blows[0])
         mine, theirs = columns_in_common(listed, pooled)
         size = np.abs(mine["force"]).max()
         assert np.abs(mine["force"] - theirs["force"]).max() < 1e-4 * size  # one motion, shared otherwise
@@ -103,12 +104,14 @@ def test_stacks_rest_on_faces_of_pairs_in_slots(monkeypatch: pytest.MonkeyPatch)
             monkeypatch.setattr(contact_groups, name, limit)
         found.append(simulate(library_of(stack(5)), until=0.3, accuracy="balanced", samples=4))
     listed, pooled = found
-    assert np.array_equal(listed.p, pooled.p) and listed.steps == pooled.steps
+    assert np.array_equal(listed.p, pooled.p)
+    assert listed.steps == pooled.steps
     assert [(each.kind, each.contact) for each in listed.events] == [
         (each.kind, each.contact) for each in pooled.events
     ]
     resting = [sorted(path.patch_names[k] for k in path.patch[-1] if k >= 0) for path in (listed, pooled)]
-    assert len(resting[0]) == 5 and resting[0] == resting[1]
+    assert len(resting[0]) == 5
+    assert resting[0] == resting[1]
     assert listed.doubts == pooled.doubts
 
 
@@ -190,4 +193,5 @@ def test_bodies_that_results_name_have_pairs_of_their_own() -> None:
         sensor=[{"name": "gap", "of": "body1-body2.gap"}],
     )
     pooled = {name for members in named.classes for name, _ in members}
-    assert not {"body1", "body2"} & pooled and len(pooled) == 10
+    assert not {"body1", "body2"} & pooled
+    assert len(pooled) == 10
