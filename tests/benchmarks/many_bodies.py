@@ -1,8 +1,9 @@
 """What many bodies cost from the scene file to their first step.
 
 Run with `python -m tests.benchmarks.many_bodies [COUNT ..]`, 100, 500 and 2000 by default: bodies of six
-shapes over a floor, with friction, by time-stepping. Each count is run twice, each in a process of its own, so
-that the kinds are compiled the second time. Told are CPU time beyond imports, by stage, and the largest memory.
+shapes over a floor, with friction, by time-stepping. Each count is run twice, each in a process of its own,
+so that the kinds are compiled the second time. Told are CPU time beyond imports, by stage, and the largest
+memory.
 """
 
 from __future__ import annotations

@@ -329,7 +329,8 @@ class ContactNames:
         entry = self._slots.instance["pairs"][pattern]
         first, end = entry["contacts"]
         name = "-".join(self._bodies[body] for body in bodies)
-        return name + self._own[first + k][len(str(entry["name"])) :] if first + k < end else name
+        suffix = self._own[first + k][len(str(entry["name"])) :] if first + k < end else ""
+        return f"{name}{suffix}"
 
 
 def _span(numbers: Sequence[int]) -> tuple[int, int]:
