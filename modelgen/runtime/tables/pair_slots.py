@@ -321,7 +321,7 @@ class ContactNames:
     def __getitem__(self, index: int) -> str:
         if index >= self._all:
             return self._of_slot(index - self._all)
-        return self._own[self._slots.contact.order[index]]
+        return str(self._own[int(self._slots.contact.order[index])])
 
     def _of_slot(self, told: int) -> str:
         pair, k = divmod(told, self._slots.told_stride)
