@@ -102,8 +102,8 @@ MG_INTERNAL void mg_cross_product(const mg_real *a, const mg_real *b, mg_real *o
 /* Sorts integers in ascending order (Shell sort with Knuth's increments). */
 MG_INTERNAL void mg_sort_ints(int count, int *list);
 
-/* to = from, n numbers. */
-MG_INTERNAL void mg_copy_reals(mg_real *to, const mg_real *from, int n);
+/* to = from, n numbers; they do not overlap. */
+MG_INTERNAL void mg_copy_reals(mg_real *restrict to, const mg_real *restrict from, int n);
 
 /* polynomial_roots.c */
 

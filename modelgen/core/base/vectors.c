@@ -71,6 +71,6 @@ MG_INTERNAL void mg_sort_ints(int count, int *list) {
     }
 }
 
-MG_INTERNAL void mg_copy_reals(mg_real *to, const mg_real *from, int n) {
+MG_INTERNAL void mg_copy_reals(mg_real *restrict to, const mg_real *restrict from, int n) {
   for (int i = 0; i < n; i++) to[i] = from[i];
 }

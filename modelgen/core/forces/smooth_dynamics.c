@@ -188,7 +188,7 @@ MG_INTERNAL void mg_set_scene_forces(mg_context *c, const mg_real *force) {
       for (int k = mg_friction_row_count(c, g); k > 0; k--) *own++ = *force++;
     }
   }
-  for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++) c->solution.force[i] = *force++;
+  mg_copy_reals(c->solution.force + c->layout.joint_row_begin, force, s->n_joint_row);
 }
 
 MG_INTERNAL void mg_stage_right_hand_side(mg_context *c, int is_composed, mg_real t, const mg_real *x, mg_real *x_dot) {

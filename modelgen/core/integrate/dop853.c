@@ -89,16 +89,19 @@ static inline void mg_add_error(const mg_context *c, const mg_estimated_step *of
   error->fifth += e5 * weight * e5 * weight, error->third += e3 * weight * e3 * weight;
 }
 
-/* Adds the errors of the states from `begin` to `end`. */
+/* Adds the errors of the states from `begin` to `end`. The last block overlaps the one before it, of whose states it
+   adds none again. */
 static void mg_add_errors_of_range(const mg_context *c, const mg_estimated_step *of, int begin, int end,
                                    const mg_weighted_slopes *fifth, const mg_weighted_slopes *third,
                                    mg_squared_errors *error) {
+  const int last = end - MG_BLOCK;
   int i = begin;
-  for (; i + MG_BLOCK <= end; i += MG_BLOCK) {
+  for (; i < end && last >= begin; i += MG_BLOCK) {
+    const int at = i < last ? i : last;
     mg_real e5[MG_BLOCK] = {0}, e3[MG_BLOCK];
-    for (int j = 0; j < MG_BLOCK; j++) e3[j] = (of->end[i + j] - of->x[i + j]) / of->h;
-    mg_add_slopes(fifth, i, e5), mg_add_slopes(third, i, e3);
-    for (int j = 0; j < MG_BLOCK; j++) mg_add_error(c, of, i + j, e5[j], e3[j], error);
+    for (int j = 0; j < MG_BLOCK; j++) e3[j] = (of->end[at + j] - of->x[at + j]) / of->h;
+    mg_add_slopes(fifth, at, e5), mg_add_slopes(third, at, e3);
+    for (int j = i - at; j < MG_BLOCK; j++) mg_add_error(c, of, at + j, e5[j], e3[j], error);
   }
   for (; i < end; i++)
     mg_add_error(c, of, i, mg_add_slopes_of_state(fifth, i, 0),
@@ -120,12 +123,13 @@ MG_INTERNAL mg_real mg_dop853_error(const mg_context *c, const mg_real *x, const
 
 MG_INTERNAL mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   MG_NEEDS(c, MG_VALID_SLOPE, t, x);
-  const int is_composed = mg_is_in_mode_of_scene_rhs(c);
+  const int is_composed = mg_is_in_mode_of_scene_rhs(c),
+            is_watched = mg_has_event_functions(c) || c->listed.has_candidates;
   mg_follower *follower = c->step.follower && c->step.follower->is_open ? c->step.follower : 0;
   if (follower) follower->stage(c, follower->of, is_composed, 0, t, h);
   for (int stage = 1; stage < 12; stage++) {
     mg_dop853_stage(c, is_composed, stage, t, x, h);
-    if (stage > 2) mg_watch_event_signs(c), mg_sample_margins_at_stage(c, stage);
+    if (stage > 2 && is_watched) mg_watch_event_signs(c), mg_sample_margins_at_stage(c, stage);
     if (follower) follower->stage(c, follower->of, is_composed, stage, t + mg_dop_time[stage] * h, h);
   }
   mg_dop853_combine(c, 12, x, h, c->step.end);

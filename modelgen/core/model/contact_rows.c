@@ -124,16 +124,6 @@ MG_INTERNAL void mg_update_contact_rows(mg_context *c, const mg_real *x) {
   MG_NOTE(c, MG_VALID_ROWS, c->valid.t, x), MG_NOTE_WITH(c, MG_VALID_GAPS, MG_VALID_POSES);
 }
 
-MG_INTERNAL mg_real mg_row_times(const mg_context *c, int contact, const mg_real *per_body) {
-  MG_REQUIRE(contact >= 0 && contact < c->layout.spring_row_end);
-  const mg_real *J = c->rows.J + 12 * contact;
-  const int o = c->contacts.o[contact], f = c->contacts.f[contact];
-  mg_real sum = 0;
-  if (c->bodies.motion[o] != MG_FIXED) sum = mg_dot6(J, per_body + 6 * o);
-  if (c->bodies.motion[f] != MG_FIXED) sum += mg_dot6(J + 6, per_body + 6 * f);
-  return sum;
-}
-
 MG_INTERNAL mg_real mg_prescribed_gap_rate(const mg_context *c, int contact) {
   mg_real rate = c->rows.time_rate[contact];
   for (int side = 0; side < 2; side++) {

@@ -359,7 +359,7 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
   c->system = system, c->kernels = system->kernels, c->settings = settings, c->run = run;
   c->layout.n_states = (int)mg_state_count(system), c->layout.work_state = c->layout.n_states - 1,
   c->step.sign_changed = c->step.is_end_evaluated = c->events.passage.is_paused = 0, c->patches.hull_patch = -1,
-  c->step.follower = 0, c->lcp.keeps_matrix = c->lcp.n_assembled = 0, c->solution.least_pivot = 0;
+  c->step.follower = 0, c->lcp.keeps_matrix = c->lcp.n_assembled = c->lcp.is_of_joints = 0, c->solution.least_pivot = 0;
   c->search.view_round = 0, c->step.work = 0, c->step.mode_choices = c->step.chooses_modes = 0;
   c->layout.limit_pair_begin = mg_first_limit_pair(system);
   c->layout.limit_begin = system->pair_contact[c->layout.limit_pair_begin];
