@@ -85,7 +85,10 @@ MG_INTERNAL mg_real mg_dot3(const mg_real *a, const mg_real *b);
 MG_INTERNAL mg_real mg_dot6(const mg_real *a, const mg_real *b);
 
 /* y += s x, of six components. */
-MG_INTERNAL void mg_add_multiple6(mg_real s, const mg_real *x, mg_real *y);
+static inline void mg_add_multiple6(mg_real s, const mg_real *x, mg_real *y) {
+  y[0] += x[0] * s, y[1] += x[1] * s, y[2] += x[2] * s;
+  y[3] += x[3] * s, y[4] += x[4] * s, y[5] += x[5] * s;
+}
 
 /* Scales a vector to unit length. Returns 0 if its length is zero or not finite. */
 MG_INTERNAL int mg_normalise3(mg_real *n);

@@ -53,8 +53,28 @@ static void mg_add_products_of_side(mg_context *c, const int *list, int n, int s
   }
 }
 
+/* Lists the rows that act on each body that forces move, sorted by body; a row with one body on both sides once. */
+static void mg_set_incidence(mg_context *c) {
+  const int n_body = c->system->n_body, n_row = c->layout.spring_row_end, probe = c->system->n_contact;
+  int *begin = c->islands.incident_begin;
+  for (int b = 0; b <= n_body; b++) begin[b] = 0;
+  for (int row = 0; row < n_row; row++) {
+    const int o = c->contacts.o[row], f = c->contacts.f[row];
+    if (row == probe) continue;
+    begin[o] += mg_is_moved_by_forces(c, o), begin[f] += f != o && mg_is_moved_by_forces(c, f);
+  }
+  for (int b = 0; b < n_body; b++) begin[b + 1] += begin[b];
+  for (int row = n_row - 1; row >= 0; row--) {
+    const int o = c->contacts.o[row], f = c->contacts.f[row];
+    if (row == probe) continue;
+    if (f != o && mg_is_moved_by_forces(c, f)) c->islands.incident[--begin[f]] = row;
+    if (mg_is_moved_by_forces(c, o)) c->islands.incident[--begin[o]] = row;
+  }
+}
+
 /* Adds J MJ of n listed rows, through the lists of rows of each body. */
 static void mg_add_products_by_body(mg_context *c, const int *list, int n) {
+  if (c->islands.incident_begin[0] < 0) mg_set_incidence(c);
   for (int r = 0; r < n; r++) c->lcp.column[list[r]] = r;
   for (int r = 0; r < n; r++)
     for (int side = 0; side < 2; side++) {
