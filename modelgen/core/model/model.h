@@ -55,6 +55,9 @@ MG_INTERNAL mg_digest mg_kept_rows_digest(const mg_context *c, int n);
 /* True if M^-1 J^T of n listed rows is that of their J. */
 MG_INTERNAL int mg_are_inverse_mass_rows_valid(const mg_context *c, const int *list, int n);
 
+/* True if c->lcp.A is the matrix of n listed rows, whose M^-1 J^T is known. */
+MG_INTERNAL int mg_is_matrix_of_rows(const mg_context *c, const int *list, int n);
+
 /* True if c->lcp.rows are the rows of a friction problem: of its contacts, one after the other, then bilateral ones. */
 MG_INTERNAL int mg_are_contact_rows_first(const mg_context *c, const mg_friction_problem *p);
 
