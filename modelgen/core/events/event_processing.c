@@ -141,7 +141,8 @@ static int mg_is_closed_by_impact(const mg_context *c, int contact) {
 /* Closes the contacts that an impact has made approach; returns how many. */
 static int mg_close_gaps_after_impact(mg_context *c, mg_events *events) {
   int n = 0;
-  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i)) n += mg_is_closed_by_impact(c, i);
+  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
+    n += mg_is_closed_by_impact(c, i);
   if (n == 0) return 0;
   mg_evaluate_run_state(c);
   for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))

@@ -8,6 +8,7 @@
 MG_INTERNAL int mg_rank_joints(mg_context *c, int *rank) {
   const int n = mg_assemble_joint_rows(c);
   int total = 0;
+  MG_REQUIRE(mg_is_matrix_of_rows(c, c->lcp.rows, n));
   c->lcp.is_of_joints = 0;
   for (int r = 0; r < n; r++) { /* column r of the upper factor; the entries below the diagonal stay */
     mg_real *column = c->lcp.A + n * r;
@@ -52,8 +53,8 @@ static int mg_have_rows_turned_little(const mg_context *c) {
   for (int r = 0; r < n; r++) {
     if (!c->lcp.joint_mask[r]) continue;
     const mg_real pivot = c->lcp.A[r + n * r], *before = c->run->joint_row_before + 12 * r;
-    change += mg_square_of_row_change(c, c->layout.joint_row_begin + r, before) * c->joints.independence[r] /
-              (pivot * pivot);
+    change +=
+        mg_square_of_row_change(c, c->layout.joint_row_begin + r, before) * c->joints.independence[r] / (pivot * pivot);
     determinant *= c->joints.independence[r];
   }
   return 3 * change < determinant;
