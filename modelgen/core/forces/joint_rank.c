@@ -53,6 +53,7 @@ static int mg_have_rows_turned_little(const mg_context *c) {
   for (int r = 0; r < n; r++) {
     if (!c->lcp.joint_mask[r]) continue;
     const mg_real pivot = c->lcp.A[r + n * r], *before = c->run->joint_row_before + 12 * r;
+    MG_REQUIRE(!c->lcp.is_of_joints && pivot > 0);
     change +=
         mg_square_of_row_change(c, c->layout.joint_row_begin + r, before) * c->joints.independence[r] / (pivot * pivot);
     determinant *= c->joints.independence[r];
