@@ -90,6 +90,23 @@ static inline void mg_add_multiple6(mg_real s, const mg_real *x, mg_real *y) {
   y[3] += x[3] * s, y[4] += x[4] * s, y[5] += x[5] * s;
 }
 
+/* y += s x, of n components; in blocks, which compilers turn into vector instructions. */
+static inline void mg_add_multiple(int n, mg_real s, const mg_real *restrict x, mg_real *restrict y) {
+  int i = 0;
+  for (; i + 8 <= n; i += 8)
+    for (int k = 0; k < 8; k++) y[i + k] += s * x[i + k];
+  for (; i < n; i++) y[i] += s * x[i];
+}
+
+/* Scalar product of two vectors of n components, summed one after the other. */
+static inline mg_real mg_dot(int n, const mg_real *a, const mg_real *b) {
+  mg_real sum = 0;
+  int i = 0;
+  for (; i + 4 <= n; i += 4) sum = sum + a[i] * b[i] + a[i + 1] * b[i + 1] + a[i + 2] * b[i + 2] + a[i + 3] * b[i + 3];
+  for (; i < n; i++) sum += a[i] * b[i];
+  return sum;
+}
+
 /* Scales a vector to unit length. Returns 0 if its length is zero or not finite. */
 MG_INTERNAL int mg_normalise3(mg_real *n);
 
