@@ -91,7 +91,7 @@ static inline void mg_add_multiple6(mg_real s, const mg_real *x, mg_real *y) {
 }
 
 /* y += s x, of n components; in blocks, which compilers turn into vector instructions. */
-static inline void mg_add_multiple(int n, mg_real s, const mg_real *restrict x, mg_real *restrict y) {
+static inline void mg_add_scaled(int n, mg_real s, const mg_real *restrict x, mg_real *restrict y) {
   int i = 0;
   for (; i + 8 <= n; i += 8)
     for (int k = 0; k < 8; k++) y[i + k] += s * x[i + k];

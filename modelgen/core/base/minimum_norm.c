@@ -25,7 +25,7 @@ static void mg_orthonormalise(mg_factor *f) {
       for (int m = 0; m < j; ++m) {
         const mg_real *p = f->Q + m * k;
         const mg_real dot = mg_dot(k, p, q);
-        mg_add_multiple(k, -dot, p, q);
+        mg_add_scaled(k, -dot, p, q);
         R[m] += dot;
       }
     R[j] = (mg_real)sqrt(mg_dot(k, q, q));
@@ -52,14 +52,14 @@ static void mg_solve_rank_deficient(const mg_factor *f, mg_real *t, mg_real *s) 
   for (int j = 0; j < r; ++j) s[j] = mg_dot(k, f->Q + j * k, t);
   for (int j = r - 1; j >= 0; --j) {
     s[j] /= f->R[j + j * r];
-    mg_add_multiple(j, -s[j], f->R + j * r, s);
+    mg_add_scaled(j, -s[j], f->R + j * r, s);
   }
   for (int j = 0; j < r; ++j) {
     for (int i = 0; i < j; ++i) s[j] -= f->R[i + j * r] * s[i];
     s[j] /= f->R[j + j * r];
   }
   for (int i = 0; i < k; ++i) t[i] = 0;
-  for (int j = 0; j < r; ++j) mg_add_multiple(k, s[j], f->Q + j * k, t);
+  for (int j = 0; j < r; ++j) mg_add_scaled(k, s[j], f->Q + j * k, t);
 }
 
 /* y -= S^+ residual; t and s are scratch of k. */
@@ -91,7 +91,7 @@ MG_INTERNAL int mg_minimum_norm_two(mg_real s, const mg_real *c, mg_real *y) {
 /* residual = S y + c. */
 static void mg_linear_residual(int k, const mg_real *S, const mg_real *c, const mg_real *y, mg_real *residual) {
   for (int i = 0; i < k; ++i) residual[i] = c[i];
-  for (int j = 0; j < k; ++j) mg_add_multiple(k, y[j], S + j * k, residual);
+  for (int j = 0; j < k; ++j) mg_add_scaled(k, y[j], S + j * k, residual);
 }
 
 /* Solves S y = -c by the plain factor, of the given least pivot, with one step of iterative refinement. Returns 0 if S
