@@ -146,7 +146,7 @@ static int mg_close_gaps_after_impact(mg_context *c, mg_events *events) {
   if (n == 0) return 0;
   mg_evaluate_run_state(c);
   for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
-    if (mg_is_gap_closing(c, i)) mg_close_gap(c, events, i);
+    if (mg_is_closed_by_impact(c, i)) mg_close_gap(c, events, i);
   return n;
 }
 
