@@ -666,7 +666,7 @@ typedef struct {
   mg_real *search_bound;  /* [n_cell_tree] bound up to which the unbounded coordinates of the features of a tree
                              have been searched for closest points */
   mg_real *joint_independence_max; /* [n_joint] largest product of the independence of its rows so far, 0..1 */
-  mg_real *joint_response;         /* [12 n_joint_row] M^-1 J^T at the last accepted step */
+  mg_real *joint_row_before;       /* [12 n_joint_row] J of the joint rows at the last accepted step */
   int *joint_row_independent;      /* [n_joint_row] 1: independent of the rows before it at the last accepted step */
   int *joint_row_ever_independent; /* [n_joint_row] 1: the same at any accepted step so far */
 

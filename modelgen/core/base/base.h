@@ -85,7 +85,27 @@ MG_INTERNAL mg_real mg_dot3(const mg_real *a, const mg_real *b);
 MG_INTERNAL mg_real mg_dot6(const mg_real *a, const mg_real *b);
 
 /* y += s x, of six components. */
-MG_INTERNAL void mg_add_multiple6(mg_real s, const mg_real *x, mg_real *y);
+static inline void mg_add_multiple6(mg_real s, const mg_real *x, mg_real *y) {
+  y[0] += x[0] * s, y[1] += x[1] * s, y[2] += x[2] * s;
+  y[3] += x[3] * s, y[4] += x[4] * s, y[5] += x[5] * s;
+}
+
+/* y += s x, of n components; in blocks, which compilers turn into vector instructions. */
+static inline void mg_add_scaled(int n, mg_real s, const mg_real *restrict x, mg_real *restrict y) {
+  int i = 0;
+  for (; i + 8 <= n; i += 8)
+    for (int k = 0; k < 8; k++) y[i + k] += s * x[i + k];
+  for (; i < n; i++) y[i] += s * x[i];
+}
+
+/* Scalar product of two vectors of n components, summed one after the other. */
+static inline mg_real mg_dot(int n, const mg_real *a, const mg_real *b) {
+  mg_real sum = 0;
+  int i = 0;
+  for (; i + 4 <= n; i += 4) sum = sum + a[i] * b[i] + a[i + 1] * b[i + 1] + a[i + 2] * b[i + 2] + a[i + 3] * b[i + 3];
+  for (; i < n; i++) sum += a[i] * b[i];
+  return sum;
+}
 
 /* Scales a vector to unit length. Returns 0 if its length is zero or not finite. */
 MG_INTERNAL int mg_normalise3(mg_real *n);
@@ -102,8 +122,8 @@ MG_INTERNAL void mg_cross_product(const mg_real *a, const mg_real *b, mg_real *o
 /* Sorts integers in ascending order (Shell sort with Knuth's increments). */
 MG_INTERNAL void mg_sort_ints(int count, int *list);
 
-/* to = from, n numbers. */
-MG_INTERNAL void mg_copy_reals(mg_real *to, const mg_real *from, int n);
+/* to = from, n numbers; they do not overlap. */
+MG_INTERNAL void mg_copy_reals(mg_real *restrict to, const mg_real *restrict from, int n);
 
 /* polynomial_roots.c */
 

@@ -13,9 +13,8 @@ MG_INTERNAL mg_real mg_cholesky(int k, mg_real *L) {
     column[j] = reciprocal;
     for (int i = j + 1; i < k; ++i) column[i] *= reciprocal;
     for (int c = j + 1; c < k; ++c) {
-      mg_real factor = column[c], *target = L + c * k;
-      if (factor == 0) continue;
-      for (int i = c; i < k; ++i) target[i] -= factor * column[i];
+      const mg_real factor = column[c];
+      if (factor != 0) mg_add_scaled(k - c, -factor, column + c, L + c * k + c);
     }
   }
   return smallest;
@@ -113,8 +112,7 @@ MG_INTERNAL int mg_cholesky_pivoted(int k, mg_real *L, int *order, mg_real floor
     mg_swap_rows_and_columns(k, L, order, j, j, largest);
     reciprocal = 1 / (mg_real)sqrt(column[j]);
     for (int i = j; i < k; ++i) column[i] *= reciprocal;
-    for (int c = j + 1; c < k; ++c)
-      for (int i = j + 1; i < k; ++i) L[i + c * k] -= column[c] * column[i];
+    for (int c = j + 1; c < k; ++c) mg_add_scaled(k - j - 1, -column[c], column + j + 1, L + c * k + j + 1);
   }
   return k;
 }

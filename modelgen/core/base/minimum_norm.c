@@ -18,19 +18,17 @@ typedef struct {
 static void mg_orthonormalise(mg_factor *f) {
   int k = f->k, r = f->rank;
   for (int j = 0; j < r; ++j) {
-    mg_real *q = f->Q + j * k, *R = f->R + j * r, norm = 0;
+    mg_real *q = f->Q + j * k, *R = f->R + j * r;
     for (int i = 0; i < k; ++i) q[i] = i < j ? 0 : f->L[i + j * k];
     for (int i = 0; i < r; ++i) R[i] = 0;
     for (int pass = 0; pass < 2; ++pass)
       for (int m = 0; m < j; ++m) {
         const mg_real *p = f->Q + m * k;
-        mg_real dot = 0;
-        for (int i = 0; i < k; ++i) dot += p[i] * q[i];
-        for (int i = 0; i < k; ++i) q[i] -= dot * p[i];
+        const mg_real dot = mg_dot(k, p, q);
+        mg_add_scaled(k, -dot, p, q);
         R[m] += dot;
       }
-    for (int i = 0; i < k; ++i) norm += q[i] * q[i];
-    R[j] = (mg_real)sqrt(norm);
+    R[j] = (mg_real)sqrt(mg_dot(k, q, q));
     for (int i = 0; i < k; ++i) q[i] /= R[j];
   }
 }
@@ -51,21 +49,17 @@ static void mg_solve_full_rank(const mg_factor *f, mg_real *t) {
 /* Replaces t by Q R^-T R^-1 Q' t; s is scratch of k. */
 static void mg_solve_rank_deficient(const mg_factor *f, mg_real *t, mg_real *s) {
   int k = f->k, r = f->rank;
-  for (int j = 0; j < r; ++j) {
-    s[j] = 0;
-    for (int i = 0; i < k; ++i) s[j] += f->Q[i + j * k] * t[i];
-  }
+  for (int j = 0; j < r; ++j) s[j] = mg_dot(k, f->Q + j * k, t);
   for (int j = r - 1; j >= 0; --j) {
     s[j] /= f->R[j + j * r];
-    for (int i = 0; i < j; ++i) s[i] -= f->R[i + j * r] * s[j];
+    mg_add_scaled(j, -s[j], f->R + j * r, s);
   }
   for (int j = 0; j < r; ++j) {
     for (int i = 0; i < j; ++i) s[j] -= f->R[i + j * r] * s[i];
     s[j] /= f->R[j + j * r];
   }
   for (int i = 0; i < k; ++i) t[i] = 0;
-  for (int j = 0; j < r; ++j)
-    for (int i = 0; i < k; ++i) t[i] += f->Q[i + j * k] * s[j];
+  for (int j = 0; j < r; ++j) mg_add_scaled(k, s[j], f->Q + j * k, t);
 }
 
 /* y -= S^+ residual; t and s are scratch of k. */
@@ -97,8 +91,7 @@ MG_INTERNAL int mg_minimum_norm_two(mg_real s, const mg_real *c, mg_real *y) {
 /* residual = S y + c. */
 static void mg_linear_residual(int k, const mg_real *S, const mg_real *c, const mg_real *y, mg_real *residual) {
   for (int i = 0; i < k; ++i) residual[i] = c[i];
-  for (int j = 0; j < k; ++j)
-    for (int i = 0; i < k; ++i) residual[i] += S[i + j * k] * y[j];
+  for (int j = 0; j < k; ++j) mg_add_scaled(k, y[j], S + j * k, residual);
 }
 
 /* Solves S y = -c by the plain factor, of the given least pivot, with one step of iterative refinement. Returns 0 if S

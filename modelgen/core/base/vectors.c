@@ -3,9 +3,9 @@
 #include "base/base.h"
 
 MG_INTERNAL int mg_all_finite(int count, const mg_real *x) {
-  for (int i = 0; i < count; ++i)
-    if (!(fabs(x[i]) <= MG_MAX)) return 0;
-  return 1;
+  mg_real sum = 0; /* of zeros, or NaN */
+  for (int i = 0; i < count; ++i) sum += 0 * x[i];
+  return sum == 0;
 }
 
 MG_INTERNAL mg_real mg_max_abs(int count, const mg_real *x) {
@@ -32,11 +32,6 @@ MG_INTERNAL mg_real mg_dot3(const mg_real *a, const mg_real *b) { return a[0] * 
 
 MG_INTERNAL mg_real mg_dot6(const mg_real *a, const mg_real *b) {
   return ((a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])) + (a[4] * b[4] + a[5] * b[5]);
-}
-
-MG_INTERNAL void mg_add_multiple6(mg_real s, const mg_real *x, mg_real *y) {
-  y[0] += x[0] * s, y[1] += x[1] * s, y[2] += x[2] * s;
-  y[3] += x[3] * s, y[4] += x[4] * s, y[5] += x[5] * s;
 }
 
 MG_INTERNAL int mg_normalise3(mg_real *n) {
@@ -71,6 +66,6 @@ MG_INTERNAL void mg_sort_ints(int count, int *list) {
     }
 }
 
-MG_INTERNAL void mg_copy_reals(mg_real *to, const mg_real *from, int n) {
+MG_INTERNAL void mg_copy_reals(mg_real *restrict to, const mg_real *restrict from, int n) {
   for (int i = 0; i < n; i++) to[i] = from[i];
 }

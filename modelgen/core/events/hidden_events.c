@@ -11,7 +11,7 @@ MG_INTERNAL int mg_has_possible_hidden_event(mg_context *c) {
   MG_NEEDS_ANY(c, MG_VALID_FORCES), MG_NEEDS_WITH(c, MG_VALID_RATES, MG_VALID_TWISTS);
   mg_margin_sample p[4];
   mg_real theta;
-  if (c->settings->method != MG_DOP853) return 0;
+  if (c->settings->method != MG_DOP853 || !mg_has_event_functions(c)) return 0;
   if (mg_is_collocated(c)) return c->system->n_friction > 0; /* none of its stages was taken */
   mg_sample_event_margins(c, MG_MARGIN_SAMPLES - 1);
   for (int which = mg_next_event_margin(c, -1); which < mg_event_margin_count(c->system);

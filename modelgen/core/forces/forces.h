@@ -667,6 +667,11 @@ MG_INTERNAL int mg_project_initial_joints(mg_context *c);
 
 /* event_margin_samples.c */
 
+/* True if anything that takes part has event functions: a contact, a switched load, or a patch. */
+static inline int mg_has_event_functions(const mg_context *c) {
+  return c->listed.n_contact > 0 || c->system->n_switch > 0 || c->system->n_patch_slot > 0;
+}
+
 /* Store the present event margins as a sample of the step; those of slots are stored already. Needs the
    right-hand side and the gap velocities. */
 MG_INTERNAL void mg_sample_event_margins(mg_context *c, int sample);

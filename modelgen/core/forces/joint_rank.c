@@ -6,26 +6,26 @@
 #include "model/model.h"
 
 MG_INTERNAL int mg_rank_joints(mg_context *c, int *rank) {
-  const int n = mg_append_joint_rows(c, c->lcp.rows, 0);
+  const int n = mg_assemble_joint_rows(c);
   int total = 0;
-  if (n > 0 && mg_are_rows_of_one_pair(c, c->lcp.rows, n)) mg_assemble_delassus_of_pair(c, c->lcp.rows, n);
-  else mg_assemble_delassus(c, c->lcp.rows, n);
-  for (int r = 0; r < n; r++) {
-    const mg_real own = c->contacts.is_inertial[c->lcp.rows[r]] ? 0 : c->lcp.A[r + n * r];
+  MG_REQUIRE(mg_is_matrix_of_rows(c, c->lcp.rows, n));
+  c->lcp.is_of_joints = 0;
+  for (int r = 0; r < n; r++) { /* column r of the upper factor; the entries below the diagonal stay */
+    mg_real *column = c->lcp.A + n * r;
+    const mg_real own = c->contacts.is_inertial[c->lcp.rows[r]] ? 0 : column[r];
     mg_real left = own;
     for (int k = 0; k < r; k++) {
-      if (!c->lcp.joint_mask[k]) continue;
-      mg_real entry = c->lcp.A[r + n * k];
-      for (int j = 0; j < k; j++)
-        if (c->lcp.joint_mask[j]) entry -= c->lcp.A[r + n * j] * c->lcp.A[k + n * j];
-      c->lcp.A[r + n * k] = entry / c->lcp.A[k + n * k];
-      left -= c->lcp.A[r + n * k] * c->lcp.A[r + n * k];
+      const mg_real *other = c->lcp.A + n * k;
+      mg_real entry = other[r];
+      for (int j = 0; j < k; j++) entry -= column[j] * other[j];
+      column[k] = c->lcp.joint_mask[k] ? entry / other[k] : 0;
+      left -= column[k] * column[k];
     }
     c->joints.independence[r] = own > 0 && left > 0 ? left / own : 0;
     c->lcp.joint_mask[r] = c->joints.independence[r] > c->settings->joint_rank_tolerance;
     total += c->lcp.joint_mask[r];
     if (rank) rank[mg_row_joint(c, c->lcp.rows[r])] += c->lcp.joint_mask[r];
-    if (c->lcp.joint_mask[r]) c->lcp.A[r + n * r] = sqrt(left);
+    if (c->lcp.joint_mask[r]) column[r] = sqrt(left);
   }
   return total;
 }
@@ -38,22 +38,45 @@ MG_INTERNAL int mg_count_dependent_joint_rows(mg_context *c) {
   return count;
 }
 
+/* True if the independent joint rows have changed so little since the step before that none can have turned far or
+   reversed its direction. Needs the factor of mg_rank_joints.
+
+   For the rows J, those of the step before P and E = J - P, all scaled by the diagonal of J M^-1 J^T,
+
+     y^T (J M^-1 P^T) y = |J^T y|^2 - (J^T y, E^T y) >= |J^T y| (|J^T y| - |E^T y|) > 0   in the metric M^-1
+
+   if the sum of |E|^2 over the rows is less than the least eigenvalue of J M^-1 J^T. Its trace is n, so that this is at
+   least its determinant, the product of the independences, times (1 - 1/n)^(n - 1) > 1/e. */
+static int mg_have_rows_turned_little(const mg_context *c) {
+  const int n = c->system->n_joint_row;
+  mg_real change = 0, determinant = 1;
+  for (int r = 0; r < n; r++) {
+    if (!c->lcp.joint_mask[r]) continue;
+    const mg_real pivot = c->lcp.A[r + n * r], *before = c->run->joint_row_before + 12 * r;
+    MG_REQUIRE(!c->lcp.is_of_joints && pivot > 0);
+    change +=
+        mg_square_of_row_change(c, c->layout.joint_row_begin + r, before) * c->joints.independence[r] / (pivot * pivot);
+    determinant *= c->joints.independence[r];
+  }
+  return 3 * change < determinant;
+}
+
 /* c->lcp.A = J M^-1 J^T over the n rows of c->lcp.rows, with J of this step on the left and J of the step before on the
    right. */
 static void mg_set_products_with_previous(mg_context *c, int n) {
+  const int *rows = c->lcp.rows, *o = c->contacts.o, *f = c->contacts.f;
   for (int j = 0; j < n; j++) {
-    const int column = c->lcp.rows[j], o = c->contacts.o[column], f = c->contacts.f[column];
-    const mg_real *MJ = c->run->joint_response + 12 * (column - c->layout.joint_row_begin);
-    for (int i = 0; i < n; i++) {
-      const int row = c->lcp.rows[i], bodies[2] = {c->contacts.o[row], c->contacts.f[row]};
-      mg_real sum = 0;
-      for (int side = 0; side < 2; side++) {
-        const mg_real *J = c->rows.J + 12 * row + 6 * side;
-        if (!mg_is_moved_by_forces(c, bodies[side])) continue;
-        if (o == bodies[side]) sum += mg_dot6(J, MJ);
-        if (f == bodies[side]) sum += mg_dot6(J, MJ + 6);
+    const mg_real *J = c->run->joint_row_before + 12 * (rows[j] - c->layout.joint_row_begin);
+    mg_real *column = c->lcp.A + n * j;
+    mg_zero_reals(column, n);
+    for (int side = 0; side < 2; side++) {
+      const int body = side ? f[rows[j]] : o[rows[j]];
+      if (!mg_is_moved_by_forces(c, body)) continue;
+      for (int i = 0; i < n; i++) {
+        const mg_real *MJ = c->rows.MJ + 12 * rows[i];
+        if (o[rows[i]] == body) column[i] += mg_dot6(MJ, J + 6 * side);
+        else if (f[rows[i]] == body) column[i] += mg_dot6(MJ + 6, J + 6 * side);
       }
-      c->lcp.A[i + n * j] = sum;
     }
   }
 }
@@ -73,30 +96,37 @@ static int mg_has_far_turned_row(const mg_context *c, const mg_real *A, int n) {
    it, so that two reversals do not cancel. */
 static int mg_has_reversed_row(mg_real *A, int n) {
   for (int k = 0; k < n; k++) {
-    if (!(A[k + n * k] > 0)) return A[k + n * k] < 0;
-    for (int i = k + 1; i < n; i++) {
-      const mg_real factor = A[i + n * k] / A[k + n * k];
-      for (int j = k + 1; j < n; j++) A[i + n * j] -= factor * A[k + n * j];
-    }
+    mg_real *factor = A + n * k;
+    if (!(factor[k] > 0)) return factor[k] < 0;
+    for (int i = k + 1; i < n; i++) factor[i] /= factor[k];
+    for (int j = k + 1; j < n; j++)
+      for (int i = k + 1; i < n; i++) A[i + n * j] -= factor[i] * A[k + n * j];
   }
   return 0;
+}
+
+/* True if an independent row has reversed its direction in this step. Uses c->lcp.A and c->lcp.rows. */
+static int mg_has_reversed_independent_row(mg_context *c) {
+  int n = 0;
+  if (mg_have_rows_turned_little(c)) return 0;
+  for (int r = 0; r < c->system->n_joint_row; r++)
+    if (c->lcp.joint_mask[r]) c->lcp.rows[n++] = c->layout.joint_row_begin + r;
+  mg_set_products_with_previous(c, n);
+  return !mg_has_far_turned_row(c, c->lcp.A, n) && mg_has_reversed_row(c->lcp.A, n);
 }
 
 /* True if the linkage has passed a dead centre in this step: an independent row has reversed its direction, or the rank
    has fallen. Stores the rows for the next step. */
 static int mg_has_passed_dead_centre(mg_context *c) {
   const int n = c->system->n_joint_row, first = c->run->report.rank_min < 0;
-  int same = !first, independent = 0, lost = 0;
+  int same = !first, lost = 0;
   for (int r = 0; r < n; r++)
     same &= c->lcp.joint_mask[r] == c->run->joint_row_independent[r],
         lost += c->run->joint_row_independent[r] - c->lcp.joint_mask[r];
-  for (int r = 0; r < n && same; r++)
-    if (c->lcp.joint_mask[r]) c->lcp.rows[independent++] = c->layout.joint_row_begin + r;
-  mg_set_products_with_previous(c, independent);
+  const int has_passed = same ? mg_has_reversed_independent_row(c) : !first && lost > 0;
   for (int r = 0; r < n; r++) c->run->joint_row_independent[r] = c->lcp.joint_mask[r];
-  mg_copy_reals(c->run->joint_response, c->rows.MJ + 12 * c->layout.joint_row_begin, 12 * n);
-  if (!same) return !first && lost > 0;
-  return !mg_has_far_turned_row(c, c->lcp.A, independent) && mg_has_reversed_row(c->lcp.A, independent);
+  mg_copy_reals(c->run->joint_row_before, c->rows.J + 12 * c->layout.joint_row_begin, 12 * n);
+  return has_passed;
 }
 
 /* Independence of the rows of a joint from those of the joints before it: the product over its rows, except those that

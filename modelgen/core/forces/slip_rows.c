@@ -20,6 +20,7 @@ MG_INTERNAL int mg_list_slip_rows(const mg_context *c, int row, int *list, mg_re
 MG_INTERNAL void mg_couple_slip_to_normal_columns(mg_context *c, const int *list, int n) {
   int slip[MG_FRICTION_ROWS_MAX];
   mg_real ratio[MG_FRICTION_ROWS_MAX];
+  c->lcp.is_of_joints = 0;
   for (int j = 0; j < n; j++) {
     const int n_slip = mg_list_slip_rows(c, list[j], slip, ratio);
     for (int k = 0; k < n_slip; k++)

@@ -188,7 +188,7 @@ MG_INTERNAL void mg_set_scene_forces(mg_context *c, const mg_real *force) {
       for (int k = mg_friction_row_count(c, g); k > 0; k--) *own++ = *force++;
     }
   }
-  for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++) c->solution.force[i] = *force++;
+  mg_copy_reals(c->solution.force + c->layout.joint_row_begin, force, s->n_joint_row);
 }
 
 MG_INTERNAL void mg_stage_right_hand_side(mg_context *c, int is_composed, mg_real t, const mg_real *x, mg_real *x_dot) {
@@ -202,7 +202,7 @@ MG_INTERNAL void mg_stage_right_hand_side(mg_context *c, int is_composed, mg_rea
                         x_dot + s->n_q + s->n_u, c->rows.row_rate);
   c->step.is_end_evaluated = 0;
   x_dot[c->layout.work_state] = 0;
-  mg_set_scene_forces(c, c->rows.row_rate);
+  if (mg_has_event_functions(c) || c->step.follower) mg_set_scene_forces(c, c->rows.row_rate);
   mg_count_evaluations(c, 1);
 }
 

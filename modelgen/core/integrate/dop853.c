@@ -8,6 +8,14 @@
 
 #define MG_BLOCK 8 /* states treated together, with their sums in registers */
 
+/* Before a loop over a block, within one of which the compiler does not know how often it runs: without it some keep
+   the sums of a block in memory. */
+#if defined(__GNUC__) && !defined(__clang__)
+#define MG_UNROLL_BLOCK _Pragma("GCC unroll 8")
+#else
+#define MG_UNROLL_BLOCK
+#endif
+
 /* A sum of slopes with weights. */
 typedef struct {
   int count;
@@ -29,24 +37,34 @@ static inline void mg_add_slopes(const mg_weighted_slopes *of, int i, mg_real *s
     for (int j = 0; j < MG_BLOCK; j++) sum[j] += of->weight[k] * of->slopes[k][i + j];
 }
 
+/* The same of one slope or more, whose number the compiler does not know. */
+static inline void mg_add_counted_slopes(const mg_weighted_slopes *of, int i, mg_real *sum) {
+  int k = 0;
+  do {
+    const mg_real weight = of->weight[k], *slopes = of->slopes[k] + i;
+    MG_UNROLL_BLOCK
+    for (int j = 0; j < MG_BLOCK; j++) sum[j] += weight * slopes[j];
+  } while (++k < of->count);
+}
+
 /* The same of one state. */
 static inline mg_real mg_add_slopes_of_state(const mg_weighted_slopes *of, int i, mg_real sum) {
   for (int k = 0; k < of->count; k++) sum += of->weight[k] * of->slopes[k][i];
   return sum;
 }
 
-/* The last block of a range overlaps the one before it. */
+/* The last block of a range overlaps the one before it; the first stage has no slopes, and so no blocks. */
 MG_INTERNAL void mg_combine_ranges(const mg_explicit_method *m, int row, const mg_real *slopes, long stride,
                                    int n_range, const int *ranges, const mg_real *x, mg_real h, mg_real *restrict out) {
   const int first = m->row[row];
   mg_weighted_slopes of;
   mg_weigh_slopes(slopes, stride, m->row[row + 1] - first, m->value + first, m->column + first, &of);
   for (int range = 0; range < n_range; range++) {
-    const int begin = ranges[2 * range], end = ranges[2 * range + 1], last = end - MG_BLOCK;
+    const int begin = ranges[2 * range], end = ranges[2 * range + 1], last = of.count ? end - MG_BLOCK : begin - 1;
     for (int i = begin; i < end && last >= begin; i += MG_BLOCK) {
       const int at = i < last ? i : last;
       mg_real sum[MG_BLOCK] = {0};
-      mg_add_slopes(&of, at, sum);
+      mg_add_counted_slopes(&of, at, sum);
       for (int j = 0; j < MG_BLOCK; j++) out[at + j] = x[at + j] + h * sum[j];
     }
     for (int i = begin; i < end && last < begin; i++) out[i] = x[i] + h * mg_add_slopes_of_state(&of, i, 0);
@@ -89,16 +107,19 @@ static inline void mg_add_error(const mg_context *c, const mg_estimated_step *of
   error->fifth += e5 * weight * e5 * weight, error->third += e3 * weight * e3 * weight;
 }
 
-/* Adds the errors of the states from `begin` to `end`. */
+/* Adds the errors of the states from `begin` to `end`. The last block overlaps the one before it, of whose states it
+   adds none again. */
 static void mg_add_errors_of_range(const mg_context *c, const mg_estimated_step *of, int begin, int end,
                                    const mg_weighted_slopes *fifth, const mg_weighted_slopes *third,
                                    mg_squared_errors *error) {
+  const int last = end - MG_BLOCK;
   int i = begin;
-  for (; i + MG_BLOCK <= end; i += MG_BLOCK) {
+  for (; i < end && last >= begin; i += MG_BLOCK) {
+    const int at = i < last ? i : last;
     mg_real e5[MG_BLOCK] = {0}, e3[MG_BLOCK];
-    for (int j = 0; j < MG_BLOCK; j++) e3[j] = (of->end[i + j] - of->x[i + j]) / of->h;
-    mg_add_slopes(fifth, i, e5), mg_add_slopes(third, i, e3);
-    for (int j = 0; j < MG_BLOCK; j++) mg_add_error(c, of, i + j, e5[j], e3[j], error);
+    for (int j = 0; j < MG_BLOCK; j++) e3[j] = (of->end[at + j] - of->x[at + j]) / of->h;
+    mg_add_slopes(fifth, at, e5), mg_add_slopes(third, at, e3);
+    for (int j = i - at; j < MG_BLOCK; j++) mg_add_error(c, of, at + j, e5[j], e3[j], error);
   }
   for (; i < end; i++)
     mg_add_error(c, of, i, mg_add_slopes_of_state(fifth, i, 0),
@@ -120,12 +141,13 @@ MG_INTERNAL mg_real mg_dop853_error(const mg_context *c, const mg_real *x, const
 
 MG_INTERNAL mg_real mg_dop853(mg_context *c, mg_real t, const mg_real *x, mg_real h) {
   MG_NEEDS(c, MG_VALID_SLOPE, t, x);
-  const int is_composed = mg_is_in_mode_of_scene_rhs(c);
+  const int is_composed = mg_is_in_mode_of_scene_rhs(c),
+            is_watched = mg_has_event_functions(c) || c->listed.has_candidates;
   mg_follower *follower = c->step.follower && c->step.follower->is_open ? c->step.follower : 0;
   if (follower) follower->stage(c, follower->of, is_composed, 0, t, h);
   for (int stage = 1; stage < 12; stage++) {
     mg_dop853_stage(c, is_composed, stage, t, x, h);
-    if (stage > 2) mg_watch_event_signs(c), mg_sample_margins_at_stage(c, stage);
+    if (stage > 2 && is_watched) mg_watch_event_signs(c), mg_sample_margins_at_stage(c, stage);
     if (follower) follower->stage(c, follower->of, is_composed, stage, t + mg_dop_time[stage] * h, h);
   }
   mg_dop853_combine(c, 12, x, h, c->step.end);

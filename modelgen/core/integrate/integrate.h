@@ -254,7 +254,7 @@ MG_INTERNAL int mg_time_function_count(const mg_system *s);
 MG_INTERNAL int mg_state_load_count(const mg_system *s, int timed);
 
 /* Memory of the samples, in mg_real. */
-MG_INTERNAL long mg_time_sample_size(const mg_system *s);
+MG_INTERNAL long mg_time_sample_size(const mg_context *c);
 
 /* Halves the step h until its stages resolve the functions of time, but not below time_resolution * time. Needs
    the poses at the run's state. */

@@ -83,9 +83,16 @@ MG_INTERNAL void mg_make_interpolant(mg_context *c, mg_real t, const mg_real *x,
   MG_NOTE_DIGEST(c, MG_VALID_INTERPOLANT, mg_step_digest(c, t, x, h));
 }
 
+/* True if safety * error^(-1/8) is above `most` by far, which so needs no power. */
+static int mg_is_growth_limited(mg_real error, mg_real safety, mg_real most) {
+  const mg_real ratio = most / safety, square = ratio * ratio, fourth = square * square;
+  return 2 * error * fourth * fourth < 1;
+}
+
 MG_INTERNAL mg_real mg_step_growth(mg_real error, mg_real most) {
-  if (error <= 0) return most;
-  const mg_real factor = (mg_real)0.8 * mg_pow(error, -(mg_real)1 / 8);
+  const mg_real safety = (mg_real)0.8;
+  if (mg_is_growth_limited(error, safety, most)) return most;
+  const mg_real factor = safety * mg_pow(error, -(mg_real)1 / 8);
   return factor > most ? most : factor < (mg_real)0.2 ? (mg_real)0.2 : factor;
 }
 

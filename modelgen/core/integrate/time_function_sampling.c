@@ -58,7 +58,7 @@ MG_INTERNAL int mg_state_load_count(const mg_system *s, int timed) {
   return count;
 }
 
-MG_INTERNAL long mg_time_sample_size(const mg_system *s) { return (long)MG_TIME_ROWS * mg_time_function_count(s); }
+MG_INTERNAL long mg_time_sample_size(const mg_context *c) { return (long)MG_TIME_ROWS * c->layout.n_timed; }
 
 /* Row of the samples: MG_TIME_FIRST .. */
 static mg_real *mg_time_sample_row(const mg_context *c, int which) {

@@ -124,16 +124,6 @@ MG_INTERNAL void mg_update_contact_rows(mg_context *c, const mg_real *x) {
   MG_NOTE(c, MG_VALID_ROWS, c->valid.t, x), MG_NOTE_WITH(c, MG_VALID_GAPS, MG_VALID_POSES);
 }
 
-MG_INTERNAL mg_real mg_row_times(const mg_context *c, int contact, const mg_real *per_body) {
-  MG_REQUIRE(contact >= 0 && contact < c->layout.spring_row_end);
-  const mg_real *J = c->rows.J + 12 * contact;
-  const int o = c->contacts.o[contact], f = c->contacts.f[contact];
-  mg_real sum = 0;
-  if (c->bodies.motion[o] != MG_FIXED) sum = mg_dot6(J, per_body + 6 * o);
-  if (c->bodies.motion[f] != MG_FIXED) sum += mg_dot6(J + 6, per_body + 6 * f);
-  return sum;
-}
-
 MG_INTERNAL mg_real mg_prescribed_gap_rate(const mg_context *c, int contact) {
   mg_real rate = c->rows.time_rate[contact];
   for (int side = 0; side < 2; side++) {
@@ -144,12 +134,25 @@ MG_INTERNAL mg_real mg_prescribed_gap_rate(const mg_context *c, int contact) {
   return rate;
 }
 
+/* Writes d_dot of the rows of a joint. */
+static void mg_update_joint_rates(mg_context *c, int joint) {
+  const int a = c->system->joint_a[joint], b = c->system->joint_b[joint],
+            begin = c->layout.joint_row_begin + c->system->joint_row[joint],
+            end = begin + c->kernels->joint_kinds[c->system->joint_kind[joint]].n_rows;
+  const mg_real *twist_a = c->bodies.motion[a] != MG_FIXED ? c->bodies.twist + 6 * a : 0,
+                *twist_b = c->bodies.motion[b] != MG_FIXED ? c->bodies.twist + 6 * b : 0, *J = c->rows.J + 12 * begin;
+  for (int i = begin; i < end; i++, J += 12) {
+    mg_real rate = twist_a ? mg_dot6(J, twist_a) : 0;
+    if (twist_b) rate += mg_dot6(J + 6, twist_b);
+    c->rows.d_dot[i] = c->contacts.is_inertial[i] ? 0 : rate + c->rows.time_rate[i];
+  }
+}
+
 MG_INTERNAL void mg_update_gap_rates(mg_context *c) {
   MG_NEEDS_ANY(c, MG_VALID_ROWS);
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (c->run->feature_pair[i] >= 0) c->rows.d_dot[i] = mg_row_times(c, i, c->bodies.twist);
-  for (int i = c->layout.joint_row_begin; i < c->layout.joint_row_end; i++)
-    c->rows.d_dot[i] = c->contacts.is_inertial[i] ? 0 : mg_row_times(c, i, c->bodies.twist) + c->rows.time_rate[i];
+  for (int j = 0; j < c->system->n_joint; j++) mg_update_joint_rates(c, j);
   mg_update_slip_velocities(c);
   MG_NOTE_WITH(c, MG_VALID_RATES, MG_VALID_TWISTS);
 }

@@ -7,7 +7,8 @@ enum { MG_LEFT_BY_BODY = 8 }; /* closest points that the contacts of a body leav
 
 MG_INTERNAL void mg_copy_states(const mg_context *c, const mg_real *from, mg_real *to) {
   for (int range = 0; range < c->listed.n_range; range++)
-    for (int i = mg_range_begin(c, range); i < mg_range_end(c, range); i++) to[i] = from[i];
+    mg_copy_reals(to + mg_range_begin(c, range), from + mg_range_begin(c, range),
+                  mg_range_end(c, range) - mg_range_begin(c, range));
 }
 
 MG_INTERNAL int mg_are_states_finite(const mg_context *c, const mg_real *x) {

@@ -179,6 +179,7 @@ typedef struct {
                           are dependent */
   int n_assembled;     /* matrices assembled since the last right-hand side began */
   int keeps_matrix;    /* 1: A is that of all rows, which are not assembled again */
+  int is_of_joints;    /* 1: A is that of the present joint rows alone, in their order */
 } mg_lcp_workspace;
 
 /* Islands: sets of rows that share moving bodies. */

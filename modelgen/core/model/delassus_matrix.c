@@ -71,8 +71,28 @@ static void mg_add_products_of_side(mg_context *c, const int *list, int n, int s
   }
 }
 
+/* Lists the rows that act on each body that forces move, sorted by body; a row with one body on both sides once. */
+static void mg_set_incidence(mg_context *c) {
+  const int n_body = c->system->n_body, n_row = c->layout.spring_row_end, probe = c->system->n_contact;
+  int *begin = c->islands.incident_begin;
+  for (int b = 0; b <= n_body; b++) begin[b] = 0;
+  for (int row = 0; row < n_row; row++) {
+    const int o = c->contacts.o[row], f = c->contacts.f[row];
+    if (row == probe) continue;
+    begin[o] += mg_is_moved_by_forces(c, o), begin[f] += f != o && mg_is_moved_by_forces(c, f);
+  }
+  for (int b = 0; b < n_body; b++) begin[b + 1] += begin[b];
+  for (int row = n_row - 1; row >= 0; row--) {
+    const int o = c->contacts.o[row], f = c->contacts.f[row];
+    if (row == probe) continue;
+    if (f != o && mg_is_moved_by_forces(c, f)) c->islands.incident[--begin[f]] = row;
+    if (mg_is_moved_by_forces(c, o)) c->islands.incident[--begin[o]] = row;
+  }
+}
+
 /* Adds J MJ of n listed rows, through the lists of rows of each body. */
 static void mg_add_products_by_body(mg_context *c, const int *list, int n) {
+  if (c->islands.incident_begin[0] < 0) mg_set_incidence(c);
   for (int r = 0; r < n; r++) c->lcp.column[list[r]] = r;
   for (int r = 0; r < n; r++)
     for (int side = 0; side < 2; side++) {
@@ -88,8 +108,17 @@ static void mg_add_products_by_body(mg_context *c, const int *list, int n) {
   for (int r = 0; r < n; r++) c->lcp.column[list[r]] = -1;
 }
 
-MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n) {
+/* Notes that c->lcp.A becomes the matrix of n listed rows. */
+static void mg_note_assembly(mg_context *c, const int *list, int n) {
+  int r = 0;
+  if (n == c->system->n_joint_row)
+    while (r < n && list[r] == c->layout.joint_row_begin + r) r++;
+  c->lcp.is_of_joints = r == n;
   c->lcp.n_assembled++;
+}
+
+MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n) {
+  mg_note_assembly(c, list, n);
   for (int r = 0; r < n; r++) mg_update_inverse_mass_row(c, list[r]);
   for (int k = 0; k < n * n; k++) c->lcp.A[k] = 0;
   if (n > 0 && mg_are_rows_of_one_pair(c, list, n)) {
@@ -103,13 +132,14 @@ MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n) {
 /* Sets MJ of one body of n listed rows, and adds J MJ to c->lcp.A, or sets it if it is the first. */
 static inline void mg_add_side_of_pair(mg_context *c, const int *list, int n, int side, int body, int is_first) {
   const mg_real *w = c->system->mass_inverse + 10 * body;
-  mg_real *A = c->lcp.A;
+  mg_real *responses = c->rows.MJ + 6 * side;
   for (int r = 0; r < n; r++) {
     const mg_real *row = c->rows.J + 12 * list[r] + 6 * side, J[6] = {row[0], row[1], row[2], row[3], row[4], row[5]};
-    mg_multiply_inverse_mass(w, J, c->rows.MJ + 12 * list[r] + 6 * side);
-    for (int k = 0; k <= r; k++) {
-      const mg_real part = mg_dot6(J, c->rows.MJ + 12 * list[k] + 6 * side);
-      A[r + n * k] = A[k + n * r] = is_first ? part : A[r + n * k] + part;
+    mg_real *across = c->lcp.A + r, *down = c->lcp.A + n * r;
+    mg_multiply_inverse_mass(w, J, responses + 12 * list[r]);
+    for (int k = 0; k <= r; k++, across += n) {
+      const mg_real part = mg_dot6(J, responses + 12 * list[k]);
+      *across = down[k] = is_first ? part : *across + part;
     }
   }
 }
@@ -117,12 +147,34 @@ static inline void mg_add_side_of_pair(mg_context *c, const int *list, int n, in
 MG_INTERNAL void mg_assemble_delassus_of_pair(mg_context *c, const int *list, int n) {
   const int o = c->contacts.o[list[0]], f = c->contacts.f[list[0]], o_moves = mg_is_moved_by_forces(c, o),
             f_moves = mg_is_moved_by_forces(c, f);
-  c->lcp.n_assembled++;
+  mg_note_assembly(c, list, n);
   for (int k = 0; k < n * n && !o_moves && !f_moves; k++) c->lcp.A[k] = 0;
   if (o_moves) mg_add_side_of_pair(c, list, n, 0, o, 1);
   if (f_moves && o_moves) mg_add_side_of_pair(c, list, n, 1, f, 0);
   if (f_moves && !o_moves) mg_add_side_of_pair(c, list, n, 1, f, 1);
   for (int r = 0; r < n; r++) c->lcp.A[r + n * r] += mg_row_yield(c, list[r]);
+}
+
+MG_INTERNAL int mg_assemble_joint_rows(mg_context *c) {
+  const int n = mg_append_joint_rows(c, c->lcp.rows, 0);
+  if (n == 0 || c->lcp.is_of_joints) return n;
+  if (mg_are_rows_of_one_pair(c, c->lcp.rows, n)) mg_assemble_delassus_of_pair(c, c->lcp.rows, n);
+  else mg_assemble_delassus(c, c->lcp.rows, n);
+  return n;
+}
+
+MG_INTERNAL mg_real mg_square_of_row_change(const mg_context *c, int row, const mg_real *before) {
+  mg_real sum = 0;
+  for (int side = 0; side < 2; side++) {
+    const int body = side ? c->contacts.f[row] : c->contacts.o[row];
+    const mg_real *J = c->rows.J + 12 * row + 6 * side, *from = before + 6 * side;
+    mg_real change[6], response[6];
+    if (!mg_is_moved_by_forces(c, body)) continue;
+    for (int k = 0; k < 6; k++) change[k] = J[k] - from[k];
+    mg_multiply_inverse_mass(c->system->mass_inverse + 10 * body, change, response);
+    sum += mg_dot6(change, response);
+  }
+  return sum;
 }
 
 MG_INTERNAL mg_real mg_delassus_entry(const mg_context *c, int row, int column) {

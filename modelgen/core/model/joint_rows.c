@@ -64,6 +64,7 @@ MG_INTERNAL void mg_init_joint_rows(mg_context *c) {
 MG_INTERNAL void mg_update_joint_rows(mg_context *c, mg_real t) {
   const mg_system *s = c->system;
   MG_NEEDS_TIME(c, t), MG_NEEDS_ANY(c, MG_VALID_TWISTS);
+  c->lcp.is_of_joints = 0;
   for (int j = 0; j < s->n_joint; j++) {
     const int a = s->joint_a[j], b = s->joint_b[j], row = c->layout.joint_row_begin + s->joint_row[j];
     if (!c->kernels->joint_kinds[s->joint_kind[j]].n_rows) continue;

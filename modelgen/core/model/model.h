@@ -55,6 +55,9 @@ MG_INTERNAL mg_digest mg_kept_rows_digest(const mg_context *c, int n);
 /* True if M^-1 J^T of n listed rows is that of their J. */
 MG_INTERNAL int mg_are_inverse_mass_rows_valid(const mg_context *c, const int *list, int n);
 
+/* True if c->lcp.A is the matrix of n listed rows, whose M^-1 J^T is known. */
+MG_INTERNAL int mg_is_matrix_of_rows(const mg_context *c, const int *list, int n);
+
 /* True if c->lcp.rows are the rows of a friction problem: of its contacts, one after the other, then bilateral ones. */
 MG_INTERNAL int mg_are_contact_rows_first(const mg_context *c, const mg_friction_problem *p);
 
@@ -436,7 +439,7 @@ static inline int mg_range_begin(const mg_context *c, int range) { return c->lis
 /* End of a range of states that take part. */
 static inline int mg_range_end(const mg_context *c, int range) { return c->listed.range[2 * range + 1]; }
 
-/* Copies the states that take part. */
+/* Copies the states that take part; the two arrays do not overlap. */
 MG_INTERNAL void mg_copy_states(const mg_context *c, const mg_real *from, mg_real *to);
 
 /* True if all states that take part are finite. */
@@ -518,7 +521,15 @@ MG_INTERNAL void mg_update_rows_of_contact(mg_context *c, int contact, const mg_
 MG_INTERNAL void mg_update_contact_rows(mg_context *c, const mg_real *x);
 
 /* J of a row times velocities or accelerations, 6 per body. */
-MG_INTERNAL mg_real mg_row_times(const mg_context *c, int contact, const mg_real *per_body);
+static inline mg_real mg_row_times(const mg_context *c, int contact, const mg_real *per_body) {
+  MG_REQUIRE(contact >= 0 && contact < c->layout.spring_row_end);
+  const mg_real *J = c->rows.J + 12 * contact;
+  const int o = c->contacts.o[contact], f = c->contacts.f[contact];
+  mg_real sum = 0;
+  if (c->bodies.motion[o] != MG_FIXED) sum = mg_dot6(J, per_body + 6 * o);
+  if (c->bodies.motion[f] != MG_FIXED) sum += mg_dot6(J + 6, per_body + 6 * f);
+  return sum;
+}
 
 /* Part of d_dot that prescribed motions of bodies and joints cause. */
 MG_INTERNAL mg_real mg_prescribed_gap_rate(const mg_context *c, int contact);
@@ -555,6 +566,12 @@ MG_INTERNAL void mg_assemble_delassus(mg_context *c, const int *list, int n);
 
 /* The same for rows that all act on one pair of bodies; exactly symmetric. */
 MG_INTERNAL void mg_assemble_delassus_of_pair(mg_context *c, const int *list, int n);
+
+/* The same for the joint rows, unless c->lcp.A is theirs already; lists them in c->lcp.rows. Returns their number. */
+MG_INTERNAL int mg_assemble_joint_rows(mg_context *c);
+
+/* Square of the change of a row since it was `before` [12], in the metric M^-1. */
+MG_INTERNAL mg_real mg_square_of_row_change(const mg_context *c, int row, const mg_real *before);
 
 /* Entry J_row M^-1 J_column^T of the Delassus matrix. */
 MG_INTERNAL mg_real mg_delassus_entry(const mg_context *c, int row, int column);

@@ -71,6 +71,16 @@ MG_INTERNAL int mg_are_inverse_mass_rows_valid(const mg_context *c, const int *l
   return 1;
 }
 
+MG_INTERNAL int mg_is_matrix_of_rows(const mg_context *c, const int *list, int n) {
+  if (!mg_are_inverse_mass_rows_valid(c, list, n)) return 0;
+  for (int k = 0; k < n; k++)
+    for (int r = k; r < n; r++) {
+      const mg_real size = sqrt(mg_delassus_entry(c, list[r], list[r]) * mg_delassus_entry(c, list[k], list[k]));
+      if (fabs(c->lcp.A[r + (long)n * k] - mg_delassus_entry(c, list[r], list[k])) > 32 * MG_EPS * size) return 0;
+    }
+  return 1;
+}
+
 MG_INTERNAL int mg_are_contact_rows_first(const mg_context *c, const mg_friction_problem *p) {
   int n = 0;
   for (int k = 0; k < p->n_contact; n += p->rows[k++])

@@ -240,6 +240,7 @@ MG_INTERNAL int mg_advance_followed(const mg_system *system, const mg_settings *
   mg_open_context(&c, system, settings, run, work, iwork);
   c.step.stop_time = t_stop, c.step.follower = follower;
   if (mg_is_time_stepping(&c)) mg_recall_time_step(&c);
+  else if (mg_has_new_inputs(&c)) mg_update_poses(&c, run->t, run->x); /* evaluated where they take effect */
   else mg_evaluate_known_state(&c);
   if (!mg_has_event_room(&c, events)) return MG_LIST_FULL;
   const int refused = mg_apply_inputs(&c, events);

@@ -73,7 +73,7 @@ static void mg_move_run(mg_stream *stream, const mg_system *s, mg_run *run) {
   mg_move_reals(stream, run->tilt_direction, 3L * s->n_contact);
   mg_move_reals(stream, run->search_bound, s->n_cell_tree);
   mg_move_reals(stream, run->joint_independence_max, s->n_joint);
-  mg_move_reals(stream, run->joint_response, 12L * s->n_joint_row);
+  mg_move_reals(stream, run->joint_row_before, 12L * s->n_joint_row);
   mg_move_ints(stream, run->joint_row_independent, s->n_joint_row);
   mg_move_ints(stream, run->joint_row_ever_independent, s->n_joint_row);
   mg_move_reals(stream, run->input, 3L * s->n_input);

@@ -48,8 +48,7 @@ static int mg_has_prescribed_jump(const mg_context *c) {
   return 0;
 }
 
-/* True if the caller has changed an input. */
-static int mg_has_new_inputs(const mg_context *c) {
+MG_INTERNAL int mg_has_new_inputs(const mg_context *c) {
   for (int i = 0; i < 3 * c->system->n_input; i++)
     if (c->run->input[i] != c->run->applied_input[i]) return 1;
   return 0;

@@ -45,6 +45,9 @@ MG_INTERNAL int mg_advance_followed(const mg_system *system, const mg_settings *
 /* Notes that the inputs of the run have taken effect. */
 MG_INTERNAL void mg_accept_inputs(const mg_context *c);
 
+/* True if the caller has changed an input. */
+MG_INTERNAL int mg_has_new_inputs(const mg_context *c);
+
 /* Lets inputs that the caller has changed take effect at the run's time. Needs the poses. Returns an outcome. */
 MG_INTERNAL int mg_apply_inputs(mg_context *c, mg_events *events);
 

@@ -266,7 +266,7 @@ static void mg_set_arrays(mg_context *c, mg_memory *memory) {
   c->events.passage.landing_point = mg_reserve_reals(memory, 3 * m);
   c->events.passage.free_twist = mg_reserve_reals(memory, 6 * b),
   c->events.passage.impulse_work = mg_reserve_reals(memory, 6 * b);
-  c->step.time_samples = mg_reserve_reals(memory, mg_time_sample_size(s));
+  c->step.time_samples = mg_reserve_reals(memory, mg_time_sample_size(c));
   c->sensors.acceleration = mg_reserve_reals(memory, 6 * b);
   c->sensors.pair = mg_reserve_reals(memory, 2L * s->n_pair),
   c->sensors.joint = mg_reserve_reals(memory, 6L * s->n_joint);
@@ -277,7 +277,7 @@ static void mg_set_arrays(mg_context *c, mg_memory *memory) {
 
 /* Memory that mg_set_arrays reserves. */
 static mg_memory mg_count_memory(const mg_system *s) {
-  mg_context c = {.system = s};
+  mg_context c = {.system = s, .layout.n_timed = mg_time_function_count(s)};
   mg_memory memory = {0};
   mg_set_arrays(&c, &memory);
   return memory;
@@ -342,7 +342,7 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
   c->system = system, c->kernels = system->kernels, c->settings = settings, c->run = run;
   c->layout.n_states = (int)mg_state_count(system), c->layout.work_state = c->layout.n_states - 1,
   c->step.sign_changed = c->step.is_end_evaluated = c->events.passage.is_paused = 0, c->patches.hull_patch = -1,
-  c->step.follower = 0, c->lcp.keeps_matrix = c->lcp.n_assembled = 0, c->solution.least_pivot = 0;
+  c->step.follower = 0, c->lcp.keeps_matrix = c->lcp.n_assembled = c->lcp.is_of_joints = 0, c->solution.least_pivot = 0;
   c->search.view_round = 0, c->step.work = 0, c->step.mode_choices = c->step.chooses_modes = 0;
   c->layout.limit_pair_begin = mg_first_limit_pair(system);
   c->layout.limit_begin = system->pair_contact[c->layout.limit_pair_begin];
@@ -359,7 +359,7 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
   if (system->n_friction) mg_init_friction(c);
   for (int k = 0; k < system->n_switch; k++) c->switches.triggered[k] = 0, c->switches.slack[k] = 0;
   for (int b = 0; b < system->n_body; b++) c->bodies.motion[b] = c->kernels->body_kinds[system->body_kind[b]].motion;
-  for (int i = 0; i < c->layout.n_states; i++) c->step.scale[i] = system->scale[i];
+  mg_copy_reals(c->step.scale, system->scale, c->layout.n_states);
   mg_zero_reals(c->bodies.pose, 30L * system->n_body);
   mg_zero_reals(c->rows.J, 24L * c->layout.spring_row_end); /* J and MJ: the columns a kind lacks stay zero */
   mg_zero_reals(c->solution.force, c->layout.spring_row_end);
@@ -373,11 +373,11 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
     c->lcp.column[i] = -1, c->contacts.n_eta[i] = c->events.within_border[i] = 0, mg_load_feature_pair(c, i);
   for (int slot = 0; slot < system->n_patch_slot; slot++) c->patches.barred[slot] = -1, c->patches.trial[slot] = 0;
   for (int pair = 0; pair < system->n_pair; pair++) c->search.searched_gap[pair] = -1;
+  c->islands.incident_begin[0] = -1;
   mg_init_listing(c);
   mg_keep_cells_of_same_shapes(c);
   mg_init_joint_rows(c);
   mg_init_spring_rows(c);
-  mg_set_incidence(c);
   mg_set_constant_poses(c);
   c->layout.may_patches_open = mg_may_patches_open(system);
 }

@@ -19,16 +19,6 @@ MG_INTERNAL void mg_settle_eta_adjoint(mg_context *c, mg_sensitivity *s, mg_real
   mg_place_bodies_adjoint(c, s, t, x, x_bar);
 }
 
-/* y += factor x, of n components. */
-static void mg_add_multiple(int n, mg_real factor, const mg_real *x, mg_real *y) {
-  int i = 0;
-  for (; i + 4 <= n; i += 4) {
-    const mg_real part[4] = {factor * x[i], factor * x[i + 1], factor * x[i + 2], factor * x[i + 3]};
-    for (int j = 0; j < 4; j++) y[i + j] += part[j];
-  }
-  for (; i < n; i++) y[i] += factor * x[i];
-}
-
 /* Cotangents of the corrections of positions and orientations, or of velocities, into s->at.acceleration. */
 static void mg_take_correction_cotangents(const mg_context *c, mg_sensitivity *s, int of_velocities, const mg_real *x,
                                           const mg_real *x_bar) {
@@ -108,7 +98,7 @@ MG_INTERNAL void mg_step_adjoint(mg_context *c, mg_sensitivity *s, mg_real h, mg
   mg_normalise_tangent(c, c->step.stage, x_bar); /* a symmetric projection */
   mg_zero_reals(k_bar, (long)method->stages * states);
   for (int k = method->row[method->stages]; k < method->row[method->stages + 1]; k++)
-    mg_add_multiple(states, h * method->value[k], x_bar, k_bar + (long)method->column[k] * states);
+    mg_add_scaled(states, h * method->value[k], x_bar, k_bar + (long)method->column[k] * states);
   for (int stage = method->stages - 1; stage >= 0; stage--) {
     const mg_real time = t + method->time[stage] * h;
     mg_combine_stages(method, stage, states, states, h, x, c->step.slopes, c->step.stage);
@@ -121,8 +111,8 @@ MG_INTERNAL void mg_step_adjoint(mg_context *c, mg_sensitivity *s, mg_real h, mg
       mg_clear_cotangents(c, s);
       mg_rhs_adjoint(c, s, time, c->step.stage, k_bar + (long)stage * states, at_stage);
     }
-    mg_add_multiple(states, 1, at_stage, x_bar);
+    mg_add_scaled(states, 1, at_stage, x_bar);
     for (int k = method->row[stage]; k < method->row[stage + 1]; k++)
-      mg_add_multiple(states, h * method->value[k], at_stage, k_bar + (long)method->column[k] * states);
+      mg_add_scaled(states, h * method->value[k], at_stage, k_bar + (long)method->column[k] * states);
   }
 }

@@ -191,7 +191,7 @@ RUN_ARRAYS = (
     ),
     *("force", "margin", "rolling_start", "after_t", "struck_by", "tilt_direction", "input", "applied_input"),
     *("branch", "switch_mode", "switch_leader"),
-    *("search_bound", "joint_independence_max", "joint_response"),
+    *("search_bound", "joint_independence_max", "joint_row_before"),
     *("joint_row_independent", "joint_row_ever_independent"),
 )
 RUN_COUNTS = (

@@ -155,7 +155,7 @@ def _sizes_of_run(
         "branch": int(system.n_switch) + 1,
         "search_bound": int(system.n_cell_tree) + 1,
         "joint_independence_max": int(system.n_joint) + 1,
-        "joint_response": 12 * int(system.n_joint_row) + 1,
+        "joint_row_before": 12 * int(system.n_joint_row) + 1,
     }
     integers = {
         **dict.fromkeys(("feature_pair", "closed", "active", "rolling_start"), m),
