@@ -147,6 +147,9 @@ typedef struct {
   int n_patch_slot;          /* slots; each has three contacts, the last 3 n_patch_slot of all */
   int n_cell_tree;           /* trees of cells of features, by which closest points are searched */
   int n_cell;                /* room for the cells of all trees */
+  int n_face_group;          /* most flat faces that feature_pair_group numbers in a pair */
+  int may_patches_open;      /* 1: patches may cover feature pairs that exist only while their faces are tilted, such as
+                                rims: there is a condition MG_CONDITION_TILT with a3 >= 0 */
   int n_friction;            /* friction constraints of all contacts */
   int n_friction_row;        /* rows of all contacts other than their normal rows */
   int n_ball;                /* balls around shapes */
@@ -217,6 +220,7 @@ typedef struct {
   const int *feature_numbers; /* [2 n_feature_pair] features o, f: offset into numbers, see MG_FEATURE_PLACEMENT .. */
   const int
       *feature_tree; /* [2 n_feature_pair] features o, f: tree of its cells, or -1: none; equal features share one */
+  const int *tree_shape;        /* [n_cell_tree] shape kind of the features of each tree */
   const int *feature_is_listed; /* [2 n_feature_pair] features o, f: 1 at one of the places of a feature in its pair, at
                                    one with a tree if there is one */
 

@@ -166,7 +166,7 @@ static int mg_update_near_pairs(mg_context *c, mg_real h, const mg_real *change,
   for (int k = 0; k < c->listed.n_found; k++) c->run->is_far[c->listed.found[k]] = 0;
   mg_list_pairs(c);
   for (int k = 0; k < c->listed.n_found; k++) mg_enter_pair(c, c->listed.found[k]);
-  if (c->system->n_pool && c->listed.n_found) mg_load_supports_of_slots(c), mg_set_incidence(c);
+  if (c->system->n_pool && c->listed.n_found) mg_load_supports_of_slots(c), mg_forget_incidence(c);
   return left + c->listed.n_found;
 }
 

@@ -38,6 +38,12 @@ MG_INTERNAL void mg_place_on_feature_pair(mg_context *c, int contact, int featur
   c->contacts.f[contact] = mg_feature_body(c, feature_pair, 1);
 }
 
+/* Feature pair that a contact is on; without one the first of its pair. */
+static int mg_held_or_first_feature_pair(const mg_context *c, int contact) {
+  const int held = c->run->feature_pair[contact];
+  return held < 0 ? c->system->pair_feature_pair[c->system->contact_pair[contact]] : held;
+}
+
 MG_INTERNAL int mg_pair_first_contact(const mg_context *c, int pair) {
   MG_REQUIRE(pair >= 0 && pair <= c->system->n_pair);
   return c->system->pair_contact[pair];
@@ -47,11 +53,19 @@ MG_INTERNAL int mg_has_own_feature_pairs(const mg_context *c, int pair) {
   return c->system->contact_feature_pair[mg_pair_first_contact(c, pair)] >= 0;
 }
 
+/* Sets the bodies of the rows of a contact to those of a feature pair. */
+static void mg_set_row_bodies(mg_context *c, int contact, int feature_pair) {
+  const mg_system *s = c->system;
+  const int o = mg_feature_body(c, feature_pair, 0), f = mg_feature_body(c, feature_pair, 1);
+  c->contacts.o[contact] = o, c->contacts.f[contact] = f;
+  for (int i = s->contact_friction_row[contact]; s->n_friction && i < s->contact_friction_row[contact + 1]; i++)
+    c->contacts.o[c->layout.friction_row_begin + i] = o, c->contacts.f[c->layout.friction_row_begin + i] = f;
+}
+
 static void mg_reset_friction_rows(mg_context *c, int contact) {
   const int *row_range = c->system->contact_friction_row + contact, first = c->layout.friction_row_begin + row_range[0];
   for (int i = 0; i < row_range[1] - row_range[0]; i++) {
-    c->contacts.o[first + i] = c->contacts.o[contact], c->contacts.f[first + i] = c->contacts.f[contact],
-                          c->lcp.column[first + i] = -1;
+    c->lcp.column[first + i] = -1;
     for (int k = 0; k < 12; k++) c->rows.J[12 * (first + i) + k] = c->rows.MJ[12 * (first + i) + k] = 0;
     c->rows.gamma[first + i] = c->rows.d_dot[first + i] = c->solution.force[first + i] = 0;
   }
@@ -59,9 +73,9 @@ static void mg_reset_friction_rows(mg_context *c, int contact) {
 
 MG_INTERNAL void mg_load_feature_pair(mg_context *c, int contact) {
   const mg_system *s = c->system;
-  const int held = c->run->feature_pair[contact],
-            feature_pair = held < 0 ? s->pair_feature_pair[s->contact_pair[contact]] : held;
+  const int held = c->run->feature_pair[contact], feature_pair = mg_held_or_first_feature_pair(c, contact);
   mg_place_on_feature_pair(c, contact, feature_pair);
+  mg_set_row_bodies(c, contact, feature_pair);
   c->layout.n_live_states -= c->contacts.n_eta[contact];
   c->contacts.n_eta[contact] = held < 0 ? 0 : c->kernels->contact_kinds[c->contacts.kind[contact]].n_eta;
   c->layout.n_live_states += c->contacts.n_eta[contact];
@@ -73,6 +87,15 @@ MG_INTERNAL void mg_load_feature_pair(mg_context *c, int contact) {
   c->rows.gamma[contact] = c->rows.d_dot[contact] = c->solution.force[contact] = 0;
   if (s->n_friction) mg_reset_friction_rows(c, contact);
   if (held < 0) c->rows.d[contact] = MG_MAX, c->run->margin[contact] = 1;
+}
+
+MG_INTERNAL void mg_open_contacts(mg_context *c) {
+  for (int i = 0; i < c->system->n_contact; i++) {
+    c->contacts.n_eta[i] = c->events.within_border[i] = 0;
+    if (i < c->layout.limit_begin && c->run->is_far[c->system->contact_pair[i]])
+      mg_set_row_bodies(c, i, mg_held_or_first_feature_pair(c, i));
+    else mg_load_feature_pair(c, i);
+  }
 }
 
 MG_INTERNAL void mg_set_feature_pair(mg_context *c, int contact, int feature_pair, const mg_real *eta) {

@@ -444,7 +444,6 @@ typedef struct {
   int n_driven;                   /* bodies with prescribed motion */
   int n_moving;                   /* bodies that forces move */
   int has_prescribed_joint;       /* 1: a joint has a prescribed motion */
-  int may_patches_open;           /* mg_may_patches_open */
   int n_timed;                    /* functions of time */
   int n_state_loads;              /* loads that depend on the state */
   int n_steady_loads;             /* loads that depend on the state and not on time */

@@ -3,23 +3,7 @@
 #include "model/model.h"
 #include "base/base.h"
 
-MG_INTERNAL void mg_set_incidence(mg_context *c) {
-  const int n_body = c->system->n_body, n_row = c->layout.spring_row_end, probe = c->system->n_contact;
-  int *begin = c->islands.incident_begin;
-  for (int b = 0; b <= n_body; b++) begin[b] = 0;
-  for (int row = 0; row < n_row; row++) {
-    const int o = c->contacts.o[row], f = c->contacts.f[row];
-    if (row == probe) continue;
-    begin[o] += mg_is_moved_by_forces(c, o), begin[f] += f != o && mg_is_moved_by_forces(c, f);
-  }
-  for (int b = 0; b < n_body; b++) begin[b + 1] += begin[b];
-  for (int row = n_row - 1; row >= 0; row--) {
-    const int o = c->contacts.o[row], f = c->contacts.f[row];
-    if (row == probe) continue;
-    if (f != o && mg_is_moved_by_forces(c, f)) c->islands.incident[--begin[f]] = row;
-    if (mg_is_moved_by_forces(c, o)) c->islands.incident[--begin[o]] = row;
-  }
-}
+MG_INTERNAL void mg_forget_incidence(mg_context *c) { c->islands.incident_begin[0] = -1; }
 
 /* MJ = M^-1 J^T of one body, w its mass_inverse. */
 static inline void mg_multiply_inverse_mass(const mg_real *w, const mg_real *J, mg_real *MJ) {

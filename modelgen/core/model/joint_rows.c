@@ -49,7 +49,7 @@ MG_INTERNAL void mg_init_joint_rows(mg_context *c) {
   c->layout.has_prescribed_joint = 0;
   for (int i = 0; i < c->layout.spring_row_end; i++) c->contacts.is_inertial[i] = 0;
   for (int i = c->layout.joint_row_begin - 1; i < c->layout.joint_row_end; i++)
-    c->contacts.kind[i] = c->contacts.o[i] = c->contacts.f[i] = 0, c->lcp.column[i] = -1;
+    c->contacts.kind[i] = c->contacts.o[i] = c->contacts.f[i] = 0;
   for (int j = 0; j < s->n_joint; j++) {
     const mg_joint_kind *kind = c->kernels->joint_kinds + s->joint_kind[j];
     c->layout.has_prescribed_joint |= kind->prescribed;

@@ -548,8 +548,8 @@ MG_INTERNAL void mg_update_slip_velocities(mg_context *c);
 
 /* delassus_matrix.c */
 
-/* Lists the rows that act on each body that forces move, sorted by body; a row with one body on both sides once. */
-MG_INTERNAL void mg_set_incidence(mg_context *c);
+/* Makes the rows that act on each body be listed anew, where they are next needed. */
+MG_INTERNAL void mg_forget_incidence(mg_context *c);
 
 /* Writes M^-1 J^T of a row, zero for bodies that forces do not move. Returns J M^-1 J^T. */
 MG_INTERNAL mg_real mg_update_inverse_mass_row(mg_context *c, int contact);
@@ -728,6 +728,10 @@ MG_INTERNAL int mg_has_own_feature_pairs(const mg_context *c, int pair);
    gets an infinite gap, so that no loop over contacts need ask. */
 MG_INTERNAL void mg_load_feature_pair(mg_context *c, int contact);
 
+/* The same of all contacts whose pairs take part; of the others, which are loaded as their pairs come near, the bodies
+   of their rows. Needs c->lcp.column and the layout. */
+MG_INTERNAL void mg_open_contacts(mg_context *c);
+
 /* Puts a contact on a feature pair with the given eta, or on none (-1). */
 MG_INTERNAL void mg_set_feature_pair(mg_context *c, int contact, int feature_pair, const mg_real *eta);
 
@@ -762,10 +766,6 @@ MG_INTERNAL int mg_is_distant_flat_feature_pair(const mg_context *c, int contact
 
 /* True if a rim of the patch has just started to roll. */
 MG_INTERNAL int mg_is_patch_rolling_start(const mg_context *c, int patch);
-
-/* True if patches may cover feature pairs that exist only while their faces are tilted, such as rims: there are some.
- */
-MG_INTERNAL int mg_may_patches_open(const mg_system *s);
 
 /* True if a patch of the pair is opening from flat. */
 MG_INTERNAL int mg_has_opening_patch(const mg_context *c, int pair);

@@ -90,14 +90,8 @@ static int mg_is_patch_opening(const mg_context *c, int patch) {
          mg_has_tilted_feature_pairs(c, patch);
 }
 
-MG_INTERNAL int mg_may_patches_open(const mg_system *s) {
-  for (int k = 0; s->n_patch && k < s->feature_pair_condition[s->n_feature_pair]; k++)
-    if (s->condition_kind[k] == MG_CONDITION_TILT && !(s->numbers[s->condition_numbers[k] + 3] < 0)) return 1;
-  return 0;
-}
-
 MG_INTERNAL int mg_has_opening_patch(const mg_context *c, int pair) {
-  for (int patch = mg_next_patch(c, -1); patch < c->system->n_patch && c->layout.may_patches_open;
+  for (int patch = mg_next_patch(c, -1); patch < c->system->n_patch && c->system->may_patches_open;
        patch = mg_next_patch(c, patch))
     if (mg_is_patch_of_pair(c, patch, pair) && mg_is_patch_opening(c, patch)) return 1;
   return 0;
@@ -118,7 +112,7 @@ static mg_real mg_patch_tilt_rate(const mg_context *c, int patch) {
 
 MG_INTERNAL mg_real mg_patch_opening_step_limit(const mg_context *c) {
   mg_real longest = MG_MAX;
-  for (int patch = mg_next_patch(c, -1); patch < c->system->n_patch && c->layout.may_patches_open;
+  for (int patch = mg_next_patch(c, -1); patch < c->system->n_patch && c->system->may_patches_open;
        patch = mg_next_patch(c, patch))
     if (mg_is_patch_opening(c, patch))
       longest = mg_min(longest, 2 * c->settings->flat_angle / mg_patch_tilt_rate(c, patch));

@@ -29,7 +29,7 @@ MG_INTERNAL void mg_init_spring_rows(mg_context *c) {
     if (!mg_is_spring(s, i)) continue;
     c->springs.load[row - c->layout.spring_row_begin] = i;
     c->contacts.kind[row] = 0, c->contacts.o[row] = s->load_a[i], c->contacts.f[row] = s->load_b[i];
-    c->lcp.column[row++] = -1;
+    row++;
   }
   mg_count_sharing_springs(c);
 }

@@ -151,6 +151,7 @@ static mg_digest mg_digest_contacts(mg_digest digest, const mg_system *s) {
                                    {s->feature_parameters, 2L * e},
                                    {s->feature_numbers, 2L * e},
                                    {s->feature_tree, s->n_cell_tree ? 2L * e : 0},
+                                   {s->tree_shape, s->n_cell_tree},
                                    {s->feature_is_listed, 2L * e},
                                    {s->condition_kind, all},
                                    {s->condition_feature, all},

@@ -77,20 +77,11 @@ static long mg_hull_memory_max(const mg_system *s) {
   return most;
 }
 
-/* Largest group of flat faces of a pair of solids, and one. */
-static long mg_face_group_count(const mg_system *s) {
-  int most = -1;
-  for (int k = 0; k < s->n_feature_pair; k++)
-    if (s->feature_pair_group[k] > most) most = s->feature_pair_group[k];
-  return most + 1L;
-}
-
 /* Most Taylor models that the bounds of a shape need as memory. */
 static long mg_bounds_memory_max(const mg_system *s) {
   int most = 0;
-  for (int k = 0; s->n_cell_tree && k < 2 * s->n_feature_pair; k++) {
-    if (s->feature_tree[k] < 0) continue;
-    const int size = s->kernels->shape_bounds[s->feature_shape[k]].n_memory;
+  for (int tree = 0; tree < s->n_cell_tree; tree++) {
+    const int size = s->kernels->shape_bounds[s->tree_shape[tree]].n_memory;
     if (size > most) most = size;
   }
   return most;
@@ -233,7 +224,7 @@ static void mg_set_arrays(mg_context *c, mg_memory *memory) {
   c->search.abandoned = mg_reserve_items(memory, mg_abandoned_capacity(s), sizeof(mg_minimum)),
   c->search.views = mg_reserve_items(memory, MG_FEATURE_VIEWS, sizeof(mg_feature_in_world)),
   c->search.bounds_memory = mg_reserve_items(memory, mg_bounds_memory_max(s), sizeof(mg_taylor_model));
-  c->search.face_gap = mg_reserve_reals(memory, mg_face_group_count(s));
+  c->search.face_gap = mg_reserve_reals(memory, s->n_face_group);
   c->search.searched_gap = mg_reserve_reals(memory, s->n_pair),
   c->search.cell_pairs = mg_reserve_ints(memory, s->n_cell_tree ? 2L * MG_CELL_PAIRS : 0);
   c->step.rolling_starts = (mg_rolling_start *)(void *)mg_reserve_reals(memory, m * mg_rolling_start_size());
@@ -336,6 +327,13 @@ static void mg_fill_scratch(mg_context *c, const mg_system *s, mg_real *work, in
 #define mg_fill_scratch(c, s, work, iwork) ((void)0)
 #endif
 
+/* Zeroes the rows of J or MJ that are of no contact; of all rows the columns that a kind lacks stay zero. */
+static void mg_zero_other_rows(const mg_context *c, mg_real *rows) {
+  const int first = c->system->n_contact, spring = c->layout.spring_row_begin;
+  mg_zero_reals(rows + 12L * first, 12L * (c->layout.friction_row_begin - first));
+  mg_zero_reals(rows + 12L * spring, 12L * (c->layout.spring_row_end - spring));
+}
+
 MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const mg_settings *settings, mg_run *run,
                                  mg_real *work, int *iwork) {
   mg_fill_scratch(c, system, work, iwork);
@@ -361,7 +359,7 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
   for (int b = 0; b < system->n_body; b++) c->bodies.motion[b] = c->kernels->body_kinds[system->body_kind[b]].motion;
   mg_copy_reals(c->step.scale, system->scale, c->layout.n_states);
   mg_zero_reals(c->bodies.pose, 30L * system->n_body);
-  mg_zero_reals(c->rows.J, 24L * c->layout.spring_row_end); /* J and MJ: the columns a kind lacks stay zero */
+  mg_zero_other_rows(c, c->rows.J), mg_zero_other_rows(c, c->rows.MJ);
   mg_zero_reals(c->solution.force, c->layout.spring_row_end);
   mg_zero_reals(c->rows.time_rate, c->layout.friction_row_end);
   mg_zero_reals(c->rows.d + c->layout.friction_row_begin, system->n_friction_row);
@@ -369,15 +367,15 @@ MG_INTERNAL void mg_open_context(mg_context *c, const mg_system *system, const m
   c->search.incomplete = 0, c->search.is_stoppable = 1;
   c->layout.n_state_loads = mg_state_load_count(system, 0),
   c->layout.n_steady_loads = c->layout.n_state_loads - mg_state_load_count(system, 1);
-  for (int i = 0; i < system->n_contact; i++)
-    c->lcp.column[i] = -1, c->contacts.n_eta[i] = c->events.within_border[i] = 0, mg_load_feature_pair(c, i);
+  for (int i = 0; i < c->layout.spring_row_end; i++) c->lcp.column[i] = -1;
+  mg_zero_reals(c->step.stage + system->n_q + system->n_u, system->n_eta); /* which is recorded whole */
+  mg_open_contacts(c);
   for (int slot = 0; slot < system->n_patch_slot; slot++) c->patches.barred[slot] = -1, c->patches.trial[slot] = 0;
   for (int pair = 0; pair < system->n_pair; pair++) c->search.searched_gap[pair] = -1;
-  c->islands.incident_begin[0] = -1;
+  mg_forget_incidence(c);
   mg_init_listing(c);
   mg_keep_cells_of_same_shapes(c);
   mg_init_joint_rows(c);
   mg_init_spring_rows(c);
   mg_set_constant_poses(c);
-  c->layout.may_patches_open = mg_may_patches_open(system);
 }

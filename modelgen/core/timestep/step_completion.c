@@ -157,21 +157,52 @@ static void mg_mark_feature_exit(mg_context *c, int contact) {
     c->run->is_search_due[c->system->contact_pair[contact]] = 1;
 }
 
-MG_INTERNAL void mg_converge_all_contacts(mg_context *c, mg_events *events) {
+/* True if the pose of a body is another than in c->step.pose. */
+static int mg_has_body_moved(const mg_context *c, int body) {
+  const mg_real *before = c->step.pose + 12 * body, *now = c->bodies.pose + 12 * body;
+  for (int k = 0; k < 12; k++)
+    if (before[k] != now[k]) return 1;
+  return 0;
+}
+
+/* True if the bodies of a pair have moved since the poses c->step.pose. */
+static int mg_has_pair_moved(const mg_context *c, int pair) {
+  const int first = c->system->pair_feature_pair[pair];
+  return mg_has_body_moved(c, mg_feature_body(c, first, 0)) || mg_has_body_moved(c, mg_feature_body(c, first, 1));
+}
+
+/* Converges eta of the contacts whose bodies have moved since the present poses, at which it is that of the state
+   `before`, and stays so where they have not. */
+static void mg_converge_moved_contacts(mg_context *c, mg_events *events, mg_real *before) {
   MG_NEEDS_WITH(c, MG_VALID_GAPS, MG_VALID_POSES);
   mg_copy_reals(c->step.pose, c->bodies.pose, 12 * c->system->n_body);
   mg_update_poses(c, c->run->t, c->run->x);
   mg_real change = 0;
+  int is_moved = 0;
   for (int i = mg_next_row(c, -1), pair = -1; i < c->system->n_contact; i = mg_next_row(c, i)) {
-    c->events.triggered[i] = c->events.within_border[i] = 0;
     if (!mg_is_on_feature_pair(c, i)) continue;
-    if (c->system->contact_pair[i] != pair) pair = c->system->contact_pair[i], change = mg_gap_change_bound(c, pair);
+    if (c->system->contact_pair[i] != pair) {
+      pair = c->system->contact_pair[i], is_moved = mg_has_pair_moved(c, pair);
+      if (is_moved) change = mg_gap_change_bound(c, pair);
+    }
+    if (!is_moved) {
+      for (int k = 0; k < c->contacts.n_eta[i]; k++)
+        mg_contact_eta(c, c->run->x, i)[k] = mg_contact_eta(c, before, i)[k];
+      continue;
+    }
+    c->events.triggered[i] = 0;
     const int is_converged = mg_converge_contact(c, i, change);
     if (is_converged) c->rows.d[i] = c->search.placement[0], c->run->margin[i] = mg_contact_margin(c, i);
     if (is_converged && !mg_is_contact_at_fold(c, i)) mg_mark_feature_exit(c, i);
     else mg_release_contact(c, events, i);
   }
   MG_NOTE_WITH(c, MG_VALID_GAPS, MG_VALID_POSES);
+}
+
+MG_INTERNAL void mg_converge_all_contacts(mg_context *c, mg_events *events) {
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
+    c->events.triggered[i] = c->events.within_border[i] = 0;
+  mg_converge_moved_contacts(c, events, c->step.settled);
 }
 
 /* Largest penetration or joint error. */
@@ -190,6 +221,24 @@ static void mg_count_correction_as_movement(mg_context *c) {
     c->run->moved_since_search[pair] += mg_pair_movement_bound(c, pair, c->step.pose);
 }
 
+/* Leaves of the n contacts in c->lcp.rows those that share their bodies, across other rows and joints, with one that
+   penetrates too far, or with a joint that is too far off: a correction moves no others. Returns their number. */
+static int mg_keep_violated_islands(mg_context *c, int n) {
+  const mg_real allowed = c->settings->contact_gap * c->system->length;
+  const int *rows = c->lcp.rows, all = mg_append_joint_rows(c, c->lcp.rows, n);
+  int *is_violated = c->islands.head, kept = 0;
+  mg_part_bodies(c);
+  for (int b = 0; b < c->system->n_body; b++) is_violated[b] = 0;
+  for (int r = 0; r < all; r++) mg_join_bodies(c, c->contacts.o[rows[r]], c->contacts.f[rows[r]]);
+  for (int r = 0; r < all; r++) {
+    const mg_real d = c->rows.d[rows[r]];
+    if ((r < n ? -d : fabs(d)) > allowed) is_violated[mg_island_of_body(c, mg_moving_body(c, rows[r]))] = 1;
+  }
+  for (int r = 0; r < n; r++)
+    if (is_violated[mg_island_of_body(c, mg_moving_body(c, rows[r]))]) c->lcp.rows[kept++] = rows[r];
+  return kept;
+}
+
 /* Least movement in the metric of the kinetic energy that removes penetration and joint errors, to first order, and
    closes no gap of up to `reach`, by the rows of these contacts. It is found to what the first order is good for: the
    next correction removes the rest. Returns 0 if it fails, or would move a body too far. */
@@ -198,10 +247,11 @@ static int mg_correct_positions(mg_context *c, mg_real worst, mg_real reach) {
   int n = 0;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     if (mg_is_on_feature_pair(c, i) && c->rows.d[i] <= reach) {
-      if (n < c->system->closed_capacity) c->lcp.rows[n] = i, c->lcp.mask[n++] = 1;
+      if (n < c->system->closed_capacity) c->lcp.rows[n++] = i;
       else mg_report_exceeded(c->run, MG_CAPACITY_CLOSED);
     }
-  for (int r = 0; r < n; r++) mg_update_rows_of_contact(c, c->lcp.rows[r], c->run->x);
+  n = mg_keep_violated_islands(c, n);
+  for (int r = 0; r < n; r++) c->lcp.mask[r] = 1, mg_update_rows_of_contact(c, c->lcp.rows[r], c->run->x);
   const mg_real allowed = c->settings->contact_gap * c->system->length / MG_CORRECTED_TO,
                 of_first_order = mg_max(allowed / worst, worst / c->system->length);
   if (mg_solve_step_lcp(c, n, c->rows.d, 0, mg_min(of_first_order, MG_COARSEST_CORRECTION), &report) != MG_LCP_SOLVED)
@@ -226,12 +276,12 @@ MG_INTERNAL int mg_post_stabilise(mg_context *c, mg_events *events) {
     mg_copy_states(c, c->run->x, c->step.stage);
     if (!mg_correct_positions(c, worst, reach * worst)) break;
     moved++;
-    mg_converge_all_contacts(c, events);
+    mg_converge_moved_contacts(c, events, c->run->x);
     mg_update_joint_rows(c, c->run->t);
     mg_count_correction_as_movement(c);
     if (mg_largest_violation(c) < 2 * worst) continue;
     mg_copy_states(c, c->step.stage, c->run->x);
-    mg_converge_all_contacts(c, events);
+    mg_converge_moved_contacts(c, events, c->run->x);
     mg_update_joint_rows(c, c->run->t);
     if (reach > 1) break;
     reach = c->settings->correction_ratio; /* it has closed other gaps, as a stack that is lifted does */

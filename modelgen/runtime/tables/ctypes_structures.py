@@ -23,6 +23,7 @@ from modelgen.runtime.tables.pair_slots import PairSlots, with_slots
 from modelgen.runtime.tables.planar_contacts import (
     SUPPORT_POINTS,
     add_patches,
+    may_patches_open,
     point_restitutions,
     slot_count,
 )
@@ -32,7 +33,8 @@ KERNELS = "kernels"  # the table of the scene's library, first field of what the
 SYSTEM_INTEGERS = (
     *("n_body", "n_contact", "n_load", "n_pair", "n_feature_pair"),
     *("n_q", "n_u", "n_eta", "closed_capacity", "n_joint", "n_joint_row", "n_stand_in"),
-    *("n_patch", "n_patch_slot", "n_cell_tree", "n_cell", "n_friction", "n_friction_row"),
+    *("n_patch", "n_patch_slot", "n_cell_tree", "n_cell", "n_face_group", "may_patches_open"),
+    *("n_friction", "n_friction_row"),
     *("n_ball", "n_ball_class", "n_pool", "slot_contact_max", "n_solid"),
     *("n_input", "n_switch", "sensor_parameters"),
     *("n_parameters", "n_numbers"),
@@ -55,7 +57,8 @@ SYSTEM_INDICES = (
         "feature_pair_group",
         "feature_pair_condition",
     ),
-    *("feature_shape", "feature_parameters", "feature_numbers", "feature_tree", "feature_is_listed"),
+    *("feature_shape", "feature_parameters", "feature_numbers", "feature_tree", "tree_shape"),
+    "feature_is_listed",
     *("condition_kind", "condition_feature", "condition_feature_pair", "condition_numbers"),
     "condition_is_line_end",
     *("load_kind", "load_a", "load_b", "load_parameters", "load_switch"),
@@ -521,7 +524,8 @@ def fill_system(
     held = len(slots.patch), len(slots.patch_slot)
     n_joints = len(instance["joints"]), _row_count(manifest), len(instance.get("stand_ins", ()))
     trees = int(integers["feature_tree"].max(initial=-1)) + 1
-    of_searches = trees, cell_capacity(trees)
+    groups = int(integers["feature_pair_group"].max(initial=-1)) + 1
+    of_searches = trees, cell_capacity(trees), groups, int(may_patches_open(integers, numbers.values))
     of_friction = len(whole["friction_kind"]), int(whole["contact_friction_row"][-1])
     of_shapes = balls.count, len(slots.classes), len(slots.pools), slots.told_stride - 1, solids.count
     room = _room(manifest, len(whole["contact_pair"]))

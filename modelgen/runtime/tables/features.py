@@ -69,6 +69,7 @@ class FeatureTables:
                 lambda entries: _feature_places(entries, [placed(side) for side in _sides(entries)], numbers)
             ),
             "feature_tree": pairs.each(trees.of),
+            "tree_shape": trees.shapes(),
             "feature_is_listed": pairs.each(lambda entries: _listed(entries, trees.of(entries))),
             "condition_kind": pairs.each(
                 lambda entries: [CONDITIONS.index(each["kind"]) for each in _conditions(entries)]
@@ -232,6 +233,10 @@ class _Trees:
     def of(self, pair: Sequence[Entry]) -> list[int]:
         """Those of the feature pairs of a pair."""
         return [number for feature_pair in pair for number in self._of(feature_pair)]
+
+    def shapes(self) -> Array:
+        """The kind of shape of each tree given out so far."""
+        return np.array([key[0] for key in self._known], dtype=INTEGER)
 
     def _of(self, feature_pair: Entry) -> Iterator[int]:
         kind = self._kinds["contact"][feature_pair["kind"]]

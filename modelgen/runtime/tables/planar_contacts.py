@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from modelgen.runtime.tables.features import with_rows, without_features
+from modelgen.runtime.tables.features import CONDITIONS, with_rows, without_features
 from modelgen.runtime.tables.number_pool import INTEGER, Array, NumberPool
 
 SUPPORT_POINTS = 3
@@ -26,6 +26,12 @@ def shares(instance: Mapping[str, Any]) -> tuple[tuple[int, str], ...]:
         for number, patch in enumerate(instance["patches"])
         for share in patch.get("shares", ())
     )
+
+
+def may_patches_open(integers: Mapping[str, Array], numbers: Sequence[float]) -> bool:
+    """Whether patches may cover features that exist only while their faces are tilted, such as rims."""
+    tilts = integers["condition_numbers"][integers["condition_kind"] == CONDITIONS.index("tilt")]
+    return bool(len(integers["patch_pair"])) and any(numbers[first + 3] >= 0 for first in set(tilts.tolist()))
 
 
 def add_patches(
