@@ -1,4 +1,4 @@
-"""A blow on a body that touches another, with no closed contact there, is one event with the blow between these.
+"""A blow on a body that touches another, with no contact closed there, is one event with their blow.
 
 A ball is about to leave a table, on which it still lies to within the tolerance of gaps, when another falls on
 it: it strikes the table at once, and both stay.
