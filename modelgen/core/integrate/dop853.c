@@ -53,14 +53,15 @@ static inline mg_real mg_add_slopes_of_state(const mg_weighted_slopes *of, int i
   return sum;
 }
 
-/* The last block of a range overlaps the one before it; the first stage has no slopes, and so no blocks. */
+/* The last block of a range overlaps the one before it. */
 MG_INTERNAL void mg_combine_ranges(const mg_explicit_method *m, int row, const mg_real *slopes, long stride,
                                    int n_range, const int *ranges, const mg_real *x, mg_real h, mg_real *restrict out) {
   const int first = m->row[row];
+  MG_REQUIRE(m->row[row + 1] > first);
   mg_weighted_slopes of;
   mg_weigh_slopes(slopes, stride, m->row[row + 1] - first, m->value + first, m->column + first, &of);
   for (int range = 0; range < n_range; range++) {
-    const int begin = ranges[2 * range], end = ranges[2 * range + 1], last = of.count ? end - MG_BLOCK : begin - 1;
+    const int begin = ranges[2 * range], end = ranges[2 * range + 1], last = end - MG_BLOCK;
     for (int i = begin; i < end && last >= begin; i += MG_BLOCK) {
       const int at = i < last ? i : last;
       mg_real sum[MG_BLOCK] = {0};

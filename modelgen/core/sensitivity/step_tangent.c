@@ -22,7 +22,8 @@ MG_INTERNAL const mg_explicit_method *mg_explicit_method_of(const mg_settings *s
 MG_INTERNAL void mg_combine_stages(const mg_explicit_method *m, int row, int n, long stride, mg_real h,
                                    const mg_real *from, const mg_real *slopes, mg_real *out) {
   const int all[2] = {0, n};
-  mg_combine_ranges(m, row, slopes, stride, 1, all, from, h, out);
+  if (m->row[row + 1] == m->row[row]) mg_copy_reals(out, from, n); /* the first stage */
+  else mg_combine_ranges(m, row, slopes, stride, 1, all, from, h, out);
 }
 
 MG_INTERNAL void mg_normalise_tangent(const mg_context *c, const mg_real *x, mg_real *dx) {
