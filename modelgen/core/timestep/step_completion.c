@@ -200,6 +200,7 @@ static void mg_converge_moved_contacts(mg_context *c, mg_events *events, mg_real
 }
 
 MG_INTERNAL void mg_converge_all_contacts(mg_context *c, mg_events *events) {
+  MG_NEEDS_WITH(c, MG_VALID_GAPS, MG_VALID_POSES);
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     c->events.triggered[i] = c->events.within_border[i] = 0;
   mg_converge_moved_contacts(c, events, c->step.settled);
