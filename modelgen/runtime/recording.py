@@ -11,7 +11,6 @@ import numpy as np
 from modelgen.rotations import quaternions_of
 from modelgen.runtime.core_session import Session
 from modelgen.runtime.joint_results import joint_columns
-from modelgen.runtime.slot_samples import SlotSamples, rows_at_a_time
 from modelgen.runtime.tables.array_block import ArrayBlock, by_address
 from modelgen.runtime.tables.ctypes_structures import INTEGER, RECORD_ARRAYS, Array, address
 
@@ -29,6 +28,8 @@ class Recording:
         sizes = (session.n_body, session.n_contact, n_joint, shared.slots.n_eta)
         more = session.n_patch_slot, len(shared.shares), shared.n_sensor, 2 * shared.slots.count
         self._n = rows = len(times)
+        if shared.slots:
+            from modelgen.runtime.slot_samples import SlotSamples, rows_at_a_time  # few scenes need it
         if shared.slots and not at_once:
             width = sum(block.size for block in _layout(1, *sizes, *more)) * session.tables.dtype.itemsize
             rows = rows_at_a_time(width, self._n)

@@ -12,7 +12,6 @@ from typing import Any, Unpack
 import numpy as np
 
 from modelgen.codegen.library import Library
-from modelgen.codegen.library_with_slots import with_more_slots
 from modelgen.errors import SimulationError, expect
 from modelgen.runtime.accuracy import TENTH, Accuracy
 from modelgen.runtime.arguments import (
@@ -106,6 +105,8 @@ def simulate(
     times = np.linspace(0.0, end, intervals + 1)
     path = _path(session, schedule, times, half)
     while path.outcome is Outcome.TOO_MANY_NEAR:
+        from modelgen.codegen.library_with_slots import with_more_slots  # few runs need it
+
         library = with_more_slots(library, int(session.run.report.exceeded_pool))
         session = Session(library, chosen)
         path = _path(session, schedule, times, half)

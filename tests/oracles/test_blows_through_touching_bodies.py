@@ -1,7 +1,7 @@
 """A blow on a body that touches another, with no contact closed there, is one event with their blow.
 
-A ball is about to leave a table, on which it still lies to within the tolerance of gaps, when another falls on
-it: it strikes the table at once, and both stay.
+A ball is about to leave a table, on which it still lies to within the tolerance of gaps, when another falls
+on it: it strikes the table at once, and both stay.
 """
 
 from __future__ import annotations

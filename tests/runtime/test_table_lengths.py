@@ -13,7 +13,11 @@ from tests.core.compiling import CORE
 from tests.running import NAMES, scene_of
 
 FIELD = re.compile(r"\*\s*(\w+);\s*/\* \[([^\]]*)\]")
-ENDS = {  # lengths that a range array gives, by what the header calls them
+ENDS = {
+    "per slot of the pools": (
+        "pool_slot",
+        "n_pool",
+    ),  # lengths that a range array gives, by what the header calls them
     "all terms": ("solid_term", "n_solid"),
     "all conditions": ("feature_pair_condition", "n_feature_pair"),
     "all covered": ("patch_covered", "n_patch"),

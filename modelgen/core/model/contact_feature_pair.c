@@ -71,9 +71,7 @@ static void mg_reset_friction_rows(mg_context *c, int contact) {
   }
 }
 
-/* Updates c->contacts, error scales and rows of a contact from run->feature_pair. A contact on no feature pair gets an
-   infinite gap, so that no loop over contacts need ask. */
-static void mg_load_feature_pair(mg_context *c, int contact) {
+MG_INTERNAL void mg_load_feature_pair(mg_context *c, int contact) {
   const mg_system *s = c->system;
   const int held = c->run->feature_pair[contact], feature_pair = mg_held_or_first_feature_pair(c, contact);
   mg_place_on_feature_pair(c, contact, feature_pair);

@@ -724,7 +724,11 @@ MG_INTERNAL int mg_pair_first_contact(const mg_context *c, int pair);
    pair. */
 MG_INTERNAL int mg_has_own_feature_pairs(const mg_context *c, int pair);
 
-/* Updates c->contacts, error scales and rows of all contacts whose pairs take part from run->feature_pair; of the
+/* Updates c->contacts, error scales and rows of a contact from run->feature_pair. A contact on no feature pair gets an
+   infinite gap, so that no loop over contacts need ask. */
+MG_INTERNAL void mg_load_feature_pair(mg_context *c, int contact);
+
+/* The same of all contacts whose pairs take part; of the
    others, which are loaded as their pairs come near, the bodies of their rows. */
 MG_INTERNAL void mg_open_contacts(mg_context *c);
 

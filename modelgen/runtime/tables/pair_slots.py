@@ -179,8 +179,8 @@ class PairSlots:
             "pool_pattern": [pool["pattern"] for pool in self.pools],
             "pool_width": self.widths if self.pools else [],
             "pool_told_pair": self.told_pairs[:-1] if self.pools else [],
-            "ball_class": ball_class if self.pools else [],
-            "ball_rank": ball_rank if self.pools else [],
+            "ball_class": ball_class,
+            "ball_rank": ball_rank,
             "class_pool": class_pool,
         }
 
