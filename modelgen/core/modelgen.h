@@ -193,7 +193,7 @@ typedef struct {
   const int *pool_told_pair; /* [n_pool] number told of the first of all its pairs (mg_told_pair) */
   const int *ball_class;     /* [n_ball] class of each ball, or -1: none of its pairs are in a pool */
   const int *ball_rank;      /* [n_ball] its number within its class */
-  const int *class_pool;     /* [n_ball_class^2] pool of the pairs of two classes, or -1 */
+  const int *class_pool;     /* [n_ball_class * n_ball_class] pool of the pairs of two classes, or -1 */
 
   const int *ball_solid;      /* [n_ball] solid of the shape in each ball; MG_NO_MATERIAL, MG_UNKNOWN_MATERIAL */
   const int *solid_body;      /* [n_solid] body of each solid, ascending */

@@ -15,7 +15,6 @@ from modelgen.runtime.accuracy import RESOLVED, Accuracy
 from modelgen.runtime.arguments import input_range
 from modelgen.runtime.tables.features import FeatureTables, cell_capacity
 from modelgen.runtime.tables.friction_rows import FrictionTables
-from modelgen.runtime.tables.joint_limits import add_limits
 from modelgen.runtime.tables.number_pool import INTEGER as INTEGER
 from modelgen.runtime.tables.number_pool import Array as Array
 from modelgen.runtime.tables.number_pool import NumberPool, may_share
@@ -489,7 +488,10 @@ def fill_system(
     listed = _bodies_and_contacts(instance, starts) | _loads_and_joints(instance, starts)
     listed["load_switch"] = _switches(manifest)
     integers = {name: np.array(values, dtype=INTEGER) for name, values in listed.items()} | sides.integers
-    add_limits(integers, instance["limits"], starts["limits"])
+    if instance["limits"]:
+        from modelgen.runtime.tables.joint_limits import add_limits  # many scenes have none
+
+        add_limits(integers, instance["limits"], starts["limits"])
     add_patches(integers, numbers, parameters, instance)
     of_inputs = (
         len(instance["inputs"]),
