@@ -14,7 +14,7 @@ import pytest
 from modelgen import Accuracy, require, simulate
 from modelgen.runtime.trajectory import Trajectory
 from modelgen.scene import python_scenes as make
-from modelgen.scene.scene_types import Body, Shape
+from modelgen.scene.scene_types import Body, Scene, Shape
 from tests.running import library_of
 
 SEAM = 0.0  # m, where the second plate begins
@@ -24,6 +24,10 @@ SLIDERS = {
     "puck": make.cylinder(0.15, 0.1),
     "wedge": make.extrusion(length=0.1, points=[[-0.1, -0.1], [0.15, -0.05], [0.0, 0.12]]),
 }
+CORNERED = {
+    "wedge": SLIDERS["wedge"],
+    "pyramid": make.polyhedron([[-0.1, -0.1, -0.05], [0.2, -0.1, -0.05], [0.1, 0.15, -0.05], [0, 0, 0.15]]),
+}
 LEFT = make.fixed("left", make.box(2.0, 2.0, 2.0), position=[-1.0, 0.0, -1.0])
 
 
@@ -31,22 +35,27 @@ def plate(height: float = 0.0, width: float = 2.0) -> Body:
     return make.fixed("right", make.box(2.0, width, 2.0), position=[1.0, 0.0, height - 1.0])
 
 
-def slid(
+def slide(
     shape: Shape,
     ground: Sequence[Body],
     yaw: float = 0.0,
     joints: Sequence[Mapping[str, Any]] = (),
     flush_height: float = Accuracy().flush_height,
-) -> Trajectory:
+    spin: float = 0.0,
+) -> Scene:
     """A body that slides without friction along x, 0.5 m before the seam at the start."""
     body = make.dynamic(
         "slider", shape, mass=1.0, inertia=[0.01, 0.01, 0.01], position=[-0.5, 0.0, 0.05], rpy=[0, 0, yaw],
-        velocity=[SPEED, 0.0, 0.0],
+        velocity=[SPEED, 0.0, 0.0], angular_velocity=[0.0, 0.0, spin],
     )  # fmt: skip
     contact = [{"between": ["slider", each.name]} for each in ground]
     run = {"flush_height": flush_height}
-    scene = make.scene("seam", [*ground, body], contact=contact, joint=list(joints), run=run)
-    return simulate(library_of(scene), until=0.4, samples=2, estimate=False)
+    return make.scene("seam", [*ground, body], contact=contact, joint=list(joints), run=run)
+
+
+def slid(*where: Any, **how: Any) -> Trajectory:
+    """Its event-driven run."""
+    return simulate(library_of(slide(*where, **how)), until=0.4, samples=2, estimate=False)
 
 
 def is_stopped(path: Trajectory) -> bool:
@@ -61,6 +70,20 @@ def test_a_slider_is_not_stopped_by_a_seam(name: str, width: float) -> None:
         path = slid(SLIDERS[name], [LEFT, plate(height, width)], random.uniform(-np.pi, np.pi))
         assert path.is_trusted, path.doubts
         assert not is_stopped(path), (height, path.events)
+
+
+@pytest.mark.parametrize("name", CORNERED)
+def test_steps_of_a_slider_over_a_seam_leave_its_velocities(name: str) -> None:
+    """A corner that leaves one plate is on the other one after the same step."""
+    for seed in range(4):
+        random = np.random.default_rng([len(name), seed])
+        yaw, step, spin = random.uniform(-np.pi, np.pi), random.uniform(5e-4, 3e-3), random.uniform(-3, 3)
+        right = plate(random.choice([0.0, 1e-13, -1e-10]), random.uniform(0.5, 1.0))
+        scene = slide(CORNERED[name], [LEFT, right], yaw, spin=spin)
+        steps = Accuracy.balanced().time_stepping(step)
+        path = simulate(library_of(scene), until=0.4, samples=40, accuracy=steps, estimate=False)
+        np.testing.assert_allclose(path.v[:, -1], [[SPEED, 0.0, 0.0]] * len(path.t), atol=1e-9)
+        np.testing.assert_allclose(path.w[:, -1], [[0.0, 0.0, spin]] * len(path.t), atol=1e-9)
 
 
 @pytest.mark.parametrize("flush", [1e-12, 1e-8, 1e-5])

@@ -385,9 +385,8 @@ MG_INTERNAL void mg_note_unfollowed_gap(mg_context *c, int pair, mg_real d);
 
 /* Lower bound of the gap at closest points of a pair of which a search has found none, m; MG_MAX if it found some. Two
    vertices, or a point and a vertex, have no feature pair: planes part the bodies by mg_separating_plane_gap at least,
-   which is `least` and start_gap. Where that is less than the reach of the search, time-stepping takes the reach: no
-   step moves a pair farther, and a contact may appear as deep as its pair has moved. Nor have open ends of curves and
-   open edges of charts, which may be the nearest where no contact is within reach. */
+   which is `least` and start_gap. Nor have open ends of curves and open edges of charts, which may be the nearest where
+   no contact is within reach. */
 MG_INTERNAL mg_real mg_bound_gap_not_found(mg_context *c, int pair, mg_real least, const mg_minima *found);
 
 /* Least movement of a pair between searches that are not due at every step, m. */

@@ -96,10 +96,10 @@ static int mg_is_pair_followed_within_reach(const mg_context *c, int pair) {
 
 MG_INTERNAL mg_real mg_bound_gap_not_found(mg_context *c, int pair, mg_real least, const mg_minima *found) {
   const mg_system *s = c->system;
-  const mg_real small = 2 * mg_least_movement(c, pair), seen = mg_is_time_stepping(c) ? mg_search_reach(c, pair) : 0;
+  const mg_real small = 2 * mg_least_movement(c, pair);
   mg_real bound = MG_MAX;
   if (found->count) return MG_MAX;
-  if (least > -MG_MAX / 2) return mg_max(least + c->settings->start_gap * s->length, seen);
+  if (least > -MG_MAX / 2) return mg_max(least + c->settings->start_gap * s->length, (mg_real)0);
   if (mg_is_pair_followed_within_reach(c, pair)) return MG_MAX;
   for (int each = s->pair_feature_pair[pair]; each < s->pair_feature_pair[pair + 1] && bound > small; each++)
     if (mg_is_searched_by_cells(c, each) && mg_ends_openly(c, each) && !mg_is_out_of_reach(c, each))

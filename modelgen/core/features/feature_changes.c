@@ -688,11 +688,14 @@ MG_INTERNAL int mg_request_penetration_searches(mg_context *c) {
 }
 
 /* Gap in m up to which the last search of a pair is still valid after its movement since. It allows the least movement:
-   steps do not vanish where a margin does. */
+   steps do not vanish where a margin does. A gap that no contact follows says when to search again, and bounds the
+   range where an event must not be passed; in time-stepping the search at the end of the step sees what has touched, as
+   deep as the pair has moved. */
 static mg_real mg_remaining_search_range(const mg_context *c, int pair) {
   const mg_real most = mg_max(mg_movement_until_search(c, pair), mg_least_movement(c, pair)),
-                moved = c->run->moved_since_search[pair], reach = mg_search_reach(c, pair),
-                range = c->run->unfollowed_gap[pair] < reach ? mg_min(reach, 2 * most) : reach;
+                moved = c->run->moved_since_search[pair], reach = mg_search_reach(c, pair);
+  const int is_gap_unfollowed = c->run->unfollowed_gap[pair] < reach && !mg_is_time_stepping(c);
+  const mg_real range = is_gap_unfollowed ? mg_min(reach, 2 * most) : reach;
   return range - (moved < most && !c->run->is_search_due[pair] ? moved : most);
 }
 

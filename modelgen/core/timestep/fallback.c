@@ -124,14 +124,11 @@ MG_INTERNAL int mg_start_fallback(mg_context *c, int outcome, mg_events *events)
 }
 
 /* Projects the closed contacts to d = 0 and d_dot = 0; the change of the kinetic energy counts as work, as that of an
-   impact. All pairs are searched at the end of the next step, for what time-stepping takes for the gaps of those
-   without contacts (mg_bound_gap_not_found) is no bound. Returns an outcome. */
+   impact. Returns an outcome. */
 static int mg_resume_event_driven(mg_context *c) {
   mg_run *run = c->run;
   mg_real before, after;
   mg_energy(c, &before);
-  for (int pair = mg_next_pair(c, -1); pair < c->layout.limit_pair_begin; pair = mg_next_pair(c, pair))
-    run->is_search_due[pair] = 1;
   for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i))
     mg_set_active(c, i, 0), c->events.triggered[i] = 0;
   for (int g = mg_next_constraint(c, -1); g < c->system->n_friction; g = mg_next_constraint(c, g))
