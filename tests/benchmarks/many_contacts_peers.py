@@ -1,0 +1,262 @@
+"""Scenes of many contacts and of robots at `coarse`, beside MuJoCo and Bullet at their defaults.
+
+    python -m tests.benchmarks.many_contacts_peers [--out FILE] [SCENE ..]
+
+prints the tables of the manual, of all SCENES or those named, as in `heap:sphere:20 stack:10 cards:53 gripper
+hopper`. Each scene runs in a process of its own; FILE, of a JSON object a scene, keeps what is done, and a
+second run goes on from it. `... fronts [--out FILE]` runs some scenes in other steps and accuracies, and
+draws the picture of cost over penetration. Needs the extra `peers`, gymnasium for the robots, and pybullet
+for Bullet, which is left out where it is not installed.
+
+All programs run in turn, in CPU time of one thread, the shortest of up to five runs; set-up is told apart.
+Then each runs once more while a referee of its own geometry (`tests.benchmarks.penetration`) measures how
+deep bodies are in each other, at each step of modelgen and every 10 ms of the others. A run of more than
+LONG is not repeated.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from importlib.util import find_spec
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import process_time
+from typing import Any
+
+import numpy as np
+
+from modelgen.errors import ModelgenError
+from tests.benchmarks.contact_programs import (
+    Bullet,
+    Modelgen,
+    Mujoco,
+    NotInProgram,
+    Run,
+    library_of,
+    programs,
+)
+from tests.benchmarks.contact_tasks import ROBOTS, Task, task_of
+from tests.benchmarks.many_contacts import STONES
+from tests.benchmarks.penetration import Referee
+
+SCENES = (
+    *(f"stack:{n}" for n in (5, 10, 20, 50)),
+    *("pyramid:5", "pyramid:10", "dominoes:10", "dominoes:50"),
+    *(f"heap:sphere:{n}" for n in (20, 50, 100, 200, 500)),
+    *(f"heap:{kind}:{n}" for kind in STONES if kind != "sphere" for n in (20, 100)),
+    *("cards:53", "gripper"),
+    *(spec for name in ROBOTS for spec in (name, f"{name}:file")),
+)
+SLOPE_OF = tuple(f"heap:sphere:{n}" for n in (20, 50, 100, 200, 500))
+RUNS, ENOUGH, LONG, LIMIT = 5, 4.0, 20.0, 3600.0  # most runs; CPU s; CPU s; wall s of a scene
+Makes = Callable[[], Run]
+Row = dict[str, Any]
+
+FRONTS = ("stack:10", "pyramid:5", "dominoes:10", "heap:sphere:20", "heap:sphere:100", "heap:box:20")
+
+
+def timed(make: Makes) -> tuple[float, float, Run]:
+    """CPU s of the start and of the run, and the run."""
+    begun = process_time()
+    run = make()
+    started = process_time()
+    run.go(None)
+    return started - begun, process_time() - started, run
+
+
+def watched(task: Task, make: Makes) -> Row:
+    """A run under the referee, with its CPU time but for what the referee took."""
+    referee, run = Referee(task.scene), make()
+    names = [body.name for body in task.scene.bodies]
+    depths, contacts, times, places, looked = [], [], [], [run.poses()[0]], 0.0
+    times.append(run.t)
+
+    def look() -> None:
+        nonlocal looked
+        begun = process_time()
+        p, turned = run.poses()
+        depths.append(referee.depth(p, turned))
+        contacts.append(run.contacts())
+        places.append(p)
+        times.append(run.t)
+        looked += process_time() - begun
+
+    begun = process_time()
+    run.go(look)
+    spent = process_time() - begun - looked
+    at = {name: np.array(places)[:, k] for k, name in enumerate(names)}
+    return {
+        "spent": spent, "t": run.t, "steps": run.steps, "failure": run.failure,
+        "deepest": max(depths), "contacts": float(np.mean(contacts)),
+        "drift": task.drift(np.array(times), at) if task.drift else None,
+    }  # fmt: skip
+
+
+def compared(task: Task, made: dict[str, Makes]) -> dict[str, Row]:
+    """A row for each program that has the task: the start and the run in CPU s, and what the referee says."""
+    starts: dict[str, list[float]] = {}
+    spent: dict[str, list[float]] = {}
+    absent = set()
+    for _ in range(RUNS):
+        for name, make in made.items():
+            if name in absent or sum(spent.get(name, ())) > LONG:
+                continue
+            try:
+                begin, run, _ = timed(make)
+            except NotInProgram:
+                absent.add(name)
+                continue
+            starts.setdefault(name, []).append(begin)
+            spent.setdefault(name, []).append(run)
+        if sum(map(sum, spent.values())) > ENOUGH:
+            break
+    rows = {name: watched(task, make) for name, make in made.items() if name not in absent}
+    for name, row in rows.items():
+        row["start"] = min(starts[name])
+        row["cpu"] = min(spent[name]) / row["t"]
+    return rows
+
+
+def measured(spec: str) -> Row:
+    """What the tables need of a scene."""
+    begun = process_time()
+    task = task_of(spec)
+    described = process_time() - begun
+    with TemporaryDirectory() as folder:
+        library, built = library_of(task, folder)
+        rows = compared(task, programs(library, task, find_spec("pybullet") is not None))
+    return {"spec": spec, "title": task.title, "described": described, "built": built, "programs": rows}
+
+
+def front(spec: str) -> Row:
+    """A scene in several steps and accuracies of each program."""
+    task = task_of(spec)
+    with TemporaryDirectory() as folder:
+        library, _ = library_of(task, folder)
+        made: dict[str, Makes] = {
+            "modelgen, coarse": lambda: Modelgen(task, library, "coarse", {}),
+            **{
+                f"modelgen, {accuracy}, {1000 * step:g} ms": lambda accuracy=accuracy, step=step: Modelgen(
+                    task, library, accuracy, {"method": "time-stepping", "step": step}
+                )
+                for accuracy, steps in (("coarse", (0.005, 0.002)), ("fast", (0.01, 0.005, 0.002)))
+                for step in steps
+            },
+            **{
+                f"MuJoCo, {kind}, {1000 * step:g} ms": lambda step=step, kind=kind: Mujoco(
+                    task, step, kind == "tied"
+                )
+                for kind in ("defaults", "tied")
+                for step in (0.005, 0.002, 0.001, 0.0005, 0.0002)
+            },
+        }
+        if find_spec("pybullet"):
+            made |= {
+                f"Bullet, defaults, {1000 / rate:.3g} ms": lambda rate=rate: Bullet(task, 1 / rate)
+                for rate in (240, 500, 1000, 2000)
+            }
+        return {"spec": spec, "title": task.title, "programs": compared(task, made)}
+
+
+def cell(row: Row | None, key: str, form: str) -> str:
+    return "" if row is None or row[key] is None else format(row[key], form)
+
+
+def tables(found: list[Row]) -> Iterator[str]:
+    """The lines of the tables of the manual."""
+    yield "| scene | contacts | `coarse` | MuJoCo | ratio | Bullet | ratio | set-up | start |"
+    yield "| --- " * 9 + "|"
+    for row in found:
+        ours, theirs, bullet = (row["programs"].get(name) for name in ("modelgen", "MuJoCo", "Bullet"))
+        end = f" ended at {ours['t']:.3g} s: {ours['failure']}" if ours["failure"] else ""
+        end += f" MuJoCo: {theirs['failure']}" if theirs["failure"] else ""
+        cells = (
+            *(row["title"], f"{ours['contacts']:.0f}", f"{ours['cpu']:.4f}"),
+            *(f"{theirs['cpu']:.4f}", f"{ours['cpu'] / theirs['cpu']:.2f}", cell(bullet, "cpu", ".4f")),
+            "" if bullet is None else f"{ours['cpu'] / bullet['cpu']:.2f}",
+            *(f"{row['described'] + row['built']:.2f} s", f"{ours['start']:.2f} s"),
+        )
+        yield f"| {' | '.join(cells)} |{end}"
+    ratios = np.array([row["programs"]["modelgen"]["cpu"] / row["programs"]["MuJoCo"]["cpu"] for row in found])
+    yield f"\nratios to MuJoCo: median {np.median(ratios):.2f}, worst {ratios.max():.1f}\n"
+    yield "| scene | penetration: `coarse` | MuJoCo | Bullet | drift: `coarse` | MuJoCo | Bullet |"
+    yield "| --- " * 7 + "|"
+    for row in found:
+        three = [row["programs"].get(name) for name in ("modelgen", "MuJoCo", "Bullet")]
+        depths = [f"{cell(each, 'deepest', '.1e')} m" if each else "" for each in three]
+        drifts = [
+            f"{cell(each, 'drift', '.1e')} m" if each and each["drift"] is not None else "" for each in three
+        ]
+        yield f"| {' | '.join([row['title'], *depths, *drifts])} |"
+
+
+def slopes(found: list[Row]) -> Iterator[str]:
+    """Cost a contact and step of heaps of spheres, and the slope of the cost of a step over contacts."""
+    chosen = [row for row in found if row["spec"] in SLOPE_OF]
+    if len(chosen) < 2:
+        return
+    yield "\n| " + " | ".join(["us a contact and step", *(row["title"] for row in chosen), "slope"]) + " |"
+    yield "| --- " * (len(chosen) + 2) + "|"
+    for name in ("modelgen", "MuJoCo", "Bullet"):
+        rows = [row["programs"][name] for row in chosen if name in row["programs"]]
+        if len(rows) < 2:
+            continue
+        contacts = np.array([each["contacts"] for each in rows])
+        a_step = np.array([each["cpu"] * each["t"] / each["steps"] for each in rows])
+        slope = np.polyfit(np.log(contacts), np.log(a_step), 1)[0]
+        costs = [f"{1e6 * cost:.2f}" for cost in a_step / contacts]
+        yield f"| {' | '.join([name, *costs, f'{slope:.2f}'])} |"
+
+
+def kept(path: Path | None) -> dict[str, Row]:
+    if path is None or not path.exists():
+        return {}
+    return {row["spec"]: row for row in map(json.loads, path.read_text().splitlines())}
+
+
+def collected(what: str, specs: list[str], out: Path | None) -> list[Row]:
+    """The rows of scenes, each in a process of its own, but for those that `out` has."""
+    known, found = kept(out), []
+    for spec in specs:
+        if spec not in known:
+            call = [sys.executable, "-m", "tests.benchmarks.many_contacts_peers", what, spec]
+            done = subprocess.run(call, capture_output=True, text=True, timeout=LIMIT, check=False)
+            if done.returncode:
+                last = done.stderr.strip().splitlines()[-1:] or [""]
+                print(f"{spec}: exit {done.returncode}: {last[0]}", flush=True)
+                continue
+            known[spec] = json.loads(done.stdout.splitlines()[-1])
+            if out:
+                with out.open("a") as file:
+                    file.write(json.dumps(known[spec]) + "\n")
+            print(f"{spec}: {sum(row['cpu'] for row in known[spec]['programs'].values()):.3g} s", flush=True)
+        found.append(known[spec])
+    return found
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("scenes", nargs="*", help="of SCENES; or `fronts`, for the picture")
+    parser.add_argument("--out", type=Path, help="file of results, a JSON object a line")
+    given = parser.parse_args()
+    what, *rest = given.scenes or [""]
+    if what in ("scene", "front"):  # in a process of its own
+        try:
+            print(json.dumps((measured if what == "scene" else front)(rest[0])))
+        except ModelgenError as refused:
+            sys.exit(str(refused))
+    elif what == "fronts":
+        from tests.benchmarks.pictures import draw_fronts
+
+        print(draw_fronts(collected("front", rest or [*FRONTS], given.out)))
+    else:
+        found = collected("scene", given.scenes or [*SCENES], given.out)
+        print("\n".join([*tables(found), *slopes(found)]))
+
+
+if __name__ == "__main__":
+    main()
