@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from time import process_time
 from typing import Any, Protocol
 
@@ -18,7 +19,7 @@ from modelgen.runtime.settings import Stepping
 from modelgen.scene.scene_types import Body, Scene
 from tests.benchmarks.contact_tasks import HELD, Task
 
-Array = np.ndarray
+Array = Any  # numpy's
 Watch = Callable[[], None]
 WATCHED = 0.01  # s, between two looks at a program of shorter steps
 PEER_STEP, BULLET_STEP = 0.002, 1 / 240  # s; MuJoCo's and Bullet's defaults
@@ -145,6 +146,9 @@ class Mujoco:
         if tied:
             model.geom_solref[:] = 2 * step, 1.0
         self._data = mujoco.MjData(model)
+        for k in np.flatnonzero(model.jnt_limited):  # as imported: a joint starts within its limits
+            at = model.jnt_qposadr[k]
+            self._data.qpos[at] = np.clip(self._data.qpos[at], *model.jnt_range[k])
         names = {model.body(k).name or f"body{k}": k for k in range(1, model.nbody)}
         self._number = [names.get(body.name, 0) for body in task.scene.bodies]  # 0: the world
         if task.mjcf is None:
@@ -154,12 +158,12 @@ class Mujoco:
 
     def go(self, watch: Watch | None) -> None:
         step, total = self._model.opt.timestep, self._task.until
-        driven = self._task.controls is not None
-        every = HELD if driven else WATCHED
+        controls = self._task.controls
+        every = WATCHED if controls is None else HELD
         per_look = max(round(every / step), 1)
         for k in range(round(total / step / per_look)):
-            if driven:
-                self._data.ctrl[:] = self._task.controls[k]
+            if controls is not None:
+                self._data.ctrl[:] = controls[k]
             self._mujoco.mj_step(self._model, self._data, per_look)
             self.steps += per_look
             if watch:
@@ -192,7 +196,9 @@ class Bullet:
         self._bullet, self._task, self._step = pybullet, task, step
         if task.mjcf or any(shape.kind == "ellipsoid" for body in task.scene.bodies for shape in body.shapes):
             raise NotInProgram
-        pybullet.resetSimulation() if pybullet.isConnected() else pybullet.connect(pybullet.DIRECT)
+        if not pybullet.isConnected():
+            pybullet.connect(pybullet.DIRECT)
+        pybullet.resetSimulation()
         pybullet.setGravity(*task.scene.gravity)
         pybullet.setTimeStep(step)
         friction = friction_of(task.scene) ** 0.5  # of a contact: the product of both
@@ -203,7 +209,7 @@ class Bullet:
         bullet, (shape,) = self._bullet, body.shapes
         sizes = [*numbers(shape).values()]
         w, *xyz = body.pose.quaternion
-        of_kind = {
+        of_kind: dict[str, Callable[[], tuple[dict[str, Any], float]]] = {
             "plane": lambda: ({"planeNormal": [0, 0, 1]}, 0.0),
             "sphere": lambda: ({"radius": sizes[0]}, 4 / 3 * np.pi * sizes[0] ** 3),
             "capsule": lambda: (
@@ -251,10 +257,10 @@ class NotInProgram(Exception):  # noqa: N818 - nothing is wrong
     """A program has no like of the task."""
 
 
-def programs(library: Library, task: Task, bullet: bool) -> dict[str, Callable[[], Any]]:
+def programs(library: Library, task: Task, bullet: bool) -> dict[str, Callable[[], Run]]:
     """What makes a run of each program at the settings of the table."""
-    found: dict[str, Callable[[], Any]] = {
-        "modelgen": lambda: Modelgen(task, library, "coarse", {}),
-        "MuJoCo": lambda: Mujoco(task),
+    found: dict[str, Callable[[], Run]] = {
+        "modelgen": partial(Modelgen, task, library, "coarse", {}),
+        "MuJoCo": partial(Mujoco, task),
     }
-    return found | ({"Bullet": lambda: Bullet(task)} if bullet else {})
+    return found | ({"Bullet": partial(Bullet, task)} if bullet else {})

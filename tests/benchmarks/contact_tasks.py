@@ -8,6 +8,7 @@ from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from modelgen import import_scene
 from modelgen.scene.scene_types import Scene
 from tests.benchmarks.many_contacts import SCENES, STONES, heap
 
-Array = np.ndarray
+Array = Any  # numpy's
 Places = dict[str, Array]  # by body, (n, 3) m: where it was over time
 UNTIL = 2.0  # s
 CARDS_UNTIL = 1.0

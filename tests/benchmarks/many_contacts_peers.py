@@ -4,8 +4,8 @@
 
 prints the tables of the manual, of all SCENES or those named, as in `heap:sphere:20 stack:10 cards:53 gripper
 hopper`. Each scene runs in a process of its own; FILE, of a JSON object a scene, keeps what is done, and a
-second run goes on from it. `... fronts [--out FILE]` runs some scenes in other steps and accuracies, and
-draws the picture of cost over penetration. Needs the extra `peers`, gymnasium for the robots, and pybullet
+second run goes on from it. The picture of cost over penetration is drawn by `python -m
+tests.benchmarks.pictures many_contacts`. Needs the extra `peers`, gymnasium for the robots, and pybullet
 for Bullet, which is left out where it is not installed.
 
 All programs run in turn, in CPU time of one thread, the shortest of up to five runs; set-up is told apart.
@@ -21,6 +21,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -30,6 +31,7 @@ from typing import Any
 import numpy as np
 
 from modelgen.errors import ModelgenError
+from modelgen.runtime.settings import Stepping
 from tests.benchmarks.contact_programs import (
     Bullet,
     Modelgen,
@@ -137,28 +139,16 @@ def front(spec: str) -> Row:
     task = task_of(spec)
     with TemporaryDirectory() as folder:
         library, _ = library_of(task, folder)
-        made: dict[str, Makes] = {
-            "modelgen, coarse": lambda: Modelgen(task, library, "coarse", {}),
-            **{
-                f"modelgen, {accuracy}, {1000 * step:g} ms": lambda accuracy=accuracy, step=step: Modelgen(
-                    task, library, accuracy, {"method": "time-stepping", "step": step}
-                )
-                for accuracy, steps in (("coarse", (0.005, 0.002)), ("fast", (0.01, 0.005, 0.002)))
-                for step in steps
-            },
-            **{
-                f"MuJoCo, {kind}, {1000 * step:g} ms": lambda step=step, kind=kind: Mujoco(
-                    task, step, kind == "tied"
-                )
-                for kind in ("defaults", "tied")
-                for step in (0.005, 0.002, 0.001, 0.0005, 0.0002)
-            },
-        }
-        if find_spec("pybullet"):
-            made |= {
-                f"Bullet, defaults, {1000 / rate:.3g} ms": lambda rate=rate: Bullet(task, 1 / rate)
-                for rate in (240, 500, 1000, 2000)
-            }
+        made: dict[str, Makes] = {}
+        for accuracy in ("coarse", "fast"):
+            for step in (0.01, 0.005, 0.002):
+                stepping: Stepping = {"method": "time-stepping", "step": step}
+                made[f"modelgen, {accuracy}, {step} s"] = partial(Modelgen, task, library, accuracy, stepping)
+        for kind in ("defaults", "tied"):
+            for step in (0.005, 0.002, 0.001, 0.0005, 0.0002):
+                made[f"MuJoCo, {kind}, {step} s"] = partial(Mujoco, task, step, kind == "tied")
+        for rate in (240, 500, 1000, 2000) if find_spec("pybullet") else ():
+            made[f"Bullet, 1/{rate} s"] = partial(Bullet, task, 1 / rate)
         return {"spec": spec, "title": task.title, "programs": compared(task, made)}
 
 
@@ -181,7 +171,9 @@ def tables(found: list[Row]) -> Iterator[str]:
             *(f"{row['described'] + row['built']:.2f} s", f"{ours['start']:.2f} s"),
         )
         yield f"| {' | '.join(cells)} |{end}"
-    ratios = np.array([row["programs"]["modelgen"]["cpu"] / row["programs"]["MuJoCo"]["cpu"] for row in found])
+    ratios = np.array(
+        [row["programs"]["modelgen"]["cpu"] / row["programs"]["MuJoCo"]["cpu"] for row in found]
+    )
     yield f"\nratios to MuJoCo: median {np.median(ratios):.2f}, worst {ratios.max():.1f}\n"
     yield "| scene | penetration: `coarse` | MuJoCo | Bullet | drift: `coarse` | MuJoCo | Bullet |"
     yield "| --- " * 7 + "|"
@@ -240,7 +232,7 @@ def collected(what: str, specs: list[str], out: Path | None) -> list[Row]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("scenes", nargs="*", help="of SCENES; or `fronts`, for the picture")
+    parser.add_argument("scenes", nargs="*", help="of SCENES; default: all")
     parser.add_argument("--out", type=Path, help="file of results, a JSON object a line")
     given = parser.parse_args()
     what, *rest = given.scenes or [""]
@@ -249,10 +241,6 @@ def main() -> None:
             print(json.dumps((measured if what == "scene" else front)(rest[0])))
         except ModelgenError as refused:
             sys.exit(str(refused))
-    elif what == "fronts":
-        from tests.benchmarks.pictures import draw_fronts
-
-        print(draw_fronts(collected("front", rest or [*FRONTS], given.out)))
     else:
         found = collected("scene", given.scenes or [*SCENES], given.out)
         print("\n".join([*tables(found), *slopes(found)]))

@@ -10,7 +10,8 @@ takes the shapes and pairs of a scene.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from modelgen.benchmark.peers.scene_description import numbers
 from modelgen.rotations import rotation_of
 from modelgen.scene.scene_types import Scene, Shape
 
-Array = np.ndarray
+Array = Any  # numpy's
 SEARCHES = 60  # halvings of an interval, Newton steps
 FLAT = 1e-9  # least curvature of f, of the sizes of both solids, that Newton's method divides by
 PARALLEL = 1e-12  # square of the cross product of two edges, below which it is no axis
@@ -203,10 +204,7 @@ def _descended(a: Solids, b: Solids, d: Array, start: Array) -> Array:
 
 
 DEPTH: dict[tuple[str, str], Callable[[Solids, Solids], Array]] = {
-    **{
-        ("plane", kind): lambda planes, others, kind=kind: on_plane(kind, planes, others)  # type: ignore[misc]
-        for kind in SUPPORT
-    },
+    **{("plane", kind): partial(on_plane, kind) for kind in SUPPORT},
     ("sphere", "sphere"): sphere_sphere,
     ("sphere", "capsule"): sphere_capsule,
     ("sphere", "box"): sphere_box,
