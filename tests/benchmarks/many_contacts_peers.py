@@ -8,10 +8,10 @@ second run goes on from it. The picture of cost over penetration is drawn by `py
 tests.benchmarks.pictures many_contacts`. Needs the extra `peers`, gymnasium for the robots, and pybullet
 for Bullet, which is left out where it is not installed.
 
-All programs run in turn, in CPU time of one thread, the shortest of up to five runs; set-up is told apart.
-Then each runs once more while a referee of its own geometry (`tests.benchmarks.penetration`) measures how
-deep bodies are in each other, at each step of modelgen and every 10 ms of the others. A run of more than
-LONG is not repeated.
+Each program runs once while a referee of its own geometry (`tests.benchmarks.penetration`) measures how deep
+bodies are in each other, at each step of modelgen and every 10 ms of the others. Then all run in turn without
+it, in CPU time of one thread, the shortest of up to five runs; set-up and start are told apart. A run of
+more than LONG is not repeated, and its time is that beside the referee.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -61,18 +62,19 @@ Row = dict[str, Any]
 FRONTS = ("stack:10", "pyramid:5", "dominoes:10", "heap:sphere:20", "heap:sphere:50", "heap:box:20")
 
 
-def timed(make: Makes) -> tuple[float, float, Run]:
-    """CPU s of the start and of the run, and the run."""
-    begun = process_time()
+def timed(make: Makes) -> float:
+    """CPU s of a run."""
     run = make()
-    started = process_time()
+    begun = process_time()
     run.go(None)
-    return started - begun, process_time() - started, run
+    return process_time() - begun
 
 
 def watched(task: Task, make: Makes) -> Row:
     """A run under the referee, with its CPU time but for what the referee took."""
-    referee, run = Referee(task.scene), make()
+    referee, begun = Referee(task.scene), process_time()
+    run = make()
+    started = process_time() - begun
     names = [body.name for body in task.scene.bodies]
     depths, contacts, times, places, looked = [], [], [], [run.poses()[0]], 0.0
     times.append(run.t)
@@ -92,7 +94,7 @@ def watched(task: Task, make: Makes) -> Row:
     spent = process_time() - begun - looked
     at = {name: np.array(places)[:, k] for k, name in enumerate(names)}
     return {
-        "spent": spent, "t": run.t, "steps": run.steps, "failure": run.failure,
+        "start": started, "spent": spent, "t": run.t, "steps": run.steps, "failure": run.failure,
         "deepest": max(depths), "contacts": float(np.mean(contacts)),
         "drift": task.drift(np.array(times), at) if task.drift else None,
     }  # fmt: skip
@@ -100,26 +102,18 @@ def watched(task: Task, make: Makes) -> Row:
 
 def compared(task: Task, made: dict[str, Makes]) -> dict[str, Row]:
     """A row for each program that has the task: the start and the run in CPU s, and what the referee says."""
-    starts: dict[str, list[float]] = {}
-    spent: dict[str, list[float]] = {}
-    absent = set()
+    rows: dict[str, Row] = {}
+    for name, make in made.items():
+        with suppress(NotInProgram):
+            rows[name] = watched(task, make)
+    spent: dict[str, list[float]] = {name: [] for name, row in rows.items() if row["spent"] < LONG}
     for _ in range(RUNS):
-        for name, make in made.items():
-            if name in absent or sum(spent.get(name, ())) > LONG:
-                continue
-            try:
-                begin, run, _ = timed(make)
-            except NotInProgram:
-                absent.add(name)
-                continue
-            starts.setdefault(name, []).append(begin)
-            spent.setdefault(name, []).append(run)
+        for name, times in spent.items():
+            times.append(timed(made[name]))
         if sum(map(sum, spent.values())) > ENOUGH:
             break
-    rows = {name: watched(task, make) for name, make in made.items() if name not in absent}
     for name, row in rows.items():
-        row["start"] = min(starts[name])
-        row["cpu"] = min(spent[name]) / row["t"]
+        row["cpu"] = min(spent.get(name, [row["spent"]])) / row["t"]
     return rows
 
 

@@ -22,6 +22,7 @@ from modelgen.scene.scene_types import Scene, Shape
 Array = Any  # numpy's
 SEARCHES = 60  # halvings of an interval, Newton steps
 FLAT = 1e-9  # least curvature of f, of the sizes of both solids, that Newton's method divides by
+SETTLED = 1e-9  # a turn, rad, below which f changes less than by rounding
 PARALLEL = 1e-12  # square of the cross product of two edges, below which it is no axis
 STARTED = 1e-12  # m, below which a direction has no length
 
@@ -187,12 +188,15 @@ def _descended(a: Solids, b: Solids, d: Array, start: Array) -> Array:
         sizes = np.maximum(np.abs(sizes), least[:, None])
         step = -np.einsum("nij,nj->ni", axes, np.einsum("nij,ni->nj", axes, slope) / sizes)
         way, part = np.einsum("ni,nij->nj", step, aside), np.ones(len(d))
+        turn = np.linalg.norm(step, axis=1)
+        if not (turn > SETTLED).any():
+            break
         moved, found = n, value
         for _ in range(SEARCHES):
             moved = n + part[:, None] * way
             moved /= np.linalg.norm(moved, axis=1, keepdims=True)
             found = _f(a, b, d, moved)
-            worse = found > value
+            worse = (found > value) & (part * turn > SETTLED)
             if not worse.any():
                 break
             part = np.where(worse, part / 2, part)
