@@ -56,6 +56,7 @@ SCENES = (
 )
 SLOPE_OF = tuple(f"heap:sphere:{n}" for n in (20, 50, 100, 200, 500))
 RUNS, ENOUGH, LONG, LIMIT = 5, 4.0, 20.0, 3600.0  # most runs; CPU s; CPU s; wall s of a scene
+PROGRAMS = ("modelgen", "MuJoCo", "Bullet")
 Makes = Callable[[], Run]
 Row = dict[str, Any]
 
@@ -146,38 +147,42 @@ def front(spec: str) -> Row:
         return {"spec": spec, "title": task.title, "programs": compared(task, made)}
 
 
-def cell(row: Row | None, key: str, form: str) -> str:
-    return "" if row is None or row[key] is None else format(row[key], form)
+def metres(row: Row | None, key: str) -> str:
+    if row is None or row[key] is None:
+        return ""
+    return f"{row[key]:.1e} m".replace("e-0", "e-").replace("e+00", "")
+
+
+def ratio(ours: Row, other: Row | None) -> str:
+    return "" if other is None else f"{other['cpu']:.3g} ({ours['cpu'] / other['cpu']:.2g})"
 
 
 def tables(found: list[Row]) -> Iterator[str]:
     """The lines of the tables of the manual."""
-    yield "| scene | contacts | `coarse` | MuJoCo | ratio | Bullet | ratio | set-up | start |"
-    yield "| --- " * 9 + "|"
+    yield "| scene | contacts | `coarse` | MuJoCo | Bullet | start-up of `coarse` |"
+    yield "| --- " * 6 + "|"
     for row in found:
-        ours, theirs, bullet = (row["programs"].get(name) for name in ("modelgen", "MuJoCo", "Bullet"))
-        end = f" ended at {ours['t']:.3g} s: {ours['failure']}" if ours["failure"] else ""
-        end += f" MuJoCo: {theirs['failure']}" if theirs["failure"] else ""
+        ours, theirs, bullet = (row["programs"].get(name) for name in PROGRAMS)
+        start = row["described"] + row["built"] + ours["start"]
         cells = (
-            *(row["title"], f"{ours['contacts']:.0f}", f"{ours['cpu']:.4f}"),
-            *(f"{theirs['cpu']:.4f}", f"{ours['cpu'] / theirs['cpu']:.2f}", cell(bullet, "cpu", ".4f")),
-            "" if bullet is None else f"{ours['cpu'] / bullet['cpu']:.2f}",
-            *(f"{row['described'] + row['built']:.2f} s", f"{ours['start']:.2f} s"),
+            *(row["title"], f"{ours['contacts']:.0f}", f"{ours['cpu']:.3g}"),
+            *(ratio(ours, theirs), ratio(ours, bullet), f"{start:.1f} s"),
         )
-        yield f"| {' | '.join(cells)} |{end}"
-    ratios = np.array(
-        [row["programs"]["modelgen"]["cpu"] / row["programs"]["MuJoCo"]["cpu"] for row in found]
-    )
-    yield f"\nratios to MuJoCo: median {np.median(ratios):.2f}, worst {ratios.max():.1f}\n"
+        ends = [
+            f"{name} ended at {run['t']:.3g} s: {run['failure']}"
+            for name, run in row["programs"].items()
+            if run["failure"]
+        ]
+        yield f"| {' | '.join(cells)} | {'; '.join(ends)}".rstrip()
+    of_defaults = [row["programs"] for row in found if not row["spec"].endswith(":file")]
+    ratios = np.array([runs["modelgen"]["cpu"] / runs["MuJoCo"]["cpu"] for runs in of_defaults])
+    yield f"\nratios to MuJoCo at its defaults: median {np.median(ratios):.2g}, worst {ratios.max():.3g}\n"
     yield "| scene | penetration: `coarse` | MuJoCo | Bullet | drift: `coarse` | MuJoCo | Bullet |"
     yield "| --- " * 7 + "|"
     for row in found:
-        three = [row["programs"].get(name) for name in ("modelgen", "MuJoCo", "Bullet")]
-        depths = [f"{cell(each, 'deepest', '.1e')} m" if each else "" for each in three]
-        drifts = [
-            f"{cell(each, 'drift', '.1e')} m" if each and each["drift"] is not None else "" for each in three
-        ]
-        yield f"| {' | '.join([row['title'], *depths, *drifts])} |"
+        runs = [row["programs"].get(name) for name in PROGRAMS]
+        depths = [metres(run, key) for key in ("deepest", "drift") for run in runs]
+        yield f"| {' | '.join([row['title'], *depths])} |"
 
 
 def slopes(found: list[Row]) -> Iterator[str]:
@@ -187,7 +192,7 @@ def slopes(found: list[Row]) -> Iterator[str]:
         return
     yield "\n| " + " | ".join(["us a contact and step", *(row["title"] for row in chosen), "slope"]) + " |"
     yield "| --- " * (len(chosen) + 2) + "|"
-    for name in ("modelgen", "MuJoCo", "Bullet"):
+    for name in PROGRAMS:
         rows = [row["programs"][name] for row in chosen if name in row["programs"]]
         if len(rows) < 2:
             continue
