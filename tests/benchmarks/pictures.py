@@ -33,6 +33,7 @@ matplotlib.use("Agg")
 
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 RUN_SCENE, RUN_UNTIL, RUN_FRAMES = "ellipsoid_on_plane", 0.6, (0, 67, 133, 200)
 COLOURS, SHADES = 16, 256  # in a picture with few; in one with light and shade, or many curves
@@ -106,12 +107,14 @@ def draw_many_contacts(path: Path) -> None:
             )
         place.set_title(row["title"], fontsize=9)
         place.grid(alpha=0.3)
+        place.yaxis.set_minor_formatter(NullFormatter())
     for place in axes[-1]:
         place.set_xlabel("deepest penetration, m")
     for place in axes[:, 0]:
         place.set_ylabel("CPU s per s")
     figure.legend(*axes.flat[0].get_legend_handles_labels(), loc="outside lower center", ncols=5, fontsize=8)
-    _save(figure, path)
+    figure.savefig(path, dpi=DPI)
+    _reduce(path, SHADES)
 
 
 def draw_scene(name: str, path: Path) -> None:
