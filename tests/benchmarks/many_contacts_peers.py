@@ -60,7 +60,7 @@ PROGRAMS = ("modelgen", "MuJoCo", "Bullet")
 Makes = Callable[[], Run]
 Row = dict[str, Any]
 
-FRONTS = ("stack:10", "pyramid:5", "dominoes:10", "heap:sphere:20", "heap:sphere:50", "heap:box:20")
+FRONTS = ("stack:10", "pyramid:5", "dominoes:10", "heap:sphere:20", "heap:box:20")
 
 
 def timed(make: Makes) -> float:

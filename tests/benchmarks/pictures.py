@@ -108,11 +108,14 @@ def draw_many_contacts(path: Path) -> None:
         place.set_title(row["title"], fontsize=9)
         place.grid(alpha=0.3)
         place.yaxis.set_minor_formatter(NullFormatter())
+    for place in axes.flat[len(rows) :]:
+        place.set_axis_off()
     for place in axes[-1]:
         place.set_xlabel("deepest penetration, m")
     for place in axes[:, 0]:
         place.set_ylabel("CPU s per s")
-    figure.legend(*axes.flat[0].get_legend_handles_labels(), loc="outside lower center", ncols=5, fontsize=8)
+    named = axes.flat[0].get_legend_handles_labels()
+    figure.legend(*named, loc="outside lower center", ncols=5, fontsize=8)
     figure.savefig(path, dpi=DPI)
     _reduce(path, SHADES)
 
