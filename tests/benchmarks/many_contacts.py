@@ -23,6 +23,7 @@ from tests.benchmarks.counting import callgrind, countable
 
 SPACING = 0.13  # m, of the spheres of a heap at the start
 DOMINO = (0.02, 0.1, 0.2)  # m
+CARD, CARD_MASS = (0.094, 0.064, 0.0007), 1.84e-4  # m, kg
 STONES = {
     "sphere": make.sphere(0.05),
     "ellipsoid": make.ellipsoid(0.06, 0.05, 0.04),
@@ -107,8 +108,28 @@ def heap(stones: int, seed: int = 0, kind: str = "sphere") -> Scene:
     return make.scene(f"heap_{stones}", bodies, contacts={"between": "all", "friction": 0.5})
 
 
+def cards(count: int) -> Scene:
+    """A spread deck of cards that falls onto a rod, as MuJoCo's `cards` has it, with rigid cards."""
+    turned = np.pi / 2
+    rod = make.fixed(
+        "rod", make.capsule(0.03, 0.2), position=[0.1, 0.0, -0.3], rpy=[turned, 0.0, 0.0]
+    )  # fmt: skip
+    bodies = [make.fixed("floor", make.plane(), position=[0.0, 0.0, -1.0]), rod]
+    for k in range(count):
+        tilt = -100.0 - 3.0 * k  # degrees
+        half = float(np.radians(tilt) / 2)
+        bodies.append(
+            make.dynamic(
+                f"c{k}", make.box(*CARD), density=CARD_MASS / float(np.prod(CARD)),
+                position=[0.005 * k, -6.5e-6 * (tilt + 177.0) ** 2, -0.005 * k],
+                quaternion=[0.0, 0.0, float(np.cos(half)), float(np.sin(half))],
+            )
+        )  # fmt: skip
+    return make.scene(f"cards_{count}", bodies, contacts={"between": "all", "friction": 0.1})
+
+
 SCENES: dict[str, Callable[[int], Scene]] = {
-    "stack": stack, "pyramid": pyramid, "dominoes": dominoes, "heap": heap
+    "stack": stack, "pyramid": pyramid, "dominoes": dominoes, "heap": heap, "cards": cards
 }  # fmt: skip
 
 

@@ -2,7 +2,8 @@
 
     python -m tests.benchmarks.pictures [NAME ...]
 
-draws all, or those named: `run`, `gamma2`, a shipped scene (for the gallery), a worked example.
+draws all, or those named: `run`, `gamma2`, `many_contacts`, a shipped scene (for the gallery), a worked
+example. `many_contacts` needs what `tests.benchmarks.many_contacts_peers` needs, and takes minutes.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from modelgen.cli.manual import page, script_of
 from modelgen.report.snapshots import draw_frames
 from tests.benchmarks.gallery_pictures import scene_figure
 from tests.benchmarks.gamma2 import BASE, FINEST, SCENES, UNTIL, _tips
+from tests.benchmarks.many_contacts_peers import FRONTS, collected
 from tests.docs.pages import EXAMPLES, IMAGES
 from tests.running import NAMES, scene_of
 
@@ -31,10 +33,19 @@ matplotlib.use("Agg")
 
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 RUN_SCENE, RUN_UNTIL, RUN_FRAMES = "ellipsoid_on_plane", 0.6, (0, 67, 133, 200)
 COLOURS, SHADES = 16, 256  # in a picture with few; in one with light and shade, or many curves
 SAMPLES, DPI, FLOOR = 200, 80, 1e-18  # FLOOR in m: the least error that the logarithmic axis shows
+DEPTH_FLOOR = 1e-14  # m: the least penetration that the logarithmic axis shows
+STYLES = (
+    ("tab:blue", "o-"),
+    ("tab:cyan", "s-"),
+    ("tab:red", "o-"),
+    ("tab:orange", "s-"),
+    ("tab:green", "^-"),
+)
 
 
 def draw_gamma2(path: Path) -> None:
@@ -78,6 +89,37 @@ def draw_run(path: Path) -> None:
     _save(figure, path)
 
 
+def draw_many_contacts(path: Path) -> None:
+    """Cost over penetration of each program in several steps, of the scenes FRONTS."""
+    rows = collected("front", [*FRONTS], None)
+    figure, axes = plt.subplots(
+        2, (len(rows) + 1) // 2, figsize=(10.0, 6.0), sharex=True, layout="constrained"
+    )
+    for row, place in zip(rows, axes.flat, strict=False):
+        lines: dict[str, list[tuple[float, float]]] = {}
+        for setting, run in row["programs"].items():
+            if not run["failure"]:
+                at = max(run["deepest"], DEPTH_FLOOR), run["cpu"]
+                lines.setdefault(setting.rpartition(", ")[0], []).append(at)
+        for (name, points), (colour, mark) in zip(lines.items(), STYLES, strict=False):
+            place.loglog(
+                *zip(*points, strict=True), mark, color=colour, label=name, markersize=4, linewidth=1
+            )
+        place.set_title(row["title"], fontsize=9)
+        place.grid(alpha=0.3)
+        place.yaxis.set_minor_formatter(NullFormatter())
+    for place in axes.flat[len(rows) :]:
+        place.set_axis_off()
+    for place in axes[-1]:
+        place.set_xlabel("deepest penetration, m")
+    for place in axes[:, 0]:
+        place.set_ylabel("CPU s per s")
+    named = axes.flat[0].get_legend_handles_labels()
+    figure.legend(*named, loc="outside lower center", ncols=5, fontsize=8)
+    figure.savefig(path, dpi=DPI)
+    _reduce(path, SHADES)
+
+
 def draw_scene(name: str, path: Path) -> None:
     """A shipped scene, for the gallery."""
     scene_figure(name).savefig(path, dpi=DPI)
@@ -107,6 +149,7 @@ def _reduce(path: Path, colours: int) -> None:
 PICTURES: dict[str, tuple[Path, Callable[[Path], None]]] = {
     "run": (IMAGES / "run.png", draw_run),
     "gamma2": (IMAGES / "gamma2.png", draw_gamma2),
+    "many_contacts": (IMAGES / "many_contacts.png", draw_many_contacts),
     **{name: (IMAGES / "scenes" / f"{name}.png", partial(draw_scene, name)) for name in NAMES},
     **{topic: (IMAGES / f"{topic}.png", partial(draw_example, topic)) for topic in EXAMPLES},
 }

@@ -34,6 +34,13 @@ static void mg_extrapolate_state(const mg_context *c, mg_real time, mg_real chan
   mg_normalise_quaternions(c, to);
 }
 
+/* Accelerations by the loads but for springs, which are rows of the impulse problem. */
+static void mg_accelerate_without_springs(mg_context *c, mg_real t, const mg_real *x, mg_real *slopes) {
+  c->springs.are_rows = 1;
+  mg_free_accelerations(c, t, x, slopes);
+  c->springs.are_rows = 0;
+}
+
 /* Adds the accelerations by the forces of the joints to c->bodies.acceleration, and stores these forces in
    c->solution.impulse. */
 static void mg_add_joint_accelerations(mg_context *c) {
@@ -50,19 +57,18 @@ MG_INTERNAL void mg_set_step_geometry(mg_context *c, mg_real h) {
   const mg_real t = c->run->t, ahead = (1 - mg_scheme_theta(c)) * h;
   MG_NEEDS_AT_RUN(c, MG_VALID_ROWS), MG_NEEDS_AT_RUN(c, MG_VALID_JOINT_ROWS), MG_NEEDS_AT_RUN(c, MG_VALID_RATES);
   mg_copy_reals(c->step.start_pose, c->bodies.pose, 12 * s->n_body);
-  c->springs.are_rows = 1;
-  mg_free_accelerations(c, t, c->run->x, c->step.slopes);
+  mg_accelerate_without_springs(c, t, c->run->x, c->step.slopes);
   mg_predict_springs(c, h);
+  mg_add_joint_accelerations(c); /* without them a light link is anywhere in the middle of the step */
   mg_extrapolate_state(c, ahead, 0, c->step.settled);
   for (int i = mg_next_row(c, -1); i < s->n_contact; i = mg_next_row(c, i))
     for (int k = 0; k < c->contacts.n_eta[i]; k++)
       mg_contact_eta(c, c->step.settled, i)[k] += ahead * c->rows.eta_dot[s->contact_eta[i] + k];
   mg_extrapolate_state(c, h / 2, h / 2, c->step.stage);
   mg_update_poses(c, t + h / 2, c->step.stage);
-  mg_free_accelerations(c, t + h / 2, c->step.stage, c->step.slopes + c->layout.n_states);
+  mg_accelerate_without_springs(c, t + h / 2, c->step.stage, c->step.slopes + c->layout.n_states);
   for (int k = 0; k < 6 * s->n_body && s->n_load; k++) c->step.load_wrench[k] = c->bodies.wrench[k];
   mg_update_spring_rows(c);
-  c->springs.are_rows = 0;
   if (ahead > 0) {
     mg_place_all_contacts(c, t + ahead, c->step.settled);
     mg_update_rows_at(c, t + ahead, c->step.settled);
