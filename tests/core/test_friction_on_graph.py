@@ -40,8 +40,8 @@ class Rows:
     bodies: int
     problem: FrictionProblem
 
-    def solve(self, library: Library, accepted: float) -> tuple[Array, Any]:
-        """z (n,), and the report, from memory that holds no numbers."""
+    def solve(self, library: Library, accepted: float, starts: int = 0) -> tuple[Array, Any]:
+        """z (n,), and the report, from memory that holds no numbers; `starts`: at most, 0: all."""
         core, problem = library.cdll, self.problem
         n, k = problem.n, len(problem.first)
         sizes = []
@@ -56,8 +56,7 @@ class Rows:
             *(np.ascontiguousarray(array, dtype=real) for array in (self.J, self.MJ, np.zeros(n))),
         )  # fmt: skip
         graph = Graph(self.bodies, *(array.ctypes.data for array in arrays))
-        record, kept = _record(problem, library, "coulomb")
-        record.accepted = accepted
+        record, kept = _record(problem, library, "coulomb", starts, accepted)
         z, marks, report = (
             np.zeros(n, dtype=real),
             np.zeros(k, dtype=np.intc),
@@ -154,3 +153,17 @@ def test_bodies_move_as_by_the_matrix(lcp_in: Callable[[str], Any], seed: int, r
 def test_most_problems_of_forty_bodies_are_solved(lcp: Library) -> None:
     solved = sum(pile(seed, 40, 3, 0.3).solve(lcp, 1e-6)[1].outcome == 0 for seed in range(10))
     assert solved >= 8  # all ten, when this was written
+
+
+@pytest.mark.parametrize(
+    ("seed", "bodies", "friction"), [(39, 12, 0.8), (6, 20, 0.8), (14, 20, 0.8), (30, 30, 0.3)]
+)
+def test_other_starting_points_solve_what_the_first_does_not(
+    lcp: Library, seed: int, bodies: int, friction: float
+) -> None:
+    rows = pile(seed, bodies, 3, friction)
+    assert rows.solve(lcp, 1e-8, starts=1)[1].outcome == list(Outcome).index(Outcome.NOT_FOUND)
+    z, report = rows.solve(lcp, 1e-8, starts=3)
+    assert report.outcome == 0
+    assert report.starts > 1
+    assert residual(rows.problem, z, lcp) <= 2e-8

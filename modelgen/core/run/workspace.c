@@ -96,12 +96,12 @@ MG_API int mg_real_size(void) { return (int)sizeof(mg_real); }
 /* Divides the memory of the solvers of friction problems, which use the same one after another. */
 static void mg_set_friction_solver_arrays(mg_context *c, mg_memory *memory) {
   const mg_system *s = c->system;
-  const int n = (int)mg_held_row_capacity(s), k = s->closed_capacity, graph = n > MG_SMALL_PROBLEM ? n : 0;
-  const long long reals[] = {mg_friction_work_size(n, k), mg_friction_graph_work_size(graph, k, s->n_body)},
-                  ints[] = {mg_friction_iwork_size(n, k), mg_friction_graph_iwork_size(graph, k, s->n_body)};
-  c->friction.work = mg_reserve_reals(memory, graph && reals[1] > reals[0] ? reals[1] : reals[0]);
-  c->friction.iwork = mg_reserve_ints(memory, graph && ints[1] > ints[0] ? ints[1] : ints[0]);
-  c->friction.row_yield = mg_reserve_reals(memory, graph), c->friction.row_body = mg_reserve_ints(memory, 2 * graph);
+  const int n = (int)mg_held_row_capacity(s), k = s->closed_capacity;
+  const long long reals[] = {mg_friction_work_size(n, k), mg_friction_graph_work_size(n, k, s->n_body)},
+                  ints[] = {mg_friction_iwork_size(n, k), mg_friction_graph_iwork_size(n, k, s->n_body)};
+  c->friction.work = mg_reserve_reals(memory, reals[1] > reals[0] ? reals[1] : reals[0]);
+  c->friction.iwork = mg_reserve_ints(memory, ints[1] > ints[0] ? ints[1] : ints[0]);
+  c->friction.row_yield = mg_reserve_reals(memory, n), c->friction.row_body = mg_reserve_ints(memory, 2 * n);
 }
 
 /* Divides the memory of the friction constraints. */

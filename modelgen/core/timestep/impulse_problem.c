@@ -13,6 +13,7 @@ enum {
   MG_NEAR = 1,             /* the contact takes part */
   MG_NEAR_SET_ROUNDS = 20, /* most rounds in which contacts are added */
   MG_MATRIX_ISLAND = 60,   /* most rows of an island whose matrix is solved where its graph is not enough */
+  MG_GRAPH_STARTS = 3,     /* most starting points of an island on its graph */
   MG_JOINED_ISLAND = 150,  /* most rows of an island with joints or springs whose matrix is solved at once */
   MG_NEAR_TOLERANCE = 100, /* times stepping_tolerance: up to there a residual that falls slowly is let be */
   MG_TOUCH_STEP_PARTS = 16 /* a contact that touches within this part of a step touches at its start */
@@ -147,8 +148,9 @@ static int mg_release_slipping_constraints(mg_context *c, const mg_step_island *
   return mg_use_kinetic_bounds(c, island->problem.n_contact, c->friction.cone_contact + island->contact);
 }
 
-/* Impulses of an island by its graph. Returns the outcome of mg_friction. */
-static int mg_solve_island_graph(mg_context *c, const mg_step_island *island, mg_friction_report *report) {
+/* Impulses of an island by its graph, from `starts` starting points at most. Returns the outcome of mg_friction. */
+static int mg_solve_island_graph(mg_context *c, const mg_step_island *island, int starts, mg_friction_report *report) {
+  mg_friction_problem problem = island->problem;
   const int n = island->problem.n, *row = c->lcp.rows + island->row;
   for (int r = 0; r < n; r++) {
     const int bodies[2] = {c->contacts.o[row[r]], c->contacts.f[row[r]]};
@@ -160,8 +162,9 @@ static int mg_solve_island_graph(mg_context *c, const mg_step_island *island, mg
   mg_report_friction_solve(c->run, island->problem.law);
   const mg_friction_graph graph = {c->system->n_body, row,        c->friction.row_body,
                                    c->rows.J,         c->rows.MJ, c->friction.row_yield};
-  return mg_friction_on_graph(&island->problem, &graph, c->lcp.z + island->row, c->friction.marks + island->contact,
-                              report, c->friction.work, c->friction.iwork);
+  problem.max_starts = starts;
+  return mg_friction_on_graph(&problem, &graph, c->lcp.z + island->row, c->friction.marks + island->contact, report,
+                              c->friction.work, c->friction.iwork);
 }
 
 /* Impulses of an island by its matrix. Returns the outcome of mg_friction. */
@@ -180,13 +183,18 @@ static int mg_is_island_large(const mg_step_island *island) {
   return p->n > (rows < p->n ? MG_JOINED_ISLAND : MG_SMALL_PROBLEM);
 }
 
-/* Solves the problem of an island, a large one by its graph first; a residual up to stepping_residual counts as solved,
-   loosely above stepping_tolerance. Returns the outcome of mg_friction. */
+/* Solves the problem of an island: a large one by its graph, where that fails and in place of it one that is not too
+   large by its matrix, and where that fails too by its graph from other starting points. A residual up to
+   stepping_residual counts as solved, loosely above stepping_tolerance. Returns the outcome of mg_friction. */
 static int mg_try_friction_law(mg_context *c, const mg_step_island *island, mg_friction_report *report) {
-  const int is_large = !mg_has_outer_solver(c, &island->problem) && mg_is_island_large(island);
-  int outcome = is_large ? mg_solve_island_graph(c, island, report) : MG_FRICTION_NOT_FOUND;
-  if (outcome == MG_FRICTION_NOT_FOUND && (!is_large || island->problem.n <= MG_MATRIX_ISLAND) && !mg_is_stopped(c))
+  const int has_graph = !mg_has_outer_solver(c, &island->problem), is_large = has_graph && mg_is_island_large(island),
+            has_matrix = !is_large || island->problem.n <= MG_MATRIX_ISLAND;
+  int outcome = MG_FRICTION_NOT_FOUND;
+  if (is_large) outcome = mg_solve_island_graph(c, island, has_matrix ? 1 : MG_GRAPH_STARTS, report);
+  if (outcome == MG_FRICTION_NOT_FOUND && has_matrix && !mg_is_stopped(c))
     outcome = mg_solve_island_matrix(c, island, report);
+  if (outcome == MG_FRICTION_NOT_FOUND && has_matrix && has_graph && !mg_is_stopped(c))
+    outcome = mg_solve_island_graph(c, island, MG_GRAPH_STARTS, report);
   if (outcome != MG_FRICTION_NOT_FOUND || !(report->residual <= c->settings->stepping_residual)) return outcome;
   c->friction.is_loose = 1;
   return MG_FRICTION_SOLVED;

@@ -22,7 +22,11 @@ _UNDECIDED = -1
 
 
 def coulomb(
-    problem: FrictionProblem, library: CoreLibrary, start: ArrayLike | None = None, starts: int = 0
+    problem: FrictionProblem,
+    library: CoreLibrary,
+    start: ArrayLike | None = None,
+    starts: int = 0,
+    accepted: float = 0.0,
 ) -> FrictionSolution:
     """Solves Coulomb's law without approximation.
 
@@ -36,11 +40,12 @@ def coulomb(
     Args:
         start: (n,) a guess of the forces, such as those of the step before; none by default.
         starts: starting points at most, the guess among them; 0: all, which may take seconds for 20 contacts.
+        accepted: a residual that counts as solved once Newton steps no longer halve it; 0: rounding alone.
 
     Raises:
         SimulationError: a record that does not fit together, or a start of another shape.
     """
-    return _call(problem, library, "coulomb", start, starts)
+    return _call(problem, library, "coulomb", start, starts, accepted)
 
 
 def relaxation(
@@ -54,7 +59,7 @@ def relaxation(
     Contacts that open more slowly than that are pushed too. Exact where all stick or open faster, or mu = 0.
     Its program can be infeasible where Coulomb's law has a solution. Arguments and errors as for `coulomb`.
     """
-    return _call(problem, library, "relaxed", start, 0)
+    return _call(problem, library, "relaxed", start)
 
 
 def residual(problem: FrictionProblem, z: ArrayLike, library: CoreLibrary, law: Law = "coulomb") -> float:
@@ -91,9 +96,14 @@ def scattered_start(
 
 
 def _call(
-    problem: FrictionProblem, library: CoreLibrary, law: Law, start: ArrayLike | None, starts: int
+    problem: FrictionProblem,
+    library: CoreLibrary,
+    law: Law,
+    start: ArrayLike | None,
+    starts: int = 0,
+    accepted: float = 0.0,
 ) -> FrictionSolution:
-    record, alive = _record(problem, library, law, starts)
+    record, alive = _record(problem, library, law, starts, accepted)
     cdll, n, count = library.cdll, problem.n, len(problem.first)
     z = np.zeros(n, dtype=library.dtype)
     if start is not None and np.shape(start) != z.shape:
@@ -134,7 +144,7 @@ def motion(problem: FrictionProblem, z: NDArray[Any]) -> NDArray[Any]:
 
 
 def _record(
-    problem: FrictionProblem, library: CoreLibrary, law: Law, starts: int = 0
+    problem: FrictionProblem, library: CoreLibrary, law: Law, starts: int = 0, accepted: float = 0.0
 ) -> tuple[Any, tuple[Any, ...]]:
     """The record for the core, and the arrays that must live as long as it does."""
     real = library.dtype
@@ -144,7 +154,7 @@ def _record(
     kept = (first, rows, cone, A, b)
     pointers = (pointer(array) for array in kept)
     record = problem_structure(np.dtype(real))
-    return record(problem.n, len(first), LAWS.index(law), 1, *pointers, starts, 0.0), kept
+    return record(problem.n, len(first), LAWS.index(law), 1, *pointers, starts, accepted), kept
 
 
 @cache

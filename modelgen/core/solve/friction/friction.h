@@ -117,10 +117,11 @@ MG_API long long mg_friction_graph_work_size(int n, int n_contact, int n_body);
 MG_API long long mg_friction_graph_iwork_size(int n, int n_contact, int n_body);
 
 /* Solves a problem by its graph, without A, which is not read: memory grows with the rows, and so does the cost of a
-   sweep; that of a Newton step grows with the fill of the graph. As mg_friction, but that other starting points are not
-   tried, infeasibility is not proved, and rank, active and unique are not reported. z holds the best forces found, and
-   their residual is in the report. Where the fill is more than eight pairs per contact and body, there are sweeps
-   alone. */
+   sweep; that of a Newton step grows with the fill of the graph. As mg_friction, but that infeasibility is not proved,
+   rank, active and unique are not reported, and the starting points after the first come from an interior-point method
+   for Coulomb's law itself, then from fixed points of the convex program. z holds the best forces found, and their
+   residual is in the report. Where the fill is more than eight pairs per contact and body, there are sweeps alone, from
+   the first. */
 MG_API int mg_friction_on_graph(const mg_friction_problem *problem, const mg_friction_graph *graph, mg_real *z,
                                 int *marks, mg_friction_report *report, mg_real *work, int *iwork);
 

@@ -151,6 +151,20 @@ MG_API int mg_friction(const mg_friction_problem *problem, mg_real *z, int *mark
   return report->outcome;
 }
 
+/* Returns the best candidate of a problem on a graph in the units of the problem, with marks and residual. Returns
+   whether it is a solution. */
+static int mg_graph_answer(mg_scaled_friction *s, mg_real *z, int *marks, mg_friction_report *report) {
+  for (int i = 0; i < mg_friction_rows(s); ++i) s->y[i] = s->best[i];
+  mg_friction_update_motion(s);
+  mg_friction_mark_contacts(s, marks);
+  for (int i = 0; i < s->given->n; ++i) z[i] = 0;
+  for (int i = 0; i < mg_friction_rows(s); ++i) z[s->row[i]] = s->y[i] * s->e[i] * s->scale;
+  report->residual = s->residual = mg_friction_error(s);
+  report->outcome = mg_friction_is_accepted(s) || s->residual <= mg_friction_tolerance(s, s->y) ? MG_FRICTION_SOLVED
+                                                                                                : MG_FRICTION_NOT_FOUND;
+  return report->outcome == MG_FRICTION_SOLVED;
+}
+
 MG_API int mg_friction_on_graph(const mg_friction_problem *problem, const mg_friction_graph *graph, mg_real *z,
                                 int *marks, mg_friction_report *report, mg_real *work, int *iwork) {
   mg_scaled_friction s;
@@ -158,13 +172,9 @@ MG_API int mg_friction_on_graph(const mg_friction_problem *problem, const mg_fri
   if (!mg_graph_set_up(&s, problem, graph, work, iwork)) return report->outcome;
   report->starts = 1;
   mg_friction_find(&s, z);
-  for (int i = 0; i < mg_friction_rows(&s); ++i) s.y[i] = s.best[i];
-  mg_friction_update_motion(&s);
-  mg_friction_mark_contacts(&s, marks);
-  for (int i = 0; i < problem->n; ++i) z[i] = 0;
-  for (int i = 0; i < mg_friction_rows(&s); ++i) z[s.row[i]] = s.y[i] * s.e[i] * s.scale;
-  report->sweeps = s.sweeps, report->newton = s.newton, report->residual = s.residual = mg_friction_error(&s);
-  return report->outcome = mg_friction_is_accepted(&s) || s.residual <= mg_friction_tolerance(&s, s.y)
-                               ? MG_FRICTION_SOLVED
-                               : MG_FRICTION_NOT_FOUND;
+  while (!mg_graph_answer(&s, z, marks, report) && s.graph.has_system && report->starts <= MG_FRICTION_STARTS &&
+         report->starts != problem->max_starts && !mg_friction_is_stopped(&s))
+    mg_friction_try_start(&s, report->starts++ - 1);
+  report->sweeps = s.sweeps, report->newton = s.newton;
+  return report->outcome;
 }

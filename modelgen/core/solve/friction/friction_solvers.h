@@ -87,6 +87,9 @@ MG_INTERNAL mg_real mg_friction_norm(int k, const mg_real *x);
 /* |f - P_radius(f - w / rho)| sqrt(rho) of a disc of k rows: natural map of Coulomb's law. */
 MG_INTERNAL mg_real mg_friction_disc_error(int k, const mg_real *f, const mg_real *w, mg_real rho, mg_real radius);
 
+/* Sum of |v_t| over the parts of a contact. */
+MG_INTERNAL mg_real mg_friction_slip(const mg_scaled_friction *s, int contact);
+
 /* v_n of a contact; of the relaxed law less theta sum |v_t|. */
 MG_INTERNAL mg_real mg_friction_slack(const mg_scaled_friction *s, int contact);
 
@@ -199,8 +202,18 @@ MG_INTERNAL void mg_graph_begin_step(mg_scaled_friction *s, mg_real shift);
 MG_INTERNAL int mg_graph_add_contact(mg_scaled_friction *s, int contact, int presses, mg_real shift, const mg_real *gy,
                                      const mg_real *gv, const mg_real *phi);
 
-/* Changes `step` of y and `image` of v, [m + n_free]. Returns 0 if the system is singular. */
+/* The push of contacts of a given stiffness, and of free rows, whose forces change by it times `right` [m + n_free]
+   less the change of v. */
+MG_INTERNAL void mg_graph_set_push(mg_scaled_friction *s, const mg_real *right);
+
+/* Factors the system of a step that has been prepared. Returns 0 if it is singular. */
+MG_INTERNAL int mg_graph_factor_step(mg_scaled_friction *s);
+
+/* Changes `step` of y and `image` of v, [m + n_free]. Returns 0 if they are not finite. */
 MG_INTERNAL int mg_graph_solve_step(mg_scaled_friction *s, mg_real *step, mg_real *image);
+
+/* Solves it once more for what is left, by the same factors. */
+MG_INTERNAL int mg_graph_refine_step(mg_scaled_friction *s, mg_real *step, mg_real *image);
 
 /* block_system.c */
 

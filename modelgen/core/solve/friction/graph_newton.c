@@ -7,8 +7,6 @@
 
 MG_INTERNAL void mg_graph_begin_step(mg_scaled_friction *s, mg_real shift) {
   mg_scaled_graph *g = &s->graph;
-  mg_block_clear(&g->system);
-  for (int i = 0; i < 6 * g->n_body; ++i) g->step[i] = 0;
   for (int k = 0; k < s->n_free; ++k) {
     const int i = s->m + k;
     const mg_real own = g->yield[i] + shift;
@@ -51,15 +49,34 @@ static inline void mg_add_combination(int n, const mg_real *a, int apart, const 
   y[0] = y0, y[1] = y1, y[2] = y2, y[3] = y3, y[4] = y4, y[5] = y5;
 }
 
-/* Adds what rows from .. from + width, of one contact or a free one, do to the motion: M^-1 J' (push - K J du), K by
-   columns of `stride`, 0 for a contact that does not press. */
+MG_INTERNAL void mg_graph_set_push(mg_scaled_friction *s, const mg_real *right) {
+  mg_scaled_graph *g = &s->graph;
+  for (int c = 0; c < s->n; ++c) {
+    const int from = s->normal[c], to = mg_friction_row_end(s, c);
+    const mg_real *K = g->stiffness + (long)MG_BLOCK_SIZE * c;
+    for (int i = from; i < to; ++i) {
+      g->push[i] = 0;
+      for (int j = from; j < to; ++j) g->push[i] += K[i - from + MG_ROWS * (j - from)] * right[j];
+    }
+  }
+  for (int k = 0; k < s->n_free; ++k)
+    g->push[s->m + k] = g->stiffness[(long)MG_BLOCK_SIZE * s->n + k] * right[s->m + k];
+}
+
+/* Adds what the push of rows from .. from + width, of one contact or a free one, does to the motion: M^-1 J' push. */
+static void mg_graph_add_push(mg_scaled_graph *g, int from, int width) {
+  for (int a = 0; a < 2; ++a)
+    if (g->body[2 * from + a] >= 0)
+      mg_add_combination(width, g->MJ + 12L * from + 6 * a, 12, g->push + from, 1,
+                         g->step + 6L * g->body[2 * from + a]);
+}
+
+/* Adds the blocks of such rows, M^-1 J' K J; K by columns of `stride`, 0 for a contact that does not press. */
 static void mg_graph_add_rows(mg_scaled_graph *g, int from, int width, const mg_real *K, int stride) {
   const int *body = g->body + 2 * from;
-  for (int a = 0; a < 2; ++a) {
+  for (int a = 0; a < 2 && K[0] != 0; ++a) {
     if (body[a] < 0) continue;
     const mg_real *MJ = g->MJ + 12L * from + 6 * a;
-    mg_add_combination(width, MJ, 12, g->push + from, 1, g->step + 6L * body[a]);
-    if (K[0] == 0) continue;
     mg_real carried[MG_ROWS * MG_ROWS] = {0}; /* M^-1 J' K of body a, by columns of six */
     for (int j = 0; j < width; ++j) mg_add_combination(width, MJ, 12, K + stride * j, 1, carried + 6 * j);
     for (int b = 0; b < 2; ++b) {
@@ -71,18 +88,22 @@ static void mg_graph_add_rows(mg_scaled_graph *g, int from, int width, const mg_
   }
 }
 
-/* The change of the motion that the system gives is not accurate enough along stiff contacts to follow v by: that of
-   the forces is taken in its place. */
-MG_INTERNAL int mg_graph_solve_step(mg_scaled_friction *s, mg_real *step, mg_real *image) {
+MG_INTERNAL int mg_graph_factor_step(mg_scaled_friction *s) {
   mg_scaled_graph *g = &s->graph;
-  const int rows = mg_friction_rows(s);
+  mg_block_clear(&g->system);
   for (int c = 0; c < s->n; ++c)
     mg_graph_add_rows(g, s->normal[c], mg_friction_row_end(s, c) - s->normal[c], g->stiffness + (long)MG_BLOCK_SIZE * c,
                       MG_ROWS);
   for (int k = 0; k < s->n_free; ++k)
     mg_graph_add_rows(g, s->m + k, 1, g->stiffness + (long)MG_BLOCK_SIZE * s->n + k, 1);
-  if (!mg_block_factor(&g->system)) return 0;
-  mg_block_solve(&g->system, g->step);
+  return mg_block_factor(&g->system);
+}
+
+/* Changes of y and v by the change g->step of the motion that the system gives. It is not accurate enough along stiff
+   contacts to follow v by: that of the forces, g->motion, is taken in its place. Returns 0 if they are not finite. */
+static int mg_graph_set_changes(mg_scaled_friction *s, mg_real *step, mg_real *image) {
+  mg_scaled_graph *g = &s->graph;
+  const int rows = mg_friction_rows(s);
   for (int i = 0; i < rows; ++i) image[i] = mg_graph_row_times(g, i, g->step, 0);
   for (int c = 0; c < s->n; ++c) {
     const int from = s->normal[c], to = mg_friction_row_end(s, c);
@@ -94,7 +115,24 @@ MG_INTERNAL int mg_graph_solve_step(mg_scaled_friction *s, mg_real *step, mg_rea
   }
   for (int k = 0; k < s->n_free; ++k)
     step[s->m + k] = g->push[s->m + k] - g->stiffness[(long)MG_BLOCK_SIZE * s->n + k] * image[s->m + k];
-  mg_graph_set_motion(s, step, g->step);
-  for (int i = 0; i < rows; ++i) image[i] = mg_graph_row_times(g, i, g->step, 0) + g->yield[i] * step[i];
+  mg_graph_set_motion(s, step, g->motion);
+  for (int i = 0; i < rows; ++i) image[i] = mg_graph_row_times(g, i, g->motion, 0) + g->yield[i] * step[i];
   return mg_all_finite(rows, step) && mg_all_finite(rows, image);
+}
+
+MG_INTERNAL int mg_graph_solve_step(mg_scaled_friction *s, mg_real *step, mg_real *image) {
+  mg_scaled_graph *g = &s->graph;
+  for (int i = 0; i < 6 * g->n_body; ++i) g->step[i] = 0;
+  for (int c = 0; c < s->n; ++c) mg_graph_add_push(g, s->normal[c], mg_friction_row_end(s, c) - s->normal[c]);
+  for (int k = 0; k < s->n_free; ++k) mg_graph_add_push(g, s->m + k, 1);
+  mg_block_solve(&g->system, g->step);
+  return mg_graph_set_changes(s, step, image);
+}
+
+MG_INTERNAL int mg_graph_refine_step(mg_scaled_friction *s, mg_real *step, mg_real *image) {
+  mg_scaled_graph *g = &s->graph;
+  for (int i = 0; i < 6 * g->n_body; ++i) g->motion[i] -= g->step[i];
+  mg_block_solve(&g->system, g->motion);
+  for (int i = 0; i < 6 * g->n_body; ++i) g->step[i] += g->motion[i];
+  return mg_graph_set_changes(s, step, image);
 }

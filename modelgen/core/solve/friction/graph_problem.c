@@ -7,7 +7,7 @@
 #include "solve/lcp/lcp_solvers.h"
 
 enum {
-  MG_GRAPH_VECTORS = 14, /* vectors of the length of the rows */
+  MG_GRAPH_VECTORS = 20, /* vectors of the length of the rows */
   MG_GRAPH_PAIRS = 8     /* room for pairs of bodies that act on each other, per contact and body */
 };
 
@@ -42,7 +42,7 @@ static void mg_graph_partition(mg_scaled_friction *s, int n_body, mg_real *work,
   g->J = work, g->MJ = g->J + 12 * n, g->block = g->MJ + 12 * n, g->stiffness = g->block + MG_BLOCK_SIZE * k;
   s->rho = g->stiffness + MG_BLOCK_SIZE * k + n, work = s->rho + 3 * k;
   for (int i = 0; i < 8; ++i, work += n) *vectors[i] = work;
-  s->work = work, work += 6 * n; /* of Newton steps */
+  work += n, s->work = work, work += 11 * n;
   g->motion = work, g->step = g->motion + 6 * bodies, b->diagonal = g->step + 6 * bodies;
   b->lower = b->diagonal + MG_BLOCK_SIZE * bodies, b->upper = b->lower + MG_BLOCK_SIZE * pairs;
   s->row = iwork, s->bilateral = s->row + n, g->body = s->bilateral + n, s->iwork = g->body + 2 * n;

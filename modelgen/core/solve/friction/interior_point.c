@@ -1,13 +1,18 @@
 /* The convex program min y'S y/2 + (c + shift)'y over the cones by an interior-point method with Nesterov and
    Todd's scaling and Mehrotra's corrector (Vandenberghe, The CVXOPT linear and quadratic cone program solvers,
-   2010). It gives starting points where the Newton method fails; its accuracy is moderate. */
+   2010). It gives starting points where the Newton method fails; its accuracy is moderate. On a graph also Coulomb's
+   law itself, which is the program whose shift is the slip |u_t| of its own duals u: the shift follows them in each
+   step, with its derivative. */
 #include "solve/friction/friction_solvers.h"
 #include "base/base.h"
 
 enum {
-  MG_INTERIOR_STEPS = 60, /* most steps */
-  MG_LORENTZ_SIZE = 3     /* most components of a cone */
+  MG_INTERIOR_STEPS = 60,      /* most steps */
+  MG_INTERIOR_REFINEMENTS = 1, /* of a direction on a graph */
+  MG_LORENTZ_SIZE = 3          /* most components of a cone */
 };
+
+#define MG_INTERIOR_YIELD ((mg_real)sqrt(MG_EPS)) /* what is added to the diagonal of S on a graph */
 
 /* A second-order cone |f| <= N and its scaling W = W(w, eta). */ typedef struct {
   int k, row;
@@ -16,9 +21,10 @@ enum {
 
 typedef struct {
   mg_scaled_friction *s;
-  const mg_real *shift; /* per contact */
+  const mg_real *shift; /* [n] what is added to v_n; null: the slip sum |v_t| */
   int *swap;
-  mg_real *K, *dy, *residual;   /* m^2; m */
+  mg_real *K;                   /* [m m] S + sum of W^-2; on a graph null */
+  mg_real *dy, *residual;       /* [m + n_free] */
   mg_real *u, *du, *correction; /* MG_LORENTZ_SIZE a cone: dual, its step, product of the predictor's steps */
   mg_real gap;
 } mg_interior;
@@ -87,6 +93,17 @@ static mg_real mg_lorentz_step_length(int k, const mg_real *x, const mg_real *d)
   return sum > 0 ? 1 / sum : MG_MAX;
 }
 
+/* Derivative of the slip that is added to v_n by the rows v of a contact; u: its duals. */
+static void mg_interior_slip_slope(const mg_interior *n, int contact, const mg_real *u, mg_real *slope) {
+  const mg_scaled_friction *s = n->s;
+  for (int i = 0; i < MG_ROWS; ++i) slope[i] = 0;
+  for (int p = s->part[contact]; p < s->part[contact + 1] && !n->shift; ++p, u += MG_LORENTZ_SIZE) {
+    const mg_real size = mg_friction_norm(s->part_dim[p], u + 1);
+    for (int i = 0; i < s->part_dim[p] && size > 0; ++i)
+      slope[s->part_row[p] - s->normal[contact] + i] = u[1 + i] / size;
+  }
+}
+
 /* residual = sum of the duals u over the cones - v - shift; gap = mean of x.u. */
 static void mg_interior_measure(mg_interior *n) {
   mg_scaled_friction *s = n->s;
@@ -95,9 +112,13 @@ static void mg_interior_measure(mg_interior *n) {
   mg_lorentz q;
   mg_friction_update_motion(s);
   n->gap = 0;
-  for (int i = 0; i < s->m; ++i) n->residual[i] = -s->v[i];
+  for (int i = 0; i < mg_friction_rows(s); ++i) n->residual[i] = -s->v[i];
   for (int c = 0; c < s->n; ++c) {
-    n->residual[s->normal[c]] -= n->shift[c];
+    mg_real slope[MG_ROWS];
+    const int from = s->normal[c];
+    mg_interior_slip_slope(n, c, u, slope);
+    n->residual[from] -= n->shift ? n->shift[c] : 0;
+    for (int i = from + 1; i < mg_friction_row_end(s, c); ++i) n->residual[from] -= slope[i - from] * s->v[i];
     for (int cone = 0; cone < mg_interior_cones(s, c); ++cone, u += MG_LORENTZ_SIZE, ++count) {
       mg_lorentz_read(s, c, cone, s->y, &q, q.x);
       n->gap += q.x[0] * u[0] + mg_lorentz_tail(q.k, q.x, u);
@@ -109,7 +130,7 @@ static void mg_interior_measure(mg_interior *n) {
 }
 
 /* K = S + sum of W^-2, with W^-2 = (2 (J w)(J w)' - J) / eta^2, J = diag(1, -1, ..). Returns 0 if it is singular. */
-static int mg_interior_factor(mg_interior *n) {
+static int mg_interior_factor_matrix(mg_interior *n) {
   const mg_scaled_friction *s = n->s;
   const int m = s->m;
   const mg_real *u = n->u;
@@ -129,6 +150,69 @@ static int mg_interior_factor(mg_interior *n) {
   return mg_lu(m, n->K, n->swap) > 0;
 }
 
+/* Stiffness of a contact on a graph, the inverse of the sum of the W^-2 of its cones and of MG_INTERIOR_YIELD, whose
+   rows along the tangents are eliminated in closed form: entries of W^-2 differ by far more than rounding bears where a
+   force is near the boundary of its cone. `arm`: how forces along the tangents follow the normal force. Returns the
+   number of cones. */
+static int mg_interior_set_stiffness(const mg_scaled_friction *s, int contact, const mg_real *u, mg_real *K) {
+  const int from = s->normal[contact], cones = mg_interior_cones(s, contact);
+  mg_real arm[MG_ROWS] = {1}, compliance = MG_INTERIOR_YIELD;
+  mg_lorentz q;
+  for (int i = 0; i < MG_BLOCK_SIZE; ++i) K[i] = 0;
+  for (int cone = 0; cone < cones; ++cone, u += MG_LORENTZ_SIZE) {
+    mg_lorentz_set(s, contact, cone, u, &q);
+    const mg_real size = q.eta * q.eta, yield = MG_INTERIOR_YIELD * size, square = mg_lorentz_tail(q.k, q.w, q.w),
+                  along = 1 + 2 * square + (q.k ? yield : 0), across = 1 + yield;
+    compliance += (1 + (q.k ? yield * (1 + 2 * square) : 0)) / (size * along);
+    for (int i = 0; i < q.k; ++i) {
+      arm[q.row - from + i] = 2 * q.w[0] * q.w[i + 1] / along;
+      for (int j = 0; j < q.k; ++j)
+        K[q.row - from + i + MG_ROWS * (q.row - from + j)] =
+            size / across * ((mg_real)(i == j) - 2 * q.w[i + 1] * q.w[j + 1] / along);
+    }
+  }
+  for (int i = 0; i < mg_friction_row_end(s, contact) - from; ++i)
+    for (int j = 0; j < mg_friction_row_end(s, contact) - from; ++j) K[i + MG_ROWS * j] += arm[i] * arm[j] / compliance;
+  return cones;
+}
+
+/* Factors S + sum of W^-2. Returns 0 if it is singular. */
+static int mg_interior_factor(mg_interior *n) {
+  mg_scaled_friction *s = n->s;
+  const mg_real *u = n->u;
+  if (n->K) return mg_interior_factor_matrix(n);
+  mg_graph_begin_step(s, MG_INTERIOR_YIELD);
+  for (int c = 0; c < s->n; ++c) {
+    mg_real *K = s->graph.stiffness + (long)MG_BLOCK_SIZE * c, slope[MG_ROWS];
+    mg_interior_slip_slope(n, c, u, slope);
+    u += MG_LORENTZ_SIZE * mg_interior_set_stiffness(s, c, u, K);
+    for (int j = 1; j < MG_ROWS; ++j)
+      for (int i = 0; i < MG_ROWS; ++i) K[i + MG_ROWS * j] += K[i] * slope[j];
+  }
+  return mg_graph_factor_step(s);
+}
+
+/* Replaces dy by the solution of (S + sum of W^-2) x = dy. Returns 0 if it is not finite. */
+static int mg_interior_solve(mg_interior *n) {
+  mg_scaled_friction *s = n->s;
+  if (n->K) {
+    mg_lu_solve(s->m, n->K, n->swap, n->dy);
+    return 1;
+  }
+  const mg_real *u = n->u;
+  for (int c = 0; c < s->n; ++c) {
+    mg_real slope[MG_ROWS];
+    const int from = s->normal[c];
+    mg_interior_slip_slope(n, c, u, slope);
+    for (int i = from + 1; i < mg_friction_row_end(s, c); ++i) n->dy[from] -= slope[i - from] * n->dy[i];
+    u += MG_LORENTZ_SIZE * mg_interior_cones(s, c);
+  }
+  mg_graph_set_push(s, n->dy);
+  int is_finite = mg_graph_solve_step(s, n->dy, s->v);
+  for (int i = 0; i < MG_INTERIOR_REFINEMENTS && is_finite; ++i) is_finite = mg_graph_refine_step(s, n->dy, s->v);
+  return is_finite;
+}
+
 /* out = W^-1 (lambda \ (centre e - lambda o lambda - correction)) of one cone, lambda = W^-1 x. */
 static void mg_interior_complementarity_step(const mg_lorentz *q, mg_real centre, const mg_real *guess, mg_real *out) {
   mg_real lambda[MG_LORENTZ_SIZE], r[MG_LORENTZ_SIZE], p[MG_LORENTZ_SIZE], size;
@@ -141,12 +225,29 @@ static void mg_interior_complementarity_step(const mg_lorentz *q, mg_real centre
   mg_lorentz_scale(q, -1, p, out);
 }
 
-/* du = complementarity - W^-2 dx of one cone; `scaled` receives W^-1 dx. */
-static void mg_interior_dual_step(const mg_lorentz *q, const mg_real *complementarity, const mg_real *dx,
-                                  mg_real *scaled, mg_real *du) {
+/* Replaces du, the complementarity of one cone, by complementarity - W^-2 dx. */
+static void mg_interior_dual_step(const mg_lorentz *q, const mg_real *dx, mg_real *du) {
+  mg_real scaled[MG_LORENTZ_SIZE], image[MG_LORENTZ_SIZE];
   mg_lorentz_scale(q, -1, dx, scaled);
-  mg_lorentz_scale(q, -1, scaled, du);
-  for (int i = 0; i <= q->k; ++i) du[i] = complementarity[i] - du[i];
+  mg_lorentz_scale(q, -1, scaled, image);
+  for (int i = 0; i <= q->k; ++i) du[i] -= image[i];
+}
+
+/* On a graph, makes du of a contact, [MG_LORENTZ_SIZE cones], what the change of v asks for, because W^-2 dx is not
+   accurate enough: the residual is then that of rounding. */
+static void mg_interior_balance(const mg_interior *n, int contact, const mg_real *u, mg_real *du) {
+  const mg_scaled_friction *s = n->s;
+  const int cones = mg_interior_cones(s, contact), normal = s->normal[contact];
+  mg_real slope[MG_ROWS], rest = s->v[normal] - n->residual[normal];
+  mg_interior_slip_slope(n, contact, u, slope);
+  for (int i = normal + 1; i < mg_friction_row_end(s, contact); ++i) rest += slope[i - normal] * s->v[i];
+  for (int cone = 0; cone < cones; ++cone) rest -= du[MG_LORENTZ_SIZE * cone];
+  for (int cone = 0; cone < cones; ++cone) {
+    const int part = s->part[contact] + cone;
+    du[MG_LORENTZ_SIZE * cone] += rest / (mg_real)cones;
+    for (int i = 0; part < s->part[contact + 1] && i < s->part_dim[part]; ++i)
+      du[MG_LORENTZ_SIZE * cone + 1 + i] = s->v[s->part_row[part] + i] - n->residual[s->part_row[part] + i];
+  }
 }
 
 /* Directions dy, du towards the central path, and the longest step along them. n->correction enters if
@@ -155,7 +256,7 @@ static mg_real mg_interior_direction(mg_interior *n, mg_real centre, int correct
   const mg_scaled_friction *s = n->s;
   mg_real reach = MG_MAX;
   mg_lorentz q;
-  for (int i = 0; i < s->m; ++i) n->dy[i] = n->residual[i];
+  for (int i = 0; i < mg_friction_rows(s); ++i) n->dy[i] = n->residual[i];
   for (int c = 0, at = 0; c < s->n; ++c)
     for (int cone = 0; cone < mg_interior_cones(s, c); ++cone, at += MG_LORENTZ_SIZE) {
       mg_lorentz_set(s, c, cone, n->u + at, &q);
@@ -164,15 +265,24 @@ static mg_real mg_interior_direction(mg_interior *n, mg_real centre, int correct
       n->dy[s->normal[c]] += n->du[at];
       for (int i = 0; i < q.k; ++i) n->dy[q.row + i] += n->du[at + 1 + i];
     }
-  mg_lu_solve(s->m, n->K, n->swap, n->dy);
-  for (int c = 0, at = 0; c < s->n; ++c)
+  if (!mg_interior_solve(n)) return 0;
+  for (int c = 0, at = 0; c < s->n; ++c) {
+    const int first = at;
     for (int cone = 0; cone < mg_interior_cones(s, c); ++cone, at += MG_LORENTZ_SIZE) {
-      mg_real dx[MG_LORENTZ_SIZE], x[MG_LORENTZ_SIZE], a[MG_LORENTZ_SIZE], b[MG_LORENTZ_SIZE],
-          complementarity[MG_LORENTZ_SIZE], step;
+      mg_real dx[MG_LORENTZ_SIZE];
       mg_lorentz_set(s, c, cone, n->u + at, &q);
       mg_lorentz_read(s, c, cone, n->dy, &q, dx);
-      for (int i = 0; i <= q.k; ++i) complementarity[i] = n->du[at + i], x[i] = q.x[i];
-      mg_interior_dual_step(&q, complementarity, dx, a, n->du + at);
+      mg_interior_dual_step(&q, dx, n->du + at);
+    }
+    if (!n->K) mg_interior_balance(n, c, n->u + first, n->du + first);
+  }
+  for (int c = 0, at = 0; c < s->n; ++c)
+    for (int cone = 0; cone < mg_interior_cones(s, c); ++cone, at += MG_LORENTZ_SIZE) {
+      mg_real dx[MG_LORENTZ_SIZE], x[MG_LORENTZ_SIZE], a[MG_LORENTZ_SIZE], b[MG_LORENTZ_SIZE], step;
+      mg_lorentz_set(s, c, cone, n->u + at, &q);
+      mg_lorentz_read(s, c, cone, n->dy, &q, dx);
+      for (int i = 0; i <= q.k; ++i) x[i] = q.x[i];
+      mg_lorentz_scale(&q, -1, dx, a);
       mg_lorentz_scale(&q, 1, n->du + at, b);
       n->correction[at] = a[0] * b[0] + mg_lorentz_tail(q.k, a, b);
       for (int i = 1; i <= q.k; ++i) n->correction[at + i] = a[0] * b[i] + b[0] * a[i];
@@ -186,17 +296,17 @@ static mg_real mg_interior_direction(mg_interior *n, mg_real centre, int correct
 
 /* Divides the memory and starts at N = 1, f = 0. */
 static void mg_interior_open(mg_interior *n, mg_scaled_friction *s, const mg_real *shift) {
-  const int m = s->m;
+  const int m = s->m, rows = mg_friction_rows(s);
   n->s = s;
   n->shift = shift;
   n->swap = s->iwork;
-  n->K = s->work;
-  n->dy = n->K + m * m;
-  n->residual = n->dy + m;
-  n->u = n->residual + m;
+  n->K = s->graph.J ? 0 : s->work;
+  n->dy = n->K ? n->K + m * m : s->work;
+  n->residual = n->dy + rows;
+  n->u = n->residual + rows;
   n->du = n->u + MG_LORENTZ_SIZE * m;
   n->correction = n->du + MG_LORENTZ_SIZE * m;
-  for (int i = 0; i < m; ++i) s->y[i] = 0;
+  for (int i = 0; i < rows; ++i) s->y[i] = 0;
   for (int i = 0; i < MG_LORENTZ_SIZE * m; ++i) n->u[i] = i % MG_LORENTZ_SIZE == 0;
   for (int c = 0; c < s->n; ++c) s->y[s->normal[c]] = 1;
 }
@@ -214,7 +324,7 @@ MG_INTERNAL void mg_friction_interior(mg_scaled_friction *s, const mg_real *shif
     reach = (mg_real)0.99 * mg_interior_direction(&n, rest * n.gap, 1);
     if (!(reach > MG_EPS)) return;
     if (reach > 1) reach = 1;
-    for (int i = 0; i < s->m; ++i) s->y[i] += reach * n.dy[i];
+    for (int i = 0; i < mg_friction_rows(s); ++i) s->y[i] += reach * n.dy[i];
     for (int i = 0; i < MG_LORENTZ_SIZE * s->m; ++i) n.u[i] += reach * n.du[i];
   }
 }

@@ -17,6 +17,13 @@ MG_INTERNAL mg_real mg_friction_disc_error(int k, const mg_real *f, const mg_rea
   return mg_friction_norm(k, error) * (mg_real)sqrt(rho);
 }
 
+MG_INTERNAL mg_real mg_friction_slip(const mg_scaled_friction *s, int contact) {
+  mg_real slip = 0;
+  for (int p = s->part[contact]; p < s->part[contact + 1]; ++p)
+    slip += mg_friction_norm(s->part_dim[p], s->v + s->part_row[p]);
+  return slip;
+}
+
 MG_INTERNAL mg_real mg_friction_slack(const mg_scaled_friction *s, int contact) {
   mg_real slack = s->v[s->normal[contact]];
   for (int p = s->part[contact]; s->theta > 0 && p < s->part[contact + 1]; ++p)

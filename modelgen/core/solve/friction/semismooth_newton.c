@@ -285,7 +285,7 @@ static int mg_semismooth_graph_step(mg_semismooth *n, int iteration) {
       const int presses = mg_semismooth_contact(n, c);
       is_regular &= mg_graph_add_contact(s, c, presses, n->shift, n->gy, n->gv, n->phi + s->normal[c]);
     }
-    if (!is_regular || !mg_graph_solve_step(s, n->step, n->image) ||
+    if (!is_regular || !mg_graph_factor_step(s) || !mg_graph_solve_step(s, n->step, n->image) ||
         !mg_semismooth_line_search(n, iteration, MG_GRAPH_HALVINGS))
       continue;
     n->shift = mg_max(n->shift / MG_GRAPH_SHIFT_CHANGE, MG_GRAPH_SHIFT_MIN);

@@ -4,11 +4,12 @@
 #include "solve/lcp/lcp_solvers.h"
 
 enum {
-  MG_FIXED_POINT_STEPS = 12,     /* steps of the fixed-point iteration */
-  MG_FIXED_POINT_FAST_STEPS = 8, /* of these, steps with little damping */
-  MG_PATH_STEPS = 60,            /* most steps of a continuation */
-  MG_PATH_NEWTON = 12,           /* Newton steps of one step */
-  MG_PATH_SWEEPS = 200           /* sweeps at the start of a continuation */
+  MG_FIXED_POINT_STEPS = 12,      /* steps of the fixed-point iteration */
+  MG_FIXED_POINT_FAST_STEPS = 8,  /* of these, steps with little damping */
+  MG_FIXED_POINT_GRAPH_STEPS = 4, /* of these, steps on a graph */
+  MG_PATH_STEPS = 60,             /* most steps of a continuation */
+  MG_PATH_NEWTON = 12,            /* Newton steps of one step */
+  MG_PATH_SWEEPS = 200            /* sweeps at the start of a continuation */
 };
 
 #define MG_PATH_STEP_MIN ((mg_real)1e-4) /* shortest step of a continuation, of 0..1 */
@@ -35,14 +36,14 @@ static mg_real mg_path_pseudorandom(int i) {
 
 /* y = from. */
 static void mg_path_set_candidate(mg_scaled_friction *s, const mg_real *from) {
-  for (int i = 0; i < s->m; ++i) s->y[i] = from[i];
+  for (int i = 0; i < mg_friction_rows(s); ++i) s->y[i] = from[i];
 }
 
 /* Newton steps of both kinds from the point `from`; returns whether that gave a solution. */
 static int mg_path_newton(mg_scaled_friction *s, const mg_real *from, int limit) {
   for (int augmented = 0; augmented <= 1; ++augmented) {
     mg_path_set_candidate(s, from);
-    if (mg_friction_newton(s, limit, augmented)) return 1;
+    if (mg_friction_newton(s, limit, augmented) || mg_friction_is_accepted(s)) return 1;
   }
   return 0;
 }
@@ -55,20 +56,18 @@ static int mg_friction_fixed_point(mg_scaled_friction *s, mg_real from, int scat
   mg_real *shift = s->spare, *start = shift + s->m;
   for (int c = 0; c < s->n; ++c)
     shift[c] = relaxed ? 0 : scatter ? 4 * from * mg_path_pseudorandom(c + 5 * scatter) : from;
-  for (int k = 0; k < (relaxed ? 1 : MG_FIXED_POINT_STEPS); ++k) {
-    const mg_real blend = k < MG_FIXED_POINT_FAST_STEPS ? (mg_real)0.7 : (mg_real)0.3;
-    mg_friction_interior(s, shift, MG_PATH_DUALITY_GAP);
+  for (int k = 0; k < (relaxed ? 1 : s->graph.J ? MG_FIXED_POINT_GRAPH_STEPS : MG_FIXED_POINT_STEPS); ++k) {
+    const int is_law = s->graph.J && k == 0 && from > 0 && !scatter && !relaxed;
+    const mg_real blend = is_law ? 1 : k < MG_FIXED_POINT_FAST_STEPS ? (mg_real)0.7 : (mg_real)0.3;
+    mg_friction_interior(s, is_law ? 0 : shift, MG_PATH_DUALITY_GAP);
     mg_friction_update_motion(s);
-    for (int i = 0; i < s->m; ++i) start[i] = s->y[i];
-    for (int c = 0; c < s->n; ++c) {
-      mg_real moves = 0;
-      for (int p = s->part[c]; p < s->part[c + 1]; ++p)
-        moves += mg_friction_norm(s->part_dim[p], s->v + s->part_row[p]);
-      shift[c] += blend * (moves - shift[c]);
-    }
+    for (int i = 0; i < mg_friction_rows(s); ++i) start[i] = s->y[i];
+    for (int c = 0; c < s->n; ++c) shift[c] += blend * (mg_friction_slip(s, c) - shift[c]);
     if (mg_path_newton(s, start, 2 * MG_PATH_NEWTON)) return 1;
     mg_path_set_candidate(s, start);
-    if (!relaxed && (mg_friction_sweep(s, MG_PATH_NEWTON) || mg_friction_newton(s, 2 * MG_PATH_NEWTON, 1))) return 1;
+    if (relaxed) continue;
+    if (mg_friction_sweep(s, MG_PATH_NEWTON) || mg_friction_newton(s, 2 * MG_PATH_NEWTON, 1)) return 1;
+    if (mg_friction_is_accepted(s)) return 1;
   }
   return 0;
 }
@@ -133,7 +132,7 @@ static int mg_friction_regularisation_path(mg_scaled_friction *s, int which) {
 
 MG_INTERNAL int mg_friction_try_start(mg_scaled_friction *s, int which) {
   if (which < 2) return mg_friction_fixed_point(s, (mg_real)(1 - which), 0);
-  if (which % 2) return mg_friction_fixed_point(s, 1, which);
+  if (which % 2 || s->graph.J) return mg_friction_fixed_point(s, 1, which);
   return mg_friction_regularisation_path(s, which / 2 - 1);
 }
 
