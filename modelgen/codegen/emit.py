@@ -8,6 +8,7 @@ from typing import Any
 
 import casadi as ca
 
+from modelgen.assembly import require
 from modelgen.codegen.amalgamation import HEADER, abi, header_text
 from modelgen.codegen.casadi_external_entries import entries_text, internal_functions
 from modelgen.codegen.derivative_kernels import NO_DERIVATIVES, derivatives_text
@@ -18,12 +19,13 @@ from modelgen.codegen.manifest_model import instance_of, kinds_of, parameters_of
 from modelgen.codegen.scene_step import MOST_INLINED, inlined
 from modelgen.codegen.shared_jets import shared_kernels, with_calls
 from modelgen.codegen.unused_pose_inputs import unused_pose_inputs
-from modelgen.derivation import Derivation, Formula
+from modelgen.derivation import Derivation, Formula, derive
 from modelgen.differentiation import packed_formulas
 from modelgen.errors import expect
 from modelgen.interruption import nothing_swallowed
 from modelgen.model import Model
 from modelgen.notation import unit_of
+from modelgen.scene.contact_groups import listed
 
 PREFIX = "mg_kernels"
 DERIVATIVES = "derivatives.c"
@@ -95,6 +97,8 @@ def emit(derivation: Derivation, derivatives: bool = False) -> Package:
     Raises ModelgenError if it is given something else.
     """
     expect("emit", derivation, Derivation)
+    if derivatives and derivation.model.scene.pools:  # whose slots a change of one body would change alike
+        derivation = derive(require(listed(derivation.model.whole)))
     derivation = with_branches(derivation)
     compiled = [
         each for each in derivation.formulas if each.role != "rhs" or runs_in_steps(derivation.model, each)

@@ -28,6 +28,8 @@ def why_not_closed(model: Model) -> str:
     """Reasons why a scene has no right-hand side as one expression; empty if it has one."""
     if model.joints:
         return _why_not_closed_with_joints(model)
+    if model.scene.pools:
+        return "pairs of many equal bodies, which are not listed"
     if len(model.pairs) > MAX_CONTACTS:
         return f"{len(model.pairs)} contacts"
     for pair in model.pairs:

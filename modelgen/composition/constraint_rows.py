@@ -20,6 +20,7 @@ from modelgen.composition.contact_mode import (
 )
 from modelgen.composition.moving_bodies import Functions, MovingBody
 from modelgen.composition.scene_symbols import Expression, SceneSymbols, SplitParameters, fitted
+from modelgen.errors import ModelgenError
 from modelgen.model import ContactEntry, FrictionConstraint, LimitEntry, Model
 
 Kind = Literal["normal", "friction", "joint", "support", "patch_friction"]
@@ -91,6 +92,14 @@ class RowBuilder:
         bodies: list[MovingBody],
         functions: Functions,
     ) -> None:
+        """Raises ModelgenError where pairs of the model are in pools, and not all listed."""
+        if model.scene.pools:
+            raise ModelgenError(
+                model.scene.source,
+                "contacts as equations, of a scene that does not list all pairs of its many equal bodies",
+                "scenes whose pairs are all listed",
+                "write near_per_body = 0 in [contacts]",
+            )
         self._model, self._symbols, self._parameters = model, symbols, parameters
         self._bodies, self._functions = bodies, functions
 

@@ -64,7 +64,9 @@ def group_of(
     given = {key: values[key] for key in keys}
     named_alone = {name for joint in joints for name in joint.between}
     named_alone |= {body for pair in listed for body, _ in pair.between}
-    classes = () if mentioned is None else _classes(members, bodies, named_alone, mentioned)
+    classes: tuple[tuple[Partner, ...], ...] = ()
+    if mentioned is not None and values["near_per_body"]:
+        classes = _classes(members, bodies, named_alone, mentioned)
 
     def pairs(between: Iterable[tuple[Partner, Partner]]) -> Iterator[ContactPair]:
         for one, other in between:
@@ -97,6 +99,11 @@ def group_of(
             every = [next(iter(every))]
         found += pairs(every)
     return Group(tuple(found), classes, tuple(pools), values["near_per_body"])
+
+
+def listed(scene: Scene) -> Scene:
+    """The scene with all pairs of its pools listed."""
+    return replace(scene, contacts=tuple(all_pairs(scene)), classes=(), pools=()) if scene.pools else scene
 
 
 def all_pairs(scene: Scene) -> Iterator[ContactPair]:

@@ -205,9 +205,9 @@ CONTACTS = Table(
         *FRICTION_FIELDS,
         Field(
             "near_per_body",
-            Whole(1, 10_000),
+            Whole(0, 10_000),
             "in a group of many equal bodies: for how many pairs near each other, per body, there is room; "
-            "`simulate` makes more where a run needs more",
+            "`simulate` makes more where a run needs more; 0: all pairs are listed",
             default=8,
         ),
     ),

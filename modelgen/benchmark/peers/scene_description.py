@@ -11,6 +11,7 @@ import numpy as np
 
 from modelgen.benchmark.sampled_motion import Array
 from modelgen.geometry.expression_translation import lower
+from modelgen.scene.contact_groups import listed
 from modelgen.scene.expression import Expression
 from modelgen.scene.quaternions import Quaternion, product, rows_of
 from modelgen.scene.scene_types import Scene, Shape, SpringLoad
@@ -80,7 +81,7 @@ class Setup:
             for k, (body, entry) in enumerate(zip(scene.bodies, instance["bodies"], strict=True))
         )
         scales = instance["scales"]
-        return cls(scene, solids, until, samples, scales["length"], scales["time"])
+        return cls(listed(scene), solids, until, samples, scales["length"], scales["time"])
 
     @property
     def moving(self) -> tuple[Solid, ...]:
