@@ -118,38 +118,6 @@ static void mg_mark_exits_before_impact(mg_context *c) {
       c->events.triggered[i] = MG_LEAVES_FEATURE;
 }
 
-/* Reports the contacts that have just closed. */
-static void mg_report_closed_gaps(mg_context *c, mg_events *events) {
-  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
-    if (c->events.triggered[i] != MG_JUST_CLOSED) continue;
-    c->events.triggered[i] = 0;
-    if (c->run->closed[i])
-      mg_apply_contact_transition(c, events, i, MG_TOUCHES_DOWN,
-                                  c->run->t + mg_remaining_bounce_time(c, mg_first_of_circle(c, i)),
-                                  mg_max(0, -c->rows.d_dot[i]));
-  }
-}
-
-/* True for an open contact that touches, and that an impact elsewhere has made approach. */
-static int mg_is_closed_by_impact(const mg_context *c, int contact) {
-  const mg_real rest = c->settings->rest_speed * c->system->length / c->system->time;
-  return !c->run->closed[contact] && mg_is_on_feature_pair(c, contact) &&
-         fabs(c->rows.d[contact]) <= c->settings->contact_gap * c->system->length &&
-         mg_row_times(c, contact, c->bodies.twist) < -rest;
-}
-
-/* Closes the contacts that an impact has made approach; returns how many. */
-static int mg_close_gaps_after_impact(mg_context *c, mg_events *events) {
-  int n = 0;
-  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
-    n += mg_is_closed_by_impact(c, i);
-  if (n == 0) return 0;
-  mg_evaluate_run_state(c);
-  for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
-    if (mg_is_closed_by_impact(c, i)) mg_close_gap(c, events, i);
-  return n;
-}
-
 /* Process all triggered events at the run's state: end patches, change features, close gaps, resolve impacts and
    choose new contact modes. Needs the rows at the run's state. */
 static int mg_process_contact_events(mg_context *c, mg_events *events) {
@@ -166,13 +134,17 @@ static int mg_process_contact_events(mg_context *c, mg_events *events) {
     if (mg_is_gap_closing(c, i)) mg_close_gap(c, events, i);
   for (int i = mg_next_row(c, -1); i < c->layout.support_begin; i = mg_next_row(c, i))
     if (mg_is_circle_closing(c, i)) mg_close_gap(c, events, i);
-  int passes = 0;
-  do {
-    if (!mg_has_closed_contact_capacity(c)) return MG_TOO_MANY_CLOSED;
-    const int outcome = mg_resolve_impacts(c, events);
-    if (outcome) return outcome;
-    mg_report_closed_gaps(c, events);
-  } while (passes++ < c->listed.n_contact && mg_close_gaps_after_impact(c, events));
+  if (!mg_has_closed_contact_capacity(c)) return MG_TOO_MANY_CLOSED;
+  const int outcome = mg_resolve_impacts(c, events);
+  if (outcome) return outcome;
+  for (int i = mg_next_row(c, -1); i < c->system->n_contact; i = mg_next_row(c, i)) {
+    if (c->events.triggered[i] != MG_JUST_CLOSED) continue;
+    c->events.triggered[i] = 0;
+    if (c->run->closed[i])
+      mg_apply_contact_transition(c, events, i, MG_TOUCHES_DOWN,
+                                  c->run->t + mg_remaining_bounce_time(c, mg_first_of_circle(c, i)),
+                                  mg_max(0, -c->rows.d_dot[i]));
+  }
   const int settled = mg_solve_contact_modes(c, events);
   for (int slot = 0; slot < c->system->n_patch_slot; slot++) c->patches.barred[slot] = -1;
   return settled;
