@@ -326,19 +326,12 @@ static void mg_count_newton_step(mg_newton_steps *steps, mg_real merit, int chan
   --steps->left;
 }
 
-/* Shift of the first step on a graph: near a solution it is of the size of the residual, with which the steps converge
-   quadratically even where S is singular (Yamashita and Fukushima, Computing [Suppl] 15 (2001), 239-249). A fixed one
-   would make their rate that shift over the least eigenvalue of S, which is small in a tall stack. */
-static mg_real mg_first_graph_shift(const mg_scaled_friction *s) {
-  return mg_max(mg_min(s->residual, MG_GRAPH_SHIFT_FIRST), MG_GRAPH_SHIFT_MIN);
-}
-
 MG_INTERNAL int mg_friction_newton(mg_scaled_friction *s, int limit, int augmented) {
   mg_semismooth n = {0};
   mg_newton_steps steps = {limit, 0, s->n, MG_MAX, MG_MAX};
   const int patience = s->graph.J ? MG_GRAPH_PATIENCE : MG_NEWTON_PATIENCE;
   mg_semismooth_open(&n, s);
-  n.augmented = augmented, n.shift = mg_first_graph_shift(s);
+  n.augmented = augmented, n.shift = MG_GRAPH_SHIFT_FIRST;
   mg_friction_update_motion(s);
   n.before[0] = mg_semismooth_merit(&n);
   for (int iteration = 0;
